@@ -16,7 +16,7 @@ mod hand;
 #[path = "machines/large.rs"]
 mod large;
 
-use asmotion_lang::{Chooser, Files, Machine, NoInputs};
+use asmotion_lang::{Chooser, Machine, MemoryFiles, NoInputs};
 use hand::{Hand, Shifts};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -71,7 +71,7 @@ impl Chooser for Shifts {
 
 fn machine(case: &Case) -> Machine {
     let name = format!("{}.asm", case.name);
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add(&name, case.text);
     let opened = asmotion_lang::open(&name, &files).unwrap_or_else(|failure| panic!("{failure}"));
     opened.machine().unwrap()

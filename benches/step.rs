@@ -13,7 +13,7 @@
 #[path = "machines/mission.rs"]
 mod mission;
 
-use asmotion_lang::{Chooser, Files, Machine};
+use asmotion_lang::{Chooser, Machine, MemoryFiles};
 use criterion::{Criterion, criterion_group, criterion_main};
 use mission::Mission;
 
@@ -47,7 +47,7 @@ impl Chooser for Shifts {
 }
 
 fn machine(name: &str, text: &str) -> Machine {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add(&format!("{name}.asm"), text);
     let opened = asmotion_lang::open(&format!("{name}.asm"), &files);
     opened

@@ -17,7 +17,7 @@ use clap::Args;
 
 /// Credentials for a broker.
 #[derive(Args, Clone, Default)]
-pub struct Access {
+pub struct BrokerAccess {
     /// Credentials for the broker: a file with the user on the first line and the password on the second
     #[arg(long, global = true, value_name = "FILE")]
     credentials: Option<PathBuf>,
@@ -36,7 +36,7 @@ pub struct Access {
     key: Option<PathBuf>,
 }
 
-impl Access {
+impl BrokerAccess {
     /// The equivalent command-line arguments.
     pub fn arguments(&self) -> Vec<OsString> {
         let all = [

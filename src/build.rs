@@ -1,7 +1,7 @@
 //! The components and messages of this binary, and access to environment variables.
 
-use asmotion_assembly::model::Builtin;
-use asmotion_assembly::{AsmFiles, Context, Environment, Tables};
+use asmotion_assembly::model::BuiltinComponent;
+use asmotion_assembly::{AsmFiles, Context, Tables, VariableSource};
 use asmotion_lang::Loader;
 
 /// The components, messages and interfaces of this build.
@@ -9,7 +9,7 @@ pub const BUILD: Tables = Tables {
     components: asmotion_components::COMPONENTS,
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
-    builtins: &[Builtin::PortProxy],
+    builtins: &[BuiltinComponent::PortProxy],
 };
 
 /// Opens a composite with properties set on the command line, as pairs of name and text.
@@ -20,7 +20,7 @@ pub fn open(
 ) -> asmotion_assembly::Opened {
     let context = Context {
         loader,
-        environment: &Variables,
+        environment: &ProcessEnvironment,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(loader),
         settings,
@@ -30,9 +30,9 @@ pub fn open(
 
 /// Environment variables and secret files of the process.
 #[derive(Clone, Copy, Debug, Default)]
-struct Variables;
+struct ProcessEnvironment;
 
-impl Environment for Variables {
+impl VariableSource for ProcessEnvironment {
     fn variable(&self, name: &str) -> Option<String> {
         std::env::var(name).ok()
     }

@@ -75,7 +75,7 @@ type Top = Without<feature::Tui>;
 type Top = Without<feature::Amqp>;
 
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use clap::Subcommand;
 
 /// A subcommand of `asmotion`.
@@ -127,7 +127,7 @@ pub enum Command {
 
 impl Command {
     /// Executes the command and returns its exit code.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         match self {
             Self::Demo(demo) => demo.run(terminal),
             Self::Run(run) => run.run(terminal),

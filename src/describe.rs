@@ -2,7 +2,7 @@
 
 pub mod asyncapi;
 mod envelope;
-mod spoken;
+mod operation_types;
 pub mod yaml;
 
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use asmotion_datum::{Schema, Shape};
 use asmotion_lang::ir::Program;
 
 use crate::build::BUILD;
-use crate::files::Disk;
+use crate::files::DiskLoader;
 
 /// Description of a composite.
 pub struct Description<'p> {
@@ -26,7 +26,7 @@ pub struct Description<'p> {
     /// All topics by name, then the connections between processes.
     pub topics: Vec<Channel>,
     /// All served operations, in the order of the files.
-    pub operations: Vec<Served>,
+    pub operations: Vec<ServedOperation>,
 }
 
 /// A topic with its publishers and subscribers.
@@ -42,7 +42,7 @@ pub struct Channel {
 }
 
 /// An operation served by a component, and its callers.
-pub struct Served {
+pub struct ServedOperation {
     /// Component and service.
     pub service: End,
     /// Interface of the service.
@@ -52,11 +52,11 @@ pub struct Served {
     /// Whether the operation has no reply.
     pub one_way: bool,
     /// References wired to the service.
-    pub callers: Vec<Caller>,
+    pub callers: Vec<OperationCaller>,
 }
 
 /// A reference wired to a service.
-pub struct Caller {
+pub struct OperationCaller {
     /// Component and reference.
     pub reference: End,
     /// Deadline of its calls.
@@ -65,7 +65,7 @@ pub struct Caller {
     pub one_way: bool,
 }
 
-impl Served {
+impl ServedOperation {
     /// Address without the robot's name.
     pub fn address(&self) -> String {
         format!("{}.{}", self.service, self.operation.name)
@@ -74,7 +74,7 @@ impl Served {
 
 /// Describes one profile of a composite.
 pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
-    let declared = Declared::of(opened, plan);
+    let declared = Declarations::of(opened, plan);
     // the topic `bus` never leaves its process
     let topics = plan
         .topics
@@ -97,13 +97,13 @@ pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
 }
 
 /// Declarations of the plan's components, as far as this binary contains them.
-struct Declared<'a> {
+struct Declarations<'a> {
     opened: &'a Opened,
     plan: &'a Plan,
     components: Vec<Option<Declaration>>,
 }
 
-impl<'a> Declared<'a> {
+impl<'a> Declarations<'a> {
     fn of(opened: &'a Opened, plan: &'a Plan) -> Self {
         let components = plan.components.iter();
         Self {
@@ -184,7 +184,7 @@ impl<'a> Declared<'a> {
     }
 
     /// Operations served by a component, from its declaration or from the interfaces of its services.
-    fn served(&self, component: &Component) -> Vec<Served> {
+    fn served(&self, component: &Component) -> Vec<ServedOperation> {
         let services: Vec<_> = match self.component(&component.name) {
             Some(declared) => (declared.services.iter())
                 .map(|it| (&it.name, &it.interface, it.operations.clone()))
@@ -205,13 +205,14 @@ impl<'a> Declared<'a> {
             };
             served.extend(operations.into_iter().map(|operation| {
                 let spoken = program.as_ref();
-                let spoken = spoken.map(|program| spoken::operation(program, &operation.name));
+                let spoken =
+                    spoken.map(|program| operation_types::operation(program, &operation.name));
                 let one_way = spoken.as_ref().is_some_and(|spoken| spoken.one_way);
                 let (request, response) = match spoken {
                     Some(spoken) => (spoken.request, spoken.response),
                     None => (operation.request, operation.response),
                 };
-                Served {
+                ServedOperation {
                     callers: self.callers(&service, &operation.name),
                     service: service.clone(),
                     interface: interface.clone(),
@@ -228,7 +229,7 @@ impl<'a> Declared<'a> {
     }
 
     /// References wired to a service that call the operation. A reference without declared calls can call any operation.
-    fn callers(&self, service: &End, operation: &str) -> Vec<Caller> {
+    fn callers(&self, service: &End, operation: &str) -> Vec<OperationCaller> {
         let calls = |reference: &End| {
             let declared = self.component(&reference.component);
             let declared = declared.map(|it| it.reference(&reference.name));
@@ -243,7 +244,7 @@ impl<'a> Declared<'a> {
         let wires = self.plan.wires.iter();
         let wires = wires.filter(|it| it.services.contains(service) && calls(&it.reference));
         wires
-            .map(|wire| Caller {
+            .map(|wire| OperationCaller {
                 reference: wire.reference.clone(),
                 timeout_ms: wire.timeout_ms,
                 one_way: wire.oneway,
@@ -257,14 +258,14 @@ fn program(component: &Component) -> Option<Arc<Program>> {
     let Implementation::Asm(asm) = &component.implementation else {
         return None;
     };
-    Some(asmotion_lang::open(&asm.path, &Disk).ok()?.program)
+    Some(asmotion_lang::open(&asm.path, &DiskLoader).ok()?.program)
 }
 
 /// The declaration of a component; `None` if this binary cannot create it, for example a ROS node.
 fn declaration(component: &Component, plan: &Plan) -> Option<Declaration> {
     let mut workshop = Standard {
         catalogue: &BUILD,
-        loader: &Disk,
+        loader: &DiskLoader,
         seed: 0,
         builtins: &mut |_, _| None,
     };

@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Part of asmotion that a build may leave out, to compile faster.
 pub trait Feature {
@@ -74,7 +74,7 @@ pub struct Without<F>(PhantomData<F>);
 
 impl<F: Feature> Without<F> {
     /// Refuses.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         terminal.error(LeftOut::new::<F>());
         Exit::Usage
     }

@@ -14,9 +14,9 @@ const MAX_BYTES: u64 = 32 << 20;
 
 /// Loads files from the disk.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Disk;
+pub struct DiskLoader;
 
-impl Loader for Disk {
+impl Loader for DiskLoader {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         let failed = |reason: String| LoadError {
             path: path.to_owned(),
@@ -94,12 +94,12 @@ impl Loader for Remembering<'_> {
 }
 
 /// Files received over the bus, addressed as if they were in a folder of the disk.
-pub struct Sent {
+pub struct SentFiles {
     folder: PathBuf,
     texts: BTreeMap<String, Arc<str>>,
 }
 
-impl Sent {
+impl SentFiles {
     /// Places files in the folder of `path`; their paths are relative to it.
     pub fn beside(path: &str, files: &[(String, String)]) -> Self {
         let folder = Path::new(path).parent().unwrap_or(Path::new(""));
@@ -124,7 +124,7 @@ impl Sent {
     }
 }
 
-impl Loader for Sent {
+impl Loader for SentFiles {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         self.texts.get(path).cloned().ok_or_else(|| LoadError {
             path: path.to_owned(),

@@ -4,21 +4,25 @@ use std::net::SocketAddr;
 
 use asmotion_diagnostics::similar;
 
-use crate::mission::{Gateways, Told};
+use crate::mission::{ListenCallback, MissionGateways};
 
 /// Returns the gateways of this run by name, with the addresses of `--http`.
 ///
 /// # Errors
 /// Fails if an option names an unknown gateway or an invalid address.
-pub fn open(http: &[String], named: &[String], told: Told) -> Result<Gateways, String> {
+pub fn open(
+    http: &[String],
+    named: &[String],
+    told: ListenCallback,
+) -> Result<MissionGateways, String> {
     if http == ["off"] {
-        return Ok(Gateways::Closed);
+        return Ok(MissionGateways::Closed);
     }
     let elsewhere = http.iter().map(|written| elsewhere(written, named));
     let elsewhere = elsewhere.collect::<Result<_, _>>()?;
     Ok(match named.is_empty() {
-        true => Gateways::Closed,
-        false => Gateways::Open { elsewhere, told },
+        true => MissionGateways::Closed,
+        false => MissionGateways::Open { elsewhere, told },
     })
 }
 

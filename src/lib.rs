@@ -3,7 +3,6 @@
 //! This is the only crate that prints. [`mission`] assembles and runs a composite; [`story`] prints its events, [`trace`]
 //! and [`record`] write them to files.
 
-mod books;
 mod brief;
 mod broker;
 mod build;
@@ -17,6 +16,7 @@ mod feature;
 mod files;
 mod gateway;
 pub mod mission;
+mod output_files;
 mod prompt;
 pub mod record;
 mod show;
@@ -29,12 +29,12 @@ pub mod trace;
 
 pub use command::BLOCKED_CORRIDOR;
 pub use exit::Exit;
-pub use files::Disk;
+pub use files::DiskLoader;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 use command::Command;
 use std::process::ExitCode;
-use terminal::{Colour, Terminal};
+use terminal::{Colour, TerminalOutput};
 
 /// Runs Abstract State Machine specifications as the coordinator of a robot.
 #[derive(Parser)]
@@ -69,7 +69,7 @@ pub fn main() -> ExitCode {
             };
         }
     };
-    let mut terminal = Terminal::new(arguments.color);
+    let mut terminal = TerminalOutput::new(arguments.color);
     let exit = arguments.command.run(&mut terminal);
     match terminal.lost() {
         Some(error) => {

@@ -1,15 +1,15 @@
 //! Assembles a composite and runs it until an end condition holds.
 
+mod end_condition;
 mod error;
 mod gateway;
 mod process;
-mod successor;
-mod watch;
+mod version_switch;
 
-pub use self::gateway::{Gateways, Told};
+pub use self::gateway::{ListenCallback, MissionGateways};
 pub use error::MissionError;
-pub use process::{Brokers, Named};
-pub use successor::{Version, reconfigure_address};
+pub use process::{MissionBrokers, NamedBrokers};
+pub use version_switch::{CompositeVersion, reconfigure_address};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -21,14 +21,14 @@ use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::Loader;
-use asmotion_remote::Contact;
+use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 
 use crate::build;
-use crate::files::Disk;
+use crate::files::DiskLoader;
 use crate::story::{Story, Summary};
-use successor::Successor;
-use watch::{Watch, awaited};
+use end_condition::{EndCondition, awaited};
+use version_switch::VersionSwitch;
 
 /// A composite and the options of its run.
 #[derive(Clone, Debug)]
@@ -46,11 +46,11 @@ pub struct Mission {
     /// Whether the seed also sets the property `seed` of the composite, if there is one.
     pub seeds_composite: bool,
     /// Clock of the run.
-    pub clock: Clock,
+    pub clock: MissionClock,
     /// Brokers for topics and wires.
-    pub brokers: Brokers,
+    pub brokers: MissionBrokers,
     /// HTTP gateways.
-    pub gateways: Gateways,
+    pub gateways: MissionGateways,
     /// Process to run, if the composite is deployed to several; `None` runs all of it.
     pub process: Option<String>,
     /// The run succeeds when a location has one of these values, as pairs of location and value. `None` means
@@ -64,7 +64,7 @@ pub struct Mission {
 
 /// Clock of a mission.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Clock {
+pub enum MissionClock {
     /// One thread and a virtual clock that advances this many seconds per second of real time; 0 is as fast as
     /// possible.
     Virtual(f64),
@@ -74,7 +74,7 @@ pub enum Clock {
 
 /// Outcome of a mission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum MissionOutcome {
     /// A success condition was met.
     Reached,
     /// A failure condition was met.
@@ -89,9 +89,9 @@ pub enum Outcome {
 
 /// Result of a mission.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ended {
+pub struct MissionEnd {
     /// The end condition that was met, or another reason for the end.
-    pub outcome: Outcome,
+    pub outcome: MissionOutcome,
     /// Summary of its events.
     pub summary: Summary,
     /// Duration in its own time.
@@ -117,9 +117,9 @@ impl Mission {
             properties: Vec::new(),
             seed: 1,
             seeds_composite: false,
-            clock: Clock::Virtual(0.0),
-            brokers: Brokers::Nothing,
-            gateways: Gateways::Closed,
+            clock: MissionClock::Virtual(0.0),
+            brokers: MissionBrokers::Nothing,
+            gateways: MissionGateways::Closed,
             process: None,
             until: None,
             unless: None,
@@ -136,8 +136,8 @@ impl Mission {
         &self,
         mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
-    ) -> Result<Ended, MissionError> {
-        let opened = self.open(&self.composite, &Disk);
+    ) -> Result<MissionEnd, MissionError> {
+        let opened = self.open(&self.composite, &DiskLoader);
         if opened.report.has_errors() {
             return Err(MissionError::Composite {
                 sources: opened.sources,
@@ -150,14 +150,14 @@ impl Mission {
             return Err(MissionError::Profile { wanted, known });
         };
         self.in_the_time_of_queues(plan)?;
-        let watch = Watch {
+        let watch = EndCondition {
             until: awaited(plan, self.until.as_deref(), "ARRIVED")?,
             unless: awaited(plan, self.unless.as_deref(), "FAILED")?,
             outcome: None,
         };
         let mut workshop = Standard {
             catalogue: &build::BUILD,
-            loader: &Disk,
+            loader: &DiskLoader,
             seed: self.seed,
             builtins: &mut |_, _| None,
         };
@@ -196,8 +196,8 @@ impl Mission {
         let gateways = self.open_gateways(&mut system, &mut network, &opened, plan, &part)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
-            Clock::Wall => Box::new(system.live()),
-            Clock::Virtual(speed) => {
+            MissionClock::Wall => Box::new(system.live()),
+            MissionClock::Virtual(speed) => {
                 let mut simulation = system.simulate();
                 simulation.set_pace(if speed > 0.0 {
                     Pace::Factor(speed)
@@ -210,17 +210,17 @@ impl Mission {
         let outcome = self.drive(&mut *run, &watch, stop, &mut contacts, &mut successor);
         let time = run.now().since(Time::ZERO);
         let summary = lock(&story).summary().clone();
-        if outcome == Outcome::Reached || outcome == Outcome::Failed {
+        if outcome == MissionOutcome::Reached || outcome == MissionOutcome::Failed {
             run.run_for(REST);
         }
         // pending calls are answered before their providers stop
         drop(gateways);
         run.stop();
         // the last messages of the components are sent before the bus closes
-        contacts.iter_mut().for_each(Contact::leave);
+        contacts.iter_mut().for_each(ProcessContact::leave);
         drop((run, contacts, successor));
         drop(connected);
-        Ok(Ended {
+        Ok(MissionEnd {
             outcome,
             summary,
             time,
@@ -235,10 +235,10 @@ impl Mission {
             self.clock,
             ends.find(|it| matches!(it, Terminal::Mqueue(_))),
         ) {
-            (Clock::Virtual(_), Some(queue)) => Err(MissionError::Launch(format!(
+            (MissionClock::Virtual(_), Some(queue)) => Err(MissionError::Launch(format!(
                 "`{queue}` leads to another process, whose time is the wall's: say `--clock wall`"
             ))),
-            (Clock::Virtual(_), None) | (Clock::Wall, _) => Ok(()),
+            (MissionClock::Virtual(_), None) | (MissionClock::Wall, _) => Ok(()),
         }
     }
 
@@ -260,18 +260,18 @@ impl Mission {
     fn drive(
         &self,
         run: &mut dyn Run,
-        watch: &Mutex<Watch>,
+        watch: &Mutex<EndCondition>,
         stop: &AtomicBool,
-        contacts: &mut [Contact<'_>],
-        successor: &mut Successor<'_>,
-    ) -> Outcome {
+        contacts: &mut [ProcessContact<'_>],
+        successor: &mut VersionSwitch<'_>,
+    ) -> MissionOutcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
         loop {
             if let Some(outcome) = lock(watch).outcome {
                 return outcome;
             }
             if stop.load(Ordering::Relaxed) {
-                return Outcome::Stopped;
+                return MissionOutcome::Stopped;
             }
             for contact in &mut *contacts {
                 contact.attend(run);
@@ -280,7 +280,7 @@ impl Mission {
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {
                 if run.now() >= limit {
-                    return Outcome::TimeUp;
+                    return MissionOutcome::TimeUp;
                 }
                 until = until.min(limit);
             }

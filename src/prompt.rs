@@ -13,7 +13,7 @@ pub use plain::Prompt;
 pub use verb::{Verb, help, split, verb};
 
 /// Result of reading a line.
-pub enum Line {
+pub enum PromptLine {
     /// A line.
     Text(String),
     /// The line was abandoned with Ctrl-C.

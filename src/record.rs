@@ -12,33 +12,33 @@ const WIDE: usize = 64;
 
 /// Values published by ports, by time.
 #[derive(Debug)]
-pub struct Record {
-    wanted: Vec<Wanted>,
+pub struct PortRecording {
+    wanted: Vec<PortPattern>,
     columns: Vec<String>,
     /// Index of each column.
     places: BTreeMap<String, usize>,
-    rows: Vec<Row>,
+    rows: Vec<RecordingRow>,
 }
 
 /// A pattern of ports; `*` matches any characters.
 #[derive(Debug)]
-struct Wanted {
+struct PortPattern {
     pattern: String,
     is_there: bool,
 }
 
 /// Values published at an instant.
 #[derive(Debug)]
-struct Row {
+struct RecordingRow {
     at: Time,
     /// Value of each column, absent if nothing was published.
     cells: BTreeMap<usize, String>,
 }
 
-impl Record {
+impl PortRecording {
     /// Records the ports and topics that match one of the patterns; without patterns, all of them.
     pub fn of(patterns: &[String]) -> Self {
-        let wanted = |pattern: &str| Wanted {
+        let wanted = |pattern: &str| PortPattern {
             pattern: pattern.to_owned(),
             is_there: false,
         };
@@ -110,7 +110,7 @@ impl Record {
     fn add(&mut self, at: Time, values: Vec<(String, String)>) {
         let place = |(name, value): (String, String)| (self.column(name), value);
         let values: Vec<(usize, String)> = values.into_iter().map(place).collect();
-        let taken = |row: &Row| {
+        let taken = |row: &RecordingRow| {
             values
                 .iter()
                 .any(|(column, _)| row.cells.contains_key(column))
@@ -118,7 +118,7 @@ impl Record {
         let last = self.rows.last_mut();
         match last.filter(|row| row.at == at && !taken(row)) {
             Some(row) => row.cells.extend(values),
-            None => self.rows.push(Row {
+            None => self.rows.push(RecordingRow {
                 at,
                 cells: values.into_iter().collect(),
             }),

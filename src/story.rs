@@ -4,15 +4,15 @@
 //! comes from the composite: what its specifications hear, which services are called, whether anything moves. Maps, paths,
 //! goals and odometry are recognised by their standard ROS messages; no component, topic or robot is named here.
 
-mod ear;
+mod driven_path;
+mod input;
 mod message;
 mod repeats;
 mod step;
 mod summary;
-mod way;
 
-pub use summary::{Summary, Tally};
-pub use way::Way;
+pub use driven_path::DrivenPath;
+pub use summary::{EventCounts, Summary};
 
 use asmotion_assembly::Plan;
 use asmotion_component::{CallError, Losses, Time};
@@ -20,28 +20,28 @@ use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT
 use asmotion_datum::{Datum, Sample};
 use asmotion_runtime::Event;
 
-use self::ear::Ear;
-use self::repeats::Repeats;
+use self::input::StoryInput;
+use self::repeats::RepeatedEntries;
 use crate::terminal::{BAD, FAINT, NAME, NOTE};
 
 /// Tells the events of a run.
 #[derive(Debug, Default)]
 pub struct Story {
     /// What the specifications hear.
-    ears: Vec<Ear>,
-    repeats: Repeats,
+    ears: Vec<StoryInput>,
+    repeats: RepeatedEntries,
     summary: Summary,
 }
 
 /// Something to tell.
-struct Told {
+struct StoryEntry {
     /// In words.
     line: String,
     /// What it is called where it happens again and again; what has no name is told each time.
     again: Option<String>,
 }
 
-impl Told {
+impl StoryEntry {
     fn once(line: String) -> Self {
         Self { line, again: None }
     }
@@ -56,7 +56,7 @@ impl Story {
     /// Of this plan nothing happened yet.
     pub fn of(plan: &Plan) -> Self {
         Self {
-            ears: ear::of(plan),
+            ears: input::of(plan),
             ..Self::default()
         }
     }
@@ -82,7 +82,7 @@ impl Story {
         }
     }
 
-    fn happened(&mut self, at: Time, event: &Event<'_>) -> Option<Told> {
+    fn happened(&mut self, at: Time, event: &Event<'_>) -> Option<StoryEntry> {
         match event {
             Event::Published {
                 component,
@@ -161,7 +161,7 @@ impl Story {
         }
     }
 
-    fn reported(&mut self, component: &str, kind: &str, what: &Datum) -> Option<Told> {
+    fn reported(&mut self, component: &str, kind: &str, what: &Datum) -> Option<StoryEntry> {
         match kind {
             STEP_REPORT => {
                 let record: StepRecord = what.to().ok()?;
@@ -190,7 +190,7 @@ impl Story {
         operation: &str,
         attempt: u32,
         argument: &dyn Sample,
-    ) -> Told {
+    ) -> StoryEntry {
         let name = format!("{reference}.{operation}");
         self.summary.calls.count(&name);
         let mut what = name;
@@ -200,7 +200,7 @@ impl Story {
         if attempt > 1 {
             what += &format!(" (attempt {attempt})");
         }
-        Told::often(format!("{NAME}call{NAME:#}  {what}"), what)
+        StoryEntry::often(format!("{NAME}call{NAME:#}  {what}"), what)
     }
 
     fn replied(
@@ -208,24 +208,29 @@ impl Story {
         reference: &str,
         operation: &str,
         result: Result<&dyn Sample, &CallError>,
-    ) -> Told {
+    ) -> StoryEntry {
         let name = format!("{reference}.{operation}");
         let line = |what: &str| format!("{NAME}reply{NAME:#} {name}: {what}");
         match result {
             Ok(sample) => {
                 let what = message::brief(sample).unwrap_or_else(|| "done".to_owned());
-                Told::often(line(&what), format!("reply {name}: {what}"))
+                StoryEntry::often(line(&what), format!("reply {name}: {what}"))
             }
             Err(error) => {
                 self.summary.failed_calls += 1;
-                Told::once(line(&format!("{NOTE}{error}{NOTE:#}")))
+                StoryEntry::once(line(&format!("{NOTE}{error}{NOTE:#}")))
             }
         }
     }
 }
 
 /// A specification hears something.
-fn heard(ear: &mut Ear, summary: &mut Summary, speaker: &str, sample: &dyn Sample) -> Option<Told> {
+fn heard(
+    ear: &mut StoryInput,
+    summary: &mut Summary,
+    speaker: &str,
+    sample: &dyn Sample,
+) -> Option<StoryEntry> {
     let (name, what) = ear.news(sample)?;
     if !ear.is_state() {
         summary.heard.count(&name);
@@ -237,13 +242,13 @@ fn heard(ear: &mut Ear, summary: &mut Summary, speaker: &str, sample: &dyn Sampl
     // numbers that flow are told now and then, words each time
     let flows = ear.is_state() && !what.contains(char::is_alphabetic);
     Some(match flows {
-        true => Told::often(line, name),
-        false => Told::once(line),
+        true => StoryEntry::often(line, name),
+        false => StoryEntry::once(line),
     })
 }
 
-fn trouble(style: anstyle::Style, word: &str, what: String) -> Told {
-    Told::once(format!("{style}{word}{style:#} {what}"))
+fn trouble(style: anstyle::Style, word: &str, what: String) -> StoryEntry {
+    StoryEntry::once(format!("{style}{word}{style:#} {what}"))
 }
 
 fn stamped(at: Time, line: &str) -> String {

@@ -30,14 +30,14 @@ pub const NAME: Ansi = AnsiColor::Cyan.on_default();
 pub const FAINT: Ansi = Ansi::new().dimmed();
 
 /// Both standard streams.
-pub struct Terminal {
+pub struct TerminalOutput {
     out: anstream::AutoStream<std::io::Stdout>,
     err: anstream::AutoStream<std::io::Stderr>,
     /// First error of writing a result, other than a closed pipe.
     lost: Option<std::io::Error>,
 }
 
-impl Terminal {
+impl TerminalOutput {
     /// Opens the standard streams with this choice of colour.
     pub fn new(colour: Colour) -> Self {
         let choice = match colour {

@@ -4,13 +4,13 @@
 
 mod board;
 mod draw;
-mod joints;
+mod list_table;
 mod screen;
 #[cfg(test)]
 mod tests;
 mod view;
 
-pub use board::{Board, Component, Silence, Topic};
+pub use board::{Board, BoardComponent, BoardTopic, Silence};
 pub use draw::draw;
 pub use screen::show;
 pub use view::{Key, View};

@@ -11,11 +11,11 @@ use std::fmt::Write;
 
 /// Writes events as lines.
 #[derive(Debug, Default)]
-pub struct Trace {
+pub struct MissionTrace {
     text: String,
 }
 
-impl Trace {
+impl MissionTrace {
     /// Creates an empty trace.
     pub fn new() -> Self {
         Self::default()

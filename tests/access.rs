@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use asmotion_broker::{Broker, Vhost};
+use asmotion_broker::{TestBroker, Vhost};
 
 /// An `asmotion` that finds no password by itself.
 fn asmotion(arguments: &[&str]) -> Command {
@@ -24,7 +24,7 @@ fn mission(bus: &str, trace: &Path) -> Command {
 }
 
 /// A user with a password of its own, who may do everything.
-fn user(broker: &Broker, vhost: &Vhost<'_>) -> (String, &'static str) {
+fn user(broker: &TestBroker, vhost: &Vhost<'_>) -> (String, &'static str) {
     let (user, password) = (format!("{}-ann", vhost.name()), "correct-horse-battery");
     broker.add_user(&user, password).unwrap();
     vhost.permit(&user, ".*", ".*", ".*").unwrap();

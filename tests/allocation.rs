@@ -11,7 +11,7 @@
 #[path = "../benches/machines/mission.rs"]
 mod mission;
 
-use asmotion_lang::{Files, First};
+use asmotion_lang::{FirstChoice, MemoryFiles};
 use mission::Mission;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -48,7 +48,7 @@ static ALLOCATOR: Counted = Counted;
 
 #[test]
 fn a_step_asks_for_no_memory() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add(
         "S1_navigate.asm",
         include_str!("../benches/machines/S1_navigate.asm"),
@@ -59,7 +59,7 @@ fn a_step_asks_for_no_memory() {
     let mut mission = Mission::of(&machine);
     let mut steps = |count: usize| {
         for _ in 0..count {
-            machine.step(&mut mission, &mut First, 0).unwrap();
+            machine.step(&mut mission, &mut FirstChoice, 0).unwrap();
         }
     };
     steps(1_000);

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion::mission::{Mission, Outcome};
+use asmotion::mission::{Mission, MissionOutcome};
 use asmotion_component::Time;
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_runtime::Event;
@@ -15,7 +15,7 @@ fn composite() -> PathBuf {
 }
 
 /// The states that the coordinator goes through until one of these is reached, the inner ones behind a slash.
-fn states(mut mission: Mission, until: &str) -> (Vec<String>, Outcome, Duration) {
+fn states(mut mission: Mission, until: &str) -> (Vec<String>, MissionOutcome, Duration) {
     mission.until = Some(vec![("mode".to_owned(), until.to_owned())]);
     mission.unless = Some(Vec::new());
     mission.limit = Some(Duration::from_secs(60));
@@ -70,7 +70,7 @@ fn changed(file: &str, from: &str, to: &str) -> (Mission, tempfile::TempDir) {
 fn o16_the_ball_is_searched_followed_and_held_until_the_work_is_complete() {
     let (states, outcome, time) = states(shipped(), "DONE");
     assert_eq!(states, ["OPERATE", "/SEARCH", "/FOLLOW", "/HOLD", "DONE"]);
-    assert_eq!(outcome, Outcome::Reached);
+    assert_eq!(outcome, MissionOutcome::Reached);
     // it warms up for a second, and holds for one
     assert!(time > Duration::from_secs(2), "{time:?}");
 }

@@ -2,7 +2,7 @@
 
 use asmotion_assembly::{AsmFiles, CODES, Context, EmptyEnvironment, Tables};
 use asmotion_diagnostics::Code;
-use asmotion_lang::{Diagnostic, Files, Report, Severity};
+use asmotion_lang::{Diagnostic, MemoryFiles, Report, Severity};
 use std::collections::BTreeSet;
 
 const BUILD: Tables = Tables {
@@ -46,7 +46,7 @@ fn pages_have_examples_that_are_true() {
 
 /// What is found in an example: a composite, or a file of types.
 fn found(code: &Code, info: &str) -> Option<Report> {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("example.toml", code.example(info)?);
     if let Some(specification) = code.example("asm") {
         files.add("example.asm", specification);

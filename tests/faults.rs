@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion::mission::{Brokers, Clock, Ended, Mission, Outcome};
-use asmotion_broker::{Broker, Vhost};
+use asmotion::mission::{Mission, MissionBrokers, MissionClock, MissionEnd, MissionOutcome};
+use asmotion_broker::{TestBroker, Vhost};
 use asmotion_component::Time;
 use asmotion_messages::Odometry;
 use asmotion_runtime::Event;
@@ -148,7 +148,7 @@ impl Record {
 struct Onboard {
     record: Arc<Mutex<Record>>,
     stop: Arc<AtomicBool>,
-    thread: std::thread::JoinHandle<Ended>,
+    thread: std::thread::JoinHandle<MissionEnd>,
 }
 
 impl Onboard {
@@ -156,9 +156,9 @@ impl Onboard {
         let composite = navigation().join("navigation.composite.toml");
         let mut mission = Mission::new(composite.display().to_string());
         mission.process = Some("onboard".to_owned());
-        let settings = asmotion_amqp::Settings::parse(&vhost.url()).unwrap();
-        mission.brokers = Brokers::One(Box::new(settings));
-        mission.clock = Clock::Wall;
+        let settings = asmotion_amqp::AmqpSettings::parse(&vhost.url()).unwrap();
+        mission.brokers = MissionBrokers::One(Box::new(settings));
+        mission.clock = MissionClock::Wall;
         let record = Arc::<Mutex<Record>>::default();
         let (recorder, stop) = (Arc::clone(&record), Arc::<AtomicBool>::default());
         let stopping = Arc::clone(&stop);
@@ -178,14 +178,14 @@ impl Onboard {
 
     fn end(self) -> Record {
         self.stop.store(true, Ordering::Relaxed);
-        assert_eq!(self.thread.join().unwrap().outcome, Outcome::Stopped);
+        assert_eq!(self.thread.join().unwrap().outcome, MissionOutcome::Stopped);
         std::mem::take(&mut *self.record.lock().unwrap())
     }
 }
 
 /// A mission in two processes; on the way something happens to the broker. What was recorded on board, after it was
 /// seen that the coordinator went through the same as undisturbed, and nothing was done twice.
-fn through(broker: &Broker, vhost: &Vhost<'_>, harm: impl FnOnce(&Broker)) -> Record {
+fn through(broker: &TestBroker, vhost: &Vhost<'_>, harm: impl FnOnce(&TestBroker)) -> Record {
     let composite = navigation().join("navigation.composite.toml");
     let onboard = Onboard::start(vhost);
     let mut supervisor = Heard::start(&mut over(&composite, broker, vhost, Some("supervisor")));

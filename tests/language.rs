@@ -13,7 +13,7 @@ mod replay;
 mod semantics;
 mod specifications;
 
-use asmotion_lang::{Failure, Files, Specification};
+use asmotion_lang::{MemoryFiles, OpenFailure, Specification};
 use std::path::{Path, PathBuf};
 
 /// The folder of this subject.
@@ -40,8 +40,8 @@ fn programs(folder: &Path) -> Vec<(String, String)> {
 }
 
 /// Opens a text. A line `//--- name.asm` in it begins the text of another file.
-fn open(name: &str, text: &str) -> Result<Specification, Failure> {
-    let mut files = Files::new();
+fn open(name: &str, text: &str) -> Result<Specification, OpenFailure> {
+    let mut files = MemoryFiles::new();
     let mut parts = text.split("//--- ");
     let main = format!("{name}.asm");
     files.add(&main, parts.next().unwrap());

@@ -1,7 +1,7 @@
 //! Missions of the rover, in virtual time: the story of each is a snapshot that a person has read.
 
-use asmotion::mission::{Ended, Mission, Outcome};
-use asmotion::trace::Trace;
+use asmotion::mission::{Mission, MissionEnd, MissionOutcome};
+use asmotion::trace::MissionTrace;
 use asmotion_datum::Datum;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -36,7 +36,7 @@ fn seeded(mut mission: Mission, seed: u64) -> Mission {
 }
 
 /// Runs a mission; its story without the lines that only tell progress, and how it ended.
-fn tell(mission: &Mission) -> (String, Ended) {
+fn tell(mission: &Mission) -> (String, MissionEnd) {
     let story = Arc::new(Mutex::new(String::new()));
     let teller = story.clone();
     let ended = mission
@@ -68,7 +68,7 @@ fn tell(mission: &Mission) -> (String, Ended) {
 
 /// The trace of a mission, byte for byte.
 fn trace(mission: &Mission) -> String {
-    let trace = Arc::new(Mutex::new(Trace::new()));
+    let trace = Arc::new(Mutex::new(MissionTrace::new()));
     let writer = trace.clone();
     mission
         .run(
@@ -96,14 +96,14 @@ const CLOSED_CORRIDOR: &str = r#"[{ "at_s": 12.0, "block": [15.0, 7.0, 0.4, 2.0,
 #[test]
 fn it_goes_straight_to_the_goal() {
     let (story, ended) = tell(&mission(&[TO_LOBBY], "[]"));
-    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.outcome, MissionOutcome::Reached);
     insta::assert_snapshot!(story);
 }
 
 #[test]
 fn it_goes_around_what_stands_in_the_way() {
     let (story, ended) = tell(&mission(&[TO_LOBBY], r#"[{ "disc": [19.0, 7.45, 0.25] }]"#));
-    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.outcome, MissionOutcome::Reached);
     assert_eq!(ended.summary.heard.of("event BLOCKED"), 0);
     insta::assert_snapshot!(story);
 }
@@ -111,7 +111,7 @@ fn it_goes_around_what_stands_in_the_way() {
 #[test]
 fn it_plans_anew_where_the_corridor_is_closed() {
     let (story, ended) = tell(&mission(&[TO_LOBBY], CLOSED_CORRIDOR));
-    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.outcome, MissionOutcome::Reached);
     assert_eq!(ended.summary.heard.of("event BLOCKED"), 1);
     insta::assert_snapshot!(story);
 }
@@ -119,7 +119,7 @@ fn it_plans_anew_where_the_corridor_is_closed() {
 #[test]
 fn it_stops_before_it_turns_to_a_new_goal() {
     let (story, ended) = tell(&mission(&[TO_LOBBY, "20 goal 4.2 15.6"], "[]"));
-    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.outcome, MissionOutcome::Reached);
     insta::assert_snapshot!(story);
 }
 
@@ -127,7 +127,7 @@ fn it_stops_before_it_turns_to_a_new_goal() {
 fn it_stops_at_the_estop_and_goes_on_with_a_new_goal() {
     let script = [TO_LOBBY, "15 estop on", "18 estop off", "20 goal 26.4 4.2"];
     let (story, ended) = tell(&mission(&script, "[]"));
-    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.outcome, MissionOutcome::Reached);
     insta::assert_snapshot!(story);
 }
 
@@ -135,7 +135,7 @@ fn it_stops_at_the_estop_and_goes_on_with_a_new_goal() {
 fn it_gives_up_where_there_is_no_path() {
     // the table of the meeting room
     let (story, ended) = tell(&mission(&["1 goal 21.1 17.2"], "[]"));
-    assert_eq!(ended.outcome, Outcome::Failed);
+    assert_eq!(ended.outcome, MissionOutcome::Failed);
     insta::assert_snapshot!(story);
 }
 
@@ -161,7 +161,7 @@ fn it_asks_a_late_planner_again_until_the_bound() {
         std::fs::copy(navigation().join(file), folder.path().join(file)).unwrap();
     }
     let (story, ended) = tell(&Mission::new(path.display().to_string()));
-    assert_eq!(ended.outcome, Outcome::Failed);
+    assert_eq!(ended.outcome, MissionOutcome::Failed);
     // once, and again three times: maxTries
     assert_eq!(
         ended.summary.calls.to_string(),
@@ -192,7 +192,11 @@ fn every_seed_reaches_the_goal() {
     for seed in 0..50 {
         let mission = seeded(mission(&[TO_LOBBY], CLOSED_CORRIDOR), seed);
         let (story, ended) = tell(&mission);
-        assert_eq!(ended.outcome, Outcome::Reached, "seed {seed}:\n{story}");
+        assert_eq!(
+            ended.outcome,
+            MissionOutcome::Reached,
+            "seed {seed}:\n{story}"
+        );
         assert!(
             ended.summary.way.unwrap().to_goal_m().unwrap() < 0.15,
             "seed {seed}:\n{story}"

@@ -1,7 +1,7 @@
 //! The README's pictures are drawn from real runs, and stay true: where a run has changed, its picture
 //! must be drawn anew (`UPDATE_PICTURES=1 ./test pictures`) and looked at.
 
-use asmotion::mission::{Mission, Outcome};
+use asmotion::mission::{Mission, MissionOutcome};
 use asmotion_messages::{OccupancyGrid, Odometry, Path as Route, Point, Scene};
 use asmotion_runtime::Event;
 use std::fmt::Write;
@@ -71,7 +71,7 @@ fn the_plan_is_what_the_demo_drove() {
             &AtomicBool::new(false),
         )
         .unwrap();
-    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.outcome, MissionOutcome::Reached);
     let seen = seen.lock().unwrap();
     picture("mission.svg", &draw(&seen));
 }

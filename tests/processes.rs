@@ -1,6 +1,6 @@
 //! Missions over a real broker, in one process and in several: the coordinator goes through the same control states.
 
-use asmotion_broker::{Broker, Calm, Vhost};
+use asmotion_broker::{SharedBroker, TestBroker, Vhost};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ fn run(composite: &Path) -> Command {
 /// The same over the broker of a test, as the process of this name or as all in one.
 pub(super) fn over(
     composite: &Path,
-    broker: &Broker,
+    broker: &TestBroker,
     vhost: &Vhost<'_>,
     process: Option<&str>,
 ) -> Command {
@@ -45,7 +45,7 @@ pub(super) fn over(
 /// A command over the broker of a test.
 pub(super) fn through(
     mut command: Command,
-    broker: &Broker,
+    broker: &TestBroker,
     vhost: &Vhost<'_>,
     process: Option<&str>,
 ) -> Command {
@@ -255,12 +255,12 @@ fn messages_go_by_the_codec_of_the_broker_or_of_their_topic() {
     let folder = tempfile::tempdir().unwrap();
     let more = "codec = \"cdr\"\n[topics.event]\ncodec = \"json\"\n";
     let spy = asmotion_amqp::AmqpBus::connect(
-        asmotion_amqp::Settings::parse(&vhost.url()).unwrap(),
+        asmotion_amqp::AmqpSettings::parse(&vhost.url()).unwrap(),
         LONG,
     )
     .unwrap();
     let size = 100_000;
-    let queue = asmotion_bus::Queue::All {
+    let queue = asmotion_bus::QueuePolicy::All {
         size,
         overflow: asmotion_bus::Overflow::DropNewest,
     };
@@ -374,7 +374,11 @@ fn without_its_partner_a_process_goes_on_and_its_calls_fail() {
 }
 
 /// What a tool says: exit code, standard output, standard error.
-pub(super) fn tool(broker: &Calm, url: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
+pub(super) fn tool(
+    broker: &SharedBroker,
+    url: &str,
+    arguments: &[&str],
+) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.args(arguments).env("ASMOTION_BUS", url);
     command.env("ASMOTION_PASSWORD", broker.password());

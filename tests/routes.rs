@@ -1,9 +1,9 @@
 //! Over which broker what goes: components on brokers of their own, wires that go out and come in again, doors of a
 //! service, and callbacks to several listeners.
 
-use asmotion_amqp::{AmqpBus, Settings};
-use asmotion_broker::{Calm, Vhost};
-use asmotion_bus::{Bus, Notifier, Pattern, Queue};
+use asmotion_amqp::{AmqpBus, AmqpSettings};
+use asmotion_broker::{SharedBroker, Vhost};
+use asmotion_bus::{Bus, Notifier, Pattern, QueuePolicy};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -114,8 +114,8 @@ struct Ear(asmotion_bus::Subscription, AmqpBus);
 
 impl Ear {
     fn new(vhost: &Vhost<'_>) -> Self {
-        let bus = AmqpBus::connect(Settings::parse(&vhost.url()).unwrap(), LONG).unwrap();
-        let queue = Queue::All {
+        let bus = AmqpBus::connect(AmqpSettings::parse(&vhost.url()).unwrap(), LONG).unwrap();
+        let queue = QueuePolicy::All {
             size: 4096,
             overflow: asmotion_bus::Overflow::DropOldest,
         };
@@ -198,7 +198,7 @@ binding = ["amqp", "http"]
 }
 
 /// Calls an operation as a tool does, until somebody is there.
-fn call(broker: &Calm, vhost: &Vhost<'_>, operation: &str, argument: &str) -> String {
+fn call(broker: &SharedBroker, vhost: &Vhost<'_>, operation: &str, argument: &str) -> String {
     let url = format!(
         "amqp://{}@{}/{}",
         broker.user(),

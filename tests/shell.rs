@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::process::Command;
 
-use asmotion_broker::{Calm, Vhost};
+use asmotion_broker::{SharedBroker, Vhost};
 
 use crate::person::person;
 use crate::processes::{Running, run_any, through};
 
 /// The youBot's driver and its proxy, on the broker of a test.
-fn arm(broker: &Calm, vhost: &Vhost<'_>) -> Running {
+fn arm(broker: &SharedBroker, vhost: &Vhost<'_>) -> Running {
     let composite =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/youbot/youbot.composite.toml");
     Running::start(&mut through(
@@ -20,13 +20,13 @@ fn arm(broker: &Calm, vhost: &Vhost<'_>) -> Running {
     ))
 }
 
-fn url(broker: &Calm, vhost: &Vhost<'_>) -> String {
+fn url(broker: &SharedBroker, vhost: &Vhost<'_>) -> String {
     let (user, address) = (broker.user(), broker.address());
     format!("amqp://{user}@{address}/{}", vhost.name())
 }
 
 /// What is answered to these lines: standard output, standard error.
-fn talk(broker: &Calm, url: &str, lines: &str) -> (String, String) {
+fn talk(broker: &SharedBroker, url: &str, lines: &str) -> (String, String) {
     let mut shell = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
     shell.args(["shell", "--bus", url]);
     shell.env("ASMOTION_PASSWORD", broker.password());

@@ -1,6 +1,6 @@
 //! Who joins with a program of their own: a component in Python, which knows the wire and nothing else.
 
-use asmotion_bus::{Bus, CallFailure, Notifier, Origin, Payload, Request};
+use asmotion_bus::{Bus, CallFailure, Notifier, Payload, Request, SenderId};
 use asmotion_messages::{OccupancyGrid, Path as Way, PlanRequest, Pose};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -111,7 +111,7 @@ fn request(door: bool) -> PlanRequest {
 }
 
 fn ask(bus: &dyn Bus, request: PlanRequest) -> Result<Way, CallFailure> {
-    let origin = Origin::new("Tester", 1);
+    let origin = SenderId::new("Tester", 1);
     let request = Request::new(origin, Payload::of(request), Duration::from_secs(20));
     let pending = bus
         .call(ADDRESS, request, Arc::new(Notifier::new()))
@@ -132,7 +132,7 @@ fn it_serves_what_we_call() {
     };
     let vhost = broker.vhost().unwrap();
     let _stranger = Stranger::start(python, &vhost.url(), "rover1");
-    let mut settings = asmotion_amqp::Settings::parse(&vhost.url()).unwrap();
+    let mut settings = asmotion_amqp::AmqpSettings::parse(&vhost.url()).unwrap();
     settings.robot = Some("rover1".to_owned());
     let bus = asmotion_amqp::AmqpBus::connect(settings, Duration::from_secs(10)).unwrap();
 

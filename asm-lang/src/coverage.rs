@@ -3,7 +3,7 @@
 use crate::Specification;
 use asmotion_diagnostics::Span;
 use asmotion_hir::{RuleKind, RuleTerm};
-use asmotion_ir::Part;
+use asmotion_ir::CoveragePoint;
 use asmotion_machine::Machine;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,21 +12,21 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub struct Coverage {
     /// The files of the specifications, libraries left out.
-    pub files: BTreeMap<String, Covered>,
+    pub files: BTreeMap<String, FileCoverage>,
 }
 
 /// What of a file ran.
 #[derive(Clone, Debug)]
-pub struct Covered {
+pub struct FileCoverage {
     /// The text.
     pub text: Arc<str>,
     /// Its rules, by their places.
-    pub rules: BTreeMap<u32, CoveredRule>,
+    pub rules: BTreeMap<u32, RuleCoverage>,
 }
 
 /// What of a rule ran.
 #[derive(Clone, Debug)]
-pub struct CoveredRule {
+pub struct RuleCoverage {
     /// Its name.
     pub name: String,
     /// The line it begins in.
@@ -34,12 +34,12 @@ pub struct CoveredRule {
     /// How often it ran.
     pub calls: u64,
     /// What it consists of.
-    pub parts: BTreeMap<(u32, Part), CoveredPart>,
+    pub parts: BTreeMap<(u32, CoveragePoint), PointCoverage>,
 }
 
 /// A part of a rule.
 #[derive(Clone, Copy, Debug)]
-pub struct CoveredPart {
+pub struct PointCoverage {
     /// The line it begins in.
     pub line: usize,
     /// How often it ran.
@@ -54,8 +54,9 @@ impl Specification {
             rules.any(|known| known.span == place && &*known.name == rule)
         };
         let counted = self.program.counted.iter().zip(machine.counts());
-        let calls = counted
-            .filter(|(counted, _)| counted.part == Part::Rule && named(self.span(counted.origin)));
+        let calls = counted.filter(|(counted, _)| {
+            counted.part == CoveragePoint::Rule && named(self.span(counted.origin))
+        });
         calls.map(|(_, count)| count).sum()
     }
 }
@@ -64,7 +65,7 @@ impl Coverage {
     /// What ran of a specification whose program counts.
     pub fn of(specification: &Specification, counts: &[u64]) -> Self {
         let counted = specification.program.counted.iter().zip(counts);
-        let mut ran: BTreeMap<(Span, Part), u64> = BTreeMap::new();
+        let mut ran: BTreeMap<(Span, CoveragePoint), u64> = BTreeMap::new();
         for (counted, count) in counted {
             *ran.entry((specification.span(counted.origin), counted.part))
                 .or_default() += count;
@@ -84,7 +85,7 @@ impl Coverage {
     fn rule(
         &mut self,
         rule: &asmotion_hir::Rule,
-        ran: &BTreeMap<(Span, Part), u64>,
+        ran: &BTreeMap<(Span, CoveragePoint), u64>,
         specification: &Specification,
     ) {
         let sources = &specification.sources;
@@ -95,18 +96,18 @@ impl Coverage {
             asmotion_ir::visit_rules(&body.root, &mut |rule| {
                 for part in parts_of(rule) {
                     let (line, count) = (line(rule.span), count(rule.span, part));
-                    parts.insert((rule.span.start, part), CoveredPart { line, count });
+                    parts.insert((rule.span.start, part), PointCoverage { line, count });
                 }
             });
         }
-        let covered = CoveredRule {
+        let covered = RuleCoverage {
             name: rule.name.to_string(),
             line: line(rule.span),
-            calls: count(rule.span, Part::Rule),
+            calls: count(rule.span, CoveragePoint::Rule),
             parts,
         };
         let path = sources.path(rule.span.file).to_owned();
-        let file = self.files.entry(path).or_insert_with(|| Covered {
+        let file = self.files.entry(path).or_insert_with(|| FileCoverage {
             text: sources.shared_text(rule.span.file),
             rules: BTreeMap::new(),
         });
@@ -132,7 +133,7 @@ impl Coverage {
     }
 }
 
-impl CoveredRule {
+impl RuleCoverage {
     fn add(&mut self, other: &Self) {
         self.calls += other.calls;
         for (place, part) in &other.parts {
@@ -147,30 +148,33 @@ impl CoveredRule {
         self.ran(|part| {
             matches!(
                 part,
-                Part::Then
-                    | Part::Else
-                    | Part::Case(_)
-                    | Part::Otherwise
-                    | Part::Found
-                    | Part::NotFound
+                CoveragePoint::Then
+                    | CoveragePoint::Else
+                    | CoveragePoint::Case(_)
+                    | CoveragePoint::Otherwise
+                    | CoveragePoint::Found
+                    | CoveragePoint::NotFound
             )
         })
     }
 
     /// How many updates ran, and how many there are.
     pub fn updates(&self) -> (usize, usize) {
-        self.ran(|part| part == Part::Update)
+        self.ran(|part| part == CoveragePoint::Update)
     }
 
     /// Of how many `forall` rules it was seen that they go round not at all, once, several times; and
     /// how many there are.
     pub fn rounds(&self) -> ([usize; 3], usize) {
         let of = |wanted| self.ran(|part| part == wanted);
-        let (none, all) = of(Part::None);
-        ([none, of(Part::One).0, of(Part::Many).0], all)
+        let (none, all) = of(CoveragePoint::None);
+        (
+            [none, of(CoveragePoint::One).0, of(CoveragePoint::Many).0],
+            all,
+        )
     }
 
-    fn ran(&self, wanted: impl Fn(Part) -> bool) -> (usize, usize) {
+    fn ran(&self, wanted: impl Fn(CoveragePoint) -> bool) -> (usize, usize) {
         let parts = self.parts.iter().filter(|((_, part), _)| wanted(*part));
         let (mut ran, mut all) = (0, 0);
         for (_, part) in parts {
@@ -182,16 +186,21 @@ impl CoveredRule {
 }
 
 /// What is counted of a rule itself, rules in it left out.
-fn parts_of(rule: &RuleTerm) -> Vec<Part> {
+fn parts_of(rule: &RuleTerm) -> Vec<CoveragePoint> {
     match &*rule.kind {
-        RuleKind::Update(..) | RuleKind::Assign(..) => vec![Part::Update],
-        RuleKind::If(..) => vec![Part::Then, Part::Else],
+        RuleKind::Update(..) | RuleKind::Assign(..) => vec![CoveragePoint::Update],
+        RuleKind::If(..) => vec![CoveragePoint::Then, CoveragePoint::Else],
         RuleKind::Switch(_, cases, _) => {
-            let cases = (0..cases.len() as u32).map(Part::Case);
-            cases.chain([Part::Otherwise]).collect()
+            let cases = (0..cases.len() as u32).map(CoveragePoint::Case);
+            cases.chain([CoveragePoint::Otherwise]).collect()
         }
-        RuleKind::Choose(..) => vec![Part::Found, Part::NotFound],
-        RuleKind::Forall(..) => vec![Part::Round, Part::None, Part::One, Part::Many],
+        RuleKind::Choose(..) => vec![CoveragePoint::Found, CoveragePoint::NotFound],
+        RuleKind::Forall(..) => vec![
+            CoveragePoint::Round,
+            CoveragePoint::None,
+            CoveragePoint::One,
+            CoveragePoint::Many,
+        ],
         _ => Vec::new(),
     }
 }

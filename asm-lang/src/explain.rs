@@ -26,12 +26,12 @@ use crate::codes::r022::ReadsForeignValue;
 use crate::codes::r023::WritesNowhere;
 use crate::codes::w030::BeginsOutside;
 use asmotion_diagnostics::{Diagnostic, Finding, Report};
-use asmotion_machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
+use asmotion_machine::{FaultKind, InitialMisfit, Machine, StepFault, Witness};
 use asmotion_value::Value;
 
 impl Specification {
     /// What a fault says of a machine that could not be built: values are shown as far as they can be.
-    pub fn explain(&self, fault: &Fault) -> Diagnostic {
+    pub fn explain(&self, fault: &StepFault) -> Diagnostic {
         let naming = asmotion_machine::Naming {
             program: &self.program,
             reserve: &[],
@@ -45,7 +45,7 @@ impl Specification {
     }
 
     /// What the fault says that this machine has just returned.
-    pub fn explain_in(&self, fault: &Fault, machine: &Machine) -> Diagnostic {
+    pub fn explain_in(&self, fault: &StepFault, machine: &Machine) -> Diagnostic {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
         let mut finding = self.diagnose(
@@ -83,7 +83,7 @@ impl Specification {
 
     fn diagnose(
         &self,
-        fault: &Fault,
+        fault: &StepFault,
         location: &dyn Fn(asmotion_ir::Slot) -> String,
         show: &dyn Fn(&Value) -> String,
     ) -> Diagnostic {

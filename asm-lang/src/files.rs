@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 /// Texts by path; paths are compared after `.` and `..` are resolved.
 #[derive(Clone, Debug, Default)]
-pub struct Files {
+pub struct MemoryFiles {
     texts: BTreeMap<String, Arc<str>>,
 }
 
-impl Files {
+impl MemoryFiles {
     /// No file yet.
     pub fn new() -> Self {
         Self::default()
@@ -22,7 +22,7 @@ impl Files {
     }
 }
 
-impl Loader for Files {
+impl Loader for MemoryFiles {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         self.texts
             .get(&normal(path))

@@ -2,7 +2,7 @@
 
 use crate::Specification;
 use asmotion_diagnostics::{Diagnostic, Span};
-use asmotion_machine::Misfit;
+use asmotion_machine::DomainMisfit;
 use asmotion_value::Value;
 use std::fmt;
 
@@ -46,7 +46,11 @@ impl Foreign {
 
 impl Specification {
     /// The facts about a value that is none of its function's.
-    pub(crate) fn foreign(&self, misfit: &Misfit, show: &dyn Fn(&Value) -> String) -> Foreign {
+    pub(crate) fn foreign(
+        &self,
+        misfit: &DomainMisfit,
+        show: &dyn Fn(&Value) -> String,
+    ) -> Foreign {
         let domain = &self.model.domains[misfit.domain.0 as usize];
         let defined = domain.definition.as_ref();
         Foreign {
@@ -59,7 +63,7 @@ impl Specification {
     }
 
     /// Where to point: what is set from outside stands nowhere in the specification, so at its function.
-    pub(crate) fn place_of(&self, at: Span, misfit: &Misfit) -> Span {
+    pub(crate) fn place_of(&self, at: Span, misfit: &DomainMisfit) -> Span {
         match at == Span::default() {
             true => self.model.functions[misfit.function.0 as usize].span,
             false => at,
@@ -67,7 +71,7 @@ impl Specification {
     }
 
     /// The codomain of the function whose value does not fit.
-    pub(crate) fn codomain(&self, misfit: &Misfit) -> String {
+    pub(crate) fn codomain(&self, misfit: &DomainMisfit) -> String {
         let function = &self.model.functions[misfit.function.0 as usize];
         self.model.show_type(function.codomain)
     }

@@ -3,7 +3,7 @@
 use crate::Session;
 use asmotion_diagnostics::Report;
 use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
-use asmotion_machine::{Environment, Fault, Machine};
+use asmotion_machine::{Environment, Machine, StepFault};
 use asmotion_simulate::{Random, Seeded};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 /// A session, and everything that happened in it.
 pub struct History {
     session: Session,
-    present: Present,
-    events: Vec<Event>,
+    present: SessionState,
+    events: Vec<HistoryEvent>,
     /// What was before some of the events, by their numbers: before the first, and all the way to now.
-    moments: BTreeMap<usize, Moment>,
+    moments: BTreeMap<usize, SessionSnapshot>,
 }
 
 /// So many moments are kept before now; of older ones, one in so many.
@@ -25,21 +25,21 @@ const STEP_NS: i64 = 1_000_000_000;
 
 /// What the machine does not know of itself.
 #[derive(Clone)]
-struct Present {
-    inputs: Held,
+struct SessionState {
+    inputs: UserInputs,
     choices: Seeded,
-    written: BTreeMap<Slot, Written>,
+    written: BTreeMap<Slot, LastWrite>,
 }
 
 #[derive(Clone)]
-struct Moment {
+struct SessionSnapshot {
     machine: Machine,
-    present: Present,
+    present: SessionState,
 }
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Event {
+pub enum HistoryEvent {
     /// A step.
     Step,
     /// A rule was fired.
@@ -52,7 +52,7 @@ pub enum Event {
 
 /// Who wrote a location last.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Written {
+pub struct LastWrite {
     /// The number of the event, from 0.
     pub event: usize,
     /// How many steps had been done then.
@@ -67,13 +67,13 @@ pub struct Written {
 
 /// Inputs that hold until they are told otherwise.
 #[derive(Clone)]
-struct Held {
+struct UserInputs {
     values: BTreeMap<(FunctionId, Vec<Value>), Value>,
     /// Answers what is not held; undef without it.
     otherwise: Option<Box<Random>>,
 }
 
-impl Environment for Held {
+impl Environment for UserInputs {
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
         match (
             self.values.get(&(function, arguments.to_vec())),
@@ -98,8 +98,8 @@ impl History {
             let program = session.specification.program.clone();
             Box::new(Random::new(program, &session.machine, seed))
         };
-        let present = Present {
-            inputs: Held {
+        let present = SessionState {
+            inputs: UserInputs {
                 values: BTreeMap::new(),
                 otherwise: is_random.then(random),
             },
@@ -120,7 +120,7 @@ impl History {
     }
 
     /// What happened, in order.
-    pub fn events(&self) -> &[Event] {
+    pub fn events(&self) -> &[HistoryEvent] {
         &self.events
     }
 
@@ -171,7 +171,7 @@ impl History {
     /// # Errors
     /// It has no next state; then nothing happened, but for an invariant that the new state violates.
     pub fn step(&mut self) -> Result<(), Report> {
-        self.happen(Event::Step)
+        self.happen(HistoryEvent::Step)
     }
 
     /// Fires a rule. It counts as no step.
@@ -179,7 +179,7 @@ impl History {
     /// # Errors
     /// The text is no rule, does not fit the specification, or fails: nothing happened.
     pub fn fire(&mut self, rule: &str) -> Result<(), Report> {
-        self.happen(Event::Fire(rule.to_owned()))
+        self.happen(HistoryEvent::Fire(rule.to_owned()))
     }
 
     /// Sets `location := value`: a monitored location for all steps to come, another one now.
@@ -191,7 +191,7 @@ impl History {
         let now_ns = self.now();
         let found = self.session.assignment(assignment, &mut inputs, now_ns)?;
         let (function, arguments, value) = found;
-        self.happen(Event::Set(function, arguments, value))
+        self.happen(HistoryEvent::Set(function, arguments, value))
     }
 
     /// No longer holds a monitored location; the text says it as in `battery(ROB1)`.
@@ -200,7 +200,7 @@ impl History {
     /// The text is no location of the specification.
     pub fn release(&mut self, location: &str) -> Result<(), Report> {
         let (function, arguments) = self.location(location)?;
-        self.happen(Event::Release(function, arguments))
+        self.happen(HistoryEvent::Release(function, arguments))
     }
 
     /// The function and the arguments of a location, as in `battery(ROB1)`.
@@ -216,7 +216,7 @@ impl History {
     }
 
     /// Who wrote a location last; nobody did if it holds its initial value.
-    pub fn written(&self, function: FunctionId, arguments: &[Value]) -> Option<&Written> {
+    pub fn written(&self, function: FunctionId, arguments: &[Value]) -> Option<&LastWrite> {
         let machine = &self.session.machine;
         let slot = machine
             .state()
@@ -233,7 +233,7 @@ impl History {
     }
 
     /// Goes through everything that happened once more, and shows each event when it has happened.
-    pub fn replay(&mut self, mut show: impl FnMut(&Event, &Session)) {
+    pub fn replay(&mut self, mut show: impl FnMut(&HistoryEvent, &Session)) {
         let events = self.events.clone();
         self.go_to(0);
         for event in events {
@@ -266,9 +266,9 @@ impl History {
         }
     }
 
-    fn happen(&mut self, event: Event) -> Result<(), Report> {
+    fn happen(&mut self, event: HistoryEvent) -> Result<(), Report> {
         let number = self.events.len();
-        let moment = Moment {
+        let moment = SessionSnapshot {
             machine: self.session.machine.clone(),
             present: self.present.clone(),
         };
@@ -289,28 +289,28 @@ impl History {
         done
     }
 
-    fn apply(&mut self, event: &Event) -> Result<(), Report> {
+    fn apply(&mut self, event: &HistoryEvent) -> Result<(), Report> {
         let now_ns = self.now();
-        let Present {
+        let SessionState {
             inputs, choices, ..
         } = &mut self.present;
         match event {
-            Event::Step => {
+            HistoryEvent::Step => {
                 let done = self.session.machine.step(inputs, choices, now_ns + STEP_NS);
                 let done = done.map(|_| ()).map_err(|fault| self.report(&fault));
                 self.note_updates(true);
                 done
             }
-            Event::Fire(rule) => {
+            HistoryEvent::Fire(rule) => {
                 self.session.fire(rule, inputs, choices, now_ns)?;
                 // the rule is forgotten, and with it the places of its parts
                 self.note_updates(false);
                 Ok(())
             }
-            Event::Set(function, arguments, value) => {
+            HistoryEvent::Set(function, arguments, value) => {
                 self.set_location(*function, arguments, value)
             }
-            Event::Release(function, arguments) => {
+            HistoryEvent::Release(function, arguments) => {
                 inputs.values.remove(&(*function, arguments.clone()));
                 Ok(())
             }
@@ -367,7 +367,7 @@ impl History {
     }
 
     fn note(&mut self, slot: Slot, origin: Option<Origin>, before: Value, after: Value) {
-        let written = Written {
+        let written = LastWrite {
             event: self.events.len(),
             steps: self.session.machine.steps(),
             origin,
@@ -377,7 +377,7 @@ impl History {
         self.present.written.insert(slot, written);
     }
 
-    fn report(&self, fault: &Fault) -> Report {
+    fn report(&self, fault: &StepFault) -> Report {
         let mut report = Report::new();
         let session = &self.session;
         report.push(session.specification.explain_in(fault, &session.machine));

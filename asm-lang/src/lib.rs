@@ -29,13 +29,14 @@ mod session;
 pub use asmotion_diagnostics::{
     Diagnostic, Loader, Report, Severity, Sources, Span, Style, concise, render, render_all,
 };
-pub use asmotion_hir::{FunctionKind, Model, Options};
+pub use asmotion_hir::{FunctionKind, Model, ReadOptions};
 pub use asmotion_machine::{
-    BackEnd, Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update,
+    BackEnd, Chooser, Environment, FaultKind, FirstChoice, Machine, NoInputs, Step, StepFault,
+    Update,
 };
 pub use asmotion_value::Value;
-pub use files::Files;
-pub use history::{Event, History, Written};
+pub use files::MemoryFiles;
+pub use history::{History, HistoryEvent, LastWrite};
 pub use session::Session;
 pub use {
     asmotion_diagnostics as diagnostics, asmotion_hir as hir, asmotion_ir as ir,
@@ -63,27 +64,27 @@ pub struct Specification {
 
 /// Why a specification cannot run.
 #[derive(Debug)]
-pub struct Failure {
+pub struct OpenFailure {
     /// The texts.
     pub sources: Sources,
     /// Errors and warnings.
     pub report: Report,
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for OpenFailure {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         to.write_str(&render_all(&self.report, &self.sources, Style::Plain))
     }
 }
 
-impl std::error::Error for Failure {}
+impl std::error::Error for OpenFailure {}
 
 /// Opens a specification: a path in, a program out.
 ///
 /// # Errors
 /// A text cannot be read, or has errors: all of them are in the failure.
-pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, Failure> {
-    open_with(path, loader, &Options::default())
+pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, OpenFailure> {
+    open_with(path, loader, &ReadOptions::default())
 }
 
 /// Opens a specification as somebody asks for.
@@ -93,8 +94,8 @@ pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, Failure> {
 pub fn open_with(
     path: &str,
     loader: &dyn Loader,
-    options: &Options,
-) -> Result<Specification, Failure> {
+    options: &ReadOptions,
+) -> Result<Specification, OpenFailure> {
     open_in(path, loader, Sources::new(), options)
 }
 
@@ -103,14 +104,14 @@ fn open_in(
     path: &str,
     loader: &dyn Loader,
     mut sources: Sources,
-    options: &Options,
-) -> Result<Specification, Failure> {
+    options: &ReadOptions,
+) -> Result<Specification, OpenFailure> {
     let loaded = hir::load(path, loader, &mut sources);
     let (model, found) = hir::analyse_with(&loaded, &sources, options);
     let mut report = loaded.report;
     report.extend(found);
     let Some(model) = model else {
-        return Err(Failure {
+        return Err(OpenFailure {
             sources,
             report: report.finish(),
         });
@@ -129,7 +130,7 @@ fn open_in(
         }
         Err(found) => {
             report.extend(found);
-            Err(Failure {
+            Err(OpenFailure {
                 sources,
                 report: report.finish(),
             })
@@ -142,7 +143,7 @@ impl Specification {
     ///
     /// # Errors
     /// An initial value cannot be computed, or an invariant does not hold initially.
-    pub fn machine(&self) -> Result<Machine, Box<Fault>> {
+    pub fn machine(&self) -> Result<Machine, Box<StepFault>> {
         #[cfg_attr(not(feature = "native"), expect(unused_mut, reason = "only closures"))]
         let mut machine = Machine::new(self.program.clone())?;
         #[cfg(feature = "native")]

@@ -3,21 +3,23 @@
 use crate::codes::v023::UnreadableScenario;
 use crate::codes::v024::UnknownSpecification;
 use crate::coverage::Coverage;
-use crate::{Failure, Specification, open_in};
+use crate::{OpenFailure, Specification, open_in};
 use asmotion_diagnostics::{Diagnostic, Finding, Loader, Report, Sources, Span};
-use asmotion_machine::{Fault, Machine};
-use asmotion_simulate::scenario::{self, Failed, Options, Outcome, Plan};
-use asmotion_syntax::ast::{Name, Scenario};
+use asmotion_machine::{Machine, StepFault};
+use asmotion_simulate::scenario::{
+    self, ScenarioFailureKind, ScenarioOptions, ScenarioOutcome, ScenarioPlan,
+};
+use asmotion_syntax::ast::{NameText, Scenario};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A scenario that was run.
 #[derive(Debug)]
-pub struct Tested {
+pub struct ScenarioResult {
     /// The name after `scenario`.
     pub name: String,
     /// What came of it.
-    pub outcome: Outcome,
+    pub outcome: ScenarioOutcome,
     /// Warnings, and what went wrong.
     pub report: Report,
     /// The specification it is about.
@@ -28,19 +30,19 @@ pub struct Tested {
 
 /// How a scenario is to be run.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
+pub struct ScenarioSettings {
     /// How the specification is read, and the scenario with it.
-    pub reading: asmotion_hir::Options,
+    pub reading: asmotion_hir::ReadOptions,
     /// The limits and the seed.
-    pub options: Options,
+    pub options: ScenarioOptions,
     /// Whether it is counted what runs.
     pub covers: bool,
 }
 
 /// A scenario that can be run.
-struct Opened {
+struct OpenedScenario {
     tree: Scenario,
-    plan: Plan,
+    plan: ScenarioPlan,
     specification: Specification,
     /// Warnings.
     report: Report,
@@ -50,7 +52,11 @@ struct Opened {
 ///
 /// # Errors
 /// It cannot be read, or it or its specification makes no sense.
-pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Tested, Failure> {
+pub fn test(
+    path: &str,
+    loader: &dyn Loader,
+    settings: &ScenarioSettings,
+) -> Result<ScenarioResult, OpenFailure> {
     open(path, loader, settings).map(|opened| carry_out(opened, settings))
 }
 
@@ -58,34 +64,38 @@ pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Test
 pub fn check(
     path: &str,
     loader: &dyn Loader,
-    reading: &asmotion_hir::Options,
+    reading: &asmotion_hir::ReadOptions,
 ) -> (Report, Sources) {
-    let settings = Settings {
+    let settings = ScenarioSettings {
         reading: reading.clone(),
-        ..Settings::default()
+        ..ScenarioSettings::default()
     };
     match open(path, loader, &settings) {
         Ok(opened) => (opened.report, opened.specification.sources),
-        Err(Failure { report, sources }) => (report, sources),
+        Err(OpenFailure { report, sources }) => (report, sources),
     }
 }
 
-fn open(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Opened, Failure> {
+fn open(
+    path: &str,
+    loader: &dyn Loader,
+    settings: &ScenarioSettings,
+) -> Result<OpenedScenario, OpenFailure> {
     let mut sources = Sources::new();
     let (tree, mut report) = match read(path, loader, &mut sources) {
         Ok(read) => read,
-        Err(report) => return Err(Failure { sources, report }),
+        Err(report) => return Err(OpenFailure { sources, report }),
     };
     let Some(specification) = tree.load.as_ref().and_then(|load| find(path, load, loader)) else {
         report.extend(tree.load.as_ref().map(not_found).into_iter().collect());
-        return Err(Failure { sources, report });
+        return Err(OpenFailure { sources, report });
     };
     if report.has_errors() {
-        return Err(Failure { sources, report });
+        return Err(OpenFailure { sources, report });
     }
     let mut specification = open_in(&specification, loader, sources, &settings.reading)?;
     match plan(path, &tree, &mut specification, loader, settings) {
-        Ok(plan) => Ok(Opened {
+        Ok(plan) => Ok(OpenedScenario {
             tree,
             plan,
             specification,
@@ -94,7 +104,7 @@ fn open(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Opened, 
         Err(found) => {
             report.extend(found);
             let sources = specification.sources;
-            Err(Failure { sources, report })
+            Err(OpenFailure { sources, report })
         }
     }
 }
@@ -117,11 +127,11 @@ fn read(
     }
 }
 
-fn find(from: &str, load: &Name, loader: &dyn Loader) -> Option<String> {
+fn find(from: &str, load: &NameText, loader: &dyn Loader) -> Option<String> {
     loader.resolve(from, &load.text)
 }
 
-fn not_found(load: &Name) -> Diagnostic {
+fn not_found(load: &NameText) -> Diagnostic {
     let (path, at) = (load.text.clone(), load.span);
     UnknownSpecification { path, at }.diagnostic()
 }
@@ -132,8 +142,8 @@ fn plan(
     tree: &Scenario,
     specification: &mut Specification,
     loader: &dyn Loader,
-    settings: &Settings,
-) -> Result<Plan, Report> {
+    settings: &ScenarioSettings,
+) -> Result<ScenarioPlan, Report> {
     let mut others: BTreeMap<String, Option<Arc<Scenario>>> = BTreeMap::new();
     let mut found = Report::new();
     let Specification { model, sources, .. } = specification;
@@ -146,7 +156,7 @@ fn plan(
         });
         known.clone()
     };
-    let plan = Plan::of(tree, model, &mut other);
+    let plan = ScenarioPlan::of(tree, model, &mut other);
     if found.has_errors() {
         found.extend(plan.err().unwrap_or_default());
         return Err(found);
@@ -159,8 +169,8 @@ fn plan(
     Ok(plan)
 }
 
-fn carry_out(opened: Opened, settings: &Settings) -> Tested {
-    let Opened {
+fn carry_out(opened: OpenedScenario, settings: &ScenarioSettings) -> ScenarioResult {
+    let OpenedScenario {
         tree,
         plan,
         specification,
@@ -186,7 +196,7 @@ fn carry_out(opened: Opened, settings: &Settings) -> Tested {
                 .load
                 .as_ref()
                 .map_or_else(Span::default, |load| load.span);
-            let outcome = Outcome::unbegun(fault, at);
+            let outcome = ScenarioOutcome::unbegun(fault, at);
             report.extend(explained(&outcome, &specification, None));
             outcome
         }
@@ -195,7 +205,7 @@ fn carry_out(opened: Opened, settings: &Settings) -> Tested {
         .name
         .as_ref()
         .map_or_else(String::new, |name| name.text.to_string());
-    Tested {
+    ScenarioResult {
         name,
         outcome,
         report,
@@ -206,11 +216,11 @@ fn carry_out(opened: Opened, settings: &Settings) -> Tested {
 
 /// What went wrong, in words.
 fn explained(
-    outcome: &Outcome,
+    outcome: &ScenarioOutcome,
     specification: &Specification,
     machine: Option<&Machine>,
 ) -> Report {
-    let explain = |fault: &Fault| match machine {
+    let explain = |fault: &StepFault| match machine {
         Some(machine) => specification.explain_in(fault, machine),
         None => specification.explain(fault),
     };
@@ -218,8 +228,12 @@ fn explained(
         .failures
         .iter()
         .filter_map(|failure| match &failure.kind {
-            Failed::Fault(fault) => Some(explain(fault).label(failure.at, "asked for here")),
-            Failed::Check(_) | Failed::Invariant(..) | Failed::Until(..) => failure.diagnostic(),
+            ScenarioFailureKind::Fault(fault) => {
+                Some(explain(fault).label(failure.at, "asked for here"))
+            }
+            ScenarioFailureKind::Check(_)
+            | ScenarioFailureKind::Invariant(..)
+            | ScenarioFailureKind::Until(..) => failure.diagnostic(),
         });
     explained.collect()
 }

@@ -24,10 +24,10 @@
 //! # Ok::<(), String>(())
 //! ```
 
-use crate::{Failure, Specification};
+use crate::{OpenFailure, Specification};
 use asmotion_diagnostics::{FileId, Report};
 use asmotion_hir::AddedTerm;
-use asmotion_machine::{Chooser, Environment, Fault, Machine, Step};
+use asmotion_machine::{Chooser, Environment, Machine, Step, StepFault};
 use asmotion_value::Value;
 
 /// A specification that runs, and answers meanwhile.
@@ -45,7 +45,7 @@ impl Session {
     ///
     /// # Errors
     /// An initial value cannot be computed, or an invariant does not hold initially.
-    pub fn new(specification: Specification) -> Result<Self, Failure> {
+    pub fn new(specification: Specification) -> Result<Self, OpenFailure> {
         match specification.machine() {
             Ok(machine) => Ok(Self {
                 specification,
@@ -55,7 +55,7 @@ impl Session {
             Err(fault) => {
                 let mut report = Report::new();
                 report.push(specification.explain(&fault));
-                Err(Failure {
+                Err(OpenFailure {
                     sources: specification.sources,
                     report,
                 })
@@ -193,7 +193,7 @@ impl Session {
         let _ = self.machine.adopt(self.specification.program.clone());
     }
 
-    fn report(&self, fault: &Fault) -> Report {
+    fn report(&self, fault: &StepFault) -> Report {
         let mut report = Report::new();
         report.push(self.specification.explain_in(fault, &self.machine));
         report

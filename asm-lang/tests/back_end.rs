@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use asmotion_lang::{BackEnd, Files, First, NoInputs};
+use asmotion_lang::{BackEnd, FirstChoice, MemoryFiles, NoInputs};
 
 const COUNTER: &str = "asm counter
 import StandardLibrary
@@ -16,7 +16,7 @@ default init s0:
 
 #[test]
 fn native_code_is_there_or_said_not_to_be() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("counter.asm", COUNTER);
     let specification = asmotion_lang::open("counter.asm", &files).unwrap();
     let mut machine = specification.machine().unwrap();
@@ -31,7 +31,7 @@ fn native_code_is_there_or_said_not_to_be() {
         }
     }
     for _ in 0..3 {
-        machine.step(&mut NoInputs, &mut First, 0).unwrap();
+        machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
     }
     assert_eq!(machine.steps(), 3);
 }

@@ -1,6 +1,6 @@
 //! A specification may have several initial states: the default one counts unless another is asked for.
 
-use asmotion_lang::{Files, Options};
+use asmotion_lang::{MemoryFiles, ReadOptions};
 
 const TEXT: &str = "asm several
 import StandardLibrary
@@ -17,9 +17,9 @@ init high:
 ";
 
 fn begins_with(initial: Option<&str>) -> Result<String, String> {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("several.asm", TEXT);
-    let options = Options {
+    let options = ReadOptions {
         compatible: false,
         initial: initial.map(str::to_owned),
     };

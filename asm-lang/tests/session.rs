@@ -7,7 +7,7 @@
 )]
 
 use asmotion_lang::{
-    Environment, Files, First, NoInputs, Report, Session, Style, Value, ir, render_all,
+    Environment, FirstChoice, MemoryFiles, NoInputs, Report, Session, Style, Value, ir, render_all,
 };
 
 const GEAR: &str = "module Gear
@@ -51,7 +51,7 @@ impl Environment for Counter {
 }
 
 fn session() -> Session {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("car.asm", CAR);
     files.add("Gear.asm", GEAR);
     let specification =
@@ -79,7 +79,7 @@ fn it_evaluates_terms_in_the_current_state() {
     assert_eq!(evaluate(&mut session, "seen(4)"), "40");
     session
         .machine
-        .step(&mut Counter(6), &mut First, 0)
+        .step(&mut Counter(6), &mut FirstChoice, 0)
         .unwrap();
     assert_eq!(
         evaluate(&mut session, "(speed, fast, seen(7), seen(4))"),
@@ -100,7 +100,7 @@ fn a_watched_term_keeps_its_meaning_while_others_come_and_go() {
     assert_eq!(evaluate(&mut session, "seen(1)"), "10");
     session
         .machine
-        .step(&mut Counter(3), &mut First, 0)
+        .step(&mut Counter(3), &mut FirstChoice, 0)
         .unwrap();
     assert_eq!(
         session.value(watched, &mut NoInputs, 0).unwrap(),
@@ -113,7 +113,7 @@ fn a_question_asks_the_environment_and_leaves_the_last_step_as_it_was() {
     let mut session = session();
     session
         .machine
-        .step(&mut Counter(1), &mut First, 0)
+        .step(&mut Counter(1), &mut FirstChoice, 0)
         .unwrap();
     let value = session.evaluate("pedal", &mut Counter(7), 0).unwrap();
     assert_eq!(value, Value::Int(8));
@@ -128,13 +128,18 @@ fn a_rule_fires_without_being_a_step() {
         .fire(
             "seq r_set[3] speed := speed + 1 endseq",
             &mut NoInputs,
-            &mut First,
+            &mut FirstChoice,
             0,
         )
         .unwrap();
     assert_eq!(evaluate(&mut session, "speed"), "4");
     assert_eq!(session.machine.steps(), 0);
-    let clash = session.fire("par r_set[3] r_set[2] endpar", &mut NoInputs, &mut First, 0);
+    let clash = session.fire(
+        "par r_set[3] r_set[2] endpar",
+        &mut NoInputs,
+        &mut FirstChoice,
+        0,
+    );
     assert_eq!(clash.unwrap_err().diagnostics[0].code, "R001");
     assert_eq!(evaluate(&mut session, "speed"), "4");
 }
@@ -159,7 +164,7 @@ fn a_machine_is_kept_and_taken_up_again() {
     let kept = session.machine.clone();
     session
         .machine
-        .step(&mut Counter(4), &mut First, 0)
+        .step(&mut Counter(4), &mut FirstChoice, 0)
         .unwrap();
     assert_eq!(evaluate(&mut session, "speed"), "5");
     session.machine = kept;

@@ -1,6 +1,6 @@
 //! A large specification, generated: how long reading and checking it takes.
 
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -100,7 +100,7 @@ default init s0:
 /// Prints the least and the median time of reading and checking, and of the program besides.
 pub fn print() {
     let text = text();
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("large.asm", text.as_str());
     let mut checked = Vec::new();
     let mut opened = Vec::new();

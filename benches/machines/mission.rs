@@ -29,14 +29,15 @@ impl Environment for Mission {
         self.reads = self.reads.wrapping_add(1);
         Ok(Some(
             match self.program.functions[function.0 as usize].codomain {
-                ir::Shape::Bool => Value::Bool(self.reads.is_multiple_of(37)),
-                ir::Shape::Domain(domain) => match self.program.domains[domain.0 as usize].elements
-                {
-                    ir::Elements::Atoms { first, count } => {
-                        Value::Atom(Atom(first.0 + self.reads / 4 * 3 % count))
+                ir::ValueShape::Bool => Value::Bool(self.reads.is_multiple_of(37)),
+                ir::ValueShape::Domain(domain) => {
+                    match self.program.domains[domain.0 as usize].elements {
+                        ir::DomainElements::Atoms { first, count } => {
+                            Value::Atom(Atom(first.0 + self.reads / 4 * 3 % count))
+                        }
+                        _ => Value::Undef,
                     }
-                    _ => Value::Undef,
-                },
+                }
                 _ => Value::Undef,
             },
         ))

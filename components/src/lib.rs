@@ -20,7 +20,7 @@ use asmotion_messages::{
 pub use asmotion_messages::MESSAGES;
 
 /// Makes a component: declares it on the interface.
-pub type Make = fn(&mut Interface) -> Box<dyn Component>;
+pub type MakeComponent = fn(&mut Interface) -> Box<dyn Component>;
 
 /// The rows of the catalogue: the type's constructor is called `new`.
 macro_rules! catalogue {
@@ -30,18 +30,18 @@ macro_rules! catalogue {
 }
 
 /// Every component by the name a composite gives it.
-pub const COMPONENTS: &[(&str, Make)] = catalogue! {
+pub const COMPONENTS: &[(&str, MakeComponent)] = catalogue! {
     "nav::MapServer" => asmotion_map::MapServer;
     "nav::TrajectoryPlanner" => asmotion_planner::TrajectoryPlanner;
     "nav::TrajectoryAdapter" => asmotion_adapter::TrajectoryAdapter;
     "nav::TrajectoryFollower" => asmotion_follower::TrajectoryFollower;
-    "nav::Operator" => asmotion_operator::Operator;
+    "nav::Operator" => asmotion_operator::ScriptedOperator;
     "nav::sim::RoverDriver" => asmotion_rover::RoverDriver;
     "nav::sim::LaserDriver" => asmotion_laser::LaserDriver;
     "nav::sim::World" => asmotion_world::World;
     "youbot::DummyDriver" => asmotion_youbot::DummyDriver;
     "youbot::Kinematics" => asmotion_youbot::Kinematics;
-    "youbot::Operator" => asmotion_youbot::Operator;
+    "youbot::Operator" => asmotion_youbot::YoubotOperator;
 };
 
 /// The operations of an interface.
@@ -67,7 +67,7 @@ pub const INTERFACES: &[(&str, Operations)] = &[
 ];
 
 /// The constructor of a component.
-pub fn component(name: &str) -> Option<Make> {
+pub fn component(name: &str) -> Option<MakeComponent> {
     row(COMPONENTS, name)
 }
 

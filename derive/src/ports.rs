@@ -7,7 +7,7 @@ use syn::{DeriveInput, Error, Field, GenericArgument, Ident, LitStr, PathArgumen
 use crate::field::{documentation, each, named, plain};
 
 /// One field and what `#[port(…)]` says about it.
-struct Port<'a> {
+struct PortField<'a> {
     field: &'a Field,
     handle: &'a Ident,
     /// What passes, or the operation.
@@ -20,10 +20,10 @@ struct Port<'a> {
 }
 
 pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
-    let ports = each(named(input, "Ports")?, Port::parse)?;
+    let ports = each(named(input, "Ports")?, PortField::parse)?;
     let of = &input.ident;
     let names = ports.iter().map(|it| it.name);
-    let declares = ports.iter().map(Port::declare);
+    let declares = ports.iter().map(PortField::declare);
     let declares = declares.collect::<Result<Vec<_>>>()?;
     Ok(quote! {
         const _: () = {
@@ -39,7 +39,7 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-impl<'a> Port<'a> {
+impl<'a> PortField<'a> {
     fn parse(field: &'a Field, name: &'a Ident) -> Result<Self> {
         let (handle, of) = handle(&field.ty)?;
         let mut port = Self {

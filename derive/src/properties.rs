@@ -9,7 +9,7 @@ use crate::duration;
 use crate::field::{documentation, each, named, plain, range, text, value};
 
 /// One field and what `#[property(…)]` says about it.
-struct Property<'a> {
+struct PropertyField<'a> {
     field: &'a Field,
     name: &'a Ident,
     options: Options,
@@ -32,14 +32,14 @@ struct Options {
 }
 
 pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
-    let properties = each(named(input, "Properties")?, Property::parse)?;
+    let properties = each(named(input, "Properties")?, PropertyField::parse)?;
     let of = &input.ident;
     let names: Vec<_> = properties.iter().map(|it| it.name).collect();
-    let handles = properties.iter().map(Property::handle);
-    let reads = properties.iter().map(Property::read);
-    let defaults = properties.iter().map(Property::default);
+    let handles = properties.iter().map(PropertyField::handle);
+    let reads = properties.iter().map(PropertyField::read);
+    let defaults = properties.iter().map(PropertyField::default);
     let defaults = defaults.collect::<Result<Vec<_>>>()?;
-    let declares = properties.iter().map(Property::declare);
+    let declares = properties.iter().map(PropertyField::declare);
     let declares = declares.collect::<Result<Vec<_>>>()?;
     Ok(quote! {
         const _: () = {
@@ -75,7 +75,7 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-impl<'a> Property<'a> {
+impl<'a> PropertyField<'a> {
     fn parse(field: &'a Field, name: &'a Ident) -> Result<Self> {
         let mut options = Options::default();
         for attribute in &field.attrs {

@@ -5,20 +5,20 @@ use std::sync::Arc;
 use asmotion_assembly::plan;
 use asmotion_bus::{Bus, BusError};
 
-use super::Access;
+use super::BrokerAccess;
 use crate::feature::{Amqp, LeftOut};
 
 /// Settings of a broker: this build has none.
 #[derive(Clone, Debug)]
-pub enum Settings {}
+pub enum AmqpSettings {}
 
 /// Refuses: this build cannot connect to `address`.
-pub fn settings(address: &str, _: &Access) -> Result<Settings, String> {
+pub fn settings(address: &str, _: &BrokerAccess) -> Result<AmqpSettings, String> {
     Err(format!("`--bus {address}`: {}", LeftOut::new::<Amqp>()))
 }
 
 /// Refuses: this build cannot connect to the broker that a composite names.
-pub fn named(broker: &plan::Broker, _: &Access) -> Result<Settings, String> {
+pub fn named(broker: &plan::Broker, _: &BrokerAccess) -> Result<AmqpSettings, String> {
     let (name, left_out) = (&broker.name, LeftOut::new::<Amqp>());
     Err(format!(
         "the broker `{name}` of the composite: {left_out}\n  `--bus local` runs without a broker"
@@ -26,13 +26,13 @@ pub fn named(broker: &plan::Broker, _: &Access) -> Result<Settings, String> {
 }
 
 /// Never called: there are no settings.
-pub fn prepare(settings: &mut Settings, _: Option<String>, _: bool) {
+pub fn prepare(settings: &mut AmqpSettings, _: Option<String>, _: bool) {
     match *settings {}
 }
 
 /// Never called: there are no settings.
 pub fn connect(
-    settings: &Settings,
+    settings: &AmqpSettings,
     _: &str,
     _: Option<&str>,
 ) -> (String, Result<Arc<dyn Bus>, BusError>) {
@@ -41,6 +41,6 @@ pub fn connect(
 
 /// Never called: there are no settings.
 #[cfg(feature = "tui")]
-pub fn watch(settings: &Settings) -> (String, Result<asmotion_remote::Remote, String>) {
+pub fn watch(settings: &AmqpSettings) -> (String, Result<asmotion_remote::Remote, String>) {
     match *settings {}
 }

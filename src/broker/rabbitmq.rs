@@ -4,16 +4,16 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_amqp::{AmqpBus, Credentials, Identity};
+use asmotion_amqp::{AmqpBus, ClientIdentity, Credentials};
 use asmotion_assembly::model::Tls;
 use asmotion_assembly::plan;
 use asmotion_bus::{Bus, BusError};
 use asmotion_remote::Remote;
 use clap::Args;
 
-use super::Access;
+use super::BrokerAccess;
 
-pub use asmotion_amqp::Settings;
+pub use asmotion_amqp::AmqpSettings;
 
 /// Time limit for the first connection.
 const CONNECT: Duration = Duration::from_secs(10);
@@ -23,22 +23,22 @@ const PASSWORD: &str = "ASMOTION_PASSWORD";
 
 /// Options of commands that use a live broker.
 #[derive(Args, Clone)]
-pub struct Broker {
+pub struct BrokerArguments {
     /// Address of the broker, `amqp://user@host:port/vhost` [default: the environment variable ASMOTION_BUS]. The
     /// password is read from ASMOTION_PASSWORD or `--credentials`.
     #[arg(long, global = true, value_name = "URL")]
     bus: Option<String>,
 
     #[command(flatten)]
-    access: Access,
+    access: BrokerAccess,
 }
 
-impl Broker {
+impl BrokerArguments {
     /// Returns the connection settings. Topics and addresses are whole keys, including the robot's name.
     ///
     /// # Errors
     /// Fails if no broker is given or the password is unknown.
-    pub fn settings(&self) -> Result<Settings, String> {
+    pub fn settings(&self) -> Result<AmqpSettings, String> {
         let variable = || std::env::var("ASMOTION_BUS").ok();
         let address =
             self.bus.clone().or_else(variable).ok_or(
@@ -62,7 +62,7 @@ impl Broker {
 ///
 /// # Errors
 /// Fails if the broker is unreachable or refuses the connection.
-pub fn remote(mut settings: Settings) -> Result<Remote, String> {
+pub fn remote(mut settings: AmqpSettings) -> Result<Remote, String> {
     settings.process = "asmotion-tool".to_owned();
     let place = settings.place();
     let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
@@ -73,7 +73,7 @@ pub fn remote(mut settings: Settings) -> Result<Remote, String> {
 
 /// Completes the settings of a run: the robot whose topics these are, and whether the person at the terminal hears what
 /// becomes of the link.
-pub fn prepare(settings: &mut Settings, robot: Option<String>, quiet: bool) {
+pub fn prepare(settings: &mut AmqpSettings, robot: Option<String>, quiet: bool) {
     settings.robot = robot;
     if !quiet {
         settings.notices = Arc::new(|notice| {
@@ -87,7 +87,7 @@ pub fn prepare(settings: &mut Settings, robot: Option<String>, quiet: bool) {
 /// # Errors
 /// The broker is not there, or refuses the credentials.
 pub fn connect(
-    settings: &Settings,
+    settings: &AmqpSettings,
     robot: &str,
     process: Option<&str>,
 ) -> (String, Result<Arc<dyn Bus>, BusError>) {
@@ -106,7 +106,7 @@ pub fn connect(
 /// # Errors
 /// The broker is not there, or refuses the credentials.
 #[cfg(feature = "tui")]
-pub fn watch(settings: &Settings) -> (String, Result<Remote, String>) {
+pub fn watch(settings: &AmqpSettings) -> (String, Result<Remote, String>) {
     let mut settings = settings.clone();
     settings.robot = None;
     (settings.place(), remote(settings))
@@ -116,7 +116,7 @@ pub fn watch(settings: &Settings) -> (String, Result<Remote, String>) {
 ///
 /// # Errors
 /// Fails if its address is invalid or contradicts `tls`, or if there is no password.
-pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String> {
+pub fn named(broker: &plan::Broker, access: &BrokerAccess) -> Result<AmqpSettings, String> {
     let of = |reason: String| format!("the broker `{}` of the composite: {reason}", broker.name);
     let address = broker.url.as_ref().map_or("", plan::Endpoint::reveal);
     let address = match broker.tls {
@@ -142,13 +142,13 @@ pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String>
 ///
 /// # Errors
 /// Fails if the address is invalid or there is no password.
-pub fn settings(address: &str, access: &Access) -> Result<Settings, String> {
+pub fn settings(address: &str, access: &BrokerAccess) -> Result<AmqpSettings, String> {
     let (address, has_password) = with_password(address);
-    let mut settings = Settings::parse(&address).map_err(|error| error.to_string())?;
+    let mut settings = AmqpSettings::parse(&address).map_err(|error| error.to_string())?;
     if let Some(tls) = &mut settings.tls {
         tls.authority.clone_from(&access.ca);
         let identity = access.certificate.clone().zip(access.key.clone());
-        tls.identity = identity.map(|(certificate, key)| Identity { certificate, key });
+        tls.identity = identity.map(|(certificate, key)| ClientIdentity { certificate, key });
     }
     if let Some(file) = &access.credentials {
         settings.credentials = Credentials::from_file(file).map_err(|error| error.to_string())?;
@@ -193,7 +193,7 @@ mod tests {
             heartbeat_s: 9,
             reconnect: Default::default(),
         };
-        let settings = named(&broker, &Access::default()).unwrap();
+        let settings = named(&broker, &BrokerAccess::default()).unwrap();
         assert_eq!(settings.timing.heartbeat, 9);
     }
 
@@ -212,9 +212,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("credentials");
         std::fs::write(&file, "bob\nsecret\n").unwrap();
-        let access = Access {
+        let access = BrokerAccess {
             credentials: Some(file),
-            ..Access::default()
+            ..BrokerAccess::default()
         };
         let settings = settings("amqp://ann@h", &access).unwrap();
         assert_eq!(settings.credentials, Credentials::new("bob", "secret"));

@@ -1,8 +1,8 @@
 //! `asmotion call`: calls an operation of a live component.
 
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use asmotion_datum::Datum;
 use asmotion_remote::RemoteError;
 use clap::Args;
@@ -23,12 +23,12 @@ pub struct Call {
     timeout: f64,
 
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 }
 
 impl Call {
     /// Makes the call and prints the reply as JSON.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         match self.call() {
             Ok(Ok(answer)) => {
                 terminal.result(answer);

@@ -1,20 +1,20 @@
 //! `asmotion check`: reports errors and warnings before anything runs.
 
+mod connections;
 mod explain;
 mod findings;
+mod fix;
 mod json;
-mod mend;
-mod ways;
 
 use super::tool::Tool;
 use crate::exit::Exit;
-use crate::files::Disk;
-use crate::terminal::{Terminal, count};
+use crate::files::DiskLoader;
+use crate::terminal::{TerminalOutput, count};
 use asmotion_diagnostics::Applicability;
-use asmotion_lang::{Diagnostic, Options, Report, Sources};
+use asmotion_lang::{Diagnostic, ReadOptions, Report, Sources};
 use clap::{Args, ValueEnum};
 use findings::findings;
-use mend::Mended;
+use fix::FixedFile;
 use serde_json::{Value, json};
 
 /// Checks specifications, scenarios and composites without running them.
@@ -29,8 +29,8 @@ pub struct Check {
     explain: Option<Option<String>>,
 
     /// Output format of the findings
-    #[arg(long, value_enum, default_value_t = Format::Full)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = FindingFormat::Full)]
+    format: FindingFormat,
 
     /// Same as `--format json`
     #[arg(long, conflicts_with = "format")]
@@ -60,7 +60,7 @@ pub struct Check {
 
 /// Output format of the findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
+enum FindingFormat {
     /// Findings with source lines, on standard error
     Full,
     /// One line for each finding, on standard output
@@ -71,7 +71,7 @@ enum Format {
 
 /// Results of all files.
 #[derive(Default)]
-struct Seen {
+struct CheckSummary {
     report: Report,
     findings: Vec<Value>,
     fixed: Vec<Value>,
@@ -81,31 +81,31 @@ struct Seen {
 
 impl Check {
     /// Checks all files.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         if let Some(code) = &self.explain {
             return explain::explain(code.as_deref(), terminal);
         }
         let options = self.options();
-        let mut seen = Seen::default();
+        let mut seen = CheckSummary::default();
         for path in &self.files {
-            if self.format() == Format::Full {
+            if self.format() == FindingFormat::Full {
                 terminal.status("Checking", path);
             }
-            let (report, sources) = match self.fix.then(|| mend::mend(path, &options)) {
+            let (report, sources) = match self.fix.then(|| fix::mend(path, &options)) {
                 Some(Ok(mended)) => self.mended(path, mended, &mut seen, terminal),
                 // a file that cannot be read is reported like any other finding
-                Some(Err(_)) | None => findings(path, &options, &Disk),
+                Some(Err(_)) | None => findings(path, &options, &DiskLoader),
             };
             self.show(&report, &sources, &mut seen, terminal);
             if self.connections {
-                ways::show(path, terminal);
+                connections::show(path, terminal);
             }
             if report.has_errors() {
                 seen.exit = seen.exit.max(Exit::refused(path));
             }
             seen.report.extend(report);
         }
-        if self.format() == Format::Json {
+        if self.format() == FindingFormat::Json {
             let mut document =
                 json!({ "type": "check", "v": 1, "files": self.files, "findings": seen.findings });
             if self.fix {
@@ -117,24 +117,28 @@ impl Check {
         seen.exit
     }
 
-    fn options(&self) -> Options {
-        Options {
+    fn options(&self) -> ReadOptions {
+        ReadOptions {
             compatible: self.compat.is_some(),
             initial: None,
         }
     }
 
-    fn format(&self) -> Format {
-        if self.json { Format::Json } else { self.format }
+    fn format(&self) -> FindingFormat {
+        if self.json {
+            FindingFormat::Json
+        } else {
+            self.format
+        }
     }
 
     /// Writes the fixed file, or prints its diff. Returns the remaining findings.
     fn mended(
         &self,
         path: &str,
-        mended: Mended,
-        seen: &mut Seen,
-        terminal: &mut Terminal,
+        mended: FixedFile,
+        seen: &mut CheckSummary,
+        terminal: &mut TerminalOutput,
     ) -> (Report, Sources) {
         if !mended.done.is_empty() {
             if self.diff {
@@ -142,7 +146,7 @@ impl Check {
             } else if let Err(error) = mended.write(path) {
                 terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
                 seen.exit = Exit::Usage;
-                return findings(path, &self.options(), &Disk);
+                return findings(path, &self.options(), &DiskLoader);
             }
         }
         let verb = if self.diff { "Would fix" } else { "Fixed" };
@@ -154,15 +158,21 @@ impl Check {
         (mended.report, mended.sources)
     }
 
-    fn show(&self, report: &Report, sources: &Sources, seen: &mut Seen, terminal: &mut Terminal) {
+    fn show(
+        &self,
+        report: &Report,
+        sources: &Sources,
+        seen: &mut CheckSummary,
+        terminal: &mut TerminalOutput,
+    ) {
         match self.format() {
-            Format::Full => terminal.report(report, sources),
-            Format::Concise => {
+            FindingFormat::Full => terminal.report(report, sources),
+            FindingFormat::Concise => {
                 for finding in &report.diagnostics {
                     terminal.result(asmotion_lang::concise(finding, sources));
                 }
             }
-            Format::Json => seen.findings.extend(
+            FindingFormat::Json => seen.findings.extend(
                 report
                     .diagnostics
                     .iter()
@@ -171,7 +181,7 @@ impl Check {
         }
     }
 
-    fn conclude(&self, report: &Report, terminal: &mut Terminal) {
+    fn conclude(&self, report: &Report, terminal: &mut TerminalOutput) {
         let files = match self.files.len() {
             1 => "1 file".to_owned(),
             several => format!("{several} files"),

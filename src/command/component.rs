@@ -2,15 +2,15 @@
 
 mod properties;
 
-use self::properties::Properties;
+use self::properties::PropertiesCommand;
 use super::run::property_value;
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::exit::Exit;
 use crate::table;
-use crate::terminal::{NAME, Terminal};
+use crate::terminal::{NAME, TerminalOutput};
 use asmotion_component::Transition;
 use asmotion_datum::Datum;
-use asmotion_remote::{Present, Remote, Typed};
+use asmotion_remote::{PresentComponent, PresentEndpoint, Remote};
 use clap::{Args, Subcommand};
 use std::error::Error;
 
@@ -18,14 +18,14 @@ use std::error::Error;
 #[derive(Args)]
 pub struct Component {
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 
     #[command(subcommand)]
-    what: What,
+    what: ComponentCommand,
 }
 
 #[derive(Subcommand)]
-enum What {
+enum ComponentCommand {
     /// Lists all components with process, state and rate
     List,
     /// Shows ports, services, references and properties of a component
@@ -72,12 +72,12 @@ enum What {
         values: Vec<String>,
     },
     #[command(flatten)]
-    Properties(Properties),
+    Properties(PropertiesCommand),
 }
 
 impl Component {
     /// Executes the subcommand.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let done = self.broker.remote().and_then(|remote| {
             let done = self.what.run(&remote, terminal);
             done.map_err(|error| error.to_string())
@@ -92,8 +92,8 @@ impl Component {
     }
 }
 
-impl What {
-    fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, Box<dyn Error>> {
+impl ComponentCommand {
+    fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, Box<dyn Error>> {
         let take = |name: String, transition| remote.component(&name)?.transition(transition);
         match self {
             Self::List => list(&remote.components(), terminal),
@@ -127,7 +127,7 @@ fn setting(written: &str) -> Result<(String, Datum), String> {
     Ok((property.trim().to_owned(), property_value(value.trim())))
 }
 
-pub(super) fn list(found: &[asmotion_remote::Component], terminal: &mut Terminal) {
+pub(super) fn list(found: &[asmotion_remote::RemoteComponent], terminal: &mut TerminalOutput) {
     let rows = found.iter().map(|found| {
         let component = found.present();
         vec![
@@ -155,9 +155,9 @@ pub(super) fn list(found: &[asmotion_remote::Component], terminal: &mut Terminal
 }
 
 pub(super) fn show(
-    found: &asmotion_remote::Component,
-    component: &Present,
-    terminal: &mut Terminal,
+    found: &asmotion_remote::RemoteComponent,
+    component: &PresentComponent,
+    terminal: &mut TerminalOutput,
 ) {
     terminal.result(format_args!(
         "{NAME}{}{NAME:#}: {} in process {} of {}",
@@ -184,8 +184,8 @@ pub(super) fn show(
             component.dropped, component.misfits
         ));
     }
-    let mut typed = |what: &str, all: &[Typed]| {
-        for Typed { name, kind } in all {
+    let mut typed = |what: &str, all: &[PresentEndpoint]| {
+        for PresentEndpoint { name, kind } in all {
             terminal.result(format_args!("  {what:<10}  {name}: {kind}"));
         }
     };

@@ -4,10 +4,10 @@ use asmotion_datum::Datum;
 use clap::{Args, ValueEnum};
 use std::path::Path;
 
-use super::run::{Common, virtual_clock};
+use super::run::{MissionArguments, virtual_clock};
 use crate::exit::Exit;
 use crate::mission::Mission;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Files of the demo, embedded so that the binary needs no others.
 const FILES: &[(&str, &str)] = &[
@@ -33,16 +33,16 @@ pub struct Demo {
     speed: f64,
 
     /// Obstacles that the map does not show
-    #[arg(long, value_enum, default_value_t = World::Blocked)]
-    world: World,
+    #[arg(long, value_enum, default_value_t = DemoWorld::Blocked)]
+    world: DemoWorld,
 
     #[command(flatten)]
-    common: Common,
+    common: MissionArguments,
 }
 
 /// Obstacles that the map does not show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum World {
+enum DemoWorld {
     /// None
     Plain,
     /// Obstacles that can be passed
@@ -51,7 +51,7 @@ enum World {
     Blocked,
 }
 
-impl World {
+impl DemoWorld {
     /// The obstacles, as a value of the property `World.obstacles`.
     fn obstacles(self) -> &'static str {
         match self {
@@ -75,7 +75,7 @@ pub const BLOCKED_CORRIDOR: &str = r#"[
 ]"#;
 
 impl Demo {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let folder = match unpack() {
             Ok(folder) => folder,
             Err(error) => {

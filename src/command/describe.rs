@@ -6,12 +6,12 @@ use asmotion_assembly::plan::{End, Promoted};
 use clap::{Args, ValueEnum};
 
 use crate::build;
-use crate::describe::{self, Channel, Description, Served, asyncapi, yaml};
+use crate::describe::{self, Channel, Description, ServedOperation, asyncapi, yaml};
 use crate::exit::Exit;
-use crate::files::Disk;
+use crate::files::DiskLoader;
 use crate::mission::MissionError;
 use crate::table;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Shows the components, topics and services of a composite, for people or for tools.
 #[derive(Args)]
@@ -28,8 +28,8 @@ pub struct Describe {
     asyncapi: bool,
 
     /// Format of the AsyncAPI document
-    #[arg(long, value_enum, default_value_t = Format::Json, requires = "asyncapi")]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = DescriptionFormat::Json, requires = "asyncapi")]
+    format: DescriptionFormat,
 
     /// Robot name, used as the routing-key prefix [default: the composite's name]
     #[arg(long, requires = "asyncapi")]
@@ -38,14 +38,14 @@ pub struct Describe {
 
 /// Format of a document.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Format {
+enum DescriptionFormat {
     Json,
     Yaml,
 }
 
 impl Describe {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let opened = build::open(&self.composite, &[], &Disk);
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build::open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);
@@ -60,8 +60,8 @@ impl Describe {
             let robot = self.robot.as_deref().unwrap_or(&plan.name);
             let document = asyncapi::document(&description, robot);
             match self.format {
-                Format::Json => terminal.result(format_args!("{document:#}")),
-                Format::Yaml => terminal.result(yaml::text(&document).trim_end()),
+                DescriptionFormat::Json => terminal.result(format_args!("{document:#}")),
+                DescriptionFormat::Yaml => terminal.result(yaml::text(&document).trim_end()),
             }
         } else {
             tables(&description, terminal);
@@ -70,7 +70,7 @@ impl Describe {
     }
 }
 
-fn tables(description: &Description<'_>, terminal: &mut Terminal) {
+fn tables(description: &Description<'_>, terminal: &mut TerminalOutput) {
     let plan = description.plan;
     let version = plan.version.as_deref().unwrap_or_default();
     terminal.result(format!("{} {version}", plan.name).trim_end());
@@ -127,7 +127,7 @@ fn doors(promoted: &Promoted, plan: &Plan) -> Vec<Vec<String>> {
     promoted.bindings.iter().map(door).collect()
 }
 
-fn show(head: &[&str], rows: impl Iterator<Item = Vec<String>>, terminal: &mut Terminal) {
+fn show(head: &[&str], rows: impl Iterator<Item = Vec<String>>, terminal: &mut TerminalOutput) {
     let lines = table::lines(head, rows);
     if lines.len() > 1 {
         terminal.result(format_args!("\n{}", lines.join("\n")));
@@ -143,7 +143,7 @@ fn topic(topic: &Channel) -> Vec<String> {
     ]
 }
 
-fn operation(served: &Served) -> Vec<String> {
+fn operation(served: &ServedOperation) -> Vec<String> {
     vec![
         served.address(),
         served.operation.request.to_string(),

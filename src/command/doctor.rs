@@ -1,10 +1,12 @@
 //! `asmotion doctor`: diagnoses a broker.
 
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::exit::Exit;
-use crate::terminal::{BAD, GOOD, Terminal};
-use asmotion_amqp::{AmqpBus, Settings};
-use asmotion_bus::{Bus, BusError, CallFailure, Link, Notifier, Origin, Payload, Request, Sending};
+use crate::terminal::{BAD, GOOD, TerminalOutput};
+use asmotion_amqp::{AmqpBus, AmqpSettings};
+use asmotion_bus::{
+    Bus, BusError, CallFailure, LinkState, Notifier, Payload, PublishOptions, Request, SenderId,
+};
 use asmotion_datum::{Datum, Message};
 use clap::Args;
 use std::net::{TcpStream, ToSocketAddrs};
@@ -16,7 +18,7 @@ use std::time::Duration;
 #[derive(Args)]
 pub struct Doctor {
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 }
 
 /// Time limit of each test.
@@ -26,12 +28,12 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const TRIED: &str = "asmotion.doctor";
 
 /// A defect of the broker, with its remedy.
-struct Ailment {
+struct Diagnosis {
     what: String,
     mend: String,
 }
 
-impl Ailment {
+impl Diagnosis {
     fn new(what: impl Into<String>, mend: impl Into<String>) -> Self {
         Self {
             what: what.into(),
@@ -42,7 +44,7 @@ impl Ailment {
 
 impl Doctor {
     /// Tests what a system needs, step by step, until a step fails.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let settings = match self.broker.settings() {
             Ok(settings) => settings,
             Err(problem) => {
@@ -63,7 +65,7 @@ impl Doctor {
     }
 }
 
-fn examine(settings: &Settings, terminal: &mut Terminal) -> Result<(), Ailment> {
+fn examine(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(), Diagnosis> {
     let mut well = |what: String| terminal.result(format_args!("{GOOD}ok{GOOD:#}   {what}"));
     reach(settings)?;
     well(format!("{}:{} is there", settings.host, settings.port));
@@ -83,10 +85,10 @@ fn examine(settings: &Settings, terminal: &mut Terminal) -> Result<(), Ailment> 
 }
 
 /// Tests whether a TCP connection can be opened.
-fn reach(settings: &Settings) -> Result<(), Ailment> {
+fn reach(settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let (host, port) = (&settings.host, settings.port);
     let addresses = (host.as_str(), port).to_socket_addrs().map_err(|error| {
-        Ailment::new(
+        Diagnosis::new(
             format!("`{host}` cannot be found: {error}"),
             "is the name right? Try its IP address",
         )
@@ -98,7 +100,7 @@ fn reach(settings: &Settings) -> Result<(), Ailment> {
             Err(error) => last = error.to_string(),
         }
     }
-    Err(Ailment::new(
+    Err(Diagnosis::new(
         format!("{host}:{port} cannot be reached: {last}"),
         "on that machine: `systemctl status rabbitmq-server`, and `rabbitmq-diagnostics listeners`\n\
          says the port (5672 unless set) and the addresses; a firewall may be in between",
@@ -106,7 +108,7 @@ fn reach(settings: &Settings) -> Result<(), Ailment> {
 }
 
 /// Tests whether the broker accepts the credentials and the virtual host.
-fn enter(settings: &Settings) -> Result<AmqpBus, Ailment> {
+fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
     AmqpBus::connect(settings.clone(), PATIENCE).map_err(|error| {
         let (user, vhost) = (settings.credentials.user(), &settings.vhost);
         let what = error.to_string();
@@ -127,23 +129,23 @@ fn enter(settings: &Settings) -> Result<AmqpBus, Ailment> {
             "something listens there, but not as RabbitMQ does: is it the right port? The broker's log says more"
                 .to_owned()
         };
-        Ailment::new(what, mend)
+        Diagnosis::new(what, mend)
     })
 }
 
 /// The command that grants the user all permissions in the virtual host.
-fn permit(settings: &Settings) -> String {
+fn permit(settings: &AmqpSettings) -> String {
     let (user, vhost) = (settings.credentials.user(), &settings.vhost);
     format!("rabbitmqctl set_permissions -p {vhost} {user} '.*' '.*' '.*'")
 }
 
 /// Tests whether the broker accepts messages.
-fn take(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
+fn take(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     // a memory or disk alarm shows as a probe without a reply
     std::thread::sleep(settings.timing.silent + 2 * settings.timing.pulse);
     match bus.health().link {
-        Link::Up => Ok(()),
-        Link::Blocked { reason } | Link::Down { reason } => Err(Ailment::new(
+        LinkState::Up => Ok(()),
+        LinkState::Blocked { reason } | LinkState::Down { reason } => Err(Diagnosis::new(
             format!("the broker takes nothing: {reason}"),
             "it is short of memory or disk: `rabbitmq-diagnostics alarms` says which;\n\
              make room, or raise `vm_memory_high_watermark` or lower `disk_free_limit` in rabbitmq.conf",
@@ -152,11 +154,11 @@ fn take(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
 }
 
 /// Tests whether a message published on a topic arrives.
-fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
+fn exchange(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let read = asmotion_remote::listen(bus, TRIED)
         .map_err(|error| forbidden("a topic cannot be read", &error.to_string(), settings))?;
-    let sending = Sending::events(NonZeroUsize::MIN);
-    let origin = Origin::new("asmotion-doctor", 0);
+    let sending = PublishOptions::events(NonZeroUsize::MIN);
+    let origin = SenderId::new("asmotion-doctor", 0);
     let message = Payload::of(Datum::text("hello"));
     let mut publisher = (bus.publisher(TRIED, &origin, Datum::schema(), sending))
         .map_err(|error| forbidden("a topic cannot be written", &error.to_string(), settings))?;
@@ -171,7 +173,7 @@ fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
 }
 
 /// Tests whether a service can be offered and called.
-fn serve(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
+fn serve(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let ill = |what: String| forbidden("a service cannot be offered or called", &what, settings);
     let serving = match bus.serve(TRIED, 1, Arc::new(Notifier::new())) {
         Ok(serving) => serving,
@@ -180,7 +182,7 @@ fn serve(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
         Err(error) => return Err(ill(error.to_string())),
     };
     let request = Request::new(
-        Origin::new("asmotion-doctor", 0),
+        SenderId::new("asmotion-doctor", 0),
         Payload::of(Datum::Null),
         PATIENCE,
     );
@@ -196,9 +198,9 @@ fn serve(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
         .map_err(|failure: CallFailure| ill(failure.to_string()))
 }
 
-fn forbidden(what: &str, reason: &str, settings: &Settings) -> Ailment {
+fn forbidden(what: &str, reason: &str, settings: &AmqpSettings) -> Diagnosis {
     let (user, vhost) = (settings.credentials.user(), &settings.vhost);
-    Ailment::new(
+    Diagnosis::new(
         format!("{what}: {reason}"),
         format!(
             "`rabbitmqctl list_permissions -p {vhost}` shows what `{user}` may do;\n\

@@ -4,9 +4,9 @@ use clap::Args;
 
 use crate::build;
 use crate::exit::Exit;
-use crate::files::Disk;
+use crate::files::DiskLoader;
 use crate::mission::MissionError;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Prints a composite with nested composites expanded, defaults filled in and secrets masked.
 #[derive(Args)]
@@ -20,8 +20,8 @@ pub struct Expand {
 }
 
 impl Expand {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let opened = build::open(&self.composite, &[], &Disk);
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build::open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);

@@ -2,8 +2,8 @@
 
 use crate::diff;
 use crate::exit::Exit;
-use crate::files::{self, Disk};
-use crate::terminal::Terminal;
+use crate::files::{self, DiskLoader};
+use crate::terminal::TerminalOutput;
 use asmotion_diagnostics::LoadError;
 use asmotion_lang::{Loader, Report, Sources, syntax};
 use clap::Args;
@@ -29,7 +29,7 @@ pub struct Fmt {
 
 /// Numbers of files by result.
 #[derive(Default)]
-struct Tally {
+struct FmtSummary {
     changed: usize,
     unchanged: usize,
     /// Files with errors, left unchanged.
@@ -39,8 +39,8 @@ struct Tally {
 }
 
 impl Fmt {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let mut tally = Tally::default();
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let mut tally = FmtSummary::default();
         for path in &self.paths {
             match files_at(path) {
                 Ok(files) => files
@@ -65,7 +65,7 @@ impl Fmt {
         }
     }
 
-    fn file(&self, path: &str, tally: &mut Tally, terminal: &mut Terminal) {
+    fn file(&self, path: &str, tally: &mut FmtSummary, terminal: &mut TerminalOutput) {
         let before = match read(path) {
             Ok(text) => text,
             Err(error) => {
@@ -103,7 +103,7 @@ impl Fmt {
         path: &str,
         before: &str,
         after: &str,
-        terminal: &mut Terminal,
+        terminal: &mut TerminalOutput,
     ) -> std::io::Result<()> {
         if self.diff {
             terminal.result(diff::unified(path, before, after).trim_end());
@@ -116,7 +116,7 @@ impl Fmt {
         Ok(())
     }
 
-    fn conclude(&self, tally: &Tally, terminal: &mut Terminal) {
+    fn conclude(&self, tally: &FmtSummary, terminal: &mut TerminalOutput) {
         let change = if self.check || self.diff {
             "to format"
         } else {
@@ -162,7 +162,7 @@ fn files_at(path: &str) -> std::io::Result<Vec<String>> {
 
 fn read(path: &str) -> Result<Arc<str>, LoadError> {
     if path != "-" {
-        return Disk.read(path);
+        return DiskLoader.read(path);
     }
     let mut text = String::new();
     match std::io::stdin().read_to_string(&mut text) {

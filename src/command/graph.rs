@@ -6,9 +6,9 @@ use clap::{Args, ValueEnum};
 
 use crate::build;
 use crate::exit::Exit;
-use crate::files::{Disk, reason};
+use crate::files::{DiskLoader, reason};
 use crate::mission::MissionError;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Draws a composite: components, topics, services, references and their connections.
 #[derive(Args)]
@@ -21,8 +21,8 @@ pub struct Graph {
     profile: Option<String>,
 
     /// Output format
-    #[arg(long, value_enum, default_value_t = Format::Svg)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = GraphFormat::Svg)]
+    format: GraphFormat,
 
     /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
@@ -31,7 +31,7 @@ pub struct Graph {
 
 /// Format of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
+enum GraphFormat {
     /// Graphviz
     Dot,
     /// Mermaid
@@ -41,8 +41,8 @@ enum Format {
 }
 
 impl Graph {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let opened = build::open(&self.composite, &[], &Disk);
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build::open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);
@@ -53,9 +53,9 @@ impl Graph {
             return Exit::Usage;
         };
         let picture = match self.format {
-            Format::Dot => asmotion_drawing::dot(plan),
-            Format::Mermaid => asmotion_drawing::mermaid(plan),
-            Format::Svg => asmotion_drawing::svg(plan),
+            GraphFormat::Dot => asmotion_drawing::dot(plan),
+            GraphFormat::Mermaid => asmotion_drawing::mermaid(plan),
+            GraphFormat::Svg => asmotion_drawing::svg(plan),
         };
         let Some(path) = self.output else {
             terminal.result(picture.trim_end());

@@ -1,8 +1,8 @@
 //! `asmotion port`: reads and writes ports of live components.
 
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use asmotion_datum::Datum;
 use asmotion_remote::RemoteError;
 use clap::{Args, Subcommand};
@@ -11,14 +11,14 @@ use clap::{Args, Subcommand};
 #[derive(Args)]
 pub struct Port {
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 
     #[command(subcommand)]
-    what: What,
+    what: PortCommand,
 }
 
 #[derive(Subcommand)]
-enum What {
+enum PortCommand {
     /// Prints the last value written to an output port, as JSON
     Read {
         /// `COMPONENT.PORT`, or `ROBOT.COMPONENT.PORT`
@@ -35,7 +35,7 @@ enum What {
 }
 
 impl Port {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         match self.ask() {
             Ok(None) => Exit::Ok,
             Ok(Some(read)) => {
@@ -51,8 +51,8 @@ impl Port {
 
     fn ask(self) -> Result<Option<String>, String> {
         let (whole, message) = match self.what {
-            What::Read { port } => (port, None),
-            What::Write { port, message } => {
+            PortCommand::Read { port } => (port, None),
+            PortCommand::Write { port, message } => {
                 let datum: Datum = asmotion_datum::json::decode(&message)
                     .map_err(|error| format!("`{message}` is no JSON: {error}"))?;
                 (port, Some(datum))

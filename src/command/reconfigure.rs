@@ -1,14 +1,14 @@
 //! `asmotion reconfigure`: applies a new version of a composite to the running system.
 
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::build;
 use crate::exit::Exit;
-use crate::files::{Disk, Remembering};
-use crate::mission::{Version, reconfigure_address};
-use crate::terminal::Terminal;
+use crate::files::{DiskLoader, Remembering};
+use crate::mission::{CompositeVersion, reconfigure_address};
+use crate::terminal::TerminalOutput;
 use asmotion_assembly::beside;
 use asmotion_datum::Datum;
-use asmotion_remote::{Remote, RemoteError, Word};
+use asmotion_remote::{Remote, RemoteError, RobotPresence};
 use clap::Args;
 use std::time::Duration;
 
@@ -31,15 +31,15 @@ pub struct Reconfigure {
     set: Vec<String>,
 
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 }
 
 /// Time limit for a process to check a version.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 impl Reconfigure {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let files = Remembering::new(&Disk);
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let files = Remembering::new(&DiskLoader);
         let settings = self.set.iter().filter_map(|set| set.split_once('='));
         let settings: Vec<_> = settings
             .map(|(name, value)| (name.to_owned(), value.to_owned()))
@@ -50,7 +50,7 @@ impl Reconfigure {
             return Exit::refused(&self.composite);
         };
         let here = |path: &str| beside(&opened.path, path);
-        let version = Version {
+        let version = CompositeVersion {
             composite: here(&opened.path),
             files: (files.read().into_iter())
                 .map(|(path, text)| (here(&path), text.to_string()))
@@ -72,11 +72,11 @@ impl Reconfigure {
         &self,
         remote: &Remote,
         name: &str,
-        version: Version,
-        terminal: &mut Terminal,
+        version: CompositeVersion,
+        terminal: &mut TerminalOutput,
     ) -> Result<Exit, String> {
         let processes = remote.processes().into_iter();
-        let processes: Vec<Word> = processes
+        let processes: Vec<RobotPresence> = processes
             .filter(|it| it.presence.composite == name)
             .filter(|it| self.robot.as_ref().is_none_or(|robot| *robot == it.robot))
             .collect();
@@ -87,13 +87,13 @@ impl Reconfigure {
             }
             [_, ..] => {}
         }
-        let ask = |version: &Version| -> Vec<Result<Vec<String>, RemoteError>> {
+        let ask = |version: &CompositeVersion| -> Vec<Result<Vec<String>, RemoteError>> {
             let asked = processes.iter().map(|it| ask(remote, it, version));
             asked.collect()
         };
         let tried = ask(&version);
         if tried.iter().all(Result::is_ok) && !self.only_try {
-            let version = Version {
+            let version = CompositeVersion {
                 only_try: false,
                 ..version
             };
@@ -106,7 +106,11 @@ impl Reconfigure {
 }
 
 /// Asks one process to check or apply a version; returns the list of changes.
-fn ask(remote: &Remote, process: &Word, version: &Version) -> Result<Vec<String>, RemoteError> {
+fn ask(
+    remote: &Remote,
+    process: &RobotPresence,
+    version: &CompositeVersion,
+) -> Result<Vec<String>, RemoteError> {
     let address = process.key(&reconfigure_address(&process.presence.process));
     let answer = remote.call(&address, Datum::of(version)?, PATIENCE)?;
     Ok(answer.to()?)
@@ -114,9 +118,9 @@ fn ask(remote: &Remote, process: &Word, version: &Version) -> Result<Vec<String>
 
 /// Prints the replies of all processes.
 fn tell(
-    processes: &[Word],
+    processes: &[RobotPresence],
     answers: Vec<Result<Vec<String>, RemoteError>>,
-    terminal: &mut Terminal,
+    terminal: &mut TerminalOutput,
 ) -> Exit {
     let mut exit = Exit::Ok;
     for (process, answer) in processes.iter().zip(answers) {

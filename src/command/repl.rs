@@ -1,16 +1,16 @@
 //! `asmotion repl`: interactive simulation of a specification.
 
 mod save;
-mod talk;
+mod session;
 mod verb;
 
 use crate::exit::Exit;
-use crate::files::Disk;
-use crate::prompt::{Line, Prompt};
-use crate::terminal::{Terminal, count};
-use asmotion_lang::{Failure, History, Session};
+use crate::files::DiskLoader;
+use crate::prompt::{Prompt, PromptLine};
+use crate::terminal::{TerminalOutput, count};
+use asmotion_lang::{History, OpenFailure, Session};
 use clap::Args;
-use talk::Talk;
+use session::ReplSession;
 use verb::VERBS;
 
 /// Steps a specification interactively: sets inputs, evaluates terms, undoes steps, finds the writer of a location.
@@ -30,11 +30,11 @@ pub struct Repl {
 
 impl Repl {
     /// Reads and executes commands until the end of input.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let session = asmotion_lang::open(&self.spec, &Disk).and_then(Session::new);
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let session = asmotion_lang::open(&self.spec, &DiskLoader).and_then(Session::new);
         let session = match session {
             Ok(session) => session,
-            Err(Failure { report, sources }) => {
+            Err(OpenFailure { report, sources }) => {
                 terminal.report(&report, &sources);
                 terminal.error(count(&report).unwrap_or_default());
                 return Exit::refused(&self.spec);
@@ -49,17 +49,17 @@ impl Repl {
         };
         prompt.know(names(&session));
         let history = History::new(session, self.seed, self.random);
-        let mut talk = Talk::new(self.spec, self.seed, history);
+        let mut talk = ReplSession::new(self.spec, self.seed, history);
         talk.greet(terminal);
         loop {
             match prompt.read(&talk.prompt()) {
-                Line::Text(line) => {
+                PromptLine::Text(line) => {
                     if !talk.answer(&line, terminal) {
                         break;
                     }
                 }
-                Line::Nothing => {}
-                Line::End => break,
+                PromptLine::Nothing => {}
+                PromptLine::End => break,
             }
         }
         prompt.keep();

@@ -1,35 +1,38 @@
 //! `asmotion run`: runs a composite.
 
-mod told;
+mod report;
+#[cfg(feature = "tui")]
+mod top;
 #[cfg(not(feature = "tui"))]
 mod unwatched;
-#[cfg(feature = "tui")]
-mod watched;
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use asmotion_assembly::{Value, plan};
-use asmotion_bus::Local;
+use asmotion_assembly::{SettingValue, plan};
+use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_runtime::Event;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::books::{Books, Wanted};
-use crate::broker::{self, Access};
+use crate::broker::{self, BrokerAccess};
 use crate::exit::Exit;
 use crate::gateway;
-use crate::mission::{Brokers, Clock, Mission, MissionError, Named, Outcome, Told};
-use crate::terminal::Terminal;
-use told::{event_json, summarise, summary_json};
+use crate::mission::{
+    ListenCallback, Mission, MissionBrokers, MissionClock, MissionError, MissionOutcome,
+    NamedBrokers,
+};
+use crate::output_files::{OutputArguments, OutputFiles};
+use crate::terminal::TerminalOutput;
+use report::{event_json, summarise, summary_json};
+#[cfg(feature = "tui")]
+use top::spectator;
 #[cfg(not(feature = "tui"))]
 use unwatched::spectator;
-#[cfg(feature = "tui")]
-use watched::spectator;
 
 /// Runs a composite.
 #[derive(Args)]
@@ -56,7 +59,7 @@ pub struct Run {
     bus: Option<String>,
 
     #[command(flatten)]
-    access: Access,
+    access: BrokerAccess,
 
     /// Robot name, used as the routing-key prefix [default: the composite's name]
     #[arg(long)]
@@ -72,7 +75,7 @@ pub struct Run {
     process: Option<String>,
 
     #[command(flatten)]
-    common: Common,
+    common: MissionArguments,
 
     /// Ends the run successfully when a location has a value [default: mode=ARRIVED]
     #[arg(long, value_name = "LOCATION=VALUE")]
@@ -92,7 +95,7 @@ enum ClockKind {
 
 /// Options common to `run` and `demo`.
 #[derive(Args, Clone)]
-pub struct Common {
+pub struct MissionArguments {
     /// Seed for noise, slip and `choose`
     #[arg(long)]
     pub seed: Option<u64>,
@@ -110,7 +113,7 @@ pub struct Common {
     pub set: Vec<String>,
 
     #[command(flatten)]
-    books: Wanted,
+    books: OutputArguments,
 
     /// Prints steps, calls, faults and the summary as JSON, one object a line, on standard output
     #[arg(long)]
@@ -126,7 +129,7 @@ pub struct Common {
 }
 
 impl Run {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         if self.composite.ends_with(".asm") {
             terminal.error(format_args!(
                 "`{0}` is a specification: `asmotion sim {0}` runs it alone",
@@ -165,9 +168,9 @@ impl Run {
                     "over {what}, time is the wall's: leave out `--clock` and `--speed`{or}"
                 ));
             }
-            (None, None, Some(_)) => Clock::Wall,
+            (None, None, Some(_)) => MissionClock::Wall,
             (None | Some(ClockKind::Virtual), speed, None) => virtual_clock(speed.unwrap_or(0.0))?,
-            (Some(ClockKind::Wall), None, _) => Clock::Wall,
+            (Some(ClockKind::Wall), None, _) => MissionClock::Wall,
             (Some(ClockKind::Wall), Some(_), _) => {
                 return Err(
                     "`--speed` is of the virtual clock; on the wall, time has its own speed"
@@ -181,9 +184,9 @@ impl Run {
     }
 
     /// Returns the printer of gateway addresses.
-    fn told(&self) -> Told {
+    fn told(&self) -> ListenCallback {
         let (quiet, as_json) = (self.common.quiet, self.common.json);
-        Told::new(move |name, at| {
+        ListenCallback::new(move |name, at| {
             let url = format!("http://{at}/services");
             if as_json {
                 let object = json!({ "type": "gateway", "v": 1, "name": name, "url": url });
@@ -196,18 +199,20 @@ impl Run {
     }
 
     /// The brokers of the run, or none for the local bus.
-    fn brokers(&self, mission: &Mission) -> Result<Brokers, String> {
+    fn brokers(&self, mission: &Mission) -> Result<MissionBrokers, String> {
         let named = |broker: &_| broker::named(broker, &self.access);
         Ok(match self.bus.as_deref() {
-            Some("local") => Brokers::Nothing,
-            Some(address) => Brokers::One(Box::new(broker::settings(address, &self.access)?)),
+            Some("local") => MissionBrokers::Nothing,
+            Some(address) => {
+                MissionBrokers::One(Box::new(broker::settings(address, &self.access)?))
+            }
             None => match mission.named_brokers()? {
-                None => Brokers::Nothing,
-                Some(Named::One(broker)) => Brokers::One(Box::new(named(&broker)?)),
-                Some(Named::Each(brokers)) => {
+                None => MissionBrokers::Nothing,
+                Some(NamedBrokers::One(broker)) => MissionBrokers::One(Box::new(named(&broker)?)),
+                Some(NamedBrokers::Each(brokers)) => {
                     let settings = |it: &plan::Broker| Ok((it.name.clone(), named(it)?));
                     let each: Result<_, String> = brokers.iter().map(settings).collect();
-                    Brokers::Each(each?)
+                    MissionBrokers::Each(each?)
                 }
             },
         })
@@ -215,16 +220,16 @@ impl Run {
 }
 
 /// The virtual clock at this speed.
-pub fn virtual_clock(speed: f64) -> Result<Clock, String> {
+pub fn virtual_clock(speed: f64) -> Result<MissionClock, String> {
     match speed.is_finite() && speed >= 0.0 {
-        true => Ok(Clock::Virtual(speed)),
+        true => Ok(MissionClock::Virtual(speed)),
         false => Err(format!("`--speed {speed}`: a number from 0 is wanted")),
     }
 }
 
 /// Parses the value of a property as TOML; any other text is a string.
 pub fn property_value(written: &str) -> Datum {
-    Value::from_toml(written).map_or_else(|| Datum::text(written), |value| value.datum())
+    SettingValue::from_toml(written).map_or_else(|| Datum::text(written), |value| value.datum())
 }
 
 /// Splits `location=value` options; `None` if there are none.
@@ -245,9 +250,9 @@ fn ends(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
         .map(Some)
 }
 
-impl Common {
+impl MissionArguments {
     /// Applies the options and runs a mission with this title.
-    pub fn run(&self, title: &str, mut mission: Mission, terminal: &mut Terminal) -> Exit {
+    pub fn run(&self, title: &str, mut mission: Mission, terminal: &mut TerminalOutput) -> Exit {
         if let Err(problem) = self.apply(&mut mission) {
             terminal.error(problem);
             return Exit::Usage;
@@ -257,11 +262,11 @@ impl Common {
     }
 
     /// Runs a mission to which the options have been applied.
-    fn run_applied(&self, title: &str, mission: &Mission, terminal: &mut Terminal) -> Exit {
+    fn run_applied(&self, title: &str, mission: &Mission, terminal: &mut TerminalOutput) -> Exit {
         let clock = match mission.clock {
-            Clock::Wall => "wall clock".to_owned(),
-            Clock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),
-            Clock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
+            MissionClock::Wall => "wall clock".to_owned(),
+            MissionClock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),
+            MissionClock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
         };
         if !self.quiet {
             terminal.status(
@@ -316,18 +321,20 @@ impl Common {
             summarise(&ended, terminal);
         }
         match ended.outcome {
-            Outcome::Reached => Exit::Ok,
+            MissionOutcome::Reached => Exit::Ok,
             // one process of several runs until it is told to stop
-            Outcome::Stopped if mission.process.is_some() => Exit::Ok,
-            Outcome::Failed | Outcome::TimeUp | Outcome::Stopped => Exit::Findings,
-            Outcome::Fault => Exit::Fault,
+            MissionOutcome::Stopped if mission.process.is_some() => Exit::Ok,
+            MissionOutcome::Failed | MissionOutcome::TimeUp | MissionOutcome::Stopped => {
+                Exit::Findings
+            }
+            MissionOutcome::Fault => Exit::Fault,
         }
     }
 
     /// Gives the mission a local bus for `--top` if there is no broker.
     fn open_to_spectators(&self, mission: &mut Mission) {
-        if let (true, Brokers::Nothing) = (self.top, &mission.brokers) {
-            mission.brokers = Brokers::Inside(Local::new());
+        if let (true, MissionBrokers::Nothing) = (self.top, &mission.brokers) {
+            mission.brokers = MissionBrokers::Inside(LocalBus::new());
         }
     }
 
@@ -388,7 +395,7 @@ impl Common {
     /// The listener for events: prints text for people or JSON for programs.
     fn listener(
         &self,
-        books: Arc<Mutex<Books>>,
+        books: Arc<Mutex<OutputFiles>>,
     ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
         let (tell, as_json) = (!self.quiet && !self.json && !self.top, self.json);
         move |at, event, line| {
@@ -404,7 +411,7 @@ impl Common {
 }
 
 /// Locks the books; they are consistent even if a listener panicked while it held the lock.
-fn lock(books: &Mutex<Books>) -> MutexGuard<'_, Books> {
+fn lock(books: &Mutex<OutputFiles>) -> MutexGuard<'_, OutputFiles> {
     books.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -8,26 +8,26 @@ use clap::{Args, Subcommand};
 
 use crate::build::{self, BUILD};
 use crate::exit::Exit;
-use crate::files::{Disk, reason};
-use crate::terminal::Terminal;
+use crate::files::{DiskLoader, reason};
+use crate::terminal::TerminalOutput;
 
 /// Converts composites from and to the XML of the Service Component Architecture (SCDL).
 #[derive(Args)]
 pub struct Scdl {
     #[command(subcommand)]
-    what: What,
+    what: ScdlCommand,
 }
 
 #[derive(Subcommand)]
-enum What {
+enum ScdlCommand {
     /// Converts an SCDL file into composite files
-    Import(Import),
+    Import(ScdlImport),
     /// Converts a composite into SCDL
-    Export(Export),
+    Export(ScdlExport),
 }
 
 #[derive(Args)]
-struct Import {
+struct ScdlImport {
     /// SCDL file; nested composites are looked up in the same folder
     file: String,
 
@@ -37,7 +37,7 @@ struct Import {
 }
 
 #[derive(Args)]
-struct Export {
+struct ScdlExport {
     /// Composite file
     composite: String,
 
@@ -47,16 +47,16 @@ struct Export {
 }
 
 impl Scdl {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         match self.what {
-            What::Import(import) => import.run(terminal),
-            What::Export(export) => export.run(terminal),
+            ScdlCommand::Import(import) => import.run(terminal),
+            ScdlCommand::Export(export) => export.run(terminal),
         }
     }
 }
 
-impl Import {
-    fn run(self, terminal: &mut Terminal) -> Exit {
+impl ScdlImport {
+    fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let files = match read(&self.file) {
             Ok(files) => files,
             Err((path, reason)) => {
@@ -89,7 +89,7 @@ impl Import {
 
 /// Reads a file and the SCDL files in its folder; returns their paths and texts.
 fn read(file: &str) -> Result<Vec<(String, String)>, (String, String)> {
-    let read = |path: &str| match Disk.read(path) {
+    let read = |path: &str| match DiskLoader.read(path) {
         Ok(text) => Ok((path.to_owned(), text.to_string())),
         Err(error) => Err((error.path, error.reason)),
     };
@@ -113,7 +113,7 @@ fn read(file: &str) -> Result<Vec<(String, String)>, (String, String)> {
     Ok(files)
 }
 
-fn write(path: &Path, text: &str, terminal: &mut Terminal) -> Result<(), Exit> {
+fn write(path: &Path, text: &str, terminal: &mut TerminalOutput) -> Result<(), Exit> {
     match std::fs::write(path, text) {
         Ok(()) => {
             terminal.status("Wrote", path.display());
@@ -127,9 +127,9 @@ fn write(path: &Path, text: &str, terminal: &mut Terminal) -> Result<(), Exit> {
     }
 }
 
-impl Export {
-    fn run(self, terminal: &mut Terminal) -> Exit {
-        let opened = build::open(&self.composite, &[], &Disk);
+impl ScdlExport {
+    fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build::open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         let composite = opened.composite.filter(|_| !opened.report.has_errors());
         let Some(composite) = composite else {

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Prints the JSON Schema of composite files, for editors.
 #[derive(Args)]
@@ -14,7 +14,7 @@ pub struct Schema {
 }
 
 impl Schema {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let schema = match self.types {
             true => asmotion_assembly::schema::types(),
             false => asmotion_assembly::schema::composite(),

@@ -4,10 +4,10 @@ mod browser;
 mod peers;
 mod verb;
 
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::exit::Exit;
-use crate::prompt::{Line, Prompt};
-use crate::terminal::Terminal;
+use crate::prompt::{Prompt, PromptLine};
+use crate::terminal::TerminalOutput;
 use browser::Browser;
 use clap::Args;
 use verb::VERBS;
@@ -19,12 +19,12 @@ use verb::VERBS;
 #[derive(Args)]
 pub struct Shell {
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 }
 
 impl Shell {
     /// Reads and executes commands until the end of input.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let prompt = Prompt::new(VERBS, "_./-", "shell_history")
             .map_err(|error| format!("cannot read the input: {error}"));
         let ready = prompt.and_then(|prompt| Ok((prompt, self.broker.remote()?)));
@@ -40,13 +40,13 @@ impl Shell {
         loop {
             prompt.know(browser.names());
             match prompt.read(&browser.prompt()) {
-                Line::Text(line) => {
+                PromptLine::Text(line) => {
                     if !browser.answer(&line, terminal) {
                         break;
                     }
                 }
-                Line::Nothing => {}
-                Line::End => break,
+                PromptLine::Nothing => {}
+                PromptLine::End => break,
             }
         }
         prompt.keep();

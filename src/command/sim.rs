@@ -6,12 +6,12 @@ mod single;
 use super::tool::Tool;
 use crate::codes::s000::UnreadableScript;
 use crate::exit::Exit;
-use crate::files::Disk;
-use crate::terminal::Terminal;
+use crate::files::DiskLoader;
+use crate::terminal::TerminalOutput;
 use asmotion_diagnostics::Finding;
 use asmotion_lang::hir::NO_SUCH_INIT;
-use asmotion_lang::simulate::{Causes, Clock, Random, Recording, Script, Simulation};
-use asmotion_lang::{Failure, Fault, Loader, Options, Report, Specification};
+use asmotion_lang::simulate::{Causes, Random, Recording, Script, Simulation, SimulationClock};
+use asmotion_lang::{Loader, OpenFailure, ReadOptions, Report, Specification, StepFault};
 use clap::Args;
 use std::path::Path;
 
@@ -48,7 +48,7 @@ pub struct Sim {
     /// Clock of the time functions: `virtual` stands still, `wall` is the system clock, `stepped` or
     /// `stepped:ns|us|ms|s|min|h` advances by one unit each step
     #[arg(long, value_name = "CLOCK", default_value = "virtual", value_parser = ticking)]
-    clock: Ticking,
+    clock: SimClock,
 
     /// Seed for random inputs and `choose`
     #[arg(long, default_value_t = 1)]
@@ -65,23 +65,23 @@ pub struct Sim {
 
 /// Clock of the time functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Ticking {
+enum SimClock {
     Virtual,
     Wall,
     Stepped(i64),
 }
 
-fn ticking(text: &str) -> Result<Ticking, String> {
+fn ticking(text: &str) -> Result<SimClock, String> {
     const SECOND: i64 = 1_000_000_000;
     Ok(match text {
-        "virtual" => Ticking::Virtual,
-        "wall" => Ticking::Wall,
-        "stepped" | "stepped:s" => Ticking::Stepped(SECOND),
-        "stepped:ns" => Ticking::Stepped(1),
-        "stepped:us" => Ticking::Stepped(1_000),
-        "stepped:ms" => Ticking::Stepped(1_000_000),
-        "stepped:min" => Ticking::Stepped(60 * SECOND),
-        "stepped:h" => Ticking::Stepped(3600 * SECOND),
+        "virtual" => SimClock::Virtual,
+        "wall" => SimClock::Wall,
+        "stepped" | "stepped:s" => SimClock::Stepped(SECOND),
+        "stepped:ns" => SimClock::Stepped(1),
+        "stepped:us" => SimClock::Stepped(1_000),
+        "stepped:ms" => SimClock::Stepped(1_000_000),
+        "stepped:min" => SimClock::Stepped(60 * SECOND),
+        "stepped:h" => SimClock::Stepped(3600 * SECOND),
         _ => {
             let known = "`virtual`, `wall`, `stepped`, `stepped:ns`, `stepped:us`, `stepped:ms`, `stepped:s`, `stepped:min`, `stepped:h`";
             return Err(format!("the clocks are {known}"));
@@ -89,14 +89,14 @@ fn ticking(text: &str) -> Result<Ticking, String> {
     })
 }
 
-impl Ticking {
-    fn clock(self) -> Clock {
+impl SimClock {
+    fn clock(self) -> SimulationClock {
         match self {
-            Self::Virtual => Clock::Virtual,
-            Self::Stepped(unit) => Clock::Stepped(unit),
+            Self::Virtual => SimulationClock::Virtual,
+            Self::Stepped(unit) => SimulationClock::Stepped(unit),
             Self::Wall => {
                 let begin = std::time::Instant::now();
-                Clock::Told(Box::new(move || {
+                SimulationClock::Told(Box::new(move || {
                     i64::try_from(begin.elapsed().as_nanos()).unwrap_or(i64::MAX)
                 }))
             }
@@ -108,15 +108,15 @@ impl Ticking {
 const STEPS: u64 = 20;
 
 /// Reasons why a run cannot start.
-enum Unbegun {
+enum SimStartError {
     /// The inputs cannot be read.
     Inputs(Report),
     /// The initial state cannot be computed.
-    Fault(Box<Fault>),
+    Fault(Box<StepFault>),
 }
 
 impl Sim {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let path = Path::new(&self.spec);
         if path.is_dir() {
             return self.folder(path, terminal);
@@ -136,8 +136,8 @@ impl Sim {
         &self,
         specification: &mut Specification,
         recorded: Option<&str>,
-    ) -> Result<Simulation, Unbegun> {
-        let machine = specification.machine().map_err(Unbegun::Fault)?;
+    ) -> Result<Simulation, SimStartError> {
+        let machine = specification.machine().map_err(SimStartError::Fault)?;
         let causes = match (&self.env, recorded) {
             (Some(path), _) => Causes::Script(script(path, specification)?),
             (None, Some(path)) => {
@@ -151,16 +151,16 @@ impl Sim {
         Ok(Simulation::new(machine, causes, self.seed).timed(self.clock.clock()))
     }
 
-    fn open(&self, path: &str) -> Result<Specification, Failure> {
-        let options = Options {
+    fn open(&self, path: &str) -> Result<Specification, OpenFailure> {
+        let options = ReadOptions {
             compatible: self.compat.is_some(),
             initial: self.init.clone(),
         };
-        asmotion_lang::open_with(path, &Disk, &options)
+        asmotion_lang::open_with(path, &DiskLoader, &options)
     }
 
     /// Exit code for a specification with errors; an unknown initial state is a usage error.
-    fn refused(&self, failure: &Failure) -> Exit {
+    fn refused(&self, failure: &OpenFailure) -> Exit {
         let mut findings = failure.report.diagnostics.iter();
         match self.init.is_some() && findings.any(|finding| finding.is_any(&[NO_SUCH_INIT])) {
             true => Exit::Usage,
@@ -173,19 +173,19 @@ impl Sim {
     }
 }
 
-fn script(path: &str, specification: &mut Specification) -> Result<Script, Unbegun> {
+fn script(path: &str, specification: &mut Specification) -> Result<Script, SimStartError> {
     let text = read(path, "--env")?;
     let file = specification.sources.add(path, text.clone());
-    Script::read(file, &text, &specification.program).map_err(Unbegun::Inputs)
+    Script::read(file, &text, &specification.program).map_err(SimStartError::Inputs)
 }
 
 /// Reads a file named by an option.
-fn read(path: &str, option: &str) -> Result<std::sync::Arc<str>, Unbegun> {
-    Disk.read(path).map_err(|error| {
+fn read(path: &str, option: &str) -> Result<std::sync::Arc<str>, SimStartError> {
+    DiskLoader.read(path).map_err(|error| {
         let mut report = Report::new();
         let named = format!("the path given with `{option}`");
         report.push(UnreadableScript { error, named }.diagnostic());
-        Unbegun::Inputs(report)
+        SimStartError::Inputs(report)
     })
 }
 

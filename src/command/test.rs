@@ -9,12 +9,12 @@ pub(super) mod snapshot;
 
 use super::tool::Tool;
 use crate::exit::Exit;
-use crate::files::Disk;
-use crate::terminal::Terminal;
+use crate::files::DiskLoader;
+use crate::terminal::TerminalOutput;
 use asmotion_lang::coverage::Coverage;
-use asmotion_lang::scenario::{Settings, Tested};
-use asmotion_lang::simulate::scenario::{Options, Verdict};
-use asmotion_lang::{Failure, Report, Sources, hir};
+use asmotion_lang::scenario::{ScenarioResult, ScenarioSettings};
+use asmotion_lang::simulate::scenario::{ScenarioOptions, Verdict};
+use asmotion_lang::{OpenFailure, Report, Sources, hir};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub struct Test {
     seed: u64,
 
     /// Maximum number of steps of a `step until`
-    #[arg(long, default_value_t = Options::default().max_steps, value_name = "STEPS")]
+    #[arg(long, default_value_t = ScenarioOptions::default().max_steps, value_name = "STEPS")]
     max_steps: u64,
 
     /// Follows another tool: AsmetaV evaluates checks after the `set`s of the next step
@@ -62,7 +62,7 @@ pub struct Test {
 
     /// Shows coverage of the specifications: a table, or the sources with counts in the margin
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "table")]
-    coverage: Option<coverage::Shown>,
+    coverage: Option<coverage::CoverageFormat>,
 
     /// Writes coverage as LCOV
     #[arg(long, value_name = "FILE")]
@@ -74,12 +74,12 @@ pub struct Test {
 }
 
 /// The result of one scenario.
-struct Ended {
+struct TestResult {
     /// Path as it was found.
     path: PathBuf,
     /// Name of the scenario.
     name: String,
-    end: End,
+    end: TestEnd,
     steps: u64,
     checks: u64,
     took: Duration,
@@ -89,16 +89,16 @@ struct Ended {
     /// Coverage, if requested.
     coverage: Option<Coverage>,
     /// Difference between a snapshot and the run, if there is one.
-    difference: Option<snapshot::Difference>,
+    difference: Option<snapshot::SnapshotDifference>,
 }
 
-impl Ended {
+impl TestResult {
     /// A result that is `Unusable` until the scenario has run.
     fn unusable(path: PathBuf) -> Self {
         Self {
             path,
             name: String::new(),
-            end: End::Unusable,
+            end: TestEnd::Unusable,
             steps: 0,
             checks: 0,
             took: Duration::ZERO,
@@ -112,14 +112,14 @@ impl Ended {
 
 /// How a scenario ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
+enum TestEnd {
     /// Ran to a verdict.
     Ran(Verdict),
     /// Cannot be run.
     Unusable,
 }
 
-impl End {
+impl TestEnd {
     fn word(self) -> &'static str {
         match self {
             Self::Ran(verdict) => verdict.word(),
@@ -138,7 +138,7 @@ impl End {
 
 impl Test {
     /// Runs the scenarios and prints their results.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let found = match find::scenarios(&self.paths) {
             Ok(found) => found,
             Err(error) => {
@@ -159,7 +159,8 @@ impl Test {
             return Exit::Usage;
         }
         let begun = Instant::now();
-        let mut ended: Vec<Ended> = wanted.into_par_iter().map(|path| self.one(path)).collect();
+        let mut ended: Vec<TestResult> =
+            wanted.into_par_iter().map(|path| self.one(path)).collect();
         let took = begun.elapsed();
         let mut exit = match (self.accept, self.review) {
             (true, _) => review::accept(&mut ended, terminal),
@@ -178,7 +179,7 @@ impl Test {
     }
 
     /// Prints and writes coverage if requested.
-    fn covered(&self, ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
+    fn covered(&self, ended: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
         let mut all = Coverage::default();
         for one in ended {
             all.add(one.coverage.take().unwrap_or_default());
@@ -202,7 +203,7 @@ impl Test {
         self.filter.as_ref().is_none_or(|text| path.contains(text))
     }
 
-    fn one(&self, path: PathBuf) -> Ended {
+    fn one(&self, path: PathBuf) -> TestResult {
         if snapshot::is_script(&path) {
             snapshot::run(path, self.seed, self.covers())
         } else {
@@ -210,13 +211,13 @@ impl Test {
         }
     }
 
-    fn scenario(&self, path: PathBuf) -> Ended {
+    fn scenario(&self, path: PathBuf) -> TestResult {
         let begun = Instant::now();
         let tested =
-            asmotion_lang::scenario::test(&path.to_string_lossy(), &Disk, &self.settings());
-        let mut ended = Ended::unusable(path);
+            asmotion_lang::scenario::test(&path.to_string_lossy(), &DiskLoader, &self.settings());
+        let mut ended = TestResult::unusable(path);
         match tested {
-            Ok(Tested {
+            Ok(ScenarioResult {
                 name,
                 outcome,
                 report,
@@ -224,12 +225,14 @@ impl Test {
                 coverage,
             }) => {
                 ended.name = name;
-                ended.end = End::Ran(outcome.verdict);
+                ended.end = TestEnd::Ran(outcome.verdict);
                 (ended.steps, ended.checks) = (outcome.steps, outcome.checks);
                 (ended.report, ended.sources) = (report, specification.sources);
                 ended.coverage = coverage;
             }
-            Err(Failure { sources, report }) => (ended.report, ended.sources) = (report, sources),
+            Err(OpenFailure { sources, report }) => {
+                (ended.report, ended.sources) = (report, sources)
+            }
         }
         ended.took = begun.elapsed();
         ended
@@ -240,16 +243,16 @@ impl Test {
         self.coverage.is_some() || self.coverage_out.is_some()
     }
 
-    fn settings(&self) -> Settings {
-        Settings {
-            reading: hir::Options {
+    fn settings(&self) -> ScenarioSettings {
+        ScenarioSettings {
+            reading: hir::ReadOptions {
                 compatible: self.compat.is_some(),
                 initial: None,
             },
-            options: Options {
+            options: ScenarioOptions {
                 seed: self.seed,
                 max_steps: self.max_steps,
-                ..Options::default()
+                ..ScenarioOptions::default()
             },
             covers: self.covers(),
         }

@@ -1,8 +1,8 @@
 //! `asmotion top`: live view of a running system.
 
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use crate::top;
 use clap::Args;
 use std::io::IsTerminal;
@@ -15,12 +15,12 @@ use std::sync::atomic::AtomicBool;
 #[derive(Args)]
 pub struct Top {
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 }
 
 impl Top {
     /// Shows the system until `q` is pressed.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         if !std::io::stdout().is_terminal() {
             terminal.error("`asmotion top` draws on a terminal; for a program there are `asmotion component list` and `asmotion topic list`");
             return Exit::Usage;

@@ -5,25 +5,25 @@ mod hz;
 mod list;
 mod publish;
 
-use crate::broker::Broker;
+use crate::broker::BrokerArguments;
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use clap::{Args, Subcommand};
 
 /// Lists, shows and publishes messages of topics on a broker.
 #[derive(Args)]
 pub struct Topic {
     #[command(flatten)]
-    broker: Broker,
+    broker: BrokerArguments,
 
     #[command(subcommand)]
-    what: What,
+    what: TopicCommand,
 }
 
 #[derive(Subcommand)]
-enum What {
+enum TopicCommand {
     /// Lists topics with type, publishers, subscribers and rate
-    List(list::List),
+    List(list::TopicList),
     /// Prints the messages of a topic
     Echo(echo::Echo),
     /// Measures the rate of a topic
@@ -33,7 +33,7 @@ enum What {
 }
 
 impl Topic {
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let remote = match self.broker.remote() {
             Ok(remote) => remote,
             Err(problem) => {
@@ -42,10 +42,10 @@ impl Topic {
             }
         };
         let end = match self.what {
-            What::List(list) => list.run(&remote, terminal),
-            What::Echo(echo) => echo.run(&remote, terminal),
-            What::Hz(hz) => hz.run(&remote, terminal),
-            What::Pub(publish) => publish.run(&remote, terminal),
+            TopicCommand::List(list) => list.run(&remote, terminal),
+            TopicCommand::Echo(echo) => echo.run(&remote, terminal),
+            TopicCommand::Hz(hz) => hz.run(&remote, terminal),
+            TopicCommand::Pub(publish) => publish.run(&remote, terminal),
         };
         match end {
             Ok(exit) => exit,

@@ -13,12 +13,12 @@ use asmotion_assembly::plan::{Process, Restart};
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::broker::Access;
+use crate::broker::BrokerAccess;
 use crate::build;
 use crate::exit::Exit;
-use crate::files::Disk;
+use crate::files::DiskLoader;
 use crate::mission::MissionError;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Starts the processes of a composite that belong to this machine, and restarts them as its `restart` prescribes.
 #[derive(Args)]
@@ -39,7 +39,7 @@ pub struct Up {
     bus: Option<String>,
 
     #[command(flatten)]
-    access: Access,
+    access: BrokerAccess,
 
     /// Robot name, used as the routing-key prefix [default: the composite's name]
     #[arg(long)]
@@ -59,13 +59,13 @@ const GRACE: Duration = Duration::from_secs(10);
 
 impl Up {
     /// Starts the processes and waits until all have ended.
-    pub fn run(self, terminal: &mut Terminal) -> Exit {
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let properties = self.set.iter().filter_map(|set| set.split_once('='));
         let settings = properties.filter(|(name, _)| !name.contains('.'));
         let settings: Vec<(String, String)> = settings
             .map(|(name, value)| (name.to_owned(), value.to_owned()))
             .collect();
-        let opened = build::open(&self.composite, &settings, &Disk);
+        let opened = build::open(&self.composite, &settings, &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);
@@ -85,7 +85,11 @@ impl Up {
     }
 
     /// The processes of this machine, not started yet.
-    fn children(&self, plan: &Plan, terminal: &mut Terminal) -> Result<Vec<Keeper>, String> {
+    fn children(
+        &self,
+        plan: &Plan,
+        terminal: &mut TerminalOutput,
+    ) -> Result<Vec<SupervisedProcess>, String> {
         if let ([process, _, ..], None, []) = (&*plan.processes, &self.bus, &*plan.brokers) {
             let process = process.name.clone();
             return Err(MissionError::NeedsBroker { process }.to_string());
@@ -116,11 +120,11 @@ impl Up {
             // Ctrl-C must reach only this process, which then stops the children once
             command.process_group(0);
             command.args(self.arguments(&process.name));
-            Keeper {
+            SupervisedProcess {
                 name: process.name.clone(),
                 command,
                 restarts: Restarts::new(plan.restart.clone()),
-                state: State::Due(Instant::now()),
+                state: SupervisedState::Due(Instant::now()),
             }
         };
         Ok(mine.into_iter().map(keeper).collect())
@@ -148,15 +152,15 @@ impl Up {
 }
 
 /// A supervised process.
-struct Keeper {
+struct SupervisedProcess {
     name: String,
     command: Command,
     restarts: Restarts,
-    state: State,
+    state: SupervisedState,
 }
 
 /// State of a supervised process.
-enum State {
+enum SupervisedState {
     /// To be started at this time.
     Due(Instant),
     Running(Child),
@@ -166,7 +170,7 @@ enum State {
 }
 
 /// Starts and reaps processes until all have ended.
-fn look_after(mut children: Vec<Keeper>, terminal: &mut Terminal) -> Exit {
+fn look_after(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput) -> Exit {
     let stop = Arc::new(AtomicBool::new(false));
     let told = stop.clone();
     // without the handler, Ctrl-C would end this process and leave the children running
@@ -177,14 +181,14 @@ fn look_after(mut children: Vec<Keeper>, terminal: &mut Terminal) -> Exit {
         }
         if children
             .iter()
-            .all(|child| matches!(child.state, State::Ended { .. }))
+            .all(|child| matches!(child.state, SupervisedState::Ended { .. }))
         {
             break;
         }
         std::thread::sleep(LOOK);
     }
     let until = Instant::now() + GRACE;
-    children.iter_mut().for_each(Keeper::tell_to_end);
+    children.iter_mut().for_each(SupervisedProcess::tell_to_end);
     for child in &mut children {
         child.see_end(until, terminal);
     }
@@ -193,21 +197,22 @@ fn look_after(mut children: Vec<Keeper>, terminal: &mut Terminal) -> Exit {
         let times = if all == 1 { "time" } else { "times" };
         terminal.status("Ended", format_args!("{name}, started again {all} {times}"));
     }
-    let well = |child: &Keeper| matches!(child.state, State::Ended { well: true });
+    let well =
+        |child: &SupervisedProcess| matches!(child.state, SupervisedState::Ended { well: true });
     match children.iter().all(well) {
         true => Exit::Ok,
         false => Exit::Findings,
     }
 }
 
-impl Keeper {
+impl SupervisedProcess {
     /// Starts the process if it is due, and handles its end.
-    fn look(&mut self, terminal: &mut Terminal) {
+    fn look(&mut self, terminal: &mut TerminalOutput) {
         let now = Instant::now();
         match &mut self.state {
-            State::Due(at) if *at <= now => self.start(terminal),
-            State::Due(_) | State::Ended { .. } => {}
-            State::Running(child) => {
+            SupervisedState::Due(at) if *at <= now => self.start(terminal),
+            SupervisedState::Due(_) | SupervisedState::Ended { .. } => {}
+            SupervisedState::Running(child) => {
                 if let Ok(Some(status)) = child.try_wait() {
                     self.ended(status, now, terminal);
                 }
@@ -215,37 +220,37 @@ impl Keeper {
         }
     }
 
-    fn start(&mut self, terminal: &mut Terminal) {
+    fn start(&mut self, terminal: &mut TerminalOutput) {
         self.state = match self.command.spawn() {
             Ok(child) => {
                 let (name, id) = (&self.name, child.id());
                 terminal.status("Started", format_args!("{name}, process {id}"));
-                State::Running(child)
+                SupervisedState::Running(child)
             }
             Err(error) => {
                 terminal.error(format_args!("`{}` cannot be started: {error}", self.name));
-                State::Ended { well: false }
+                SupervisedState::Ended { well: false }
             }
         };
     }
 
-    fn ended(&mut self, status: ExitStatus, now: Instant, terminal: &mut Terminal) {
+    fn ended(&mut self, status: ExitStatus, now: Instant, terminal: &mut TerminalOutput) {
         let (name, well) = (&self.name, status.success());
         self.state = match self.restarts.next(well, now) {
-            Next::Again(wait) => {
+            AfterExit::Again(wait) => {
                 let count = self.restarts.all;
                 terminal.status(
                     "Restarting",
                     format_args!("{name}, the {count}. time, after {status}"),
                 );
-                State::Due(now + wait)
+                SupervisedState::Due(now + wait)
             }
-            Next::Rest => State::Ended { well },
-            Next::GiveUp => {
+            AfterExit::Rest => SupervisedState::Ended { well },
+            AfterExit::GiveUp => {
                 terminal.error(format_args!(
                     "`{name}` ended again ({status}), too often to be started once more"
                 ));
-                State::Ended { well: false }
+                SupervisedState::Ended { well: false }
             }
         };
     }
@@ -253,19 +258,19 @@ impl Keeper {
     /// Sends SIGTERM to the process.
     fn tell_to_end(&mut self) {
         match &self.state {
-            State::Running(child) => {
+            SupervisedState::Running(child) => {
                 let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
                 // the process can have ended just before
                 let _ = id.map(|id| kill_process(id, Signal::TERM));
             }
-            State::Due(_) => self.state = State::Ended { well: true },
-            State::Ended { .. } => {}
+            SupervisedState::Due(_) => self.state = SupervisedState::Ended { well: true },
+            SupervisedState::Ended { .. } => {}
         }
     }
 
     /// Waits for the process to end, and kills it at `until`.
-    fn see_end(&mut self, until: Instant, terminal: &mut Terminal) {
-        let State::Running(child) = &mut self.state else {
+    fn see_end(&mut self, until: Instant, terminal: &mut TerminalOutput) {
+        let SupervisedState::Running(child) = &mut self.state else {
             return;
         };
         let status = loop {
@@ -280,7 +285,7 @@ impl Keeper {
             }
         };
         let well = status.is_some_and(|status| status.success());
-        self.state = State::Ended { well };
+        self.state = SupervisedState::Ended { well };
     }
 }
 
@@ -294,7 +299,7 @@ struct Restarts {
 
 /// What follows the end of a process.
 #[derive(Debug, PartialEq)]
-enum Next {
+enum AfterExit {
     /// Restart after this time.
     Again(Duration),
     /// No restart: the policy does not ask for one.
@@ -312,9 +317,9 @@ impl Restarts {
         }
     }
 
-    fn next(&mut self, well: bool, now: Instant) -> Next {
+    fn next(&mut self, well: bool, now: Instant) -> AfterExit {
         let Some(rule) = &self.rule else {
-            return Next::Rest;
+            return AfterExit::Rest;
         };
         let again = match rule.policy {
             RestartPolicy::Never => false,
@@ -322,19 +327,19 @@ impl Restarts {
             RestartPolicy::Always => true,
         };
         if !again {
-            return Next::Rest;
+            return AfterExit::Rest;
         }
         let window = Duration::from_secs(rule.window_s);
         self.recent.retain(|at| now.duration_since(*at) < window);
         let count = self.recent.len();
         if count as u64 >= rule.max {
-            return Next::GiveUp;
+            return AfterExit::GiveUp;
         }
         self.recent.push(now);
         self.all += 1;
         let waits = &rule.backoff_ms;
         let wait = waits.get(count).or(waits.last());
-        Next::Again(wait.map_or(BACKOFF, |wait| Duration::from_millis(*wait)))
+        AfterExit::Again(wait.map_or(BACKOFF, |wait| Duration::from_millis(*wait)))
     }
 }
 
@@ -355,12 +360,12 @@ mod tests {
     fn a_failure_is_followed_by_a_start_until_there_were_too_many() {
         let now = Instant::now();
         let at = |seconds| now + Duration::from_secs(seconds);
-        let wait = |ms| Next::Again(Duration::from_millis(ms));
+        let wait = |ms| AfterExit::Again(Duration::from_millis(ms));
         let mut restarts = restarts(RestartPolicy::OnFailure);
-        assert_eq!(restarts.next(true, now), Next::Rest);
+        assert_eq!(restarts.next(true, now), AfterExit::Rest);
         assert_eq!(restarts.next(false, at(0)), wait(100));
         assert_eq!(restarts.next(false, at(1)), wait(300));
-        assert_eq!(restarts.next(false, at(2)), Next::GiveUp);
+        assert_eq!(restarts.next(false, at(2)), AfterExit::GiveUp);
         // the first restart has left the window
         assert_eq!(restarts.next(false, at(10)), wait(300));
         assert_eq!(restarts.all, 3);
@@ -369,9 +374,12 @@ mod tests {
     #[test]
     fn always_and_never_are_what_they_say() {
         let now = Instant::now();
-        assert_eq!(restarts(RestartPolicy::Never).next(false, now), Next::Rest);
-        assert_eq!(Restarts::new(None).next(false, now), Next::Rest);
+        assert_eq!(
+            restarts(RestartPolicy::Never).next(false, now),
+            AfterExit::Rest
+        );
+        assert_eq!(Restarts::new(None).next(false, now), AfterExit::Rest);
         let again = restarts(RestartPolicy::Always).next(true, now);
-        assert_eq!(again, Next::Again(Duration::from_millis(100)));
+        assert_eq!(again, AfterExit::Again(Duration::from_millis(100)));
     }
 }

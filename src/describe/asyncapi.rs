@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use asmotion_assembly::Plan;
 use asmotion_assembly::plan::Broker;
 use asmotion_datum::Schema;
-use asmotion_datum::json_schema::{Definitions, key};
+use asmotion_datum::json_schema::{SchemaDefinitions, key};
 use asmotion_remote::{control_address, presence_topic};
 use serde_json::{Map, Value, json};
 
 use super::envelope::{headers, refusals};
-use super::{Channel, Description, Served};
+use super::{Channel, Description, ServedOperation};
 
 /// Topic exchange, if the composite names no broker.
 const EXCHANGE: &str = "robots";
@@ -28,7 +28,7 @@ pub fn document(description: &Description<'_>, robot: &str) -> Value {
         channels: Map::new(),
         operations: Map::new(),
         messages: Map::new(),
-        schemas: Definitions::at(SCHEMAS),
+        schemas: SchemaDefinitions::at(SCHEMAS),
     };
     for topic in &description.topics {
         document.topic(topic);
@@ -65,7 +65,7 @@ struct Document<'a> {
     channels: Map<String, Value>,
     operations: Map<String, Value>,
     messages: Map<String, Value>,
-    schemas: Definitions,
+    schemas: SchemaDefinitions,
 }
 
 impl Document<'_> {
@@ -105,7 +105,7 @@ impl Document<'_> {
     }
 
     /// Adds an operation under the promoted names of its service.
-    fn promoted(&mut self, served: &Served) {
+    fn promoted(&mut self, served: &ServedOperation) {
         for (name, broker) in self.plan.promoted_over_brokers(&served.service) {
             let address = format!("{name}.{}", served.operation.name);
             let request = self.channel_of(served, &address, broker);
@@ -115,7 +115,12 @@ impl Document<'_> {
     }
 
     /// Adds the channel of an operation at an address; returns the key of the request.
-    fn channel_of(&mut self, served: &Served, address: &str, broker: Option<&str>) -> String {
+    fn channel_of(
+        &mut self,
+        served: &ServedOperation,
+        address: &str,
+        broker: Option<&str>,
+    ) -> String {
         let request = self.asked(&served.operation.request);
         let exchange = format!("{}.services", self.exchange(broker));
         self.channels.insert(
@@ -131,7 +136,13 @@ impl Document<'_> {
     }
 
     /// Adds an operation at an address.
-    fn operation(&mut self, action: &str, served: &Served, address: &str, request: &str) -> Value {
+    fn operation(
+        &mut self,
+        action: &str,
+        served: &ServedOperation,
+        address: &str,
+        request: &str,
+    ) -> Value {
         let component = &served.service.component;
         let mut operation = json!({
             "action": action,
@@ -145,7 +156,7 @@ impl Document<'_> {
         operation
     }
 
-    fn service(&mut self, served: &Served) {
+    fn service(&mut self, served: &ServedOperation) {
         let address = served.address();
         let broker = self.plan.broker_of(&served.service.component);
         let request = self.channel_of(served, &address, broker);
@@ -171,7 +182,7 @@ impl Document<'_> {
     }
 
     /// Adds the channel of the operation's replies; returns the `reply` object.
-    fn reply(&mut self, served: &Served) -> Value {
+    fn reply(&mut self, served: &ServedOperation) -> Value {
         let replies = format!("{}.reply", served.address());
         let result = self.answered(&served.operation.response);
         let answers = [result.as_str(), "refusal", "unavailable"];

@@ -1,7 +1,7 @@
 //! Errors of starting a mission.
 
 use asmotion_diagnostics::similar;
-use asmotion_lang::simulate::Unawaited;
+use asmotion_lang::simulate::AwaitError;
 use asmotion_lang::{Report, Sources};
 use std::fmt;
 
@@ -38,7 +38,7 @@ pub enum MissionError {
         /// Condition, for example `mode=ARRIVED`.
         wanted: String,
         /// Reason for each specification.
-        reasons: Vec<(String, Unawaited)>,
+        reasons: Vec<(String, AwaitError)>,
     },
     /// The composite is not deployed to this process.
     Process {

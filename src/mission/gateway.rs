@@ -15,7 +15,7 @@ use super::Mission;
 
 /// Gateways of a mission.
 #[derive(Clone, Debug, Default)]
-pub enum Gateways {
+pub enum MissionGateways {
     /// No gateway is opened.
     #[default]
     Closed,
@@ -24,32 +24,33 @@ pub enum Gateways {
         /// Overriding addresses, as pairs of gateway and address.
         elsewhere: Vec<(String, SocketAddr)>,
         /// Called with the address of each gateway.
-        told: Told,
+        told: ListenCallback,
     },
 }
 
 /// Callback for the name and address of each opened gateway.
 #[derive(Clone)]
-pub struct Told(
-    #[cfg_attr(not(feature = "http"), allow(dead_code, reason = "nothing listens"))] Arc<Hears>,
+pub struct ListenCallback(
+    #[cfg_attr(not(feature = "http"), allow(dead_code, reason = "nothing listens"))]
+    Arc<ListenFunction>,
 );
 
-type Hears = dyn Fn(&str, SocketAddr) + Send + Sync;
+type ListenFunction = dyn Fn(&str, SocketAddr) + Send + Sync;
 
-impl Told {
+impl ListenCallback {
     /// Wraps a function.
     pub fn new(hears: impl Fn(&str, SocketAddr) + Send + Sync + 'static) -> Self {
         Self(Arc::new(hears))
     }
 }
 
-impl fmt::Debug for Told {
+impl fmt::Debug for ListenCallback {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         to.write_str("Told")
     }
 }
 
-impl Gateways {
+impl MissionGateways {
     /// Returns `true` if gateways are opened.
     pub fn are_there(&self) -> bool {
         matches!(self, Self::Open { .. })

@@ -6,32 +6,32 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use asmotion_assembly::plan::Broker;
 use asmotion_assembly::{Opened, Part, Plan};
-use asmotion_bus::{Bus, BusError, Local};
+use asmotion_bus::{Bus, BusError, LocalBus};
 use asmotion_network::Network;
-use asmotion_remote::{Contact, Newest};
+use asmotion_remote::{LastSamples, ProcessContact};
 use asmotion_runtime::System;
 
-use super::successor::Successor;
+use super::version_switch::VersionSwitch;
 use super::{Mission, MissionError};
-use crate::broker::{self, Settings};
-use crate::files::Disk;
+use crate::broker::{self, AmqpSettings};
+use crate::files::DiskLoader;
 
 /// Brokers of a mission.
 #[derive(Clone, Debug, Default)]
-pub enum Brokers {
+pub enum MissionBrokers {
     /// No broker: all connections are direct.
     #[default]
     Nothing,
     /// No broker, but a bus inside the process for `--top`.
-    Inside(Local),
+    Inside(LocalBus),
     /// One broker for all topics and wires, whatever the composite says.
-    One(Box<Settings>),
+    One(Box<AmqpSettings>),
     /// The brokers named by the composite, by name; each carries what the composite assigns to it.
-    Each(BTreeMap<String, Settings>),
+    Each(BTreeMap<String, AmqpSettings>),
 }
 
 /// Brokers named in a composite.
-pub enum Named {
+pub enum NamedBrokers {
     /// A single broker, which carries everything.
     One(Broker),
     /// Several brokers, each for the components that name it.
@@ -39,14 +39,14 @@ pub enum Named {
 }
 
 /// A connection to a broker.
-pub(super) struct Connected {
+pub(super) struct ConnectedBroker {
     /// Name of the broker in the composite; `None` if it carries everything.
     name: Option<String>,
     place: String,
     bus: Arc<dyn Bus>,
 }
 
-impl Brokers {
+impl MissionBrokers {
     /// Returns `true` if there is a broker.
     pub fn are_there(&self) -> bool {
         match self {
@@ -56,7 +56,7 @@ impl Brokers {
     }
 
     /// Mutable settings of all brokers.
-    pub fn settings_mut(&mut self) -> Vec<&mut Settings> {
+    pub fn settings_mut(&mut self) -> Vec<&mut AmqpSettings> {
         match self {
             Self::Nothing | Self::Inside(_) => Vec::new(),
             Self::One(settings) => vec![settings],
@@ -70,9 +70,9 @@ impl Mission {
     pub(super) fn part(&self, plan: &Plan) -> Result<Part, MissionError> {
         let Some(wanted) = &self.process else {
             return Ok(match self.brokers {
-                Brokers::Nothing | Brokers::Inside(_) => Part::Whole,
-                Brokers::One(_) => Part::WholeOverBus,
-                Brokers::Each(_) => Part::with_brokers(plan),
+                MissionBrokers::Nothing | MissionBrokers::Inside(_) => Part::Whole,
+                MissionBrokers::One(_) => Part::WholeOverBus,
+                MissionBrokers::Each(_) => Part::with_brokers(plan),
             });
         };
         let found = plan.processes.iter().find(|known| known.name == *wanted);
@@ -93,18 +93,18 @@ impl Mission {
     ///
     /// # Errors
     /// Fails if there are several brokers and no component is assigned to one.
-    pub fn named_brokers(&self) -> Result<Option<Named>, String> {
+    pub fn named_brokers(&self) -> Result<Option<NamedBrokers>, String> {
         let named = self.planned(|plan| {
             if plan.names_brokers() {
                 let wanted = self.process.as_ref();
                 let process = plan.processes.iter().find(|it| Some(&it.name) == wanted);
                 let part = process.map_or_else(|| Part::with_brokers(plan), Part::of);
                 let brokers = plan.brokers_of(&part).into_iter().cloned();
-                return Ok(Some(Named::Each(brokers.collect())));
+                return Ok(Some(NamedBrokers::Each(brokers.collect())));
             }
             match &*plan.brokers {
                 [] => Ok(None),
-                [only] => Ok(Some(Named::One(only.clone()))),
+                [only] => Ok(Some(NamedBrokers::One(only.clone()))),
                 several => {
                     let names: Vec<&str> = several.iter().map(|it| &*it.name).collect();
                     let names = names.join(", ");
@@ -120,7 +120,7 @@ impl Mission {
 
     /// Applies a function to the plan, if the composite can be started.
     pub(super) fn planned<T>(&self, says: impl FnOnce(&Plan) -> T) -> Option<T> {
-        let opened = self.open(&self.composite, &Disk);
+        let opened = self.open(&self.composite, &DiskLoader);
         if opened.report.has_errors() {
             return None;
         }
@@ -129,22 +129,22 @@ impl Mission {
     }
 
     /// Connects to the brokers.
-    pub(super) fn connect(&self, plan: &Plan) -> Result<Vec<Connected>, MissionError> {
+    pub(super) fn connect(&self, plan: &Plan) -> Result<Vec<ConnectedBroker>, MissionError> {
         let named = |(name, settings): (&String, _)| (Some(name.clone()), settings);
-        let brokers: Vec<(Option<String>, &Settings)> = match &self.brokers {
-            Brokers::Nothing => Vec::new(),
-            Brokers::Inside(bus) => {
+        let brokers: Vec<(Option<String>, &AmqpSettings)> = match &self.brokers {
+            MissionBrokers::Nothing => Vec::new(),
+            MissionBrokers::Inside(bus) => {
                 let (place, bus) = ("this process".to_owned(), Arc::new(bus.clone()));
                 let name = None;
-                return Ok(vec![Connected { name, place, bus }]);
+                return Ok(vec![ConnectedBroker { name, place, bus }]);
             }
-            Brokers::One(settings) => vec![(None, settings)],
-            Brokers::Each(brokers) => brokers.iter().map(named).collect(),
+            MissionBrokers::One(settings) => vec![(None, settings)],
+            MissionBrokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
-        let connect = |(name, settings): (Option<String>, &Settings)| {
+        let connect = |(name, settings): (Option<String>, &AmqpSettings)| {
             let (place, bus) = broker::connect(settings, &plan.name, self.process.as_deref());
             let bus = bus.map_err(|reason| broker_error(&place, reason))?;
-            Ok(Connected { name, place, bus })
+            Ok(ConnectedBroker { name, place, bus })
         };
         brokers.into_iter().map(connect).collect()
     }
@@ -154,22 +154,22 @@ impl Mission {
         &self,
         system: &mut System,
         network: &mut Network,
-        connected: &'p [Connected],
+        connected: &'p [ConnectedBroker],
         plan: &'p Plan,
         part: &Part,
-    ) -> Result<Vec<Contact<'p>>, MissionError> {
+    ) -> Result<Vec<ProcessContact<'p>>, MissionError> {
         let incarnation = incarnation();
         let places: Vec<&str> = connected.iter().map(|it| &*it.place).collect();
         let of_all = |reason| broker_error(&places.join(", "), reason);
         match (&self.brokers, connected) {
-            (Brokers::Nothing, _) => {}
-            (Brokers::Inside(_) | Brokers::One(_), connected) => {
+            (MissionBrokers::Nothing, _) => {}
+            (MissionBrokers::Inside(_) | MissionBrokers::One(_), connected) => {
                 for it in connected {
                     let attached = network.attach(system, it.bus.clone(), incarnation);
                     attached.map_err(of_all)?;
                 }
             }
-            (Brokers::Each(_), connected) => {
+            (MissionBrokers::Each(_), connected) => {
                 let named = connected.iter().filter_map(|it| {
                     let bus: Arc<dyn Bus> = it.bus.clone();
                     Some((it.name.clone()?, bus))
@@ -179,10 +179,11 @@ impl Mission {
             }
         }
         let name = self.process.as_deref().unwrap_or(&plan.name);
-        let contact = |it: &'p Connected| {
-            let newest = Newest::default();
+        let contact = |it: &'p ConnectedBroker| {
+            let newest = LastSamples::default();
             system.observe(newest.clone());
-            let contact = Contact::new(plan, part.clone(), name, &*it.bus, incarnation, newest);
+            let contact =
+                ProcessContact::new(plan, part.clone(), name, &*it.bus, incarnation, newest);
             contact.map_err(|reason| broker_error(&it.place, reason))
         };
         connected.iter().map(contact).collect()
@@ -194,11 +195,11 @@ impl Mission {
         opened: &'m Opened,
         plan: &Plan,
         part: &Part,
-        connected: &'m [Connected],
-    ) -> Result<Successor<'m>, MissionError> {
+        connected: &'m [ConnectedBroker],
+    ) -> Result<VersionSwitch<'m>, MissionError> {
         let places: Vec<&str> = connected.iter().map(|it| &*it.place).collect();
         let buses = connected.iter().map(|it| &*it.bus);
-        let successor = Successor::new(self, opened, plan, part, buses);
+        let successor = VersionSwitch::new(self, opened, plan, part, buses);
         successor.map_err(|reason| broker_error(&places.join(", "), reason))
     }
 }

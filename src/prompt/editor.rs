@@ -10,7 +10,7 @@ use rustyline::history::DefaultHistory;
 use rustyline::validate::Validator;
 use rustyline::{Context, Editor, Helper};
 
-use super::{Line, Verb};
+use super::{PromptLine, Verb};
 
 /// Reads lines.
 pub struct Prompt {
@@ -53,14 +53,14 @@ impl Prompt {
     }
 
     /// Reads the next line.
-    pub fn read(&mut self, prompt: &str) -> Line {
+    pub fn read(&mut self, prompt: &str) -> PromptLine {
         match self.editor.readline(prompt) {
             Ok(line) => {
                 let _ = self.editor.add_history_entry(line.as_str());
-                Line::Text(line)
+                PromptLine::Text(line)
             }
-            Err(ReadlineError::Interrupted) => Line::Nothing,
-            Err(_) => Line::End,
+            Err(ReadlineError::Interrupted) => PromptLine::Nothing,
+            Err(_) => PromptLine::End,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, IsTerminal, Write};
 
-use super::{Line, Verb};
+use super::{PromptLine, Verb};
 
 /// Asks for lines.
 pub struct Prompt;
@@ -20,7 +20,7 @@ impl Prompt {
     pub fn know(&mut self, _: Vec<String>) {}
 
     /// The next line. The prompt is shown to a person only.
-    pub fn read(&mut self, prompt: &str) -> Line {
+    pub fn read(&mut self, prompt: &str) -> PromptLine {
         if io::stdin().is_terminal() {
             let mut out = anstream::stdout();
             // a person who does not see it may still type
@@ -28,8 +28,8 @@ impl Prompt {
         }
         let mut line = String::new();
         match io::stdin().lock().read_line(&mut line) {
-            Ok(0) | Err(_) => Line::End,
-            Ok(_) => Line::Text(line.trim_end_matches(['\r', '\n']).to_owned()),
+            Ok(0) | Err(_) => PromptLine::End,
+            Ok(_) => PromptLine::Text(line.trim_end_matches(['\r', '\n']).to_owned()),
         }
     }
 

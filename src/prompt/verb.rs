@@ -1,6 +1,6 @@
 //! Verbs: the commands of a prompt.
 
-use crate::terminal::{NAME, Terminal};
+use crate::terminal::{NAME, TerminalOutput};
 
 /// A command and its help text.
 pub struct Verb {
@@ -38,7 +38,7 @@ pub fn split<'l>(verbs: &[Verb], line: &'l str) -> Option<(&'static str, &'l str
 }
 
 /// Prints all verbs with their descriptions.
-pub fn help(verbs: &[Verb], terminal: &mut Terminal) {
+pub fn help(verbs: &[Verb], terminal: &mut TerminalOutput) {
     for verb in verbs {
         let short = match verb.short {
             "" => String::new(),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use asmotion_component::Time;
 
-use super::Told;
+use super::StoryEntry;
 use crate::terminal::FAINT;
 
 /// What happens again sooner than this is only counted.
@@ -22,7 +22,7 @@ const FEW: u64 = 3;
 
 /// What happened lately, by name.
 #[derive(Debug, Default)]
-pub(super) struct Repeats {
+pub(super) struct RepeatedEntries {
     last: BTreeMap<String, Time>,
     /// How often it happened again, in the order in which it first did.
     counts: Vec<(String, u64)>,
@@ -30,7 +30,7 @@ pub(super) struct Repeats {
     since: Option<Time>,
 }
 
-impl Repeats {
+impl RepeatedEntries {
     /// Whether something is to be told; it is counted otherwise.
     pub(super) fn is_new(&mut self, at: Time, name: &str) -> bool {
         let soon = self.happened_soon(at, name);
@@ -49,7 +49,7 @@ impl Repeats {
     }
 
     /// What has been counted, before something else is told, or after a while.
-    pub(super) fn due(&mut self, at: Time, told: Option<&Told>) -> Option<String> {
+    pub(super) fn due(&mut self, at: Time, told: Option<&StoryEntry>) -> Option<String> {
         let since = self.since?;
         let interrupted = told.is_some_and(|told| match &told.again {
             Some(name) => !self.happened_soon(at, name),

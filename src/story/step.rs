@@ -4,16 +4,16 @@ use std::fmt;
 
 use asmotion_coordinator::{StepRecord, UpdateRecord};
 
-use super::Told;
+use super::StoryEntry;
 use super::summary::control;
 use crate::terminal::{FAINT, GOOD};
 
 /// A change of the control state with all updates; another step on one line.
-pub(super) fn told(component: &str, record: &StepRecord) -> Told {
+pub(super) fn told(component: &str, record: &StepRecord) -> StoryEntry {
     let number = record.number;
     let Some(control) = control(record) else {
         let (changed, locations) = changed(record);
-        return Told::often(
+        return StoryEntry::often(
             format!("{FAINT}step {number}  {changed}{FAINT:#}"),
             format!("{component} {locations}"),
         );
@@ -23,8 +23,8 @@ pub(super) fn told(component: &str, record: &StepRecord) -> Told {
         "{GOOD}step {number}{GOOD:#}  {before} → {GOOD}{after}{GOOD:#}   {FAINT}{component}{FAINT:#}"
     );
     let updates = record.updates.iter();
-    let updates = updates.map(|update| format!("\n{:>12}{}", "", Shown(update)));
-    Told::once(head + &updates.collect::<String>())
+    let updates = updates.map(|update| format!("\n{:>12}{}", "", DisplayUpdate(update)));
+    StoryEntry::once(head + &updates.collect::<String>())
 }
 
 /// The updates that changed something, and their locations.
@@ -41,9 +41,9 @@ fn changed(record: &StepRecord) -> (String, String) {
 }
 
 /// An update as the language writes it, with what was there before.
-struct Shown<'a>(&'a UpdateRecord);
+struct DisplayUpdate<'a>(&'a UpdateRecord);
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for DisplayUpdate<'_> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let UpdateRecord {
             location,

@@ -6,7 +6,7 @@ use asmotion_component::Time;
 use asmotion_coordinator::{StepRecord, UpdateRecord};
 use asmotion_datum::Sample;
 
-use super::{Told, Way};
+use super::{DrivenPath, StoryEntry};
 
 /// The functions that hold a control state, by custom.
 const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
@@ -19,13 +19,13 @@ pub struct Summary {
     /// Changes of the control state.
     pub transitions: u64,
     /// Events that the specifications heard.
-    pub heard: Tally,
+    pub heard: EventCounts,
     /// Service calls begun.
-    pub calls: Tally,
+    pub calls: EventCounts,
     /// Calls that failed or came too late.
     pub failed_calls: u64,
     /// The way of what moves, if anything does.
-    pub way: Option<Way>,
+    pub way: Option<DrivenPath>,
     /// The control state.
     pub control_state: Option<String>,
     /// Faults of components, as "component: fault".
@@ -36,9 +36,9 @@ pub struct Summary {
 
 /// How often what happened, by name and in the order in which it first did.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Tally(pub Vec<(String, u64)>);
+pub struct EventCounts(pub Vec<(String, u64)>);
 
-impl Tally {
+impl EventCounts {
     /// It happened once more.
     pub(super) fn count(&mut self, name: &str) {
         match self.0.iter_mut().find(|(known, _)| known == name) {
@@ -55,7 +55,7 @@ impl Tally {
     }
 }
 
-impl fmt::Display for Tally {
+impl fmt::Display for EventCounts {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let all = self
             .0
@@ -76,14 +76,14 @@ impl Summary {
     }
 
     /// A message, which may say where something is.
-    pub(super) fn moved(&mut self, at: Time, sample: &dyn Sample) -> Option<Told> {
-        let place = Way::place(sample)?;
+    pub(super) fn moved(&mut self, at: Time, sample: &dyn Sample) -> Option<StoryEntry> {
+        let place = DrivenPath::place(sample)?;
         self.way.get_or_insert_default().moved(at, place)
     }
 
     /// An event that a specification heard, which may say where something shall be.
     pub(super) fn wanted(&mut self, sample: &dyn Sample) {
-        if let Some(goal) = Way::goal(sample) {
+        if let Some(goal) = DrivenPath::goal(sample) {
             self.way.get_or_insert_default().goal = Some(goal);
         }
     }

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-use asmotion_bus::{Envelope, Link};
+use asmotion_bus::{Envelope, LinkState};
 use asmotion_datum::{Datum, DatumError};
-use asmotion_remote::{Presence, Present, Word};
+use asmotion_remote::{Presence, PresentComponent, RobotPresence};
 
 /// Silence after which a process, which sends once a second, is shown as stale.
 const SILENT: Duration = Duration::from_millis(2500);
@@ -19,22 +19,22 @@ const WINDOW: usize = 32;
 /// The model. Times are measured from the start of the monitor.
 #[derive(Clone, Default)]
 pub struct Board {
-    processes: BTreeMap<(String, String), Process>,
-    topics: BTreeMap<String, Topic>,
+    processes: BTreeMap<(String, String), BoardProcess>,
+    topics: BTreeMap<String, BoardTopic>,
     /// State of the broker link and time of its last change; unknown at first.
-    pub link: Option<(Link, Duration)>,
+    pub link: Option<(LinkState, Duration)>,
 }
 
 /// A process according to its last presence message.
 #[derive(Clone)]
-struct Process {
+struct BoardProcess {
     presence: Presence,
     heard: Duration,
 }
 
 /// Known facts about a topic.
 #[derive(Clone)]
-pub struct Topic {
+pub struct BoardTopic {
     /// Routing key.
     pub name: String,
     /// Message type.
@@ -50,13 +50,13 @@ pub struct Topic {
 }
 
 /// A component with its robot and process.
-pub struct Component<'b> {
+pub struct BoardComponent<'b> {
     /// Name of the robot; can be empty.
     pub robot: &'b str,
     /// Name of the process, as announced on the bus.
     pub process: &'b str,
     /// Its last description.
-    pub present: &'b Present,
+    pub present: &'b PresentComponent,
     /// Set if its process has been silent for too long or has ended.
     pub silence: Option<Silence>,
 }
@@ -75,21 +75,24 @@ impl Board {
     pub fn hear(&mut self, envelope: &Envelope, now: Duration) {
         if is_presence(&envelope.topic) {
             // other programs can publish on the same exchange
-            if let Some(word) = Word::of(envelope) {
+            if let Some(word) = RobotPresence::of(envelope) {
                 self.meet(word, now);
             }
             return;
         }
         let content = envelope.payload.to_datum();
         let name = envelope.topic.to_string();
-        let topic = self.topics.entry(name).or_insert_with_key(|name| Topic {
-            name: name.clone(),
-            kind: String::new(),
-            source: String::new(),
-            last: Ok(Datum::Null),
-            count: 0,
-            arrivals: VecDeque::new(),
-        });
+        let topic = self
+            .topics
+            .entry(name)
+            .or_insert_with_key(|name| BoardTopic {
+                name: name.clone(),
+                kind: String::new(),
+                source: String::new(),
+                last: Ok(Datum::Null),
+                count: 0,
+                arrivals: VecDeque::new(),
+            });
         topic.kind = envelope.type_name.to_string();
         topic.source = envelope.source.to_string();
         topic.last = content;
@@ -100,8 +103,8 @@ impl Board {
         topic.arrivals.push_back(now);
     }
 
-    fn meet(&mut self, word: Word, now: Duration) {
-        let Word {
+    fn meet(&mut self, word: RobotPresence, now: Duration) {
+        let RobotPresence {
             robot,
             mut presence,
         } = word;
@@ -111,11 +114,11 @@ impl Board {
             presence.components.clone_from(&known.presence.components);
         }
         let heard = now;
-        self.processes.insert(key, Process { presence, heard });
+        self.processes.insert(key, BoardProcess { presence, heard });
     }
 
     /// Records the state of the broker link.
-    pub fn feel(&mut self, link: Link, now: Duration) {
+    pub fn feel(&mut self, link: LinkState, now: Duration) {
         if self.link.as_ref().is_none_or(|(known, _)| *known != link) {
             self.link = Some((link, now));
         }
@@ -123,18 +126,18 @@ impl Board {
 
     /// Number of processes.
     pub fn processes(&self) -> usize {
-        let there = |process: &&Process| !process.presence.leaves;
+        let there = |process: &&BoardProcess| !process.presence.leaves;
         self.processes.values().filter(there).count()
     }
 
     /// All components by robot and process, in the order of their composites.
-    pub fn components(&self, now: Duration) -> impl Iterator<Item = Component<'_>> {
+    pub fn components(&self, now: Duration) -> impl Iterator<Item = BoardComponent<'_>> {
         self.processes
             .iter()
             .flat_map(move |((robot, name), process)| {
                 let silence = process.silence(now);
                 let components = process.presence.components.iter();
-                components.map(move |present| Component {
+                components.map(move |present| BoardComponent {
                     robot,
                     process: name,
                     present,
@@ -144,7 +147,7 @@ impl Board {
     }
 
     /// All topics by name.
-    pub fn topics(&self) -> impl Iterator<Item = &Topic> {
+    pub fn topics(&self) -> impl Iterator<Item = &BoardTopic> {
         self.topics.values()
     }
 }
@@ -154,7 +157,7 @@ fn is_presence(topic: &str) -> bool {
     words.next().is_some() && words.next() == Some("presence")
 }
 
-impl Process {
+impl BoardProcess {
     fn silence(&self, now: Duration) -> Option<Silence> {
         let silent = now.saturating_sub(self.heard);
         match self.presence.leaves {
@@ -164,7 +167,7 @@ impl Process {
     }
 }
 
-impl Topic {
+impl BoardTopic {
     /// Messages a second over the last messages; `None` before the second one.
     pub fn rate(&self) -> Option<f64> {
         let gap = self.gap()?.as_secs_f64();

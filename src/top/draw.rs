@@ -3,17 +3,17 @@
 
 use std::time::Duration;
 
-use asmotion_bus::Link;
+use asmotion_bus::LinkState;
 use asmotion_datum::Datum;
-use asmotion_remote::Present;
+use asmotion_remote::PresentComponent;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Row, Table, TableState};
 
-use super::board::{Component, Topic};
-use super::joints::joints;
+use super::board::{BoardComponent, BoardTopic};
+use super::list_table::joints;
 use super::view::{Pane, seconds};
 use super::{Board, View};
 use crate::brief::brief;
@@ -65,9 +65,9 @@ fn header<'a>(board: &Board, view: &View, place: &'a str, now: Duration) -> Line
         Some((link, since)) => {
             let words = format!("{link} for {}", seconds(now.saturating_sub(*since)));
             let style = match link {
-                Link::Up => GOOD,
-                Link::Blocked { .. } => NOTE,
-                Link::Down { .. } => BAD,
+                LinkState::Up => GOOD,
+                LinkState::Blocked { .. } => NOTE,
+                LinkState::Down { .. } => BAD,
             };
             Span::styled(words, style)
         }
@@ -134,7 +134,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
     );
 }
 
-fn component(component: &Component<'_>, several: bool) -> Row<'static> {
+fn component(component: &BoardComponent<'_>, several: bool) -> Row<'static> {
     let present = component.present;
     let process = match several {
         true => format!("{}.{}", component.robot, component.process),
@@ -172,8 +172,8 @@ fn component(component: &Component<'_>, several: bool) -> Row<'static> {
 }
 
 /// Duration of cycles: mean and maximum.
-fn cycle_time(present: &Present) -> Span<'static> {
-    let Present {
+fn cycle_time(present: &PresentComponent) -> Span<'static> {
+    let PresentComponent {
         cycle_mean_ms: mean,
         cycle_max_ms: most,
         ..
@@ -188,7 +188,7 @@ fn cycle_time(present: &Present) -> Span<'static> {
 }
 
 /// Missed periods, and cycles that exceeded their deadline.
-fn overruns(present: &Present) -> Span<'static> {
+fn overruns(present: &PresentComponent) -> Span<'static> {
     match (present.overruns, present.late) {
         (0, 0) => Span::raw("0"),
         (missed, 0) => Span::styled(missed.to_string(), NOTE),
@@ -216,7 +216,7 @@ fn topics(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Du
     );
 }
 
-fn topic(topic: &Topic, now: Duration) -> Row<'static> {
+fn topic(topic: &BoardTopic, now: Duration) -> Row<'static> {
     let stale = topic.is_stale(now);
     let rate = match topic.rate() {
         Some(rate) if !stale => format!("{rate:.1}"),

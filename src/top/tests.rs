@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_bus::{Envelope, Link, Payload};
+use asmotion_bus::{Envelope, LinkState, Payload};
 use asmotion_datum::{Datum, Numbers};
-use asmotion_remote::{PRESENCE, Presence, Present};
+use asmotion_remote::{PRESENCE, Presence, PresentComponent};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 
@@ -29,8 +29,14 @@ fn envelope(topic: &str, kind: &str, message: Datum) -> Envelope {
     }
 }
 
-fn component(name: &str, state: &str, period_ms: u64, rate_hz: f64, overruns: u64) -> Present {
-    Present {
+fn component(
+    name: &str,
+    state: &str,
+    period_ms: u64,
+    rate_hz: f64,
+    overruns: u64,
+) -> PresentComponent {
+    PresentComponent {
         name: name.to_owned(),
         state: state.to_owned(),
         period_ms,
@@ -39,11 +45,11 @@ fn component(name: &str, state: &str, period_ms: u64, rate_hz: f64, overruns: u6
         cycle_max_ms: 60.0,
         rate_hz,
         overruns,
-        ..Present::default()
+        ..PresentComponent::default()
     }
 }
 
-fn presence(process: &str, components: Vec<Present>) -> Envelope {
+fn presence(process: &str, components: Vec<PresentComponent>) -> Envelope {
     let presence = Presence {
         composite: "youbot".to_owned(),
         process: process.to_owned(),
@@ -70,7 +76,7 @@ fn joints(shift: f64) -> Datum {
 /// A model after ten seconds: joints at 10 Hz, one goal; the last message of the station is three seconds old.
 fn board() -> Board {
     let mut board = Board::default();
-    board.feel(Link::Up, at(0.0));
+    board.feel(LinkState::Up, at(0.0));
     let driver = component("Driver", "Running", 100, 10.0, 0);
     let locomotor = component("Locomotor", "Running", 50, 19.4, 7);
     let monitor = component("Monitor", "Exception", 0, 0.0, 0);
@@ -131,7 +137,7 @@ fn it_fills_a_large_terminal() {
 fn y11_what_is_not_heard_any_more_is_stale_with_its_age() {
     let mut board = board();
     let reason = "connection reset".into();
-    board.feel(Link::Down { reason }, at(11.0));
+    board.feel(LinkState::Down { reason }, at(11.0));
     let view = pressed(&board, &[Key::Down], 14.0);
     insta::assert_snapshot!(screen(&board, &view, 14.0, (100, 24)));
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::time::Duration;
 
 use super::Board;
-use super::board::{Component, Silence, Topic};
+use super::board::{BoardComponent, BoardTopic, Silence};
 
 /// A key with a meaning in the monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub enum Pane {
 
 /// Order of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Order {
+pub enum SortOrder {
     #[default]
     Name,
     /// Highest rate first.
@@ -46,7 +46,7 @@ pub enum Order {
     Trouble,
 }
 
-impl Order {
+impl SortOrder {
     /// Label of the order.
     pub fn word(self) -> &'static str {
         match self {
@@ -63,7 +63,7 @@ pub struct View {
     /// Active table.
     pub pane: Pane,
     /// Order of the rows of both tables.
-    pub order: Order,
+    pub order: SortOrder,
     /// Text that names must contain.
     pub filter: String,
     /// Whether the filter is being edited.
@@ -92,9 +92,9 @@ impl View {
             Key::Char('/') => self.writes = true,
             Key::Char('s') => {
                 self.order = match self.order {
-                    Order::Name => Order::Rate,
-                    Order::Rate => Order::Trouble,
-                    Order::Trouble => Order::Name,
+                    SortOrder::Name => SortOrder::Rate,
+                    SortOrder::Rate => SortOrder::Trouble,
+                    SortOrder::Trouble => SortOrder::Name,
                 }
             }
             Key::Char('p' | ' ') => {
@@ -155,17 +155,17 @@ impl View {
     }
 
     /// Components to show.
-    pub fn components<'b>(&self, board: &'b Board, now: Duration) -> Vec<Component<'b>> {
+    pub fn components<'b>(&self, board: &'b Board, now: Duration) -> Vec<BoardComponent<'b>> {
         let mut components: Vec<_> = board
             .components(now)
             .filter(|it| self.shows(&[it.robot, it.process, &it.present.name]))
             .collect();
         match self.order {
-            Order::Name => {}
-            Order::Rate => {
+            SortOrder::Name => {}
+            SortOrder::Rate => {
                 components.sort_by(|a, b| faster(a.present.rate_hz, b.present.rate_hz));
             }
-            Order::Trouble => components.sort_by_key(|it| {
+            SortOrder::Trouble => components.sort_by_key(|it| {
                 let silent = it.silence.is_some();
                 let fine = it.present.state == "Running";
                 (!silent, fine, std::cmp::Reverse(it.present.overruns))
@@ -175,18 +175,18 @@ impl View {
     }
 
     /// Topics to show.
-    pub fn topics<'b>(&self, board: &'b Board, now: Duration) -> Vec<&'b Topic> {
+    pub fn topics<'b>(&self, board: &'b Board, now: Duration) -> Vec<&'b BoardTopic> {
         let mut topics: Vec<_> = board
             .topics()
             .filter(|it| self.shows(&[&it.name, &it.kind, &it.source]))
             .collect();
         match self.order {
-            Order::Name => {}
-            Order::Rate => topics.sort_by(|a, b| {
-                let rate = |topic: &Topic| topic.rate().unwrap_or(0.0);
+            SortOrder::Name => {}
+            SortOrder::Rate => topics.sort_by(|a, b| {
+                let rate = |topic: &BoardTopic| topic.rate().unwrap_or(0.0);
                 faster(rate(a), rate(b))
             }),
-            Order::Trouble => {
+            SortOrder::Trouble => {
                 topics.sort_by_key(|it| (it.last.is_ok(), !it.is_stale(now)));
             }
         }

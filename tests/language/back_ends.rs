@@ -1,7 +1,7 @@
 //! Closures and native code do the same steps: same inputs in the same order, same choices, same
 //! updates with the same origins, same faults.
 
-use asmotion::Disk;
+use asmotion::DiskLoader;
 use asmotion_lang::simulate::{Random, Seeded};
 use asmotion_lang::{BackEnd, Machine, Specification};
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ fn agree_on_the_corpus() {
     let mut compared = 0;
     for file in files(&corpus) {
         let path = file.to_string_lossy();
-        if let Ok(specification) = asmotion_lang::open(&path, &Disk) {
+        if let Ok(specification) = asmotion_lang::open(&path, &DiskLoader) {
             compared += usize::from(agree(&path, &specification));
         }
     }

@@ -4,10 +4,10 @@
 use super::messages::said;
 use asmotion::codes::all;
 use asmotion_diagnostics::Code;
-use asmotion_lang::scenario::Settings;
+use asmotion_lang::scenario::ScenarioSettings;
 use asmotion_lang::simulate::Script;
-use asmotion_lang::simulate::scenario::Options;
-use asmotion_lang::{Failure, Files, Report, Sources, Style, render_all};
+use asmotion_lang::simulate::scenario::ScenarioOptions;
+use asmotion_lang::{MemoryFiles, OpenFailure, Report, Sources, Style, render_all};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -104,16 +104,16 @@ fn of_script(specification: &str, script: &str) -> (BTreeSet<String>, String) {
 }
 
 fn of_scenario(specification: &str, scenario: &str) -> (BTreeSet<String>, String) {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("example.asm", specification);
     files.add("example.avalla", scenario);
-    let options = Options {
+    let options = ScenarioOptions {
         max_steps: 100,
-        ..Options::default()
+        ..ScenarioOptions::default()
     };
-    let settings = Settings {
+    let settings = ScenarioSettings {
         options,
-        ..Settings::default()
+        ..ScenarioSettings::default()
     };
     let tested = asmotion_lang::scenario::test("example.avalla", &files, &settings);
     match tested {
@@ -152,10 +152,10 @@ fn are_rendered_for_limits_and_missing_files() {
         assert!(found.contains(code), "{code}: {rendered}");
         snapshot(code, &rendered);
     }
-    let (found, rendered) = failed(asmotion_lang::open("nowhere.asm", &Files::new()));
+    let (found, rendered) = failed(asmotion_lang::open("nowhere.asm", &MemoryFiles::new()));
     assert!(found.contains("A013"), "{rendered}");
     snapshot("A013", &rendered);
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     for index in 0..100 {
         let next = index + 1;
         let text = format!("module m{index}\nimport m{next}\nexport *\nsignature:\ndefinitions:\n");
@@ -166,7 +166,7 @@ fn are_rendered_for_limits_and_missing_files() {
     snapshot("A012", &rendered);
 }
 
-fn failed<T>(opened: Result<T, Failure>) -> (BTreeSet<String>, String) {
+fn failed<T>(opened: Result<T, OpenFailure>) -> (BTreeSet<String>, String) {
     match opened {
         Ok(_) => (BTreeSet::new(), String::new()),
         Err(failure) => shown(&failure.report, &failure.sources),

@@ -6,8 +6,8 @@
 mod compare;
 mod reference;
 
-use asmotion::Disk;
-use asmotion_lang::Options;
+use asmotion::DiskLoader;
+use asmotion_lang::ReadOptions;
 use compare::agree;
 use reference::ours;
 use std::collections::BTreeSet;
@@ -69,7 +69,7 @@ fn agrees_on_small_programs() {
 /// How many small programs there are, and of which we do something else.
 fn small_programs(compatible: bool) -> Option<(usize, BTreeSet<String>)> {
     let folder = unpacked("micro.tar.xz")?;
-    let options = Options {
+    let options = ReadOptions {
         compatible,
         initial: None,
     };
@@ -81,7 +81,7 @@ fn small_programs(compatible: bool) -> Option<(usize, BTreeSet<String>)> {
             let path = folder.path().join("micro").join(format!("{name}.asm"));
             let reference = std::fs::read_to_string(&file).unwrap();
             count += 1;
-            let ours = ours(&path, &reference, &Disk, &options);
+            let ours = ours(&path, &reference, &DiskLoader, &options);
             if !ours.is_some_and(|ours| agree(&reference, &ours)) {
                 different.insert(name);
             }
@@ -120,7 +120,7 @@ fn agrees_on_the_corpus() {
             continue;
         }
         let file = corpus.join(path);
-        accepted += usize::from(asmotion_lang::open(&file.to_string_lossy(), &Disk).is_ok());
+        accepted += usize::from(asmotion_lang::open(&file.to_string_lossy(), &DiskLoader).is_ok());
         for ((run, _), count) in RUNS.iter().zip(&mut counts) {
             let trace = folder
                 .path()
@@ -133,7 +133,7 @@ fn agrees_on_the_corpus() {
             };
             if choices == "0" && (*run != "none" || outcome == "OK") {
                 *count += 1;
-                let ours = ours(&file, &reference, &Disk, &Options::default());
+                let ours = ours(&file, &reference, &DiskLoader, &ReadOptions::default());
                 if !ours.is_some_and(|ours| agree(&reference, &ours)) {
                     different.insert(format!("{run}\t{path}"));
                 }

@@ -1,7 +1,7 @@
 //! The page for people who come from ASMETA: its examples are run both ways, so that it cannot lie.
 
 use asmotion_lang::simulate::{Recording, Trace};
-use asmotion_lang::{Files, First, Options};
+use asmotion_lang::{FirstChoice, MemoryFiles, ReadOptions};
 use std::path::Path;
 
 #[test]
@@ -56,9 +56,9 @@ impl<'a> Example<'a> {
 
     /// What the first step writes, or the code with which it fails.
     fn run(&self, compatible: bool) -> Vec<String> {
-        let mut files = Files::new();
+        let mut files = MemoryFiles::new();
         files.add("example.asm", self.text.as_str());
-        let options = Options {
+        let options = ReadOptions {
             compatible,
             initial: None,
         };
@@ -69,7 +69,7 @@ impl<'a> Example<'a> {
         let lines: Vec<String> = answers.map(|answer| format!("M {answer}\n")).collect();
         let recording = Recording::read(&format!("@step 1\n{}", lines.concat()));
         let mut inputs = recording.steps()[0].inputs(&machine).unwrap();
-        if let Err(fault) = machine.step(&mut inputs, &mut First, 0).map(|_| ()) {
+        if let Err(fault) = machine.step(&mut inputs, &mut FirstChoice, 0).map(|_| ()) {
             return vec![specification.explain(&fault).code.to_string()];
         }
         let mut trace = Trace::begin(&machine, "");

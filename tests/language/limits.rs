@@ -2,7 +2,9 @@
 
 use asmotion_lang::diagnostics::{FileId, LoadError};
 use asmotion_lang::value::Value;
-use asmotion_lang::{BackEnd, Failure, Files, First, Loader, NoInputs, Style, render_all};
+use asmotion_lang::{
+    BackEnd, FirstChoice, Loader, MemoryFiles, NoInputs, OpenFailure, Style, render_all,
+};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -101,7 +103,7 @@ fn runs_nests_as_deep_as_they_may_be() {
             + "default init s0:\n function b = true\n";
         let run = move || {
             let mut machine = super::opened("limits", &text).machine().unwrap();
-            machine.step(&mut NoInputs, &mut First, 0).unwrap();
+            machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
         };
         std::thread::Builder::new()
             .stack_size(1 << 20)
@@ -138,7 +140,7 @@ fn runs_chains_of_any_length() {
                 let mut machine = super::opened("limits", text).machine().unwrap();
                 for back_end in [BackEnd::Closures, BackEnd::Native] {
                     let _ = machine.set_back_end(back_end);
-                    let step = machine.step(&mut NoInputs, &mut First, 0).unwrap();
+                    let step = machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
                     let value = step.updates()[0].value.clone();
                     let shown = value.show(&machine.naming()).to_string();
                     assert_eq!(shown.trim_matches('"'), expected, "{first}{link}");
@@ -189,7 +191,7 @@ fn answers_large_texts() {
         let begin = Instant::now();
         let specification = super::opened("limits", &text);
         let mut machine = specification.machine().unwrap();
-        let step = machine.step(&mut NoInputs, &mut First, 0).unwrap();
+        let step = machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
         let value = &step.updates()[0].value;
         assert_eq!(value, &Value::Int(100_000), "{}", &rule[..20]);
         assert!(begin.elapsed() < PATIENCE, "took {:?}", begin.elapsed());
@@ -296,7 +298,7 @@ fn stops_runs_without_end() {
         let specification = super::opened("limits", &text);
         let mut machine = specification.machine().unwrap();
         let fault = machine
-            .step(&mut NoInputs, &mut First, 0)
+            .step(&mut NoInputs, &mut FirstChoice, 0)
             .map(|_| ())
             .unwrap_err();
         assert_eq!(
@@ -309,7 +311,7 @@ fn stops_runs_without_end() {
 
 #[test]
 fn refuses_a_long_chain_of_imports() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     for index in 0..200 {
         let next = format!("import m{}\n", index + 1);
         files.add(
@@ -366,7 +368,7 @@ fn says_which_file_cannot_be_read() {
     assert_eq!(failure.report.diagnostics[0].code, "A013");
 }
 
-fn first(failure: &Failure) -> String {
+fn first(failure: &OpenFailure) -> String {
     let mut report = failure.report.clone();
     report.diagnostics.truncate(1);
     render_all(&report, &failure.sources, Style::Plain)
@@ -403,7 +405,7 @@ fn bounds_what_is_passed_by_name() {
         specification
             .machine()
             .unwrap()
-            .step(&mut NoInputs, &mut First, 0)
+            .step(&mut NoInputs, &mut FirstChoice, 0)
             .map(|_| ())
             .unwrap()
     };

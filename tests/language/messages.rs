@@ -6,7 +6,9 @@
 
 use asmotion_lang::diagnostics::FileId;
 use asmotion_lang::simulate::Script;
-use asmotion_lang::{Diagnostic, First, Report, Sources, Specification, Style, render, render_all};
+use asmotion_lang::{
+    Diagnostic, FirstChoice, Report, Sources, Specification, Style, render, render_all,
+};
 use std::collections::BTreeSet;
 
 #[test]
@@ -103,7 +105,7 @@ fn run(specification: &Specification) -> Option<Diagnostic> {
     };
     let mut silence = Script::read(FileId::default(), "", &specification.program).unwrap();
     for _ in 0..10 {
-        if let Err(fault) = machine.step(&mut silence, &mut First, 0).map(|_| ()) {
+        if let Err(fault) = machine.step(&mut silence, &mut FirstChoice, 0).map(|_| ()) {
             return Some(specification.explain_in(&fault, &machine));
         }
     }

@@ -1,7 +1,7 @@
 //! The same program, inputs and choices: the same run, byte for byte.
 
 use asmotion_lang::simulate::{Random, Recording, Seeded, Trace};
-use asmotion_lang::{Chooser, Environment, Fault, Machine, Specification};
+use asmotion_lang::{Chooser, Environment, Machine, Specification, StepFault};
 
 /// The programs that begin.
 fn programs() -> impl Iterator<Item = (String, Specification)> {
@@ -17,7 +17,7 @@ fn programs() -> impl Iterator<Item = (String, Specification)> {
 struct Run {
     machine: Machine,
     trace: Trace,
-    stopped: Option<Box<Fault>>,
+    stopped: Option<Box<StepFault>>,
 }
 
 impl Run {

@@ -1,6 +1,6 @@
 //! The specifications of missions: no errors, and they run.
 
-use asmotion::Disk;
+use asmotion::DiskLoader;
 use asmotion_lang::simulate::{Random, Seeded};
 use asmotion_lang::{FaultKind, Severity, Style, render_all};
 use std::path::Path;
@@ -14,7 +14,7 @@ fn have_no_errors() {
     }
     for (name, _) in super::programs(&folder) {
         let path = folder.join(format!("{name}.asm"));
-        let specification = asmotion_lang::open(&path.to_string_lossy(), &Disk)
+        let specification = asmotion_lang::open(&path.to_string_lossy(), &DiskLoader)
             .unwrap_or_else(|failure| panic!("{name}.asm:\n{failure}"));
         let report = &specification.report;
         let quiet = report

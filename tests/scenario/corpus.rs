@@ -3,8 +3,8 @@
 //! The verdicts lie in `../shared/conformance`, the corpus (a checkout of asmeta/asmeta) where the
 //! environment variable `ASMETA_CORPUS` says. Where they are missing, the test says so and passes.
 
-use asmotion::Disk;
-use asmotion_lang::scenario::{Settings, test};
+use asmotion::DiskLoader;
+use asmotion_lang::scenario::{ScenarioSettings, test};
 use asmotion_lang::simulate::scenario::Verdict;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -59,8 +59,8 @@ fn agrees_on_the_corpus() {
             let wanted = wanted(&verdict)?;
             let ours = test(
                 &corpus.join(&path).to_string_lossy(),
-                &Disk,
-                &Settings::default(),
+                &DiskLoader,
+                &ScenarioSettings::default(),
             );
             let agreed = ours.is_ok_and(|ours| ours.outcome.verdict == wanted);
             Some((path, agreed))

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion_assembly::model::Builtin;
+use asmotion_assembly::model::BuiltinComponent;
 use asmotion_assembly::{
     AsmFiles, Constructor, Context, EmptyEnvironment, Opened, Standard, Tables,
 };
 use asmotion_component::{Component, Cycle, Fault, Interface, Property, Provided, Required, Time};
 use asmotion_datum::{Datum, Sample};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use asmotion_messages::{
     Empty, GetJointsPositions, JointPositions, JointStatus, Notify, Period, SetJointsPositions,
     SetPeriod,
@@ -100,7 +100,7 @@ const BUILD: Tables = Tables {
     components: COMPONENTS,
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
-    builtins: &[Builtin::PortProxy],
+    builtins: &[BuiltinComponent::PortProxy],
 };
 
 /// The client around the driver's composite. `driver` is added to its properties, `wire` to the wire of its commands.
@@ -251,7 +251,7 @@ pub(super) fn shipped(goals: &[[f64; 5]]) -> (Simulation, Arc<Mutex<Log>>) {
     let application = include_str!("../../specs/youbot/youbot.composite.toml");
     let begin = application.find("goals = ").unwrap();
     let end = begin + application[begin..].find(" }").unwrap();
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     let goals = format!(
         "{}goals = {goals:?}{}",
         &application[..begin],
@@ -264,7 +264,7 @@ pub(super) fn shipped(goals: &[[f64; 5]]) -> (Simulation, Arc<Mutex<Log>>) {
     simulate(&open(&files), &files)
 }
 
-fn open(files: &Files) -> Opened {
+fn open(files: &MemoryFiles) -> Opened {
     let context = Context {
         loader: files,
         environment: &EmptyEnvironment,
@@ -275,7 +275,7 @@ fn open(files: &Files) -> Opened {
     asmotion_assembly::open("bench.composite.toml", &context)
 }
 
-fn simulate(opened: &Opened, files: &Files) -> (Simulation, Arc<Mutex<Log>>) {
+fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>>) {
     let found = opened
         .report
         .diagnostics
@@ -297,11 +297,11 @@ fn simulate(opened: &Opened, files: &Files) -> (Simulation, Arc<Mutex<Log>>) {
 }
 
 impl Bench {
-    fn files(&self) -> Files {
+    fn files(&self) -> MemoryFiles {
         let script = format!("{:?}", self.script);
         let application = APPLICATION.replace("WIRE", self.wire);
         let application = application.replace("DRIVER", self.properties);
-        let mut files = Files::new();
+        let mut files = MemoryFiles::new();
         files.add(
             "bench.composite.toml",
             application.replace("SCRIPT", &script),

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asmotion::top::{Board, Silence};
-use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_amqp::{AmqpBus, AmqpSettings};
 use asmotion_broker::Vhost;
-use asmotion_bus::{Bus, Link, Notifier, Overflow, Pattern, Queue, Subscription};
+use asmotion_bus::{Bus, LinkState, Notifier, Overflow, Pattern, QueuePolicy, Subscription};
 use serde_json::Value;
 
 use crate::faults::{Heard, entered, enters};
@@ -126,9 +126,9 @@ struct Monitor {
 
 impl Monitor {
     fn start(vhost: &Vhost<'_>) -> Self {
-        let settings = Settings::parse(&vhost.url()).unwrap();
+        let settings = AmqpSettings::parse(&vhost.url()).unwrap();
         let bus = AmqpBus::connect(settings, Duration::from_secs(10)).unwrap();
-        let queue = Queue::All {
+        let queue = QueuePolicy::All {
             size: 10_000,
             overflow: Overflow::DropOldest,
         };
@@ -206,7 +206,7 @@ fn y11_where_the_link_is_cut_nothing_old_is_shown_as_new_and_then_it_goes_on() {
         let link = board
             .link
             .as_ref()
-            .is_some_and(|(link, _)| !matches!(link, Link::Up));
+            .is_some_and(|(link, _)| !matches!(link, LinkState::Up));
         let stale = is_stale(board, now, joints) == Some(true);
         link && stale && silent(board, now, arm) == Some(true)
     });

@@ -6,7 +6,7 @@
 
 use crate::addition::{AddedRule, AddedTerm, Assignment};
 use crate::codes::a016::WritesFixed;
-use crate::declare::Declared;
+use crate::declare::SignatureTables;
 use crate::model::{Body, FunctionId, Meaning, Model, Term, TermKind, kind_name};
 use crate::resolver::Resolver;
 use crate::scope::Scope;
@@ -117,7 +117,7 @@ impl Model {
 
     /// Resolves something in the scope of the main file; nothing comes only of an error.
     fn resolve<T>(&mut self, work: impl FnOnce(Resolver<'_>) -> Option<T>) -> Result<T, Report> {
-        let mut declared = Declared {
+        let mut declared = SignatureTables {
             types: std::mem::take(&mut self.types),
             domains: std::mem::take(&mut self.domains),
             functions: std::mem::take(&mut self.functions),
@@ -184,7 +184,7 @@ impl Resolver<'_> {
         Some((id, arguments))
     }
 
-    fn not_settable(&mut self, name: &ast::Name, kind: &'static str, declared: Span) {
+    fn not_settable(&mut self, name: &ast::NameText, kind: &'static str, declared: Span) {
         self.error(WritesFixed {
             function: name.text.clone(),
             kind,

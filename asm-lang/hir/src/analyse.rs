@@ -16,13 +16,13 @@ use crate::codes::w004::EmptyDomain;
 use crate::codes::w005::NoMainRule;
 use crate::codes::w024::DefinesItself;
 use crate::codes::w029::NothingChosen;
-use crate::declare::{Declared, declare};
-use crate::load::Loaded;
+use crate::declare::{SignatureTables, declare};
+use crate::load::LoadedFiles;
 use crate::model::{
-    Added, Body, DomainKind, FunctionId, FunctionKind, Invariant, Logic, Meaning, Model, Program,
-    Reserved, Rule, TemporalProperty, Term, Variable, kind_name,
+    Added, AgentProgram, Body, DomainKind, FunctionId, FunctionKind, Invariant, Meaning, Model,
+    PropertyLogic, Reserved, Rule, TemporalProperty, Term, Variable, kind_name,
 };
-use crate::options::Options;
+use crate::options::ReadOptions;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
 use asmotion_diagnostics::{Code, Finding, Report, Sources, Span, similar};
@@ -32,15 +32,15 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Resolves and types everything that was loaded. Without a model, the report has errors.
-pub fn analyse(loaded: &Loaded, sources: &Sources) -> (Option<Model>, Report) {
-    analyse_with(loaded, sources, &Options::default())
+pub fn analyse(loaded: &LoadedFiles, sources: &Sources) -> (Option<Model>, Report) {
+    analyse_with(loaded, sources, &ReadOptions::default())
 }
 
 /// Resolves and types everything that was loaded, as somebody asks for.
 pub fn analyse_with(
-    loaded: &Loaded,
+    loaded: &LoadedFiles,
     sources: &Sources,
-    options: &Options,
+    options: &ReadOptions,
 ) -> (Option<Model>, Report) {
     let Some(main) = loaded.units.last() else {
         return (None, Report::new());
@@ -77,12 +77,12 @@ pub fn analyse_with(
 }
 
 struct Analysis<'a> {
-    declared: Declared,
+    declared: SignatureTables,
     invariants: Vec<Invariant>,
     properties: Vec<TemporalProperty>,
-    programs: Vec<Program>,
+    programs: Vec<AgentProgram>,
     sources: &'a Sources,
-    options: &'a Options,
+    options: &'a ReadOptions,
 }
 
 impl Analysis<'_> {
@@ -142,7 +142,7 @@ impl Analysis<'_> {
     }
 
     /// Reports what is given a second time.
-    fn once(&mut self, name: &ast::Name, known: Option<Span>) {
+    fn once(&mut self, name: &ast::NameText, known: Option<Span>) {
         if let Some(first) = known {
             let error = DuplicateDeclaration {
                 name: name.text.clone(),
@@ -231,7 +231,7 @@ impl Analysis<'_> {
     fn defined_function(
         &mut self,
         unit: usize,
-        name: &ast::Name,
+        name: &ast::NameText,
         parameters: &[TypeId],
     ) -> Option<FunctionId> {
         if let Some(id) = self.declared.overload(unit, &name.text, parameters) {
@@ -335,11 +335,11 @@ impl Analysis<'_> {
                     });
                     continue;
                 }
-                ast::PropertyKind::Constraint(body) => (Logic::Constraint, vec![body]),
-                ast::PropertyKind::Justice(body) => (Logic::Justice, vec![body]),
-                ast::PropertyKind::Compassion(p, q) => (Logic::Compassion, vec![p, q]),
-                ast::PropertyKind::Ctl(body) => (Logic::Ctl, vec![body]),
-                ast::PropertyKind::Ltl(body) => (Logic::Ltl, vec![body]),
+                ast::PropertyKind::Constraint(body) => (PropertyLogic::Constraint, vec![body]),
+                ast::PropertyKind::Justice(body) => (PropertyLogic::Justice, vec![body]),
+                ast::PropertyKind::Compassion(p, q) => (PropertyLogic::Compassion, vec![p, q]),
+                ast::PropertyKind::Ctl(body) => (PropertyLogic::Ctl, vec![body]),
+                ast::PropertyKind::Ltl(body) => (PropertyLogic::Ltl, vec![body]),
             };
             let formulas = formulas
                 .into_iter()
@@ -406,7 +406,7 @@ impl Analysis<'_> {
         found
     }
 
-    fn program(&mut self, unit: usize, agent: &ast::AgentInit) -> Option<Program> {
+    fn program(&mut self, unit: usize, agent: &ast::AgentInit) -> Option<AgentProgram> {
         let name = &agent.domain;
         let Some(&domain) = self.declared.scopes[unit].domains.get(&name.text) else {
             let similar = self.declared.scopes[unit].similar_domain(&name.text);
@@ -434,7 +434,7 @@ impl Analysis<'_> {
                 root,
             })
             .collect();
-        Some(Program {
+        Some(AgentProgram {
             domain,
             rule,
             arguments,
@@ -449,7 +449,7 @@ impl Analysis<'_> {
         }
     }
 
-    fn main_rule(&mut self, main: &crate::load::Unit) -> Option<RuleId> {
+    fn main_rule(&mut self, main: &crate::load::SourceUnit) -> Option<RuleId> {
         let tree = &main.tree;
         if let Some(name) = &tree.name {
             let stem = std::path::Path::new(&main.path)
@@ -596,7 +596,7 @@ const UNKNOWN: &[&Code] = &[
 ];
 
 /// Without what only follows from a text that could not be read: a name in it may be declared there.
-fn without_unread(mut report: Report, loaded: &Loaded, sources: &Sources) -> Report {
+fn without_unread(mut report: Report, loaded: &LoadedFiles, sources: &Sources) -> Report {
     let unread = loaded.units.iter().flat_map(|unit| &unit.tree.unread);
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let words: BTreeSet<&str> = unread

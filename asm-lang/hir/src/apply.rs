@@ -10,7 +10,7 @@ use crate::codes::w001::NotBinds;
 use crate::codes::w028::ArgumentTooWide;
 use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
-use crate::types::{Bindings, Type, TypeId};
+use crate::types::{Type, TypeBindings, TypeId};
 use asmotion_diagnostics::Span;
 use asmotion_syntax::ast::{self, Operator};
 use asmotion_value::{RuleId, Value, element_name};
@@ -24,7 +24,7 @@ impl Resolver<'_> {
         arguments: Vec<Term>,
         span: Span,
     ) -> Term {
-        let name = ast::Name {
+        let name = ast::NameText {
             text: Arc::from(operator.function()),
             span: at,
         };
@@ -38,7 +38,7 @@ impl Resolver<'_> {
     }
 
     /// The functions of this name.
-    fn candidates(&self, name: &ast::Name) -> Vec<FunctionId> {
+    fn candidates(&self, name: &ast::NameText) -> Vec<FunctionId> {
         self.declared.scopes[self.unit]
             .functions
             .get(&name.text)
@@ -77,7 +77,7 @@ impl Resolver<'_> {
     }
 
     /// The best overload of a function for these arguments.
-    pub fn apply(&mut self, name: &ast::Name, arguments: Vec<Term>, span: Span) -> Term {
+    pub fn apply(&mut self, name: &ast::NameText, arguments: Vec<Term>, span: Span) -> Term {
         let candidates = self.candidates(name);
         if candidates.is_empty() {
             if let (Some(element), []) = (self.element(name), arguments.as_slice()) {
@@ -121,7 +121,7 @@ impl Resolver<'_> {
 
     /// `person!1`, as runs name what `extend` added to `Person`; the lexer lets it through in terms from
     /// outside alone.
-    pub fn element(&mut self, name: &ast::Name) -> Option<Term> {
+    pub fn element(&mut self, name: &ast::NameText) -> Option<Term> {
         let (domain, number) = name.text.split_once('!')?;
         let domains = &self.declared.scopes[self.unit].domains;
         let (_, &id) = domains
@@ -136,7 +136,7 @@ impl Resolver<'_> {
     fn best(
         &mut self,
         shown: &str,
-        name: &ast::Name,
+        name: &ast::NameText,
         candidates: &[FunctionId],
         arguments: Vec<Term>,
         span: Span,
@@ -228,12 +228,12 @@ impl Resolver<'_> {
     }
 
     /// How well a function fits the arguments, and what its type variables become.
-    fn fit(&self, function: FunctionId, arguments: &[Term]) -> Option<(u32, Bindings)> {
+    fn fit(&self, function: FunctionId, arguments: &[Term]) -> Option<(u32, TypeBindings)> {
         let declared = &self.declared.functions[function.0 as usize];
         let parameters = &declared.parameters[usize::from(declared.run.is_some())..];
         let types = &self.declared.types;
         let is_equality = declared.library && matches!(&*declared.name, "eq" | "neq");
-        let mut bindings = Bindings::of(is_equality);
+        let mut bindings = TypeBindings::of(is_equality);
         let actual: Vec<TypeId> = match arguments {
             [tuple] if parameters.len() > 1 && declared.run.is_none() => {
                 match types.get(types.root(tuple.ty, &self.declared.domains)) {
@@ -324,7 +324,7 @@ impl Resolver<'_> {
         })
     }
 
-    pub fn rule_ref(&mut self, name: &ast::Name, domains: &[ast::Type], span: Span) -> Term {
+    pub fn rule_ref(&mut self, name: &ast::NameText, domains: &[ast::Type], span: Span) -> Term {
         let domains: Vec<TypeId> = domains
             .iter()
             .map(|domain| self.declared.resolve_type(self.unit, domain))
@@ -352,7 +352,7 @@ impl Resolver<'_> {
         }
     }
 
-    pub fn unknown_rule(&mut self, name: &ast::Name) {
+    pub fn unknown_rule(&mut self, name: &ast::NameText) {
         let scope = &self.declared.scopes[self.unit];
         let similar = scope.similar_rule(&name.text).map(|found| {
             let declared = scope.rules.get(&found).and_then(|ids| ids.first());
@@ -374,7 +374,7 @@ impl Resolver<'_> {
             return None;
         }
         let (types, domains) = (&self.declared.types, &self.declared.domains);
-        let mut bindings = Bindings::default();
+        let mut bindings = TypeBindings::default();
         let mut pairs = parameters.iter().zip(actual);
         pairs.try_fold(0u32, |sum, (&wanted, &actual)| {
             let fit = types.fit(wanted, actual, domains, &mut bindings)?;
@@ -383,7 +383,7 @@ impl Resolver<'_> {
     }
 
     /// The rule of this name that fits the arguments best.
-    pub fn callee(&mut self, name: &ast::Name, arguments: &[Term]) -> Option<RuleId> {
+    pub fn callee(&mut self, name: &ast::NameText, arguments: &[Term]) -> Option<RuleId> {
         let candidates = self.declared.scopes[self.unit]
             .rules
             .get(&name.text)

@@ -4,13 +4,13 @@ use crate::codes::a004::UnknownDomain;
 use crate::codes::a009::DuplicateDeclaration;
 use crate::codes::a033::DomainCycle;
 use crate::codes::w026::LocalInSignature;
-use crate::load::Unit;
+use crate::load::SourceUnit;
 use crate::model::{
     AtomInfo, Domain, DomainId, DomainKind, Function, FunctionId, FunctionKind, Meaning, Rule,
     VarId,
 };
 use crate::scope::Scope;
-use crate::types::{Type, TypeId, Types};
+use crate::types::{Type, TypeId, TypeTable};
 use asmotion_diagnostics::{Finding, Report, Span};
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId};
@@ -18,8 +18,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What is known so far, of all files.
-pub(crate) struct Declared {
-    pub types: Types,
+pub(crate) struct SignatureTables {
+    pub types: TypeTable,
     pub domains: Vec<Domain>,
     pub functions: Vec<Function>,
     pub rules: Vec<Rule>,
@@ -36,9 +36,9 @@ pub(crate) struct Declared {
 }
 
 /// Declares everything in all units.
-pub(crate) fn declare(units: &[Unit], compatible: bool) -> Declared {
-    let mut declared = Declared {
-        types: Types::default(),
+pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables {
+    let mut declared = SignatureTables {
+        types: TypeTable::default(),
         domains: Vec::new(),
         functions: Vec::new(),
         rules: Vec::new(),
@@ -72,7 +72,7 @@ pub(crate) fn declare(units: &[Unit], compatible: bool) -> Declared {
     declared
 }
 
-impl Declared {
+impl SignatureTables {
     fn unit_domains(&mut self, index: usize, tree: &ast::File) {
         let mut concrete = Vec::new();
         for domain in &tree.domains {
@@ -190,7 +190,7 @@ impl Declared {
     }
 
     /// Declares the functions of a unit; returns those without definition that may be constants.
-    fn unit_functions(&mut self, index: usize, units: &[Unit]) -> Vec<FunctionId> {
+    fn unit_functions(&mut self, index: usize, units: &[SourceUnit]) -> Vec<FunctionId> {
         let unit = &units[index];
         let defined: BTreeSet<&str> = unit
             .tree
@@ -405,7 +405,7 @@ impl Declared {
         }
     }
 
-    fn unit_rules(&mut self, index: usize, unit: &Unit) {
+    fn unit_rules(&mut self, index: usize, unit: &SourceUnit) {
         for rule in unit.tree.rules.iter().chain(&unit.tree.main) {
             let parameters: Vec<TypeId> = rule
                 .parameters
@@ -446,7 +446,7 @@ impl Declared {
                 body: None,
                 span: name.span,
                 library: unit.library,
-                act: asmotion_stdlib::Act::named(&name.text).filter(|_| unit.library),
+                act: asmotion_stdlib::MessageAction::named(&name.text).filter(|_| unit.library),
             });
             self.scopes[index]
                 .rules
@@ -537,7 +537,7 @@ fn annotation<'a>(tree: &'a ast::File, function: &ast::Function) -> Option<&'a s
 }
 
 /// Whether an initial state gives a function its values.
-fn begins(units: &[Unit], function: &str) -> bool {
+fn begins(units: &[SourceUnit], function: &str) -> bool {
     let mut inits = units.iter().flat_map(|unit| &unit.tree.inits);
     inits.any(|init| {
         let mut functions = init.functions.iter();

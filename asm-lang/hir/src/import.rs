@@ -2,8 +2,8 @@
 
 use crate::codes::a015::NotExported;
 use crate::codes::w003::ImportsNothing;
-use crate::declare::Declared;
-use crate::load::Unit;
+use crate::declare::SignatureTables;
+use crate::load::SourceUnit;
 use crate::model::Rule;
 use crate::scope::Scope;
 use asmotion_diagnostics::{Finding, Span};
@@ -38,9 +38,9 @@ impl Exports<'_> {
     }
 }
 
-impl Declared {
+impl SignatureTables {
     /// Takes over the imported domains; checks the names an import asks for.
-    pub fn imports(&mut self, units: &[Unit], index: usize) {
+    pub fn imports(&mut self, units: &[SourceUnit], index: usize) {
         let unit = &units[index];
         for &(import, from) in &unit.imports {
             let import = &unit.tree.imports[import];
@@ -64,7 +64,7 @@ impl Declared {
         }
     }
 
-    pub fn imported_literals(&mut self, units: &[Unit], index: usize) {
+    pub fn imported_literals(&mut self, units: &[SourceUnit], index: usize) {
         for &(import, from) in &units[index].imports {
             let import = &units[index].tree.imports[import];
             let exports = Exports::of(&units[from].tree);
@@ -76,13 +76,13 @@ impl Declared {
         }
     }
 
-    pub fn imported_functions(&mut self, units: &[Unit], index: usize) {
+    pub fn imported_functions(&mut self, units: &[SourceUnit], index: usize) {
         self.imported_names(units, index, |into, from| {
             into.functions = from.functions.clone()
         });
     }
 
-    pub fn imported_rules(&mut self, units: &[Unit], index: usize) {
+    pub fn imported_rules(&mut self, units: &[SourceUnit], index: usize) {
         // the main rule of an imported file is its own affair
         let mains: Vec<Span> = units
             .iter()
@@ -121,7 +121,12 @@ impl Declared {
         }
     }
 
-    fn imported_names(&mut self, units: &[Unit], index: usize, part: impl Fn(&mut Scope, &Scope)) {
+    fn imported_names(
+        &mut self,
+        units: &[SourceUnit],
+        index: usize,
+        part: impl Fn(&mut Scope, &Scope),
+    ) {
         for &(import, from) in &units[index].imports {
             let import = &units[index].tree.imports[import];
             let exports = Exports::of(&units[from].tree);

@@ -13,7 +13,7 @@ const MAX_IMPORT_DEPTH: usize = 64;
 
 /// One file of a specification.
 #[derive(Debug)]
-pub struct Unit {
+pub struct SourceUnit {
     /// Its path, as the loader resolved it.
     pub path: String,
     /// Its text in the sources.
@@ -28,20 +28,20 @@ pub struct Unit {
 
 /// All files of a specification, imported files before those that import them; the main file last.
 #[derive(Debug, Default)]
-pub struct Loaded {
+pub struct LoadedFiles {
     /// The files.
-    pub units: Vec<Unit>,
+    pub units: Vec<SourceUnit>,
     /// What was wrong with their texts and imports.
     pub report: Report,
 }
 
 /// Reads the file at `path` and all that it imports. The standard libraries are embedded: an import
 /// whose last path component names one of them gets ours, wherever the path points.
-pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> Loaded {
-    let mut loading = Loading {
+pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> LoadedFiles {
+    let mut loading = FileLoading {
         loader,
         sources,
-        loaded: Loaded::default(),
+        loaded: LoadedFiles::default(),
         open: Vec::new(),
     };
     let text = match loader.resolve("", path) {
@@ -60,15 +60,15 @@ pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> Loaded {
     loading.loaded
 }
 
-struct Loading<'a> {
+struct FileLoading<'a> {
     loader: &'a dyn Loader,
     sources: &'a mut Sources,
-    loaded: Loaded,
+    loaded: LoadedFiles,
     /// The files whose imports are being read, outermost first, with the import that led there.
     open: Vec<(String, Option<Span>)>,
 }
 
-impl Loading<'_> {
+impl FileLoading<'_> {
     fn unit(&mut self, path: &str, text: Arc<str>, library: bool) -> usize {
         let file = self.sources.add(path, text.clone());
         let parsed = asmotion_syntax::parse(file, &text);
@@ -81,7 +81,7 @@ impl Loading<'_> {
             }
         }
         self.open.pop();
-        self.loaded.units.push(Unit {
+        self.loaded.units.push(SourceUnit {
             path: path.to_owned(),
             file,
             tree: parsed.file,
@@ -91,7 +91,7 @@ impl Loading<'_> {
         self.loaded.units.len() - 1
     }
 
-    fn library(&mut self, library: &asmotion_stdlib::Library) -> usize {
+    fn library(&mut self, library: &asmotion_stdlib::StandardLibrary) -> usize {
         let path = format!("<{}>", library.name);
         self.known(&path)
             .unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true))

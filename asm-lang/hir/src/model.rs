@@ -2,7 +2,7 @@
 
 use crate::addition::{AddedRule, AddedTerm};
 use crate::scope::Scope;
-use crate::types::{TypeId, Types};
+use crate::types::{TypeId, TypeTable};
 use asmotion_diagnostics::Span;
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId, Value};
@@ -22,7 +22,7 @@ pub struct Model {
     /// The name after `asm`.
     pub name: Arc<str>,
     /// The types in use.
-    pub types: Types,
+    pub types: TypeTable,
     /// All domains, in order of declaration, libraries first.
     pub domains: Vec<Domain>,
     /// All functions, likewise.
@@ -34,7 +34,7 @@ pub struct Model {
     /// The main rule; a module has none.
     pub main: Option<RuleId>,
     /// Which program the agents of a domain run.
-    pub programs: Vec<Program>,
+    pub programs: Vec<AgentProgram>,
     /// What must hold in every state.
     pub invariants: Vec<Invariant>,
     /// Temporal properties and fairness, for the verifier.
@@ -200,12 +200,12 @@ pub struct Rule {
     /// Whether it is declared in a standard library.
     pub library: bool,
     /// What the machine does in its place.
-    pub act: Option<asmotion_stdlib::Act>,
+    pub act: Option<asmotion_stdlib::MessageAction>,
 }
 
 /// `agent D: r_x[…]`.
 #[derive(Debug)]
-pub struct Program {
+pub struct AgentProgram {
     /// The agents.
     pub domain: DomainId,
     /// What they run.
@@ -231,7 +231,7 @@ pub struct TemporalProperty {
     /// Its name, where it has one.
     pub name: Option<Arc<str>>,
     /// Which logic.
-    pub logic: Logic,
+    pub logic: PropertyLogic,
     /// The formulas (two for `COMPASSION`).
     pub formulas: Vec<Expression>,
     /// Where it stands.
@@ -240,7 +240,7 @@ pub struct TemporalProperty {
 
 /// What kind of property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Logic {
+pub enum PropertyLogic {
     /// `CTLSPEC`
     Ctl,
     /// `LTLSPEC`
@@ -327,7 +327,7 @@ pub struct RuleTerm {
 
 /// What an update writes.
 #[derive(Clone, Debug)]
-pub enum Target {
+pub enum UpdateTarget {
     /// A location.
     Location(FunctionId, Vec<Term>),
     /// A variable: a macro parameter that stands for a location, or one that is local state of the
@@ -341,9 +341,9 @@ pub enum RuleKind {
     /// `skip`
     Skip,
     /// `target := value`
-    Update(Target, Term),
+    Update(UpdateTarget, Term),
     /// `target <- r_x(…)`
-    Assign(Target, RuleId, Vec<Term>),
+    Assign(UpdateTarget, RuleId, Vec<Term>),
     /// `r_x[…]`, `r_x(…)`: the declaration says whether arguments are terms or values.
     Call(RuleId, Vec<Term>),
     /// A term whose value is a rule.
@@ -371,7 +371,7 @@ pub enum RuleKind {
     /// `iterate`: until the body changes nothing
     Iterate(RuleTerm),
     /// `local f: D [R] S`: functions that live as long as the rule runs
-    Local(Local),
+    Local(LocalFunctions),
     /// An error was reported.
     Invalid,
 }
@@ -379,7 +379,7 @@ pub enum RuleKind {
 /// Functions that are local to a run of a rule. All their locations have the number of the run as
 /// their first argument, so that runs within each other keep theirs apart.
 #[derive(Clone, Debug)]
-pub struct Local {
+pub struct LocalFunctions {
     /// Holds the number of the run.
     pub run: VarId,
     /// What gives the functions their first values.

@@ -2,7 +2,7 @@
 
 /// What whoever opens a specification may ask for.
 #[derive(Clone, Debug, Default)]
-pub struct Options {
+pub struct ReadOptions {
     /// Whether it is to be read and run as the reference tools do, where these observably differ from
     /// the textbook (`--compat asmeta`).
     pub compatible: bool,

@@ -4,7 +4,7 @@ use crate::codes::a002::UnknownVariable;
 use crate::codes::a007::TypeMismatch;
 use crate::codes::w021::OutOfScope;
 use crate::codes::w025::IntegerForNatural;
-use crate::declare::Declared;
+use crate::declare::SignatureTables;
 use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
 use crate::types::{Type, TypeId};
 use asmotion_diagnostics::{Finding, Span, similar};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Resolves one body: a rule, a definition, a condition.
 pub(crate) struct Resolver<'a> {
-    pub declared: &'a mut Declared,
+    pub declared: &'a mut SignatureTables,
     pub unit: usize,
     variables: Vec<Variable>,
     /// The variables that can be seen, innermost last.
@@ -28,7 +28,7 @@ pub(crate) struct Resolver<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    pub fn new(declared: &'a mut Declared, unit: usize) -> Self {
+    pub fn new(declared: &'a mut SignatureTables, unit: usize) -> Self {
         Self {
             declared,
             unit,
@@ -75,7 +75,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Binds a variable from here on.
-    pub fn bind(&mut self, name: &ast::Name, ty: TypeId) -> VarId {
+    pub fn bind(&mut self, name: &ast::NameText, ty: TypeId) -> VarId {
         let id = VarId(self.variables.len() as u32);
         self.variables.push(Variable {
             name: name.text.clone(),
@@ -188,7 +188,7 @@ impl<'a> Resolver<'a> {
 
     /// A variable bound further out is no longer to be had: the reference takes such a text and
     /// fails where it is evaluated. One that is bound nowhere is a mistake.
-    pub fn unknown_variable(&mut self, name: &ast::Name) -> Term {
+    pub fn unknown_variable(&mut self, name: &ast::NameText) -> Term {
         let bound = self
             .variables
             .iter()

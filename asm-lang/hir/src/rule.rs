@@ -14,8 +14,8 @@ use crate::codes::w023::ReturnsToMonitored;
 use crate::codes::w027::ExtendsStatic;
 use crate::model::kind_name;
 use crate::model::{
-    DomainKind, FunctionId, FunctionKind, Local, Meaning, RuleKind, RuleTerm, Target, Term,
-    TermKind,
+    DomainKind, FunctionId, FunctionKind, LocalFunctions, Meaning, RuleKind, RuleTerm, Term,
+    TermKind, UpdateTarget,
 };
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -112,7 +112,7 @@ impl Resolver<'_> {
 
     fn update(&mut self, target: &ast::Assignee, value: &ast::Term) -> RuleKind {
         let value = self.term(value);
-        match self.target(target, Writer::Update) {
+        match self.target(target, WriteForm::Update) {
             Some((target, wanted, what, declared)) => {
                 self.expect(&value, wanted, &what, Some((declared, "declared")));
                 RuleKind::Update(target, value)
@@ -124,11 +124,11 @@ impl Resolver<'_> {
     fn assign(
         &mut self,
         target: &ast::Assignee,
-        rule: &ast::Name,
+        rule: &ast::NameText,
         arguments: &[ast::Term],
     ) -> RuleKind {
         let arguments = self.terms(arguments);
-        let target = self.target(target, Writer::Return);
+        let target = self.target(target, WriteForm::Return);
         let Some(callee) = self.callee(rule, &arguments) else {
             return RuleKind::Invalid;
         };
@@ -154,7 +154,7 @@ impl Resolver<'_> {
     }
 
     /// The domain of a turbo rule's result. One that does not say may return anything.
-    fn result_of(&mut self, name: &ast::Name, callee: RuleId) -> Option<TypeId> {
+    fn result_of(&mut self, name: &ast::NameText, callee: RuleId) -> Option<TypeId> {
         let rule = &self.declared.rules[callee.0 as usize];
         let (declared, turbo, result) = (rule.span, rule.turbo, rule.result);
         if result.is_none() {
@@ -172,8 +172,8 @@ impl Resolver<'_> {
     fn target(
         &mut self,
         target: &ast::Assignee,
-        writer: Writer,
-    ) -> Option<(Target, TypeId, String, Span)> {
+        writer: WriteForm,
+    ) -> Option<(UpdateTarget, TypeId, String, Span)> {
         match target {
             ast::Assignee::Variable(name) => {
                 let Some(id) = self.lookup(&name.text) else {
@@ -188,7 +188,12 @@ impl Resolver<'_> {
                         bound,
                     });
                 }
-                Some((Target::Variable(id), ty, format!("`{}`", name.text), bound))
+                Some((
+                    UpdateTarget::Variable(id),
+                    ty,
+                    format!("`{}`", name.text),
+                    bound,
+                ))
             }
             ast::Assignee::Location {
                 agent,
@@ -209,10 +214,10 @@ impl Resolver<'_> {
 
     fn location(
         &mut self,
-        name: &ast::Name,
+        name: &ast::NameText,
         applied: Term,
-        writer: Writer,
-    ) -> Option<(Target, TypeId, String, Span)> {
+        writer: WriteForm,
+    ) -> Option<(UpdateTarget, TypeId, String, Span)> {
         let (id, arguments) = match *applied.kind {
             TermKind::Apply(id, arguments) => (id, arguments),
             TermKind::Spread(id, tuple) => (id, vec![tuple]),
@@ -253,7 +258,7 @@ impl Resolver<'_> {
             }
         }
         Some((
-            Target::Location(id, arguments),
+            UpdateTarget::Location(id, arguments),
             ty,
             format!("`{}`", name.text),
             declared,
@@ -265,7 +270,7 @@ impl Resolver<'_> {
         &*function.name == "result" && matches!(function.meaning, Meaning::Machine)
     }
 
-    fn call(&mut self, name: &ast::Name, arguments: &[ast::Term], turbo: bool) -> RuleKind {
+    fn call(&mut self, name: &ast::NameText, arguments: &[ast::Term], turbo: bool) -> RuleKind {
         let arguments = self.terms(arguments);
         let Some(rule) = self.callee(name, &arguments) else {
             return RuleKind::Invalid;
@@ -322,8 +327,8 @@ impl Resolver<'_> {
 
     fn extend(
         &mut self,
-        domain: &ast::Name,
-        variables: &[ast::Name],
+        domain: &ast::NameText,
+        variables: &[ast::NameText],
         body: &ast::Rule,
     ) -> RuleKind {
         let ty = ast::Type {
@@ -387,7 +392,7 @@ impl Resolver<'_> {
             return self.rule(body).kind.as_ref().clone();
         };
         let integer = self.ty(Type::Integer);
-        let run = ast::Name {
+        let run = ast::NameText {
             text: "local".into(),
             span: first.name.span,
         };
@@ -399,7 +404,7 @@ impl Resolver<'_> {
             }
             let initial = functions.iter().map(|(_, rule)| this.rule(rule)).collect();
             let body = this.rule(body);
-            Local { run, initial, body }
+            LocalFunctions { run, initial, body }
         });
         self.declared.scopes[self.unit].functions = outer;
         RuleKind::Local(local)
@@ -419,7 +424,7 @@ impl Resolver<'_> {
 
 /// How a location is written.
 #[derive(Clone, Copy)]
-enum Writer {
+enum WriteForm {
     /// `f := t`
     Update,
     /// `f <- r_x(…)`
@@ -428,10 +433,10 @@ enum Writer {
 
 /// Why no rule may write such a function.
 fn forbidden(
-    name: &ast::Name,
+    name: &ast::NameText,
     kind: FunctionKind,
     declared: Span,
-    writer: Writer,
+    writer: WriteForm,
 ) -> Option<Diagnostic> {
     let function = name.text.clone();
     let at = name.span;
@@ -441,13 +446,13 @@ fn forbidden(
         | FunctionKind::Shared
         | FunctionKind::Local => None,
         FunctionKind::Monitored => Some(match writer {
-            Writer::Update => WritesMonitored {
+            WriteForm::Update => WritesMonitored {
                 function,
                 at,
                 declared,
             }
             .diagnostic(),
-            Writer::Return => ReturnsToMonitored {
+            WriteForm::Return => ReturnsToMonitored {
                 function,
                 at,
                 declared,

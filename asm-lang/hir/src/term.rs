@@ -6,7 +6,7 @@ use crate::model::{Term, TermKind, VarId};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
 use asmotion_diagnostics::Span;
-use asmotion_syntax::ast::{self, Link, Literal};
+use asmotion_syntax::ast::{self, ChainLink, Literal};
 use asmotion_value::Value;
 use std::sync::Arc;
 
@@ -148,7 +148,7 @@ impl Resolver<'_> {
         self.made(TermKind::Value(value), ty, span)
     }
 
-    fn variable_term(&mut self, name: &ast::Name) -> Term {
+    fn variable_term(&mut self, name: &ast::NameText) -> Term {
         let Some(id) = self.lookup(&name.text) else {
             return self.unknown_variable(name);
         };
@@ -164,7 +164,7 @@ impl Resolver<'_> {
     }
 
     /// An enumeration literal, or a domain as the set of its elements.
-    fn constant(&mut self, name: &ast::Name) -> Term {
+    fn constant(&mut self, name: &ast::NameText) -> Term {
         let scope = &self.declared.scopes[self.unit];
         if let Some(&atom) = scope
             .literals
@@ -201,8 +201,8 @@ impl Resolver<'_> {
     /// `self.f(t)` is `f(self, t)`, `a.f(t)` is `f(a, t)`.
     fn dot(
         &mut self,
-        agent: &ast::Name,
-        name: &ast::Name,
+        agent: &ast::NameText,
+        name: &ast::NameText,
         arguments: &[ast::Term],
         span: Span,
     ) -> Term {
@@ -244,7 +244,7 @@ impl Resolver<'_> {
 
     /// `a + b - c`, from left to right. What goes before the last links of a long chain is bound to
     /// variables, piece by piece: so nothing nests as deep as a chain is long.
-    fn chain(&mut self, first: &ast::Term, links: &[Link], span: Span) -> Term {
+    fn chain(&mut self, first: &ast::Term, links: &[ChainLink], span: Span) -> Term {
         let mut pieces = Vec::new();
         let mut value = self.term(first);
         for (index, link) in links.iter().enumerate() {
@@ -255,7 +255,7 @@ impl Resolver<'_> {
             };
             if index == 0 {
                 self.lint_not(link.operator, first, whole);
-            } else if index % Link::NESTED as usize == 0 {
+            } else if index % ChainLink::NESTED as usize == 0 {
                 let variable = self.fresh(value.ty, value.span);
                 let known = self.variable_of(variable, value.span);
                 pieces.push((variable, std::mem::replace(&mut value, known)));
@@ -273,7 +273,7 @@ impl Resolver<'_> {
         }
     }
 
-    pub fn bindings(&mut self, bindings: &[(ast::Name, ast::Term)]) -> Vec<(VarId, Term)> {
+    pub fn bindings(&mut self, bindings: &[(ast::NameText, ast::Term)]) -> Vec<(VarId, Term)> {
         let mut bound = Vec::new();
         for (name, term) in bindings {
             let term = self.term(term);

@@ -4,7 +4,7 @@ use crate::id::DomainId;
 use crate::model::{Domain, DomainKind};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A type, interned in [`Types`]: equal ids, equal types.
+/// A type, interned in [`TypeTable`]: equal ids, equal types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TypeId(pub u32);
 
@@ -70,7 +70,7 @@ impl Type {
 
 /// The table of types.
 #[derive(Debug, Default)]
-pub struct Types {
+pub struct TypeTable {
     types: Vec<Type>,
     ids: BTreeMap<Type, TypeId>,
 }
@@ -80,7 +80,7 @@ pub(crate) type Fit = Option<u32>;
 
 /// What type variables stand for within one application.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Bindings {
+pub(crate) struct TypeBindings {
     variables: BTreeMap<DomainId, TypeId>,
     /// How often a variable was looked at.
     looks: usize,
@@ -93,7 +93,7 @@ pub(crate) struct Bindings {
     known: BTreeMap<(TypeId, TypeId), Fit>,
 }
 
-impl Bindings {
+impl TypeBindings {
     /// For the arguments of an equality, or of anything else.
     pub fn of(equality: bool) -> Self {
         Self {
@@ -105,7 +105,7 @@ impl Bindings {
 /// The domain that all values are elements of.
 const ANY: &str = "Any";
 
-impl Types {
+impl TypeTable {
     /// The id of a type.
     pub fn id(&mut self, ty: Type) -> TypeId {
         if let Some(&id) = self.ids.get(&ty) {
@@ -191,7 +191,8 @@ impl Types {
     /// Whether a value of one type may stand where the other is wanted. Symmetric: a concrete domain
     /// and what it is a subset of fit both ways, membership is checked when a location is written.
     pub fn compatible(&self, a: TypeId, b: TypeId, domains: &[Domain]) -> bool {
-        self.fit(a, b, domains, &mut Bindings::default()).is_some()
+        self.fit(a, b, domains, &mut TypeBindings::default())
+            .is_some()
     }
 
     /// How well `actual` fits `wanted`, whose type variables are bound in `bindings`.
@@ -200,7 +201,7 @@ impl Types {
         wanted: TypeId,
         actual: TypeId,
         domains: &[Domain],
-        bindings: &mut Bindings,
+        bindings: &mut TypeBindings,
     ) -> Fit {
         if let Some(known) = bindings.known.get(&(wanted, actual)) {
             return *known;
@@ -218,7 +219,7 @@ impl Types {
         wanted: TypeId,
         actual: TypeId,
         domains: &[Domain],
-        bindings: &mut Bindings,
+        bindings: &mut TypeBindings,
     ) -> Fit {
         if wanted == actual && self.variable(wanted, domains).is_none() {
             return Some(0);
@@ -265,7 +266,7 @@ impl Types {
         variable: DomainId,
         actual: TypeId,
         domains: &[Domain],
-        bindings: &mut Bindings,
+        bindings: &mut TypeBindings,
     ) -> Fit {
         bindings.looks += 1;
         if &*domains[variable.0 as usize].name == ANY {
@@ -276,9 +277,9 @@ impl Types {
             bindings.variables.insert(variable, actual);
             return Some(3);
         };
-        let mut within = Bindings {
+        let mut within = TypeBindings {
             compares: bindings.equality,
-            ..Bindings::default()
+            ..TypeBindings::default()
         };
         self.fit(bound, actual, domains, &mut within)?;
         // `including({}, 3)`: the empty set leaves the variable open, the element decides.
@@ -319,7 +320,7 @@ impl Types {
         &mut self,
         id: TypeId,
         domains: &[Domain],
-        bindings: &Bindings,
+        bindings: &TypeBindings,
     ) -> TypeId {
         if let Some(variable) = self.variable(id, domains) {
             return bindings.variables.get(&variable).copied().unwrap_or(id);

@@ -1,8 +1,8 @@
 //! Terms and rules as a machine executes them.
 
 use crate::cover::Counter;
-use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Shape, Slot};
-use asmotion_stdlib::Act;
+use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Slot, ValueShape};
+use asmotion_stdlib::MessageAction;
 use asmotion_value::Value;
 
 pub use asmotion_hir::{Collection, Quantifier};
@@ -24,7 +24,7 @@ pub struct Body<T> {
 
 /// What a term's value is, where that is known before it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     /// A truth value or undef.
     Bool,
     /// An integer or undef.
@@ -41,16 +41,16 @@ pub enum Kind {
 #[derive(Clone, Debug)]
 pub struct Term {
     /// What it is.
-    pub node: Box<Node>,
+    pub node: Box<TermNode>,
     /// What its value is.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// Where it stands.
     pub origin: Origin,
 }
 
 /// The forms of a term.
 #[derive(Clone, Debug)]
-pub enum Node {
+pub enum TermNode {
     /// A constant.
     Constant(Value),
     /// A variable.
@@ -68,7 +68,7 @@ pub enum Node {
     /// A library function applied.
     Builtin(&'static asmotion_stdlib::Builtin, Vec<Term>),
     /// A connective; strong Kleene.
-    Logic(Logic, Term, Term),
+    Logic(Connective, Term, Term),
     /// `not`
     Not(Term),
     /// `=`; total, `undef = undef`.
@@ -100,7 +100,7 @@ pub enum Node {
     /// Binders, guard, key, value.
     CollectMap(Vec<Binder>, Option<Term>, Term, Term),
     /// All values of a shape, as a set.
-    Extent(Shape),
+    Extent(ValueShape),
     /// A variable that is not bound here: a fault.
     Unbound,
     /// The program of an agent.
@@ -118,7 +118,7 @@ pub enum Node {
 
 /// The binary connectives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Logic {
+pub enum Connective {
     /// `and`
     And,
     /// `or`
@@ -163,14 +163,14 @@ pub struct Binder {
     /// The variable.
     pub local: Local,
     /// Its range.
-    pub range: Range,
+    pub range: BinderRange,
     /// Where the range stands.
     pub origin: Origin,
 }
 
 /// What a variable ranges over, in ascending order.
 #[derive(Clone, Debug)]
-pub enum Range {
+pub enum BinderRange {
     /// Integers, bounds included.
     Ints(i64, i64),
     /// Atoms from the first, so many.
@@ -196,7 +196,7 @@ pub enum Endless {
 
 /// What an update writes.
 #[derive(Clone, Debug)]
-pub enum Place {
+pub enum AssignTarget {
     /// A location of a known slot.
     Slot(FunctionId, Slot),
     /// A location whose arguments are computed.
@@ -220,9 +220,9 @@ pub enum RuleNode {
     /// Nothing.
     Skip,
     /// `place := value`
-    Update(Place, Term),
+    Update(AssignTarget, Term),
     /// `place <- routine(…)`; without a place, the result is dropped.
-    Assign(Option<Place>, RoutineId, Vec<Term>),
+    Assign(Option<AssignTarget>, RoutineId, Vec<Term>),
     /// A routine with its arguments.
     Call(RoutineId, Vec<Term>),
     /// A rule value with its arguments.
@@ -245,7 +245,7 @@ pub enum RuleNode {
     Let(Vec<(Local, Term)>, Rule),
     /// Domain, variables, body.
     Extend(DomainId, Vec<Local>, Rule),
-    /// A rule that is noted while it runs; see [`Node::Watched`].
+    /// A rule that is noted while it runs; see [`TermNode::Watched`].
     Watched(Rule),
     /// Guard, body: until the guard fails, or the body changes nothing if that is an end too.
     While {
@@ -271,5 +271,5 @@ pub enum RuleNode {
     /// A rule that is counted.
     Counted(Counter, Rule),
     /// What an agent does with messages.
-    Act(Act, Vec<Term>),
+    Act(MessageAction, Vec<Term>),
 }

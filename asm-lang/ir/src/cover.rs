@@ -13,12 +13,12 @@ pub struct Counted {
     /// Where it stands.
     pub origin: Origin,
     /// What it is.
-    pub part: Part,
+    pub part: CoveragePoint,
 }
 
 /// What is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Part {
+pub enum CoveragePoint {
     /// A declared rule; its origin is its name.
     Rule,
     /// An update.
@@ -70,7 +70,7 @@ impl Program {
         };
         for routine in &mut routines {
             covering.rule(&mut routine.code);
-            covering.count(&mut routine.code, routine.origin, Part::Rule);
+            covering.count(&mut routine.code, routine.origin, CoveragePoint::Rule);
         }
         self.routines = routines;
         self.counted = covering.counted;
@@ -85,7 +85,7 @@ struct Covering {
 }
 
 impl Covering {
-    fn counter(&mut self, origin: Origin, part: Part) -> u32 {
+    fn counter(&mut self, origin: Origin, part: CoveragePoint) -> u32 {
         let counted = Counted { origin, part };
         let all = &mut self.counted;
         *self.known.entry(counted).or_insert_with(|| {
@@ -95,7 +95,7 @@ impl Covering {
     }
 
     /// Puts a counter around a rule.
-    fn count(&mut self, rule: &mut Rule, origin: Origin, part: Part) {
+    fn count(&mut self, rule: &mut Rule, origin: Origin, part: CoveragePoint) {
         let counter = Counter::Count(self.counter(origin, part));
         wrap(rule, counter);
     }
@@ -113,29 +113,29 @@ impl Covering {
         let origin = rule.origin;
         match &mut *rule.node {
             RuleNode::Update(..) | RuleNode::Assign(Some(_), ..) => {
-                self.count(rule, origin, Part::Update);
+                self.count(rule, origin, CoveragePoint::Update);
             }
             RuleNode::If(_, then, otherwise) => {
-                self.count(then, origin, Part::Then);
-                self.count(otherwise, origin, Part::Else);
+                self.count(then, origin, CoveragePoint::Then);
+                self.count(otherwise, origin, CoveragePoint::Else);
             }
             RuleNode::Switch(_, cases, otherwise) => {
                 for (index, (_, case)) in cases.iter_mut().enumerate() {
-                    self.count(case, origin, Part::Case(index as u32));
+                    self.count(case, origin, CoveragePoint::Case(index as u32));
                 }
-                self.count(otherwise, origin, Part::Otherwise);
+                self.count(otherwise, origin, CoveragePoint::Otherwise);
             }
             RuleNode::Choose(_, _, body, ifnone) => {
-                self.count(body, origin, Part::Found);
-                self.count(ifnone, origin, Part::NotFound);
+                self.count(body, origin, CoveragePoint::Found);
+                self.count(ifnone, origin, CoveragePoint::NotFound);
             }
-            RuleNode::Draw(_, body) => self.count(body, origin, Part::Found),
+            RuleNode::Draw(_, body) => self.count(body, origin, CoveragePoint::Found),
             RuleNode::Forall(_, _, body) => {
-                self.count(body, origin, Part::Round);
-                let round = self.counter(origin, Part::Round);
-                let none = self.counter(origin, Part::None);
-                self.counter(origin, Part::One);
-                self.counter(origin, Part::Many);
+                self.count(body, origin, CoveragePoint::Round);
+                let round = self.counter(origin, CoveragePoint::Round);
+                let none = self.counter(origin, CoveragePoint::None);
+                self.counter(origin, CoveragePoint::One);
+                self.counter(origin, CoveragePoint::Many);
                 wrap(rule, Counter::Rounds { round, none });
             }
             RuleNode::Skip

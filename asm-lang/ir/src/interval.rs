@@ -4,14 +4,14 @@ use crate::code::Arithmetic;
 
 /// Bounds, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Interval {
+pub struct IntegerInterval {
     /// The least.
     pub low: i64,
     /// The greatest.
     pub high: i64,
 }
 
-impl Interval {
+impl IntegerInterval {
     /// Nothing is known.
     pub const ANY: Self = Self {
         low: i64::MIN,

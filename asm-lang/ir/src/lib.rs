@@ -15,9 +15,9 @@ mod visit;
 
 pub use code::*;
 pub use codes::CODES;
-pub use cover::{Counted, Counter, Part};
-pub use interval::Interval;
+pub use cover::{Counted, Counter, CoveragePoint};
+pub use interval::IntegerInterval;
 pub use lower::{
-    Lowered, MessageUse, Role, lower, lower_with, message_uses, visit_rules, visit_terms,
+    Lowered, MessageRole, MessageUse, lower, lower_with, message_uses, visit_rules, visit_terms,
 };
 pub use program::*;

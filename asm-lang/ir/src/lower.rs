@@ -16,18 +16,18 @@ mod term;
 use crate::code::{Body, Rule, RuleNode, Term};
 use crate::codes::a035::CircularDomain;
 use crate::program::{
-    BodyId, Elements, FunctionId, Initial, Invariant, Origin, Program, RoutineId, RuleValue,
+    BodyId, DomainElements, FunctionId, Initial, Invariant, Origin, Program, RoutineId, RuleValue,
     Symbols,
 };
 pub use facts::{visit as visit_terms, walk as visit_rules};
 
-pub use message::{MessageUse, Role, message_uses};
+pub use message::{MessageRole, MessageUse, message_uses};
 
 use asmotion_diagnostics::{Finding, Report, Span};
 use asmotion_hir::{Meaning, Model};
 use asmotion_value::RuleId;
 use facts::Facts;
-use frame::Frame;
+use frame::LoweringFrame;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -199,7 +199,7 @@ impl<'a> Lowering<'a> {
             }
         }
         for (index, domain) in self.model.domains.iter().enumerate() {
-            if let (Elements::Computed(id), Some(body)) = (
+            if let (DomainElements::Computed(id), Some(body)) = (
                 self.program.domains[index].elements.clone(),
                 &domain.definition,
             ) {
@@ -347,7 +347,7 @@ impl<'a> Lowering<'a> {
     }
 
     fn fill_body(&mut self, id: BodyId, body: &asmotion_hir::Body<asmotion_hir::Term>) {
-        let mut frame = Frame::of(body.parameters, body.variables.len());
+        let mut frame = LoweringFrame::of(body.parameters, body.variables.len());
         let code = self.term(&body.root, &mut frame);
         let slot = &mut self.program.bodies[id.0 as usize];
         slot.code = code;

@@ -2,7 +2,7 @@
 
 use crate::code::{Body, Rule, Term};
 use crate::cover::Counted;
-use asmotion_stdlib::Mail;
+use asmotion_stdlib::MessageQuery;
 use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
 
@@ -140,7 +140,7 @@ pub struct Symbols {
 #[derive(Debug)]
 pub struct Domain {
     /// Its elements.
-    pub elements: Elements,
+    pub elements: DomainElements,
     /// The domain it is a subset of.
     pub base: Option<DomainId>,
     /// Whether `extend` may add elements: it is abstract, or a subset of such a domain.
@@ -149,7 +149,7 @@ pub struct Domain {
 
 /// The elements of a domain.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Elements {
+pub enum DomainElements {
     /// All integers from `low` to `high`, bounds included.
     Ints {
         /// The least element.
@@ -178,9 +178,9 @@ pub struct Function {
     /// Who writes its locations.
     pub kind: FunctionKind,
     /// The shapes of its arguments.
-    pub parameters: Vec<Shape>,
+    pub parameters: Vec<ValueShape>,
     /// The shape of its values.
-    pub codomain: Shape,
+    pub codomain: ValueShape,
     /// What a value must be an element of when it is written; `None` for all values of the shape.
     pub within: Option<DomainId>,
     /// Whether some part of a value must be an element of a concrete domain.
@@ -197,7 +197,7 @@ pub struct Function {
     /// is the time of the step.
     pub clock: Option<i64>,
     /// What it asks about messages: the machine answers, the environment where it cannot.
-    pub mail: Option<Mail>,
+    pub mail: Option<MessageQuery>,
     /// Whether the specification declares it itself: only these are shown.
     pub own: bool,
 }
@@ -221,7 +221,7 @@ pub enum FunctionKind {
 
 /// The values of a type, as far as inputs and enumeration need to know.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum ValueShape {
     /// `true`, `false`
     Bool,
     /// Integers.
@@ -241,15 +241,15 @@ pub enum Shape {
     /// The elements of a domain.
     Domain(DomainId),
     /// Tuples.
-    Tuple(Vec<Shape>),
+    Tuple(Vec<ValueShape>),
     /// Sequences.
-    Seq(Box<Shape>),
+    Seq(Box<ValueShape>),
     /// Sets.
-    Set(Box<Shape>),
+    Set(Box<ValueShape>),
     /// Bags.
-    Bag(Box<Shape>),
+    Bag(Box<ValueShape>),
     /// Maps.
-    Map(Box<Shape>, Box<Shape>),
+    Map(Box<ValueShape>, Box<ValueShape>),
     /// Anything.
     Any,
 }
@@ -266,7 +266,7 @@ pub enum Storage {
         /// How many slots there are.
         count: u32,
         /// One axis an argument.
-        axes: Vec<Axis>,
+        axes: Vec<SlotAxis>,
         /// Whether a location gets its value when it is first met: the axes are those of arguments the
         /// program uses, the domains have no end.
         lazy: bool,
@@ -284,7 +284,7 @@ impl Storage {
 
 /// How an argument becomes an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Axis {
+pub struct SlotAxis {
     /// What the argument ranges over.
     pub over: AxisRange,
     /// How far apart the locations of neighbouring arguments are.
@@ -314,21 +314,21 @@ pub enum AxisRange {
 
 /// What an agent can be asked.
 #[derive(Clone, Debug)]
-pub struct Operation {
+pub struct AgentOperation {
     /// What it is asked with.
-    pub takes: Shape,
+    pub takes: ValueShape,
     /// What it answers.
-    pub gives: Shape,
+    pub gives: ValueShape,
     /// Whether every request has a reply.
     pub replies: bool,
 }
 
-impl Default for Operation {
+impl Default for AgentOperation {
     /// Takes and gives anything.
     fn default() -> Self {
         Self {
-            takes: Shape::Any,
-            gives: Shape::Any,
+            takes: ValueShape::Any,
+            gives: ValueShape::Any,
             replies: true,
         }
     }
@@ -337,28 +337,28 @@ impl Default for Operation {
 impl Program {
     /// What an operation of an agent takes and gives, as an out function of its name declares it. One
     /// whose codomain is `Rule` gives anything, or has no reply at all.
-    pub fn operation(&self, name: &str) -> Operation {
+    pub fn operation(&self, name: &str) -> AgentOperation {
         let mut functions = self.symbols.functions.iter().zip(&self.functions);
         let found = functions.find(|(known, function)| {
             function.own
                 && function.kind == FunctionKind::Out
                 && asmotion_stdlib::operation(known) == name
-                && matches!(function.parameters.first(), Some(Shape::Domain(_)))
+                && matches!(function.parameters.first(), Some(ValueShape::Domain(_)))
         });
         let Some((_, function)) = found else {
-            return Operation::default();
+            return AgentOperation::default();
         };
         let takes = match &function.parameters[1..] {
             [one] => one.clone(),
-            [] => Shape::Any,
-            several => Shape::Tuple(several.to_vec()),
+            [] => ValueShape::Any,
+            several => ValueShape::Tuple(several.to_vec()),
         };
-        let replies = function.codomain != Shape::Rule;
-        Operation {
+        let replies = function.codomain != ValueShape::Rule;
+        AgentOperation {
             takes,
             gives: match replies {
                 true => function.codomain.clone(),
-                false => Shape::Any,
+                false => ValueShape::Any,
             },
             replies,
         }

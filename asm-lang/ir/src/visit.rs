@@ -1,8 +1,8 @@
 //! The parts of terms and rules, for whoever goes through all of them.
 
-use crate::code::{Binder, Node, Place, Range, Rule, RuleNode, Term};
+use crate::code::{AssignTarget, Binder, BinderRange, Rule, RuleNode, Term, TermNode};
 
-impl Node {
+impl TermNode {
     /// The terms directly in it, in the order they are evaluated.
     pub fn terms_mut(&mut self) -> Vec<&mut Term> {
         match self {
@@ -72,7 +72,7 @@ impl RuleNode {
             Self::Update(place, value) => place.terms_mut().chain([value]).collect(),
             Self::Assign(place, _, arguments) => place
                 .iter_mut()
-                .flat_map(Place::terms_mut)
+                .flat_map(AssignTarget::terms_mut)
                 .chain(arguments)
                 .collect(),
             Self::Call(_, arguments) | Self::Act(_, arguments) => arguments.iter_mut().collect(),
@@ -122,7 +122,7 @@ impl RuleNode {
     }
 }
 
-impl Place {
+impl AssignTarget {
     fn terms_mut(&mut self) -> std::slice::IterMut<'_, Term> {
         match self {
             Self::Slot(..) | Self::Local(_) => [].iter_mut(),
@@ -135,7 +135,10 @@ fn ranges(binders: &mut [Binder]) -> impl Iterator<Item = &mut Term> {
     binders
         .iter_mut()
         .filter_map(|binder| match &mut binder.range {
-            Range::Elements(term) => Some(term),
-            Range::Ints(..) | Range::Atoms(..) | Range::Bools | Range::Domain(_) => None,
+            BinderRange::Elements(term) => Some(term),
+            BinderRange::Ints(..)
+            | BinderRange::Atoms(..)
+            | BinderRange::Bools
+            | BinderRange::Domain(_) => None,
         })
 }

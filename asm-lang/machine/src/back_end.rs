@@ -8,18 +8,18 @@
 //!
 //! The seam is as narrow as speed allows. Native code reads and writes three things in place, since a
 //! call for each would cost more than the work itself: the slots of the state, the locals, and the
-//! lists of the update set ([`UpdateLists`]). The public fields of [`Run`] are counters that it keeps up
+//! lists of the update set ([`UpdateLists`]). The public fields of [`StepContext`] are counters that it keeps up
 //! to date. All else goes through the methods below, which are safe; so the machine has no unsafe code
 //! for the sake of the back end, and what the back end must guarantee is written where it is unsafe.
 
 pub use crate::code::{NativeCompiler, NativeRule, NoNativeCode, RuleCode, TermCode, TruthCode};
 pub use crate::compile::Compiler;
 pub use crate::limits::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
-pub use crate::run::{Run, Stopped, Truth, on_enough_stack};
-pub use crate::updates::{Covered, Held, Mark, UpdateLists};
+pub use crate::run::{KleeneTruth, RuleStopped, StepContext, on_enough_stack};
+pub use crate::updates::{CoveredMark, Mark, SavedValue, UpdateLists};
 
 use crate::fault::FaultKind;
-use crate::record::Choice;
+use crate::record::StepChoice;
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 
@@ -46,7 +46,7 @@ pub enum Choosing {
     Picked,
 }
 
-impl Run<'_> {
+impl StepContext<'_> {
     /// What each slot holds.
     #[inline]
     pub fn slots_mut(&mut self) -> &mut [Value] {
@@ -92,7 +92,7 @@ impl Run<'_> {
     /// Which of `count` candidates is chosen, from 0; at least one is given. The choice is recorded.
     pub fn choose(&mut self, count: usize, origin: Origin) -> usize {
         let index = self.chooser.choose(count).min(count.saturating_sub(1));
-        self.record.choices.push(Choice {
+        self.record.choices.push(StepChoice {
             origin,
             index,
             count,
@@ -122,10 +122,10 @@ impl Run<'_> {
     ///
     /// # Errors
     /// One of them clashes with an update of that set.
-    pub fn end_sequence(&mut self) -> Result<(), Stopped> {
+    pub fn end_sequence(&mut self) -> Result<(), RuleStopped> {
         match self.updates.layers.pop() {
             Some(layer) => self.restore(layer),
-            None => Err(Stopped),
+            None => Err(RuleStopped),
         }
     }
 
@@ -133,7 +133,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// The rule stopped.
-    pub fn run_applying(&mut self, rule: &RuleCode) -> Result<bool, Stopped> {
+    pub fn run_applying(&mut self, rule: &RuleCode) -> Result<bool, RuleStopped> {
         let layer = self.updates.open();
         rule(self)?;
         let is_empty = self.updates.is_empty(&layer);

@@ -24,9 +24,9 @@ pub trait Chooser {
 
 /// Takes the first candidate.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct First;
+pub struct FirstChoice;
 
-impl Chooser for First {
+impl Chooser for FirstChoice {
     fn choose(&mut self, _count: usize) -> usize {
         0
     }

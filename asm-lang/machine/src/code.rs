@@ -1,18 +1,18 @@
 //! Compiled programs: closures for everything, and native code for the main rule where there is some.
 
 use crate::packed::Layout;
-use crate::run::{Run, Stopped, Truth};
+use crate::run::{KleeneTruth, RuleStopped, StepContext};
 use asmotion_ir::{DomainId, Origin, Program};
 use asmotion_value::Value;
 use std::fmt;
 use std::sync::OnceLock;
 
 /// A term as a closure that gives its value.
-pub type TermCode = Box<dyn Fn(&mut Run<'_>) -> Value + Send + Sync>;
+pub type TermCode = Box<dyn Fn(&mut StepContext<'_>) -> Value + Send + Sync>;
 /// A truth-valued term as a closure.
-pub type TruthCode = Box<dyn Fn(&mut Run<'_>) -> Truth + Send + Sync>;
+pub type TruthCode = Box<dyn Fn(&mut StepContext<'_>) -> KleeneTruth + Send + Sync>;
 /// A rule as a closure that collects its updates.
-pub type RuleCode = Box<dyn Fn(&mut Run<'_>) -> Result<(), Stopped> + Send + Sync>;
+pub type RuleCode = Box<dyn Fn(&mut StepContext<'_>) -> Result<(), RuleStopped> + Send + Sync>;
 
 /// Code with a frame of locals of its own.
 pub(crate) struct Compiled<T> {
@@ -24,7 +24,7 @@ pub(crate) struct Compiled<T> {
 }
 
 /// A compiled program.
-pub(crate) struct Code {
+pub(crate) struct CompiledProgram {
     pub bodies: Vec<Compiled<TermCode>>,
     pub routines: Vec<Compiled<RuleCode>>,
     /// For each domain the domains its elements belong to, beginning with itself.
@@ -54,7 +54,7 @@ pub trait NativeRule: Send + Sync {
     ///
     /// # Errors
     /// The rule stopped; the run holds the fault.
-    fn run(&self, run: &mut Run<'_>) -> Result<(), Stopped>;
+    fn run(&self, run: &mut StepContext<'_>) -> Result<(), RuleStopped>;
 }
 
 /// Why closures do the steps of a machine that was asked for native code.

@@ -14,15 +14,15 @@ mod term;
 mod truth;
 mod watched;
 
-use crate::code::{Code, Compiled, TermCode};
+use crate::code::{Compiled, CompiledProgram, TermCode};
 use crate::packed::Layout;
-use crate::run::Run;
+use crate::run::StepContext;
 use crate::watch::{watched_rule, watched_term};
-use asmotion_ir::{Axis, DomainId, Local, Program, Rule, Term};
+use asmotion_ir::{DomainId, Local, Program, Rule, SlotAxis, Term};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-impl Code {
+impl CompiledProgram {
     pub fn of(program: &Program) -> Self {
         Self::compiled(
             program,
@@ -88,7 +88,7 @@ struct Values(Vec<TermCode>);
 
 impl Values {
     /// Puts the values on the stack; gives where they begin.
-    fn stacked(&self, run: &mut Run<'_>) -> usize {
+    fn stacked(&self, run: &mut StepContext<'_>) -> usize {
         let from = run.stack.len();
         for term in &self.0 {
             let value = term(run);
@@ -98,7 +98,7 @@ impl Values {
     }
 
     /// Puts the values behind the locals, as the arguments of a call; gives where they begin.
-    fn passed(&self, run: &mut Run<'_>) -> usize {
+    fn passed(&self, run: &mut StepContext<'_>) -> usize {
         let from = run.locals.len();
         for term in &self.0 {
             let value = term(run);
@@ -109,10 +109,10 @@ impl Values {
 }
 
 /// Variables and the terms they are bound to, one after the other.
-struct Bindings(Vec<(Local, TermCode)>);
+struct LocalBindings(Vec<(Local, TermCode)>);
 
-impl Bindings {
-    fn bind(&self, run: &mut Run<'_>) {
+impl LocalBindings {
+    fn bind(&self, run: &mut StepContext<'_>) {
         for (local, term) in &self.0 {
             let value = term(run);
             run.set_local(*local, value);
@@ -124,7 +124,7 @@ impl Bindings {
 pub struct Compiler<'a> {
     program: &'a Program,
     /// By function: its window, if it has one.
-    windows: Vec<Option<(usize, Vec<Axis>)>>,
+    windows: Vec<Option<(usize, Vec<SlotAxis>)>>,
 }
 
 impl<'a> Compiler<'a> {
@@ -132,7 +132,7 @@ impl<'a> Compiler<'a> {
     pub fn of(program: &'a Program) -> Self {
         Self {
             program,
-            windows: crate::near::windows(program),
+            windows: crate::windows::windows(program),
         }
     }
 
@@ -144,10 +144,10 @@ impl<'a> Compiler<'a> {
         Values(self.terms(terms))
     }
 
-    fn bindings(&self, bindings: &[(Local, Term)]) -> Bindings {
+    fn bindings(&self, bindings: &[(Local, Term)]) -> LocalBindings {
         let bindings = bindings
             .iter()
             .map(|(local, term)| (*local, self.term(term)));
-        Bindings(bindings.collect())
+        LocalBindings(bindings.collect())
     }
 }

@@ -2,36 +2,36 @@
 
 use crate::fault::FaultKind;
 use crate::limits::MAX_ELEMENTS;
-use crate::run::Run;
-use asmotion_ir::{DomainId, Elements, Shape};
+use crate::run::StepContext;
+use asmotion_ir::{DomainElements, DomainId, ValueShape};
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-impl Run<'_> {
+impl StepContext<'_> {
     /// The elements of a domain, ascending.
     pub fn elements(&self, domain: DomainId) -> Result<Arc<Vec<Value>>, FaultKind> {
         match self.program.domains[domain.0 as usize].elements {
-            Elements::Ints { low, high } => {
+            DomainElements::Ints { low, high } => {
                 let count = high.abs_diff(low).saturating_add(1);
                 if count > MAX_ELEMENTS {
                     return Err(FaultKind::TooLarge(count));
                 }
                 Ok(Arc::new((low..=high).map(Value::Int).collect()))
             }
-            Elements::Open => Err(FaultKind::Infinite),
-            Elements::Atoms { .. } | Elements::Computed(_) | Elements::Undefined => {
-                Ok(self.state.store.extents[domain.0 as usize].clone())
-            }
+            DomainElements::Open => Err(FaultKind::Infinite),
+            DomainElements::Atoms { .. }
+            | DomainElements::Computed(_)
+            | DomainElements::Undefined => Ok(self.state.store.extents[domain.0 as usize].clone()),
         }
     }
 
     /// All values of a shape, ascending.
-    pub fn extent(&self, shape: &Shape) -> Result<Vec<Value>, FaultKind> {
+    pub fn extent(&self, shape: &ValueShape) -> Result<Vec<Value>, FaultKind> {
         match shape {
-            Shape::Bool => Ok(vec![Value::Bool(false), Value::Bool(true)]),
-            Shape::Domain(domain) => Ok(self.elements(*domain)?.to_vec()),
-            Shape::Tuple(items) => {
+            ValueShape::Bool => Ok(vec![Value::Bool(false), Value::Bool(true)]),
+            ValueShape::Domain(domain) => Ok(self.elements(*domain)?.to_vec()),
+            ValueShape::Tuple(items) => {
                 let mut tuples: Vec<Vec<Value>> = vec![Vec::new()];
                 for item in items {
                     let extent = self.extent(item)?;
@@ -51,7 +51,7 @@ impl Run<'_> {
                 }
                 Ok(tuples.into_iter().map(Value::tuple).collect())
             }
-            Shape::Set(item) => {
+            ValueShape::Set(item) => {
                 let extent = self.extent(item)?;
                 let count = 1u64.checked_shl(extent.len() as u32).unwrap_or(u64::MAX);
                 if extent.len() >= 20 || count > MAX_ELEMENTS {
@@ -67,17 +67,17 @@ impl Run<'_> {
                 let sets: BTreeSet<Value> = (0..count).map(subset).collect();
                 Ok(sets.into_iter().collect())
             }
-            Shape::Int
-            | Shape::Natural
-            | Shape::Real
-            | Shape::Char
-            | Shape::Text
-            | Shape::Complex
-            | Shape::Rule
-            | Shape::Seq(_)
-            | Shape::Bag(_)
-            | Shape::Map(..)
-            | Shape::Any => Err(FaultKind::Infinite),
+            ValueShape::Int
+            | ValueShape::Natural
+            | ValueShape::Real
+            | ValueShape::Char
+            | ValueShape::Text
+            | ValueShape::Complex
+            | ValueShape::Rule
+            | ValueShape::Seq(_)
+            | ValueShape::Bag(_)
+            | ValueShape::Map(..)
+            | ValueShape::Any => Err(FaultKind::Infinite),
         }
     }
 }

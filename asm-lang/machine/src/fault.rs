@@ -1,12 +1,12 @@
 //! Why a step has no next state.
 
-use crate::misfit::Misfit;
+use crate::misfit::DomainMisfit;
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 
 /// A step failed. The state is as it was before, but for a violated invariant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct StepFault {
     /// What happened.
     pub kind: FaultKind,
     /// Where.
@@ -36,14 +36,14 @@ pub enum FaultKind {
         /// The location.
         slot: Slot,
         /// What does not fit.
-        misfit: Misfit,
+        misfit: DomainMisfit,
     },
     /// A value that the environment gave is not an element of the codomain.
     OutsideInput {
         /// The location.
         slot: Slot,
         /// What does not fit.
-        misfit: Misfit,
+        misfit: DomainMisfit,
         /// Who gave it.
         source: String,
     },
@@ -52,12 +52,12 @@ pub enum FaultKind {
         /// The location.
         slot: Slot,
         /// What does not fit.
-        misfit: Misfit,
+        misfit: DomainMisfit,
     },
     /// A guard is neither true nor false.
     UndefinedGuard,
     /// A function of the library has no value for these arguments.
-    Library(asmotion_stdlib::Fault),
+    Library(asmotion_stdlib::BuiltinFault),
     /// A variable ranges over a domain without end.
     Infinite,
     /// A variable ranges over a value that is no collection.

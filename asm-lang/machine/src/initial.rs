@@ -1,12 +1,12 @@
 //! The initial state: built from the program, completed by the inputs of the first step.
 
-use crate::choose::First;
+use crate::choose::FirstChoice;
 use crate::environment::{Environment, NoInputs};
-use crate::fault::Fault;
+use crate::fault::StepFault;
 use crate::machine::Machine;
-use crate::misfit::{Misfit, is_listed};
-use crate::run::Run;
-use asmotion_ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Slot, Storage};
+use crate::misfit::{DomainMisfit, is_listed};
+use crate::run::StepContext;
+use asmotion_ir::{DomainElements, DomainId, FunctionId, Initial, Origin, Program, Slot, Storage};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,13 +17,13 @@ pub struct InitialMisfit {
     /// The arguments of the location.
     pub arguments: Vec<Value>,
     /// What does not fit.
-    pub misfit: Misfit,
+    pub misfit: DomainMisfit,
     /// Where the value is defined.
     pub origin: Origin,
 }
 
 impl Machine {
-    pub(crate) fn initialise(&mut self) -> Result<(), Box<Fault>> {
+    pub(crate) fn initialise(&mut self) -> Result<(), Box<StepFault>> {
         self.scratch.updates.begin(self.state.len());
         self.state.initial.slots = self.state.store.slots.clone();
         let program = self.program.clone();
@@ -43,7 +43,7 @@ impl Machine {
         &mut self,
         environment: &mut dyn Environment,
         now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
+    ) -> Result<(), Box<StepFault>> {
         let program = self.program.clone();
         for &initial in &program.initial_inputs {
             self.initialise_one(&program, initial, environment, now_ns)?;
@@ -65,8 +65,8 @@ impl Machine {
         &mut self,
         environment: &mut dyn Environment,
         now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
-        self.run(environment, &mut First, 0, now_ns, |run| {
+    ) -> Result<(), Box<StepFault>> {
+        self.run(environment, &mut FirstChoice, 0, now_ns, |run| {
             let _ = run.check_invariants(false);
         })
     }
@@ -77,7 +77,7 @@ impl Machine {
         initial: Initial,
         environment: &mut dyn Environment,
         now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
+    ) -> Result<(), Box<StepFault>> {
         match initial {
             Initial::Domain(domain) => self.initialise_domain(program, domain, environment, now_ns),
             Initial::Function(function) => {
@@ -92,8 +92,8 @@ impl Machine {
         domain: DomainId,
         environment: &mut dyn Environment,
         now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
-        let Elements::Computed(body) = program.domains[domain.0 as usize].elements else {
+    ) -> Result<(), Box<StepFault>> {
+        let DomainElements::Computed(body) = program.domains[domain.0 as usize].elements else {
             return Ok(());
         };
         let elements = self.build(environment, now_ns, |run| run.call_body(body, 0))?;
@@ -117,7 +117,7 @@ impl Machine {
         function: FunctionId,
         environment: &mut dyn Environment,
         now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
+    ) -> Result<(), Box<StepFault>> {
         let declared = &program.functions[function.0 as usize];
         let (
             Some(body),
@@ -150,9 +150,9 @@ impl Machine {
         &mut self,
         environment: &mut dyn Environment,
         now_ns: i64,
-        work: impl FnOnce(&mut Run<'_>) -> T,
-    ) -> Result<T, Box<Fault>> {
-        self.run(environment, &mut First, 0, now_ns, |run| {
+        work: impl FnOnce(&mut StepContext<'_>) -> T,
+    ) -> Result<T, Box<StepFault>> {
+        self.run(environment, &mut FirstChoice, 0, now_ns, |run| {
             run.building = true;
             work(run)
         })
@@ -185,7 +185,7 @@ impl Machine {
                 || is_listed(program, &state.initial.extents, domain, value)
         };
         let value = state.get_initial(slot);
-        let misfit = Misfit::of_value(program, function, value, &is_element)?;
+        let misfit = DomainMisfit::of_value(program, function, value, &is_element)?;
         let (_, arguments) = state.location(program, slot)?;
         Some(InitialMisfit {
             arguments,

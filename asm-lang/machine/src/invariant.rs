@@ -1,19 +1,19 @@
 //! Invariants, checked while a step runs.
 
 use crate::fault::FaultKind;
-use crate::run::{Run, Stopped, Truth};
+use crate::run::{KleeneTruth, RuleStopped, StepContext};
 
-impl Run<'_> {
+impl StepContext<'_> {
     /// Checks the invariants that speak of inputs, or all others.
     #[inline]
-    pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), Stopped> {
+    pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), RuleStopped> {
         match self.program.invariants.is_empty() {
             true => Ok(()),
             false => self.check_each_invariant(assumptions),
         }
     }
 
-    fn check_each_invariant(&mut self, assumptions: bool) -> Result<(), Stopped> {
+    fn check_each_invariant(&mut self, assumptions: bool) -> Result<(), RuleStopped> {
         let program = self.program;
         for (index, invariant) in program.invariants.iter().enumerate() {
             if invariant.assumes != assumptions {
@@ -22,7 +22,7 @@ impl Run<'_> {
             let from = self.locals.len();
             let value = self.call_body(invariant.body, from);
             self.checked()?;
-            if Truth::from_value(&value) != Truth::True {
+            if KleeneTruth::from_value(&value) != KleeneTruth::True {
                 return Err(self.stop(FaultKind::Invariant { index, value }, invariant.origin));
             }
         }

@@ -2,16 +2,16 @@
 
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
-use crate::code::{Code, NativeCompiler, NoNativeCode};
+use crate::code::{CompiledProgram, NativeCompiler, NoNativeCode};
 use crate::environment::Environment;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::{FaultKind, StepFault};
+use crate::messages::{MessagesInTransit, SentMessage};
 use crate::naming::Naming;
-use crate::notes::Notes;
+use crate::notes::WitnessNotes;
 use crate::plain;
-use crate::post::{Post, Sent};
-use crate::record::{Choice, Input, Record};
-use crate::run::{Run, Stopped};
-use crate::state::State;
+use crate::record::{StepChoice, StepInput, StepLog};
+use crate::run::{RuleStopped, StepContext};
+use crate::state::MachineState;
 use crate::updates::{Update, Updates};
 use asmotion_ir::{DomainId, Origin, Program};
 use asmotion_value::{Atom, Value};
@@ -31,12 +31,12 @@ impl<'a> Step<'a> {
     }
 
     /// What was read of the environment, in order.
-    pub fn inputs(self) -> &'a [Input] {
+    pub fn inputs(self) -> &'a [StepInput] {
         &self.machine.scratch.record.inputs
     }
 
     /// What was chosen, in order.
-    pub fn choices(self) -> &'a [Choice] {
+    pub fn choices(self) -> &'a [StepChoice] {
         &self.machine.scratch.record.choices
     }
 
@@ -61,7 +61,7 @@ impl<'a> Step<'a> {
     }
 
     /// The messages it sent, in order.
-    pub fn sent(self) -> &'a [Sent] {
+    pub fn sent(self) -> &'a [SentMessage] {
         &self.machine.scratch.record.sent
     }
 
@@ -92,11 +92,11 @@ const STEP: u64 = 20;
 #[derive(Clone)]
 pub struct Machine {
     pub(crate) program: Arc<Program>,
-    pub(crate) code: Arc<Code>,
-    pub(crate) state: State,
+    pub(crate) code: Arc<CompiledProgram>,
+    pub(crate) state: MachineState,
     pub(crate) scratch: Scratch,
     /// Messages on their way.
-    pub(crate) post: Post,
+    pub(crate) post: MessagesInTransit,
     pub(crate) steps: u64,
     /// How often a step was begun: what was asked of the environment counts for one of them.
     pub(crate) rounds: u64,
@@ -113,14 +113,14 @@ pub struct Machine {
 #[derive(Default)]
 pub(crate) struct Scratch {
     pub updates: Updates,
-    record: Record,
+    record: StepLog,
     locals: Vec<Value>,
     stack: Vec<Value>,
     before: Vec<Value>,
     /// Whether nothing that the last step wrote, or found there, must be dropped.
     is_plain: bool,
     /// Only where a failed step is done once more.
-    notes: Option<Notes>,
+    notes: Option<WitnessNotes>,
 }
 
 impl Scratch {
@@ -152,22 +152,22 @@ impl Machine {
     ///
     /// # Errors
     /// An initial value cannot be computed, or an invariant does not hold initially.
-    pub fn new(program: Arc<Program>) -> Result<Self, Box<Fault>> {
-        let code = Code::of(&program);
+    pub fn new(program: Arc<Program>) -> Result<Self, Box<StepFault>> {
+        let code = CompiledProgram::of(&program);
         let mut machine = Self::blank(program, code);
         machine.initialise()?;
         Ok(machine)
     }
 
     /// A machine whose initial state is still to be built.
-    pub(crate) fn blank(program: Arc<Program>, code: Code) -> Self {
-        let state = State::new(&program);
+    pub(crate) fn blank(program: Arc<Program>, code: CompiledProgram) -> Self {
+        let state = MachineState::new(&program);
         Self {
             program,
             code: Arc::new(code),
             state,
             scratch: Scratch::default(),
-            post: Post::default(),
+            post: MessagesInTransit::default(),
             steps: 0,
             rounds: 0,
             is_complete: false,
@@ -178,7 +178,7 @@ impl Machine {
     }
 
     /// A machine in the same state with other closures.
-    pub(crate) fn recompiled(&self, code: Code) -> Self {
+    pub(crate) fn recompiled(&self, code: CompiledProgram) -> Self {
         Self {
             code: Arc::new(code),
             back_end: BackEnd::Closures,
@@ -187,12 +187,12 @@ impl Machine {
     }
 
     /// From now on, watched code notes what it sees on the way to this fault.
-    pub(crate) fn watch(&mut self, fault: &Fault) {
-        self.scratch.notes = Some(Notes::about(fault));
+    pub(crate) fn watch(&mut self, fault: &StepFault) {
+        self.scratch.notes = Some(WitnessNotes::about(fault));
     }
 
     /// What was noted.
-    pub(crate) fn notes(&mut self) -> Option<Notes> {
+    pub(crate) fn notes(&mut self) -> Option<WitnessNotes> {
         self.scratch.notes.take()
     }
 
@@ -251,7 +251,7 @@ impl Machine {
     }
 
     /// The current state.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &MachineState {
         &self.state
     }
 
@@ -278,7 +278,7 @@ impl Machine {
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
         now_ns: i64,
-    ) -> Result<Step<'_>, Box<Fault>> {
+    ) -> Result<Step<'_>, Box<StepFault>> {
         let number = self.steps + 1;
         let is_native = self.is_native();
         self.attempt(true, environment, chooser, now_ns, |run| {
@@ -302,8 +302,8 @@ impl Machine {
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
         now_ns: i64,
-        rules: impl FnOnce(&mut Run<'_>) -> Result<(), Stopped>,
-    ) -> Result<(), Box<Fault>> {
+        rules: impl FnOnce(&mut StepContext<'_>) -> Result<(), RuleStopped>,
+    ) -> Result<(), Box<StepFault>> {
         self.rounds += 1;
         self.scratch.begin(now_ns);
         self.scratch.updates.begin(self.state.len());
@@ -349,7 +349,7 @@ impl Machine {
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
         now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
+    ) -> Result<(), Box<StepFault>> {
         match self.program.invariants.is_empty() {
             true => Ok(()),
             false => self.check_new_state(environment, chooser, now_ns),
@@ -361,7 +361,7 @@ impl Machine {
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
         now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
+    ) -> Result<(), Box<StepFault>> {
         self.run(environment, chooser, self.steps, now_ns, |run| {
             // a violation is reported as the fault of the run
             let _ = run.check_invariants(false);
@@ -418,8 +418,8 @@ impl Machine {
         chooser: &mut dyn Chooser,
         step: u64,
         now_ns: i64,
-        work: impl FnOnce(&mut Run<'_>) -> T,
-    ) -> Result<T, Box<Fault>> {
+        work: impl FnOnce(&mut StepContext<'_>) -> T,
+    ) -> Result<T, Box<StepFault>> {
         let Scratch {
             updates,
             record,
@@ -430,7 +430,7 @@ impl Machine {
         } = &mut self.scratch;
         locals.clear();
         stack.clear();
-        let mut run = Run {
+        let mut run = StepContext {
             program: &self.program,
             code: &self.code,
             state: &mut self.state,
@@ -462,7 +462,7 @@ impl Machine {
             run.abandon(grown);
             return Err(fault);
         }
-        let Run { agent, .. } = run;
+        let StepContext { agent, .. } = run;
         agent.discard();
         Ok(result)
     }

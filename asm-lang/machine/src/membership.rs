@@ -1,28 +1,28 @@
 //! Whether values are elements of domains in the state of a run.
 
 use crate::fault::FaultKind;
-use crate::misfit::{Misfit, is_listed};
-use crate::run::{Run, Stopped};
+use crate::misfit::{DomainMisfit, is_listed};
+use crate::run::{RuleStopped, StepContext};
 use asmotion_ir::{DomainId, FunctionId, Origin, Slot};
 use asmotion_value::Value;
 
-impl Run<'_> {
+impl StepContext<'_> {
     /// What of a value is no element of its function's codomain.
-    pub fn misfit(&self, function: FunctionId, value: &Value) -> Option<Misfit> {
-        Misfit::of_value(self.program, function, value, &|domain, value| {
+    pub fn misfit(&self, function: FunctionId, value: &Value) -> Option<DomainMisfit> {
+        DomainMisfit::of_value(self.program, function, value, &|domain, value| {
             self.is_element(domain, value)
         })
     }
 
     /// What of the arguments of a location, on the stack, is no element of their function's domain.
-    pub fn misplaced(&self, function: FunctionId, arguments: usize) -> Option<Misfit> {
+    pub fn misplaced(&self, function: FunctionId, arguments: usize) -> Option<DomainMisfit> {
         let declared = &self.program.functions[function.0 as usize];
         if !declared.narrow || self.program.compatible {
             return None;
         }
         let mut pairs = declared.parameters.iter().zip(&self.stack[arguments..]);
         pairs.find_map(|(shape, value)| {
-            Misfit::of(self.program, function, shape, value, &|domain, value| {
+            DomainMisfit::of(self.program, function, shape, value, &|domain, value| {
                 self.program.domains[domain.0 as usize].grows || self.is_element(domain, value)
             })
         })
@@ -31,7 +31,7 @@ impl Run<'_> {
     /// Stops a rule that writes a location whose arguments are no elements of the function's domain.
     /// What was inside when it was met is so for ever; what was outside is looked at again, for the
     /// initial state may not have been made then.
-    pub fn check_place(&mut self, slot: Slot, origin: Origin) -> Result<(), Stopped> {
+    pub fn check_place(&mut self, slot: Slot, origin: Origin) -> Result<(), RuleStopped> {
         if !self.state.is_outside(slot) {
             return Ok(());
         }

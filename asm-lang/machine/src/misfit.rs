@@ -1,12 +1,12 @@
 //! Values that are no elements of the domains that functions are declared over.
 
-use asmotion_ir::{DomainId, Elements, FunctionId, Program, Shape};
+use asmotion_ir::{DomainElements, DomainId, FunctionId, Program, ValueShape};
 use asmotion_value::{Atom, Value};
 use std::sync::Arc;
 
 /// A value that is none of its function's.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Misfit {
+pub struct DomainMisfit {
     /// The function.
     pub function: FunctionId,
     /// The whole value.
@@ -17,7 +17,7 @@ pub struct Misfit {
     pub domain: DomainId,
 }
 
-impl Misfit {
+impl DomainMisfit {
     /// What of a value is no element of its function's codomain. `undef` fits everywhere; what the
     /// reference does not look at, `--compat asmeta` does not either.
     pub(crate) fn of_value(
@@ -36,14 +36,14 @@ impl Misfit {
     pub(crate) fn of(
         program: &Program,
         function: FunctionId,
-        shape: &Shape,
+        shape: &ValueShape,
         value: &Value,
         is_element: &dyn Fn(DomainId, &Value) -> bool,
     ) -> Option<Self> {
         // a domain that is not defined is one of which nothing is said
         let is_element = |domain: DomainId, value: &Value| {
             let elements = &program.domains[domain.0 as usize].elements;
-            *elements == Elements::Undefined || is_element(domain, value)
+            *elements == DomainElements::Undefined || is_element(domain, value)
         };
         let (domain, part) = outsider(shape, value, &is_element)?;
         Some(Self {
@@ -57,22 +57,30 @@ impl Misfit {
 
 /// The first part of a value that is no element of the domain it should be of.
 fn outsider<'v>(
-    shape: &Shape,
+    shape: &ValueShape,
     value: &'v Value,
     is_element: &dyn Fn(DomainId, &Value) -> bool,
 ) -> Option<(DomainId, &'v Value)> {
-    let part = |shape: &Shape, item: &'v Value| outsider(shape, item, is_element);
+    let part = |shape: &ValueShape, item: &'v Value| outsider(shape, item, is_element);
     match (shape, value) {
         (_, Value::Undef) => None,
-        (Shape::Domain(domain), value) => (!is_element(*domain, value)).then_some((*domain, value)),
-        (Shape::Tuple(shapes), Value::Tuple(items)) => {
+        (ValueShape::Domain(domain), value) => {
+            (!is_element(*domain, value)).then_some((*domain, value))
+        }
+        (ValueShape::Tuple(shapes), Value::Tuple(items)) => {
             let mut pairs = shapes.iter().zip(items.iter());
             pairs.find_map(|(shape, item)| part(shape, item))
         }
-        (Shape::Seq(shape), Value::Seq(items)) => items.iter().find_map(|item| part(shape, item)),
-        (Shape::Set(shape), Value::Set(items)) => items.iter().find_map(|item| part(shape, item)),
-        (Shape::Bag(shape), Value::Bag(items)) => items.keys().find_map(|item| part(shape, item)),
-        (Shape::Map(keys, values), Value::Map(pairs)) => pairs
+        (ValueShape::Seq(shape), Value::Seq(items)) => {
+            items.iter().find_map(|item| part(shape, item))
+        }
+        (ValueShape::Set(shape), Value::Set(items)) => {
+            items.iter().find_map(|item| part(shape, item))
+        }
+        (ValueShape::Bag(shape), Value::Bag(items)) => {
+            items.keys().find_map(|item| part(shape, item))
+        }
+        (ValueShape::Map(keys, values), Value::Map(pairs)) => pairs
             .iter()
             .find_map(|(key, value)| part(keys, key).or_else(|| part(values, value))),
         // other kinds of values are kept apart by their types
@@ -89,17 +97,18 @@ pub(crate) fn is_listed(
     value: &Value,
 ) -> bool {
     match (&program.domains[domain.0 as usize].elements, value) {
-        (Elements::Ints { low, high }, value) => {
+        (DomainElements::Ints { low, high }, value) => {
             matches!(value, Value::Int(number) if (low..=high).contains(&number))
         }
-        (Elements::Atoms { first, count }, Value::Atom(Atom(atom)))
+        (DomainElements::Atoms { first, count }, Value::Atom(Atom(atom)))
             if atom.wrapping_sub(first.0) < *count =>
         {
             true
         }
-        (Elements::Open, _) => true,
-        (Elements::Atoms { .. } | Elements::Computed(_) | Elements::Undefined, value) => {
-            extents[domain.0 as usize].binary_search(value).is_ok()
-        }
+        (DomainElements::Open, _) => true,
+        (
+            DomainElements::Atoms { .. } | DomainElements::Computed(_) | DomainElements::Undefined,
+            value,
+        ) => extents[domain.0 as usize].binary_search(value).is_ok(),
     }
 }

@@ -1,7 +1,7 @@
 //! The names of atoms and rules, as texts show them.
 
 use asmotion_ir::{DomainId, Program};
-use asmotion_value::{Atom, Names, RuleId, element_name};
+use asmotion_value::{Atom, RuleId, ValueNames, element_name};
 use std::fmt;
 
 /// The names of the atoms and rules of a running machine.
@@ -13,7 +13,7 @@ pub struct Naming<'a> {
     pub reserve: &'a [(DomainId, u32)],
 }
 
-impl Names for Naming<'_> {
+impl ValueNames for Naming<'_> {
     fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let index = atom.0 as usize;
         let symbols = &self.program.symbols;

@@ -1,6 +1,6 @@
 //! What a failed step saw, as watched code writes it down.
 
-use crate::fault::{Fault, FaultKind};
+use crate::fault::{FaultKind, StepFault};
 use crate::limits::MAX_ITERATIONS;
 use crate::updates::Update;
 use asmotion_ir::{Origin, Slot};
@@ -11,14 +11,14 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Witness {
     /// To the place of the fault, from the outside in.
-    pub path: Vec<Passed>,
+    pub path: Vec<PathEntry>,
     /// Where two rules clash, to the one that wrote first.
-    pub first: Vec<Passed>,
+    pub first: Vec<PathEntry>,
 }
 
 /// A rule or call on the way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Passed {
+pub struct PathEntry {
     /// Where it stands.
     pub origin: Origin,
     /// Whether it calls what comes next.
@@ -34,19 +34,19 @@ impl Witness {
 
 /// What watched code writes down.
 #[derive(Debug)]
-pub(crate) struct Notes {
+pub(crate) struct WitnessNotes {
     /// Where the run is now.
-    path: Vec<Passed>,
+    path: Vec<PathEntry>,
     /// Where it was when it failed.
-    failed: Vec<Passed>,
+    failed: Vec<PathEntry>,
     /// The updates that clash, and the ways to them.
-    writers: Vec<(Update, Vec<Passed>)>,
+    writers: Vec<(Update, Vec<PathEntry>)>,
     /// Whether it is about a loop without end.
     endless: bool,
 }
 
-impl Notes {
-    pub fn about(fault: &Fault) -> Self {
+impl WitnessNotes {
+    pub fn about(fault: &StepFault) -> Self {
         let writers = match &fault.kind {
             FaultKind::Clash {
                 slot,
@@ -60,7 +60,7 @@ impl Notes {
             _ => Vec::new(),
         };
         Self {
-            path: vec![Passed::new(fault.origin, false)],
+            path: vec![PathEntry::new(fault.origin, false)],
             failed: Vec::new(),
             writers,
             endless: matches!(fault.kind, FaultKind::Endless(_)),
@@ -75,7 +75,7 @@ impl Notes {
         }
     }
 
-    fn writer(slot: Slot, value: &Value, origin: Origin) -> (Update, Vec<Passed>) {
+    fn writer(slot: Slot, value: &Value, origin: Origin) -> (Update, Vec<PathEntry>) {
         let value = value.clone();
         (
             Update {
@@ -88,7 +88,7 @@ impl Notes {
     }
 
     pub fn enter(&mut self, origin: Origin, calls: bool) {
-        self.path.push(Passed::new(origin, calls));
+        self.path.push(PathEntry::new(origin, calls));
     }
 
     pub fn leave(&mut self) {
@@ -126,7 +126,7 @@ impl Notes {
     }
 }
 
-impl Passed {
+impl PathEntry {
     fn new(origin: Origin, calls: bool) -> Self {
         Self {
             origin,

@@ -25,7 +25,7 @@ mod value;
 pub(crate) use layout::Layout;
 pub(crate) use value::{Reader, Writer};
 
-use crate::state::{State, dense};
+use crate::state::{MachineState, dense};
 use asmotion_ir::{DomainId, FunctionId, Program, Slot};
 use asmotion_value::Value;
 use layout::{Coding, ELSE};
@@ -58,7 +58,7 @@ struct Met<'a> {
     was_heard: bool,
 }
 
-impl State {
+impl MachineState {
     /// Writes what the state is.
     pub(crate) fn pack(&self, program: &Program, layout: &Layout, to: &mut Writer) {
         to.count(self.store.reserve.len());
@@ -174,7 +174,7 @@ pub(crate) struct Unpacked {
 }
 
 impl Unpacked {
-    /// Reads what [`State::pack`] wrote; nothing if the bytes are of another program.
+    /// Reads what [`MachineState::pack`] wrote; nothing if the bytes are of another program.
     pub fn read(program: &Program, layout: &Layout, from: &mut Reader<'_>) -> Option<Self> {
         let mut reserve: Vec<(DomainId, u32)> = Vec::new();
         for _ in 0..from.count()? {
@@ -212,7 +212,7 @@ impl Unpacked {
         })
     }
 
-    /// Reads what [`State::pack_history`] wrote.
+    /// Reads what [`MachineState::pack_history`] wrote.
     pub fn read_history(&mut self, program: &Program, from: &mut Reader<'_>) -> Option<()> {
         from.set_atoms(program.atom_domains.len() + self.reserve.len());
         Self::read_met(program, from, &mut self.met)?;
@@ -260,7 +260,7 @@ impl Unpacked {
     }
 }
 
-impl State {
+impl MachineState {
     /// Becomes what was unpacked. What was remembered of the state before is forgotten, but for what
     /// holds in every state of the program.
     pub(crate) fn restore(

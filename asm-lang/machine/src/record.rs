@@ -1,12 +1,12 @@
 //! What a step read, chose, printed and sent.
 
-use crate::post::{Done, Sent};
+use crate::messages::{PerformedAction, SentMessage};
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 
 /// What the environment said about a location in a step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Input {
+pub struct StepInput {
     /// The location.
     pub slot: Slot,
     /// Its value for this step.
@@ -15,7 +15,7 @@ pub struct Input {
 
 /// What was chosen where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Choice {
+pub struct StepChoice {
     /// The `choose`.
     pub origin: Origin,
     /// Which candidate, from 0.
@@ -26,22 +26,22 @@ pub struct Choice {
 
 /// What a step read, chose and printed.
 #[derive(Debug, Default)]
-pub(crate) struct Record {
-    pub inputs: Vec<Input>,
-    pub choices: Vec<Choice>,
+pub(crate) struct StepLog {
+    pub inputs: Vec<StepInput>,
+    pub choices: Vec<StepChoice>,
     /// What was picked from outside, by the place of the variable's range.
     pub picked: Vec<(Origin, Value)>,
     pub printed: Vec<String>,
     /// What agents did with messages.
-    pub done: Vec<Done>,
+    pub done: Vec<PerformedAction>,
     /// What was sent.
-    pub sent: Vec<Sent>,
+    pub sent: Vec<SentMessage>,
     pub now_ns: i64,
     /// How often what is counted ran, in all steps.
     pub counts: Vec<u64>,
 }
 
-impl Record {
+impl StepLog {
     /// Counts once more.
     pub fn count(&mut self, counter: u32) {
         let index = counter as usize;

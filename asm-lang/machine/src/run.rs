@@ -2,16 +2,16 @@
 
 use crate::bounds::is_bounded;
 use crate::choose::Chooser;
-use crate::code::Code;
+use crate::code::CompiledProgram;
 use crate::environment::Environment;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::{FaultKind, StepFault};
 use crate::limits::{MAX_CALLS, MAX_DEPTH, MAX_ITERATIONS};
-use crate::misfit::Misfit;
-use crate::notes::Notes;
-use crate::post::Post;
-use crate::record::{Input, Record};
-use crate::state::{State, dense};
-use crate::updates::{Layer, Updates, Written};
+use crate::messages::MessagesInTransit;
+use crate::misfit::DomainMisfit;
+use crate::notes::WitnessNotes;
+use crate::record::{StepInput, StepLog};
+use crate::state::{MachineState, dense};
+use crate::updates::{Layer, Updates, WritableState};
 use asmotion_ir::{
     BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot,
 };
@@ -27,7 +27,7 @@ pub fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
 
 /// What a location takes, as far as writing it has to know.
 #[derive(Clone, Copy)]
-pub(crate) struct Codomain {
+pub(crate) struct CodomainCheck {
     function: FunctionId,
     within: Option<DomainId>,
     /// Whether its arguments must be elements of subsets.
@@ -35,7 +35,7 @@ pub(crate) struct Codomain {
     open: bool,
 }
 
-impl Codomain {
+impl CodomainCheck {
     pub fn of(program: &Program, function: FunctionId) -> Self {
         let declared = &program.functions[function.0 as usize];
         Self {
@@ -49,11 +49,11 @@ impl Codomain {
 
 /// A rule stopped: its run holds the fault.
 #[derive(Debug)]
-pub struct Stopped;
+pub struct RuleStopped;
 
 /// A truth value of strong Kleene logic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Truth {
+pub enum KleeneTruth {
     /// False.
     False,
     /// True.
@@ -62,7 +62,7 @@ pub enum Truth {
     Undef,
 }
 
-impl Truth {
+impl KleeneTruth {
     /// The truth value of a `bool`.
     pub fn of(truth: bool) -> Self {
         if truth { Self::True } else { Self::False }
@@ -90,15 +90,15 @@ impl Truth {
 ///
 /// A term that fails puts its reason in `fault` and is undef; rules look at `fault` before they go
 /// on. So terms need no result type of their own, and a step that failed writes nothing.
-pub struct Run<'a> {
+pub struct StepContext<'a> {
     pub(crate) program: &'a Program,
-    pub(crate) code: &'a Code,
-    pub(crate) state: &'a mut State,
+    pub(crate) code: &'a CompiledProgram,
+    pub(crate) state: &'a mut MachineState,
     pub(crate) updates: &'a mut Updates,
     pub(crate) environment: &'a mut dyn Environment,
-    pub(crate) post: &'a Post,
+    pub(crate) post: &'a MessagesInTransit,
     pub(crate) chooser: &'a mut dyn Chooser,
-    pub(crate) record: &'a mut Record,
+    pub(crate) record: &'a mut StepLog,
     /// The variables of all routines and bodies that are being run, one frame after another.
     pub locals: &'a mut Vec<Value>,
     /// Arguments of a location or library function while they are computed.
@@ -125,12 +125,12 @@ pub struct Run<'a> {
     pub(crate) building: bool,
     /// Whether the current state is the one before the step, for a term that asks for it.
     pub(crate) is_before: bool,
-    pub(crate) fault: Option<Box<Fault>>,
+    pub(crate) fault: Option<Box<StepFault>>,
     /// Where watched code writes down what it sees.
-    pub(crate) notes: &'a mut Option<Notes>,
+    pub(crate) notes: &'a mut Option<WitnessNotes>,
 }
 
-impl Run<'_> {
+impl StepContext<'_> {
     /// How often the loops of the step may go round.
     pub(crate) fn max_iterations(&self) -> u32 {
         match &self.notes {
@@ -144,7 +144,7 @@ impl Run<'_> {
     #[cold]
     pub fn fail(&mut self, kind: FaultKind, origin: Origin) -> Value {
         if self.fault.is_none() {
-            let fault = Fault {
+            let fault = StepFault {
                 kind,
                 origin,
                 agent: self.agent.clone(),
@@ -159,17 +159,17 @@ impl Run<'_> {
     }
 
     #[cold]
-    pub(crate) fn stop(&mut self, kind: FaultKind, origin: Origin) -> Stopped {
+    pub(crate) fn stop(&mut self, kind: FaultKind, origin: Origin) -> RuleStopped {
         self.fail(kind, origin);
-        Stopped
+        RuleStopped
     }
 
     /// Goes on unless a term failed.
-    pub(crate) fn checked(&self) -> Result<(), Stopped> {
+    pub(crate) fn checked(&self) -> Result<(), RuleStopped> {
         if self.fault.is_none() {
             Ok(())
         } else {
-            Err(Stopped)
+            Err(RuleStopped)
         }
     }
 
@@ -212,7 +212,7 @@ impl Run<'_> {
         let Some(value) = value else {
             return self.state.store.slots[index].clone();
         };
-        self.record.inputs.push(Input {
+        self.record.inputs.push(StepInput {
             slot,
             value: value.clone(),
         });
@@ -352,7 +352,11 @@ impl Run<'_> {
 
     /// Runs the main rule; nothing ran before.
     #[inline]
-    pub(crate) fn call_main(&mut self, main: RoutineId, is_native: bool) -> Result<(), Stopped> {
+    pub(crate) fn call_main(
+        &mut self,
+        main: RoutineId,
+        is_native: bool,
+    ) -> Result<(), RuleStopped> {
         let code = self.code;
         let Some(Ok(native)) = code.native.get().filter(|_| is_native) else {
             return self.call_routine(main, 0);
@@ -365,12 +369,16 @@ impl Run<'_> {
     }
 
     /// Runs a routine whose arguments are the locals from `from` on.
-    pub(crate) fn call_routine(&mut self, routine: RoutineId, from: usize) -> Result<(), Stopped> {
+    pub(crate) fn call_routine(
+        &mut self,
+        routine: RoutineId,
+        from: usize,
+    ) -> Result<(), RuleStopped> {
         let code = self.code;
         let routine = &code.routines[routine.0 as usize];
         if !self.enter(routine.origin) {
             self.locals.truncate(from);
-            return Err(Stopped);
+            return Err(RuleStopped);
         }
         self.locals
             .resize(from + routine.locals as usize, Value::Undef);
@@ -409,9 +417,9 @@ impl Run<'_> {
         &mut self,
         slot: Slot,
         value: Value,
-        codomain: Codomain,
+        codomain: CodomainCheck,
         origin: Origin,
-    ) -> Result<(), Stopped> {
+    ) -> Result<(), RuleStopped> {
         self.accepts(slot, &value, codomain, origin)?;
         match self.updates.write(slot, value, origin) {
             Ok(()) => Ok(()),
@@ -425,15 +433,15 @@ impl Run<'_> {
         &mut self,
         slot: Slot,
         value: &Value,
-        codomain: Codomain,
+        codomain: CodomainCheck,
         origin: Origin,
-    ) -> Result<(), Stopped> {
+    ) -> Result<(), RuleStopped> {
         self.checked()?;
         if let Some(domain) = codomain.within
             && !value.is_undef()
             && !self.is_element(domain, value)
         {
-            let misfit = Misfit {
+            let misfit = DomainMisfit {
                 function: codomain.function,
                 value: value.clone(),
                 part: value.clone(),
@@ -450,9 +458,9 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn written(&mut self) -> (&mut Updates, Written<'_>) {
+    fn written(&mut self) -> (&mut Updates, WritableState<'_>) {
         let state = &mut *self.state;
-        let written = Written {
+        let written = WritableState {
             slots: &mut state.store.slots,
             extents: &mut state.store.extents,
             asked: &mut state.memo.asked,
@@ -487,7 +495,7 @@ impl Run<'_> {
         value
     }
 
-    pub(crate) fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {
+    pub(crate) fn restore(&mut self, layer: Layer) -> Result<(), RuleStopped> {
         let (updates, mut written) = self.written();
         match updates.close_sequence(layer, &mut written) {
             Ok(()) => Ok(()),
@@ -498,8 +506,8 @@ impl Run<'_> {
     /// Runs what leaves its value in `result`, and takes it from there: nobody else sees it.
     pub(crate) fn taking_result(
         &mut self,
-        work: impl FnOnce(&mut Self) -> Result<(), Stopped>,
-    ) -> Result<Value, Stopped> {
+        work: impl FnOnce(&mut Self) -> Result<(), RuleStopped>,
+    ) -> Result<Value, RuleStopped> {
         let result = self.program.result;
         let leaks = self.program.compatible;
         let layer = self.updates.open();
@@ -521,9 +529,9 @@ impl Run<'_> {
     pub(crate) fn with_state(
         &mut self,
         number: Local,
-        initial: impl FnOnce(&mut Self) -> Result<(), Stopped>,
-        body: impl FnOnce(&mut Self) -> Result<(), Stopped>,
-    ) -> Result<(), Stopped> {
+        initial: impl FnOnce(&mut Self) -> Result<(), RuleStopped>,
+        body: impl FnOnce(&mut Self) -> Result<(), RuleStopped>,
+    ) -> Result<(), RuleStopped> {
         self.runs += 1;
         let runs = self.runs;
         self.set_local(number, Value::Int(runs));
@@ -537,7 +545,7 @@ impl Run<'_> {
         self.runs -= 1;
         let state = &mut *self.state;
         let locations = &state.locations;
-        let mut written = Written {
+        let mut written = WritableState {
             slots: &mut state.store.slots,
             extents: &mut state.store.extents,
             asked: &mut state.memo.asked,

@@ -1,8 +1,8 @@
 //! Snapshots: a machine put back into a state it, or another one of its program, was in.
 
 use crate::machine::Machine;
+use crate::messages::MessagesInTransit;
 use crate::packed::{PackedState, Reader, Unpacked, Writer};
-use crate::post::Post;
 use std::error::Error;
 use std::fmt;
 
@@ -90,8 +90,10 @@ impl Machine {
         let mut unpacked =
             Unpacked::read(program, &code.layout, &mut from).ok_or(ForeignSnapshot)?;
         let post = match program.messages.is_some() {
-            true => Post::unpack(&mut from, snapshot.messages).ok_or(ForeignSnapshot)?,
-            false => Post::default(),
+            true => {
+                MessagesInTransit::unpack(&mut from, snapshot.messages).ok_or(ForeignSnapshot)?
+            }
+            false => MessagesInTransit::default(),
         };
         let mut history = Reader::new(&snapshot.history, program.rules.len());
         let known = unpacked.read_history(program, &mut history);

@@ -1,6 +1,6 @@
 //! States: what every location holds.
 //!
-//! A [`State`] has four parts, and only the first two are what it *is*:
+//! A [`MachineState`] has four parts, and only the first two are what it *is*:
 //!
 //! | part | contents | set by |
 //! |---|---|---|
@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// A state of a machine. Locations that were never met hold their initial value implicitly.
 #[derive(Clone)]
-pub struct State {
+pub struct MachineState {
     pub(crate) store: Store,
     pub(crate) initial: InitialState,
     pub(crate) locations: Locations,
@@ -48,7 +48,7 @@ pub(crate) struct InitialState {
     pub heard: Vec<Slot>,
 }
 
-impl State {
+impl MachineState {
     pub(crate) fn new(program: &Program) -> Self {
         Self {
             store: Store::new(program),

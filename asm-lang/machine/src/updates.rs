@@ -45,7 +45,7 @@ pub struct Mark {
 /// A mark of an outer set that the current one covers.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct Covered {
+pub struct CoveredMark {
     /// The slot.
     pub slot: Slot,
     /// Its mark in the outer set.
@@ -55,7 +55,7 @@ pub struct Covered {
 /// What a slot held in the state that a sequence began in.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Held {
+pub struct SavedValue {
     /// What it held.
     pub value: Value,
     /// The slot.
@@ -64,7 +64,7 @@ pub struct Held {
 
 /// What else taking back an intermediate state must restore.
 #[derive(Debug)]
-enum Undo {
+enum UndoEntry {
     /// When a slot was asked of the environment.
     Asked(Slot, u64),
     /// The last element of a domain joined it.
@@ -73,7 +73,7 @@ enum Undo {
 
 /// The intermediate state that was left for the one before the step.
 #[derive(Debug)]
-pub(crate) struct Passed {
+pub(crate) struct LeftState {
     /// How much there was to undo.
     undo: usize,
     /// The elements that had joined a domain, the first one last.
@@ -91,9 +91,9 @@ pub(crate) struct Updates {
     epoch: u32,
     /// The last epoch given out.
     last_epoch: u32,
-    covered: Vec<Covered>,
-    held: Vec<Held>,
-    undo: Vec<Undo>,
+    covered: Vec<CoveredMark>,
+    held: Vec<SavedValue>,
+    undo: Vec<UndoEntry>,
     depth: u32,
     /// The layers that native code has open.
     pub layers: Vec<Layer>,
@@ -111,7 +111,7 @@ pub(crate) struct Layer {
 }
 
 /// The parts of a state that updates write.
-pub(crate) struct Written<'a> {
+pub(crate) struct WritableState<'a> {
     pub slots: &'a mut [Value],
     pub extents: &'a mut [Arc<Vec<Value>>],
     /// When each slot was last asked of the environment.
@@ -133,9 +133,9 @@ pub struct UpdateLists<'a> {
     /// The updates; those of the innermost set last.
     pub updates: &'a mut Vec<Update>,
     /// What slots held in the state that a sequence began in.
-    pub held: &'a mut Vec<Held>,
+    pub held: &'a mut Vec<SavedValue>,
     /// Marks of outer sets that those of the innermost one cover.
-    pub covered: &'a mut Vec<Covered>,
+    pub covered: &'a mut Vec<CoveredMark>,
     /// By slot, which update is the slot's.
     pub marks: &'a mut [Mark],
     /// The epoch of the innermost set: marks of another epoch do not count.
@@ -203,7 +203,7 @@ impl Updates {
     fn mark(&mut self, slot: Slot, index: usize) {
         if self.depth > 0 {
             let mark = self.marks[slot as usize];
-            self.covered.push(Covered { slot, mark });
+            self.covered.push(CoveredMark { slot, mark });
         }
         self.marks[slot as usize] = Mark {
             epoch: self.epoch,
@@ -245,27 +245,27 @@ impl Updates {
 
     /// Ends a layer within a sequence: its updates are applied to the state and override those of
     /// the set around it.
-    pub fn close_applying(&mut self, layer: Layer, written: &mut Written<'_>) {
+    pub fn close_applying(&mut self, layer: Layer, written: &mut WritableState<'_>) {
         self.uncover(&layer);
         for index in layer.start..self.list.len() {
             let update = self.list[index].clone();
             let slot = update.slot as usize;
             let value = std::mem::replace(&mut written.slots[slot], update.value);
-            self.held.push(Held {
+            self.held.push(SavedValue {
                 value,
                 slot: update.slot,
             });
             // what was written in this step is not asked of the environment
             if written.asked[slot] != written.round {
                 let before = std::mem::replace(&mut written.asked[slot], written.round);
-                self.undo.push(Undo::Asked(update.slot, before));
+                self.undo.push(UndoEntry::Asked(update.slot, before));
             }
         }
         for index in layer.extended..self.extended.len() {
             let (domain, atom) = self.extended[index];
             for &domain in &written.supers[domain.0 as usize] {
                 let extent = &mut written.extents[domain.0 as usize];
-                self.undo.push(Undo::Joined(domain));
+                self.undo.push(UndoEntry::Joined(domain));
                 Arc::make_mut(extent).push(Value::Atom(atom));
             }
         }
@@ -282,7 +282,7 @@ impl Updates {
         slot: Slot,
         value: Value,
         origin: Origin,
-        written: &mut Written<'_>,
+        written: &mut WritableState<'_>,
     ) {
         let mark = self.marks[slot as usize];
         let held = &mut written.slots[slot as usize];
@@ -295,7 +295,7 @@ impl Updates {
             return;
         }
         let before = std::mem::replace(held, value.clone());
-        self.held.push(Held {
+        self.held.push(SavedValue {
             value: before,
             slot,
         });
@@ -311,7 +311,7 @@ impl Updates {
     pub fn close_sequence(
         &mut self,
         layer: Layer,
-        written: &mut Written<'_>,
+        written: &mut WritableState<'_>,
     ) -> Result<(), (FaultKind, Origin)> {
         if self.depth > 1 || layer.start > 0 {
             return self.close_restoring(layer, written, |_| false);
@@ -328,7 +328,7 @@ impl Updates {
     pub fn close_restoring(
         &mut self,
         layer: Layer,
-        written: &mut Written<'_>,
+        written: &mut WritableState<'_>,
         is_local: impl Fn(Slot) -> bool,
     ) -> Result<(), (FaultKind, Origin)> {
         self.take_back(layer.held, layer.undo, written);
@@ -352,15 +352,15 @@ impl Updates {
     }
 
     /// Sets a slot for as long as the layer is open, without an update.
-    pub fn hide(&mut self, slot: Slot, value: Value, written: &mut Written<'_>) {
+    pub fn hide(&mut self, slot: Slot, value: Value, written: &mut WritableState<'_>) {
         let value = std::mem::replace(&mut written.slots[slot as usize], value);
-        self.held.push(Held { value, slot });
+        self.held.push(SavedValue { value, slot });
     }
 
     /// Takes it back, with the intermediate state, that a slot was asked of the environment.
     pub fn forget_asking(&mut self, slot: Slot, before: u64) {
         if self.depth > 0 {
-            self.undo.push(Undo::Asked(slot, before));
+            self.undo.push(UndoEntry::Asked(slot, before));
         }
     }
 
@@ -377,7 +377,11 @@ impl Updates {
     }
 
     /// Restores the state after a fault, and the set as it was when it had grown so far.
-    pub fn abandon(&mut self, (updates, extended): (usize, usize), written: &mut Written<'_>) {
+    pub fn abandon(
+        &mut self,
+        (updates, extended): (usize, usize),
+        written: &mut WritableState<'_>,
+    ) {
         self.take_back(0, 0, written);
         self.list.truncate(updates);
         self.extended.truncate(extended);
@@ -387,29 +391,31 @@ impl Updates {
     }
 
     /// Exchanges the state for the one before all layers, for as long as a term is evaluated.
-    pub fn go_back(&mut self, written: &mut Written<'_>) -> Passed {
-        for Held { value, slot } in self.held.iter_mut().rev() {
+    pub fn go_back(&mut self, written: &mut WritableState<'_>) -> LeftState {
+        for SavedValue { value, slot } in self.held.iter_mut().rev() {
             std::mem::swap(&mut written.slots[*slot as usize], value);
         }
         let joined = self.undo.iter().rev().filter_map(|undo| match undo {
-            Undo::Asked(..) => None,
-            Undo::Joined(domain) => Arc::make_mut(&mut written.extents[domain.0 as usize]).pop(),
+            UndoEntry::Asked(..) => None,
+            UndoEntry::Joined(domain) => {
+                Arc::make_mut(&mut written.extents[domain.0 as usize]).pop()
+            }
         });
-        Passed {
+        LeftState {
             joined: joined.collect(),
             undo: self.undo.len(),
         }
     }
 
     /// Comes back to the state that was left.
-    pub fn return_from(&mut self, mut passed: Passed, written: &mut Written<'_>) {
-        for Held { value, slot } in &mut self.held {
+    pub fn return_from(&mut self, mut passed: LeftState, written: &mut WritableState<'_>) {
+        for SavedValue { value, slot } in &mut self.held {
             std::mem::swap(&mut written.slots[*slot as usize], value);
         }
         for undo in self.undo.iter().take(passed.undo) {
             match undo {
-                Undo::Asked(..) => {}
-                Undo::Joined(domain) => {
+                UndoEntry::Asked(..) => {}
+                UndoEntry::Joined(domain) => {
                     let extent = Arc::make_mut(&mut written.extents[domain.0 as usize]);
                     extent.extend(passed.joined.pop());
                 }
@@ -417,14 +423,14 @@ impl Updates {
         }
     }
 
-    fn take_back(&mut self, held: usize, undo: usize, written: &mut Written<'_>) {
-        for Held { value, slot } in self.held.drain(held..).rev() {
+    fn take_back(&mut self, held: usize, undo: usize, written: &mut WritableState<'_>) {
+        for SavedValue { value, slot } in self.held.drain(held..).rev() {
             written.slots[slot as usize].replace_by(value);
         }
         for undo in self.undo.drain(undo..).rev() {
             match undo {
-                Undo::Asked(slot, before) => written.asked[slot as usize] = before,
-                Undo::Joined(domain) => {
+                UndoEntry::Asked(slot, before) => written.asked[slot as usize] = before,
+                UndoEntry::Joined(domain) => {
                     Arc::make_mut(&mut written.extents[domain.0 as usize]).pop();
                 }
             }
@@ -433,7 +439,7 @@ impl Updates {
 
     /// Gives the marks back that the layer covered.
     fn uncover(&mut self, layer: &Layer) {
-        for Covered { slot, mark } in self.covered.drain(layer.covered..).rev() {
+        for CoveredMark { slot, mark } in self.covered.drain(layer.covered..).rev() {
             self.marks[slot as usize] = mark;
         }
         self.epoch = layer.epoch;

@@ -1,6 +1,6 @@
 //! Programs in which every read and every rule is watched, for a step that is done once more.
 
-use asmotion_ir::{Node, Rule, RuleNode, Term};
+use asmotion_ir::{Rule, RuleNode, Term, TermNode};
 
 /// A term in which every read is watched.
 pub(crate) fn watched_term(mut term: Term) -> Term {
@@ -24,7 +24,7 @@ fn watch_term(term: &mut Term) {
         let (kind, origin) = (term.kind, term.origin);
         let inner = term.clone();
         *term = Term {
-            node: Box::new(Node::Watched(inner)),
+            node: Box::new(TermNode::Watched(inner)),
             kind,
             origin,
         };
@@ -49,38 +49,38 @@ fn watch_rule(rule: &mut Rule) {
 }
 
 /// Whether the value of a term is worth a note: its parts alone do not tell it.
-fn is_read(node: &Node) -> bool {
+fn is_read(node: &TermNode) -> bool {
     match node {
-        Node::Local(_)
-        | Node::Agent
-        | Node::Slot(..)
-        | Node::Location(..)
-        | Node::Call(..)
-        | Node::Pre(_)
-        | Node::Program(_) => true,
-        Node::Constant(_)
-        | Node::Unbound
-        | Node::Name(_)
-        | Node::Named(..)
-        | Node::Cached(..)
-        | Node::Builtin(..)
-        | Node::Logic(..)
-        | Node::Not(_)
-        | Node::Equal(..)
-        | Node::Compare(..)
-        | Node::Arithmetic(..)
-        | Node::Tuple(_)
-        | Node::Component(..)
-        | Node::If(..)
-        | Node::Switch(..)
-        | Node::Let(..)
-        | Node::Quantified(..)
-        | Node::Listed(..)
-        | Node::Interval(..)
-        | Node::Collect(..)
-        | Node::Map(_)
-        | Node::CollectMap(..)
-        | Node::Extent(_)
-        | Node::Watched(_) => false,
+        TermNode::Local(_)
+        | TermNode::Agent
+        | TermNode::Slot(..)
+        | TermNode::Location(..)
+        | TermNode::Call(..)
+        | TermNode::Pre(_)
+        | TermNode::Program(_) => true,
+        TermNode::Constant(_)
+        | TermNode::Unbound
+        | TermNode::Name(_)
+        | TermNode::Named(..)
+        | TermNode::Cached(..)
+        | TermNode::Builtin(..)
+        | TermNode::Logic(..)
+        | TermNode::Not(_)
+        | TermNode::Equal(..)
+        | TermNode::Compare(..)
+        | TermNode::Arithmetic(..)
+        | TermNode::Tuple(_)
+        | TermNode::Component(..)
+        | TermNode::If(..)
+        | TermNode::Switch(..)
+        | TermNode::Let(..)
+        | TermNode::Quantified(..)
+        | TermNode::Listed(..)
+        | TermNode::Interval(..)
+        | TermNode::Collect(..)
+        | TermNode::Map(_)
+        | TermNode::CollectMap(..)
+        | TermNode::Extent(_)
+        | TermNode::Watched(_) => false,
     }
 }

@@ -5,12 +5,12 @@
 //! watched.
 
 use crate::choose::Chooser;
-use crate::code::Code;
+use crate::code::CompiledProgram;
 use crate::environment::Environment;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::{FaultKind, StepFault};
 use crate::machine::Machine;
 use crate::notes::Witness;
-use crate::record::Choice;
+use crate::record::StepChoice;
 use asmotion_ir::{FunctionId, Origin, Program};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
@@ -18,8 +18,8 @@ use std::sync::Arc;
 
 impl Witness {
     /// What a machine saw that could not be built.
-    pub fn initially(program: &Arc<Program>, fault: &Fault) -> Option<Self> {
-        let mut again = Machine::blank(program.clone(), Code::watched(program));
+    pub fn initially(program: &Arc<Program>, fault: &StepFault) -> Option<Self> {
+        let mut again = Machine::blank(program.clone(), CompiledProgram::watched(program));
         again.watch(fault);
         let failed = again.initialise().err();
         again.told(fault, failed)
@@ -28,7 +28,7 @@ impl Witness {
 
 impl Machine {
     /// What the step saw that failed just now.
-    pub fn witness(&self, fault: &Fault) -> Option<Witness> {
+    pub fn witness(&self, fault: &StepFault) -> Option<Witness> {
         if matches!(fault.kind, FaultKind::ManyCalls(_)) {
             // it would take that long once more, and longer
             return None;
@@ -38,7 +38,7 @@ impl Machine {
             let location = self.state().location(self.program(), input.slot)?;
             Some((location, input.value.clone()))
         });
-        let mut inputs = Inputs {
+        let mut inputs = ReplayInputs {
             known: inputs.collect(),
             refused: String::new(),
             source: String::new(),
@@ -57,12 +57,12 @@ impl Machine {
             inputs.known.extend(location.map(|at| (at, value)));
             inputs.source.clone_from(source);
         }
-        let mut choices = Choices {
+        let mut choices = ReplayChoices {
             made: last.choices(),
             picked: self.picked(),
             next: 0,
         };
-        let mut again = self.recompiled(Code::watched(self.program()));
+        let mut again = self.recompiled(CompiledProgram::watched(self.program()));
         again.watch(fault);
         let done = fault.step > 0 && fault.step == last.number();
         let failed = match done {
@@ -76,7 +76,7 @@ impl Machine {
     }
 
     /// The witness, if it was the same fault; of a loop without end, the same loop.
-    fn told(&mut self, fault: &Fault, again: Option<Box<Fault>>) -> Option<Witness> {
+    fn told(&mut self, fault: &StepFault, again: Option<Box<StepFault>>) -> Option<Witness> {
         let (notes, again) = (self.notes()?, again?);
         let is_it = match (&again.kind, &fault.kind) {
             (FaultKind::Endless(_), FaultKind::Endless(_)) => again.origin == fault.origin,
@@ -87,7 +87,7 @@ impl Machine {
 }
 
 /// Answers as the environment did.
-struct Inputs {
+struct ReplayInputs {
     known: BTreeMap<(FunctionId, Vec<Value>), Value>,
     /// Why there was no answer, if there was none.
     refused: String,
@@ -95,7 +95,7 @@ struct Inputs {
     source: String,
 }
 
-impl Environment for Inputs {
+impl Environment for ReplayInputs {
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
         match self.known.get(&(function, arguments.to_vec())) {
             Some(value) => Ok(Some(value.clone())),
@@ -110,13 +110,13 @@ impl Environment for Inputs {
 }
 
 /// Chooses as it was chosen.
-struct Choices<'a> {
-    made: &'a [Choice],
+struct ReplayChoices<'a> {
+    made: &'a [StepChoice],
     picked: &'a [(Origin, Value)],
     next: usize,
 }
 
-impl Chooser for Choices<'_> {
+impl Chooser for ReplayChoices<'_> {
     fn choose(&mut self, _count: usize) -> usize {
         let choice = self.made.get(self.next);
         self.next += 1;

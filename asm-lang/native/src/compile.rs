@@ -2,11 +2,11 @@
 
 use crate::detour::Detour;
 use crate::emit::{Emitter, entry_signature};
-use crate::frame::{Entry, Frame};
-use crate::memory::Memory;
+use crate::frame::{NativeEntry, NativeFrame};
+use crate::memory::CodeMemory;
 use asmotion_ir::{Program, RoutineId};
 use asmotion_machine::back_end::{
-    Compiler, NativeCompiler, NativeRule, NoNativeCode, Run, Stopped,
+    Compiler, NativeCompiler, NativeRule, NoNativeCode, RuleStopped, StepContext,
 };
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
@@ -26,7 +26,7 @@ impl NativeCompiler for Cranelift {
         let mut module = module().ok_or(NoNativeCode::Processor)?;
         let compiled = compile(program, main, &mut module);
         // the module's memory is freed, whatever became of it
-        let memory = Memory::new(module);
+        let memory = CodeMemory::new(module);
         let (function, detours, locals) = compiled.ok_or(NoNativeCode::TooLarge)?;
         Ok(Box::new(MainRule {
             entry: memory.entry(function).ok_or(NoNativeCode::Processor)?,
@@ -39,19 +39,19 @@ impl NativeCompiler for Cranelift {
 
 /// A main rule as native code.
 struct MainRule {
-    entry: Entry,
+    entry: NativeEntry,
     /// What is done by closures.
     detours: Vec<Detour>,
     /// How many locals there are, those of the macros built in included.
     locals: u32,
     /// Where the code is.
-    _memory: Memory,
+    _memory: CodeMemory,
 }
 
 impl NativeRule for MainRule {
     #[inline]
-    fn run(&self, run: &mut Run<'_>) -> Result<(), Stopped> {
-        Frame::enter(run, self.entry, &self.detours, self.locals as usize)
+    fn run(&self, run: &mut StepContext<'_>) -> Result<(), RuleStopped> {
+        NativeFrame::enter(run, self.entry, &self.detours, self.locals as usize)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::detour::Detour;
 use crate::frame::{at, out, place};
-use asmotion_ir::{Interval, Kind, Local, Program, RoutineId, Rule, Term};
+use asmotion_ir::{IntegerInterval, Local, Program, RoutineId, Rule, Term, ValueKind};
 use asmotion_machine::back_end::Compiler;
 use asmotion_value::layout;
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -23,15 +23,15 @@ const MAX_RULES: u32 = 20_000;
 
 /// An integer in a register, and what is known about it.
 #[derive(Clone, Copy)]
-pub(crate) struct Int {
+pub(crate) struct NativeInt {
     pub value: Ssa,
-    pub interval: Interval,
+    pub interval: IntegerInterval,
     /// The value is this one and a constant.
     pub root: (Ssa, i64),
 }
 
-impl Int {
-    pub fn new(value: Ssa, interval: Interval) -> Self {
+impl NativeInt {
+    pub fn new(value: Ssa, interval: IntegerInterval) -> Self {
         Self {
             value,
             interval,
@@ -50,32 +50,32 @@ pub(crate) struct AtomCode {
 
 /// What is known about a variable.
 #[derive(Clone, Copy)]
-pub(crate) enum Known {
+pub(crate) enum KnownValue {
     Nothing,
-    Int(Int),
+    Int(NativeInt),
     Bool(Ssa),
     Atom(AtomCode),
     /// It lies among the locals of the run.
-    Memory(Kind),
+    Memory(ValueKind),
 }
 
 /// The routine that is being built in.
 #[derive(Clone)]
-pub(crate) struct Scope {
+pub(crate) struct EmitScope {
     /// Where its locals begin.
     pub base: u32,
     /// How many there are.
     pub size: u32,
     /// How deep it is called.
     pub depth: u32,
-    pub locals: Vec<Known>,
+    pub locals: Vec<KnownValue>,
     /// The agent, once a native rule has set it.
     pub agent: Option<AtomCode>,
 }
 
 /// Where updates go.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Mode {
+pub(crate) enum UpdateMode {
     /// Into the update set of the step.
     Step,
     /// Into a set within it.
@@ -93,28 +93,28 @@ struct Bail {
 
 /// A function outside.
 #[derive(Clone, Copy)]
-pub(crate) struct Call {
+pub(crate) struct HostFunction {
     address: i64,
     signature: SigRef,
 }
 
 /// The functions outside, see [`out`].
 pub(crate) struct Calls {
-    pub rule: Call,
-    pub layered: Call,
-    pub guard: Call,
-    pub truth: Call,
-    pub term: Call,
-    pub bind: Call,
-    pub spill: Call,
-    pub way: Call,
-    pub choose: Call,
-    pub endless: Call,
-    pub open: Call,
-    pub apply: Call,
-    pub restore: Call,
-    pub write: Call,
-    pub write_through: Call,
+    pub rule: HostFunction,
+    pub layered: HostFunction,
+    pub guard: HostFunction,
+    pub truth: HostFunction,
+    pub term: HostFunction,
+    pub bind: HostFunction,
+    pub spill: HostFunction,
+    pub way: HostFunction,
+    pub choose: HostFunction,
+    pub endless: HostFunction,
+    pub open: HostFunction,
+    pub apply: HostFunction,
+    pub restore: HostFunction,
+    pub write: HostFunction,
+    pub write_through: HostFunction,
 }
 
 /// Memory that does not overlap.
@@ -140,8 +140,8 @@ pub(crate) struct Emitter<'a> {
     /// Where a rule goes that stopped.
     pub exit: Block,
     bail: Bail,
-    pub scope: Scope,
-    pub mode: Mode,
+    pub scope: EmitScope,
+    pub mode: UpdateMode,
     pub loops: Vec<crate::rule::Loops>,
     /// The routines that are being built in, the outermost first.
     pub inlined: Vec<RoutineId>,
@@ -151,7 +151,7 @@ pub(crate) struct Emitter<'a> {
     locals: u32,
 }
 
-/// The signature of [`crate::frame::Entry`].
+/// The signature of [`crate::frame::NativeEntry`].
 pub(crate) fn entry_signature(module: &JITModule) -> clif::Signature {
     let mut signature = module.make_signature();
     signature.params.push(AbiParam::new(I64));
@@ -166,7 +166,7 @@ fn calls(builder: &mut FunctionBuilder<'_>, convention: CallConv) -> Calls {
         let parameters = parameters.iter().copied().map(AbiParam::new);
         signature.params.extend(parameters);
         signature.returns.extend(result.map(AbiParam::new));
-        Call {
+        HostFunction {
             address: address as i64,
             signature: builder.import_signature(signature),
         }
@@ -238,14 +238,14 @@ impl<'a> Emitter<'a> {
                 block: exit,
                 used: false,
             },
-            scope: Scope {
+            scope: EmitScope {
                 base: 0,
                 size: 0,
                 depth: 0,
                 locals: Vec::new(),
                 agent: None,
             },
-            mode: Mode::Step,
+            mode: UpdateMode::Step,
             loops: Vec::new(),
             inlined: Vec::new(),
             room: MAX_RULES,
@@ -270,13 +270,13 @@ impl<'a> Emitter<'a> {
     }
 
     /// Begins the frame of a routine; gives the one around it.
-    pub fn enter(&mut self, routine: RoutineId, mut arguments: Vec<Known>) -> Scope {
+    pub fn enter(&mut self, routine: RoutineId, mut arguments: Vec<KnownValue>) -> EmitScope {
         let size = self.program.routines[routine.0 as usize].locals;
-        arguments.resize(size as usize, Known::Nothing);
+        arguments.resize(size as usize, KnownValue::Nothing);
         let base = self.inner_base();
         self.locals = self.locals.max(base + size);
         self.inlined.push(routine);
-        let scope = Scope {
+        let scope = EmitScope {
             base,
             size,
             depth: self.inlined.len() as u32 - 1,
@@ -354,7 +354,7 @@ impl<'a> Emitter<'a> {
         self.field(I64, at::RUN)
     }
 
-    pub fn call(&mut self, call: Call, arguments: &[Ssa]) -> Option<Ssa> {
+    pub fn call(&mut self, call: HostFunction, arguments: &[Ssa]) -> Option<Ssa> {
         let mut all = vec![self.frame];
         all.extend_from_slice(arguments);
         let address = self.number(I64, call.address);
@@ -445,12 +445,14 @@ impl<'a> Emitter<'a> {
     }
 
     /// A scalar as its tag and a payload of 64 bits.
-    pub fn word(&mut self, known: Known) -> Option<(u8, Ssa)> {
+    pub fn word(&mut self, known: KnownValue) -> Option<(u8, Ssa)> {
         match known {
-            Known::Nothing | Known::Memory(_) => None,
-            Known::Int(int) => Some((layout::INT, int.value)),
-            Known::Bool(truth) => Some((layout::BOOL, self.builder.ins().uextend(I64, truth))),
-            Known::Atom(atom) => Some((layout::ATOM, self.builder.ins().uextend(I64, atom.value))),
+            KnownValue::Nothing | KnownValue::Memory(_) => None,
+            KnownValue::Int(int) => Some((layout::INT, int.value)),
+            KnownValue::Bool(truth) => Some((layout::BOOL, self.builder.ins().uextend(I64, truth))),
+            KnownValue::Atom(atom) => {
+                Some((layout::ATOM, self.builder.ins().uextend(I64, atom.value)))
+            }
         }
     }
 
@@ -466,8 +468,8 @@ impl<'a> Emitter<'a> {
         let code = self.compiler.rule(rule);
         let [index, place] = self.detour(Detour::Rule(code));
         let call = match self.mode {
-            Mode::Step | Mode::Layer => self.calls.rule,
-            Mode::Sequence => self.calls.layered,
+            UpdateMode::Step | UpdateMode::Layer => self.calls.rule,
+            UpdateMode::Sequence => self.calls.layered,
         };
         if let Some(done) = self.call(call, &[index, place]) {
             let stopped = self.compare(IntCC::Equal, done, 1);

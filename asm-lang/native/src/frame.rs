@@ -1,6 +1,6 @@
 //! What native code sees of a run, and the ways back out of it.
 //!
-//! The only unsafe code of the language. Native code gets one pointer, to a [`Frame`]: there stand the
+//! The only unsafe code of the language. Native code gets one pointer, to a [`NativeFrame`]: there stand the
 //! raw parts of the vectors it reads and writes, and the run itself. Whatever it does not do itself, it
 //! asks one of the functions below for; before each the vectors learn what native code did to them, and
 //! after each the frame learns what became of the vectors.
@@ -13,18 +13,19 @@
 use crate::detour::Detour;
 use asmotion_ir::Origin;
 use asmotion_machine::back_end::{
-    Choosing, Covered, Held, Mark, Run, Stopped, Truth, UpdateLists, on_enough_stack,
+    Choosing, CoveredMark, KleeneTruth, Mark, RuleStopped, SavedValue, StepContext, UpdateLists,
+    on_enough_stack,
 };
 use asmotion_machine::{FaultKind, Update};
 use asmotion_value::{Atom, Value};
 use std::mem::{ManuallyDrop, offset_of};
 
 /// What a native routine takes and gives: 0 when the rule is done, 1 when it stopped.
-pub(crate) type Entry = unsafe extern "C" fn(*mut Frame) -> u8;
+pub(crate) type NativeEntry = unsafe extern "C" fn(*mut NativeFrame) -> u8;
 
 /// What native code sees.
 #[repr(C)]
-pub(crate) struct Frame {
+pub(crate) struct NativeFrame {
     slots: *mut Value,
     marks: *mut Mark,
     list: *mut Update,
@@ -32,10 +33,10 @@ pub(crate) struct Frame {
     length: usize,
     /// For how many there is room.
     room: usize,
-    held: *mut Held,
+    held: *mut SavedValue,
     /// How many slots hold what a sequence wrote.
     held_length: usize,
-    covered: *mut Covered,
+    covered: *mut CoveredMark,
     /// How many marks are covered.
     covered_length: usize,
     /// For how many updates of a sequence there is room in all three lists.
@@ -48,7 +49,7 @@ pub(crate) struct Frame {
     epoch: u32,
     /// How deep calls were nested when native code began.
     depth: u32,
-    run: *mut Run<'static>,
+    run: *mut StepContext<'static>,
     detours: *const Detour,
     /// How many locals closures expect.
     needed: usize,
@@ -56,28 +57,28 @@ pub(crate) struct Frame {
 
 /// Where things are, for code that is generated.
 pub(crate) mod at {
-    use super::{Covered, Frame, Held, Mark, Run, Update, offset_of};
+    use super::{CoveredMark, Mark, NativeFrame, SavedValue, StepContext, Update, offset_of};
 
-    pub const SLOTS: i32 = offset_of!(Frame, slots) as i32;
-    pub const MARKS: i32 = offset_of!(Frame, marks) as i32;
-    pub const LIST: i32 = offset_of!(Frame, list) as i32;
-    pub const LENGTH: i32 = offset_of!(Frame, length) as i32;
-    pub const ROOM: i32 = offset_of!(Frame, room) as i32;
-    pub const HELD: i32 = offset_of!(Frame, held) as i32;
-    pub const HELD_LENGTH: i32 = offset_of!(Frame, held_length) as i32;
-    pub const COVERED: i32 = offset_of!(Frame, covered) as i32;
-    pub const COVERED_LENGTH: i32 = offset_of!(Frame, covered_length) as i32;
-    pub const SEQUENCE_ROOM: i32 = offset_of!(Frame, sequence_room) as i32;
-    pub const LOCALS: i32 = offset_of!(Frame, locals) as i32;
-    pub const ANSWER: i32 = offset_of!(Frame, answer) as i32;
-    pub const GIVEN: i32 = offset_of!(Frame, given) as i32;
-    pub const EPOCH: i32 = offset_of!(Frame, epoch) as i32;
-    pub const RUN: i32 = offset_of!(Frame, run) as i32;
+    pub const SLOTS: i32 = offset_of!(NativeFrame, slots) as i32;
+    pub const MARKS: i32 = offset_of!(NativeFrame, marks) as i32;
+    pub const LIST: i32 = offset_of!(NativeFrame, list) as i32;
+    pub const LENGTH: i32 = offset_of!(NativeFrame, length) as i32;
+    pub const ROOM: i32 = offset_of!(NativeFrame, room) as i32;
+    pub const HELD: i32 = offset_of!(NativeFrame, held) as i32;
+    pub const HELD_LENGTH: i32 = offset_of!(NativeFrame, held_length) as i32;
+    pub const COVERED: i32 = offset_of!(NativeFrame, covered) as i32;
+    pub const COVERED_LENGTH: i32 = offset_of!(NativeFrame, covered_length) as i32;
+    pub const SEQUENCE_ROOM: i32 = offset_of!(NativeFrame, sequence_room) as i32;
+    pub const LOCALS: i32 = offset_of!(NativeFrame, locals) as i32;
+    pub const ANSWER: i32 = offset_of!(NativeFrame, answer) as i32;
+    pub const GIVEN: i32 = offset_of!(NativeFrame, given) as i32;
+    pub const EPOCH: i32 = offset_of!(NativeFrame, epoch) as i32;
+    pub const RUN: i32 = offset_of!(NativeFrame, run) as i32;
 
-    pub const AGENT: i32 = offset_of!(Run<'static>, agent) as i32;
-    pub const CALLS: i32 = offset_of!(Run<'static>, calls) as i32;
-    pub const BINDINGS: i32 = offset_of!(Run<'static>, bindings) as i32;
-    pub const ITERATIONS: i32 = offset_of!(Run<'static>, iterations) as i32;
+    pub const AGENT: i32 = offset_of!(StepContext<'static>, agent) as i32;
+    pub const CALLS: i32 = offset_of!(StepContext<'static>, calls) as i32;
+    pub const BINDINGS: i32 = offset_of!(StepContext<'static>, bindings) as i32;
+    pub const ITERATIONS: i32 = offset_of!(StepContext<'static>, iterations) as i32;
 
     pub const MARK_EPOCH: i32 = offset_of!(Mark, epoch) as i32;
     pub const MARK_INDEX: i32 = offset_of!(Mark, index) as i32;
@@ -88,28 +89,28 @@ pub(crate) mod at {
     pub const UPDATE_ORIGIN: i32 = offset_of!(Update, origin) as i32;
     pub const UPDATE_SIZE: i64 = size_of::<Update>() as i64;
 
-    pub const HELD_SLOT: i32 = offset_of!(Held, slot) as i32;
-    pub const HELD_VALUE: i32 = offset_of!(Held, value) as i32;
-    pub const HELD_SIZE: i64 = size_of::<Held>() as i64;
+    pub const HELD_SLOT: i32 = offset_of!(SavedValue, slot) as i32;
+    pub const HELD_VALUE: i32 = offset_of!(SavedValue, value) as i32;
+    pub const HELD_SIZE: i64 = size_of::<SavedValue>() as i64;
 
-    pub const COVERED_SLOT: i32 = offset_of!(Covered, slot) as i32;
-    pub const COVERED_EPOCH: i32 = (offset_of!(Covered, mark) + offset_of!(Mark, epoch)) as i32;
-    pub const COVERED_INDEX: i32 = (offset_of!(Covered, mark) + offset_of!(Mark, index)) as i32;
-    pub const COVERED_SIZE: i64 = size_of::<Covered>() as i64;
+    pub const COVERED_SLOT: i32 = offset_of!(CoveredMark, slot) as i32;
+    pub const COVERED_EPOCH: i32 = (offset_of!(CoveredMark, mark) + offset_of!(Mark, epoch)) as i32;
+    pub const COVERED_INDEX: i32 = (offset_of!(CoveredMark, mark) + offset_of!(Mark, index)) as i32;
+    pub const COVERED_SIZE: i64 = size_of::<CoveredMark>() as i64;
 
     pub const VALUE_SIZE: i64 = size_of::<asmotion_value::Value>() as i64;
     pub const PAYLOAD: i32 = asmotion_value::layout::PAYLOAD as i32;
 }
 
-impl Frame {
+impl NativeFrame {
     /// Runs native code.
     #[inline]
     pub fn enter(
-        run: &mut Run<'_>,
-        entry: Entry,
+        run: &mut StepContext<'_>,
+        entry: NativeEntry,
         detours: &[Detour],
         needed: usize,
-    ) -> Result<(), Stopped> {
+    ) -> Result<(), RuleStopped> {
         let mut frame = Self {
             slots: std::ptr::null_mut(),
             marks: std::ptr::null_mut(),
@@ -144,7 +145,7 @@ impl Frame {
             }
             _ => {
                 frame.settle();
-                Err(Stopped)
+                Err(RuleStopped)
             }
         };
         let Self { answer, .. } = frame;
@@ -152,7 +153,7 @@ impl Frame {
         done
     }
 
-    fn run(&mut self) -> &mut Run<'static> {
+    fn run(&mut self) -> &mut StepContext<'static> {
         // SAFETY: set from the exclusive borrow that `enter` holds and does not use meanwhile; the
         // reference does not outlive the call out of native code, and native code does not run during it.
         unsafe { &mut *self.run }
@@ -220,7 +221,7 @@ impl Frame {
     fn outside<T>(
         &mut self,
         place: u64,
-        work: impl FnOnce(&mut Run<'static>, &mut Value) -> T,
+        work: impl FnOnce(&mut StepContext<'static>, &mut Value) -> T,
     ) -> T {
         self.settle();
         let (base, depth) = (place as u32 as usize, (place >> 32) as u32 + self.depth);
@@ -247,9 +248,11 @@ pub(crate) fn place(base: u32, depth: u32) -> i64 {
 ///
 /// Each takes the frame first: it is the one `enter` made, so it lives, and nobody else borrows it.
 pub(crate) mod out {
-    use super::{Atom, Choosing, Detour, FaultKind, Frame, Origin, Run, Truth, Value};
+    use super::{
+        Atom, Choosing, Detour, FaultKind, KleeneTruth, NativeFrame, Origin, StepContext, Value,
+    };
 
-    fn detour(frame: &Frame, index: u32) -> &'static Detour {
+    fn detour(frame: &NativeFrame, index: u32) -> &'static Detour {
         // SAFETY: generated code knows only numbers of detours that were made with it; `enter` borrows
         // them while it runs.
         unsafe { &*frame.detours.add(index as usize) }
@@ -260,7 +263,7 @@ pub(crate) mod out {
     }
 
     /// A rule by its closure.
-    pub extern "C" fn rule(frame: &mut Frame, index: u32, place: u64) -> u8 {
+    pub extern "C" fn rule(frame: &mut NativeFrame, index: u32, place: u64) -> u8 {
         let Detour::Rule(rule) = detour(frame, index) else {
             return 1;
         };
@@ -268,7 +271,7 @@ pub(crate) mod out {
     }
 
     /// A rule by its closure, in a set of its own that is applied: 2 if the set is empty.
-    pub extern "C" fn layered(frame: &mut Frame, index: u32, place: u64) -> u8 {
+    pub extern "C" fn layered(frame: &mut NativeFrame, index: u32, place: u64) -> u8 {
         let Detour::Rule(rule) = detour(frame, index) else {
             return 1;
         };
@@ -280,7 +283,7 @@ pub(crate) mod out {
     }
 
     /// A guard by its closure: 0 false, 1 true, 2 stopped.
-    pub extern "C" fn guard(frame: &mut Frame, index: u32, place: u64, origin: u32) -> u8 {
+    pub extern "C" fn guard(frame: &mut NativeFrame, index: u32, place: u64, origin: u32) -> u8 {
         let Detour::Truth(truth) = detour(frame, index) else {
             return 2;
         };
@@ -288,9 +291,9 @@ pub(crate) mod out {
             let holds = truth(run);
             match holds {
                 _ if run.has_failed() => 2,
-                Truth::False => 0,
-                Truth::True => 1,
-                Truth::Undef => {
+                KleeneTruth::False => 0,
+                KleeneTruth::True => 1,
+                KleeneTruth::Undef => {
                     run.fail(FaultKind::UndefinedGuard, Origin(origin));
                     2
                 }
@@ -299,7 +302,7 @@ pub(crate) mod out {
     }
 
     /// A truth value by its closure: 2 for undef.
-    pub extern "C" fn truth(frame: &mut Frame, index: u32, place: u64) -> u8 {
+    pub extern "C" fn truth(frame: &mut NativeFrame, index: u32, place: u64) -> u8 {
         let Detour::Truth(truth) = detour(frame, index) else {
             return 2;
         };
@@ -307,15 +310,15 @@ pub(crate) mod out {
             let holds = truth(run);
             match holds {
                 _ if run.take_failure() => 2,
-                Truth::False => 0,
-                Truth::True => 1,
-                Truth::Undef => 2,
+                KleeneTruth::False => 0,
+                KleeneTruth::True => 1,
+                KleeneTruth::Undef => 2,
             }
         })
     }
 
     /// A value by its closure, left in the frame's answer.
-    pub extern "C" fn term(frame: &mut Frame, index: u32, place: u64) {
+    pub extern "C" fn term(frame: &mut NativeFrame, index: u32, place: u64) {
         if let Detour::Term(term) = detour(frame, index) {
             frame.outside(place, |run, answer| {
                 let value = term(run);
@@ -328,7 +331,7 @@ pub(crate) mod out {
     }
 
     /// A value by its closure, left in a local: 1 if it failed.
-    pub extern "C" fn bind(frame: &mut Frame, index: u32, place: u64, local: u32) -> u8 {
+    pub extern "C" fn bind(frame: &mut NativeFrame, index: u32, place: u64, local: u32) -> u8 {
         let Detour::Term(term) = detour(frame, index) else {
             return 1;
         };
@@ -340,7 +343,7 @@ pub(crate) mod out {
     }
 
     /// A scalar put into a local, for closures to see.
-    pub extern "C" fn spill(frame: &mut Frame, local: u32, tag: u32, payload: i64) {
+    pub extern "C" fn spill(frame: &mut NativeFrame, local: u32, tag: u32, payload: i64) {
         let needed = frame.needed;
         let locals = &mut frame.run().locals;
         if locals.len() < needed {
@@ -351,7 +354,7 @@ pub(crate) mod out {
 
     /// How the value of a variable with this range is chosen: 0 by a number, 1 as the first one, 2 from
     /// outside.
-    pub extern "C" fn way(frame: &mut Frame, range: u32) -> u8 {
+    pub extern "C" fn way(frame: &mut NativeFrame, range: u32) -> u8 {
         match frame.run().choosing(Origin(range)) {
             Choosing::ByNumber => 0,
             Choosing::First => 1,
@@ -360,48 +363,48 @@ pub(crate) mod out {
     }
 
     /// Which of so many candidates.
-    pub extern "C" fn choose(frame: &mut Frame, count: u64, origin: u32) -> u64 {
+    pub extern "C" fn choose(frame: &mut NativeFrame, count: u64, origin: u32) -> u64 {
         frame.run().choose(count as usize, Origin(origin)) as u64
     }
 
     /// A loop went round too often.
-    pub extern "C" fn endless(frame: &mut Frame, most: u32, origin: u32, place: u64) {
+    pub extern "C" fn endless(frame: &mut NativeFrame, most: u32, origin: u32, place: u64) {
         frame.outside(place, |run, _| {
             run.fail(FaultKind::Endless(most), Origin(origin));
         });
     }
 
     /// Begins a set within the current one.
-    pub extern "C" fn open(frame: &mut Frame) {
-        frame.outside_here(Run::open_set);
+    pub extern "C" fn open(frame: &mut NativeFrame) {
+        frame.outside_here(StepContext::open_set);
     }
 
     /// Ends a set and applies it: 1 if it was empty.
-    pub extern "C" fn apply(frame: &mut Frame) -> u8 {
-        u8::from(frame.outside_here(Run::apply_set))
+    pub extern "C" fn apply(frame: &mut NativeFrame) -> u8 {
+        u8::from(frame.outside_here(StepContext::apply_set))
     }
 
     /// Ends a sequence.
-    pub extern "C" fn restore(frame: &mut Frame) -> u8 {
+    pub extern "C" fn restore(frame: &mut NativeFrame) -> u8 {
         stopped(frame.outside_here(|run| run.end_sequence().is_ok()))
     }
 
     /// Adds an update within a sequence; the slot has none yet.
-    pub extern "C" fn write(frame: &mut Frame, slot: u32, origin: u32) {
+    pub extern "C" fn write(frame: &mut NativeFrame, slot: u32, origin: u32) {
         let value = Value::clone(&frame.given);
         // generated code has looked at the mark
         frame.outside_here(|run| run.write_first(slot, value, Origin(origin)));
     }
 
     /// An update of a sequence that is applied at once.
-    pub extern "C" fn write_through(frame: &mut Frame, slot: u32, origin: u32) {
+    pub extern "C" fn write_through(frame: &mut NativeFrame, slot: u32, origin: u32) {
         let value = Value::clone(&frame.given);
         frame.outside_here(|run| run.write_through(slot, value, Origin(origin)));
     }
 
-    impl Frame {
+    impl NativeFrame {
         /// Work that runs no code of the program.
-        fn outside_here<T>(&mut self, work: impl FnOnce(&mut Run<'static>) -> T) -> T {
+        fn outside_here<T>(&mut self, work: impl FnOnce(&mut StepContext<'static>) -> T) -> T {
             self.settle();
             let result = work(self.run());
             self.refresh();

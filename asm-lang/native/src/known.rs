@@ -1,21 +1,21 @@
 //! What is known about a program before it runs: what a term gives, and what it may do.
 
-use crate::emit::{Emitter, Known};
+use crate::emit::{Emitter, KnownValue};
 use asmotion_ir::{
-    BodyId, DomainId, Elements, FunctionKind, Kind, Node, Program, Range, RoutineId, Rule,
-    RuleNode, Term,
+    BinderRange, BodyId, DomainElements, DomainId, FunctionKind, Program, RoutineId, Rule,
+    RuleNode, Term, TermNode, ValueKind,
 };
 use asmotion_value::Value;
 
 /// What a variable ranges over without looking at the state.
 #[derive(Clone, Copy)]
-pub(crate) enum Span {
+pub(crate) enum StaticRange {
     Ints(i64, i64),
     Atoms(u32, u32),
     Bools,
 }
 
-impl Span {
+impl StaticRange {
     pub fn count(self) -> u64 {
         match self {
             Self::Ints(low, high) if low > high => 0,
@@ -28,18 +28,18 @@ impl Span {
 
 impl Emitter<'_> {
     /// What a term gives, if it is not undef.
-    pub fn kind(&self, term: &Term) -> Kind {
+    pub fn kind(&self, term: &Term) -> ValueKind {
         match &*term.node {
-            Node::Constant(Value::Bool(_)) => Kind::Bool,
-            Node::Constant(Value::Int(_)) => Kind::Int,
-            Node::Constant(Value::Atom(_)) => Kind::Atom,
-            Node::Constant(_) => Kind::Other,
-            Node::Local(local) => match self.scope.locals.get(*local as usize) {
-                Some(Known::Int(_)) => Kind::Int,
-                Some(Known::Bool(_)) => Kind::Bool,
-                Some(Known::Atom(_)) => Kind::Atom,
-                Some(Known::Memory(kind)) => *kind,
-                Some(Known::Nothing) | None => Kind::Other,
+            TermNode::Constant(Value::Bool(_)) => ValueKind::Bool,
+            TermNode::Constant(Value::Int(_)) => ValueKind::Int,
+            TermNode::Constant(Value::Atom(_)) => ValueKind::Atom,
+            TermNode::Constant(_) => ValueKind::Other,
+            TermNode::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(KnownValue::Int(_)) => ValueKind::Int,
+                Some(KnownValue::Bool(_)) => ValueKind::Bool,
+                Some(KnownValue::Atom(_)) => ValueKind::Atom,
+                Some(KnownValue::Memory(kind)) => *kind,
+                Some(KnownValue::Nothing) | None => ValueKind::Other,
             },
             _ => term.kind,
         }
@@ -47,8 +47,10 @@ impl Emitter<'_> {
 
     /// Whether a term gives a scalar and may be evaluated twice.
     pub fn is_native(&self, term: &Term) -> bool {
-        matches!(self.kind(term), Kind::Int | Kind::Bool | Kind::Atom)
-            && is_repeatable(self.program, term)
+        matches!(
+            self.kind(term),
+            ValueKind::Int | ValueKind::Bool | ValueKind::Atom
+        ) && is_repeatable(self.program, term)
     }
 
     /// Whether the environment owns a function.
@@ -63,22 +65,22 @@ impl Emitter<'_> {
     }
 
     /// What a variable ranges over, if that never changes and need not be computed.
-    pub fn span(&self, range: &Range) -> Option<Span> {
+    pub fn span(&self, range: &BinderRange) -> Option<StaticRange> {
         match range {
-            Range::Ints(low, high) => Some(Span::Ints(*low, *high)),
-            Range::Atoms(first, count) => Some(Span::Atoms(*first, *count)),
-            Range::Bools => Some(Span::Bools),
-            Range::Domain(domain) => match self.program.domains[domain.0 as usize].elements {
-                Elements::Atoms { first, count } if !grows(self.program, *domain) => {
-                    Some(Span::Atoms(first.0, count))
+            BinderRange::Ints(low, high) => Some(StaticRange::Ints(*low, *high)),
+            BinderRange::Atoms(first, count) => Some(StaticRange::Atoms(*first, *count)),
+            BinderRange::Bools => Some(StaticRange::Bools),
+            BinderRange::Domain(domain) => match self.program.domains[domain.0 as usize].elements {
+                DomainElements::Atoms { first, count } if !grows(self.program, *domain) => {
+                    Some(StaticRange::Atoms(first.0, count))
                 }
-                Elements::Atoms { .. }
-                | Elements::Ints { .. }
-                | Elements::Computed(_)
-                | Elements::Undefined
-                | Elements::Open => None,
+                DomainElements::Atoms { .. }
+                | DomainElements::Ints { .. }
+                | DomainElements::Computed(_)
+                | DomainElements::Undefined
+                | DomainElements::Open => None,
             },
-            Range::Elements(_) => None,
+            BinderRange::Elements(_) => None,
         }
     }
 }
@@ -108,8 +110,8 @@ fn grows(program: &Program, domain: DomainId) -> bool {
 /// Whether evaluating a term twice is as good as evaluating it once: nothing is printed.
 pub(crate) fn is_repeatable(program: &Program, term: &Term) -> bool {
     !reaches(program, term, &mut Vec::new(), &|node| match node {
-        Node::Builtin(builtin, _) => builtin.prints(),
-        Node::Watched(_) => true,
+        TermNode::Builtin(builtin, _) => builtin.prints(),
+        TermNode::Watched(_) => true,
         _ => false,
     })
 }
@@ -119,7 +121,7 @@ pub(crate) fn counts(program: &Program, term: &Term) -> bool {
     reaches(program, term, &mut Vec::new(), &|node| {
         matches!(
             node,
-            Node::Quantified(..) | Node::Collect(..) | Node::CollectMap(..)
+            TermNode::Quantified(..) | TermNode::Collect(..) | TermNode::CollectMap(..)
         )
     })
 }
@@ -160,18 +162,18 @@ fn reaches(
     program: &Program,
     term: &Term,
     seen: &mut Vec<BodyId>,
-    is_it: &dyn Fn(&Node) -> bool,
+    is_it: &dyn Fn(&TermNode) -> bool,
 ) -> bool {
     fn search(
         program: &Program,
-        node: &mut Node,
+        node: &mut TermNode,
         seen: &mut Vec<BodyId>,
-        is_it: &dyn Fn(&Node) -> bool,
+        is_it: &dyn Fn(&TermNode) -> bool,
     ) -> bool {
         if is_it(node) {
             return true;
         }
-        if let Node::Call(body, _) = node
+        if let TermNode::Call(body, _) = node
             && !seen.contains(body)
         {
             seen.push(*body);

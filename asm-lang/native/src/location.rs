@@ -1,10 +1,11 @@
 //! Locations of known axes, read and written in place.
 
-use crate::emit::{Emitter, Int, Known, Mode, Ssa};
+use crate::emit::{Emitter, KnownValue, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::known::is_repeatable;
 use asmotion_ir::{
-    AxisRange, DomainId, Elements, FunctionId, Kind, Node, Origin, Place, Slot, Storage, Term,
+    AssignTarget, AxisRange, DomainElements, DomainId, FunctionId, Origin, Slot, Storage, Term,
+    TermNode, ValueKind,
 };
 use asmotion_value::layout;
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -27,8 +28,8 @@ impl Emitter<'_> {
     /// The location a term denotes, if native code finds it.
     pub fn place_of(&mut self, term: &Term) -> Option<Located> {
         match &*term.node {
-            Node::Slot(function, slot) if !self.is_input(*function) => Some(self.fixed(*slot)),
-            Node::Location(function, arguments) if !self.is_input(*function) => {
+            TermNode::Slot(function, slot) if !self.is_input(*function) => Some(self.fixed(*slot)),
+            TermNode::Location(function, arguments) if !self.is_input(*function) => {
                 self.located(*function, arguments)
             }
             _ => None,
@@ -36,22 +37,22 @@ impl Emitter<'_> {
     }
 
     /// Whether native code finds the place an update writes.
-    pub fn is_place(&self, place: &Place) -> bool {
+    pub fn is_place(&self, place: &AssignTarget) -> bool {
         match place {
-            Place::Slot(function, _) => !self.is_input(*function),
-            Place::Location(function, arguments) => {
+            AssignTarget::Slot(function, _) => !self.is_input(*function),
+            AssignTarget::Location(function, arguments) => {
                 !self.is_input(*function) && self.has_axes(*function, arguments)
             }
-            Place::Local(_) => false,
+            AssignTarget::Local(_) => false,
         }
     }
 
     /// The place of an update; it [`Emitter::is_place`].
-    pub fn target(&mut self, place: &Place) -> Option<Located> {
+    pub fn target(&mut self, place: &AssignTarget) -> Option<Located> {
         match place {
-            Place::Slot(_, slot) => Some(self.fixed(*slot)),
-            Place::Location(function, arguments) => self.located(*function, arguments),
-            Place::Local(_) => None,
+            AssignTarget::Slot(_, slot) => Some(self.fixed(*slot)),
+            AssignTarget::Location(function, arguments) => self.located(*function, arguments),
+            AssignTarget::Local(_) => None,
         }
     }
 
@@ -73,9 +74,9 @@ impl Emitter<'_> {
         axes.len() == arguments.len()
             && axes.iter().zip(arguments).all(|(axis, argument)| {
                 let wanted = match axis.over {
-                    AxisRange::Bool => Kind::Bool,
-                    AxisRange::Ints { .. } => Kind::Int,
-                    AxisRange::Atoms { .. } => Kind::Atom,
+                    AxisRange::Bool => ValueKind::Bool,
+                    AxisRange::Ints { .. } => ValueKind::Int,
+                    AxisRange::Atoms { .. } => ValueKind::Atom,
                 };
                 self.kind(argument) == wanted && is_repeatable(self.program, argument)
             })
@@ -145,7 +146,7 @@ impl Emitter<'_> {
     }
 
     /// How far along an axis a number is: so far, and a constant more.
-    fn along(&mut self, number: Int, low: i64, count: u32) -> (Ssa, i64) {
+    fn along(&mut self, number: NativeInt, low: i64, count: u32) -> (Ssa, i64) {
         let high = low.saturating_add(i64::from(count) - 1);
         let (root, offset) = number.root;
         if number.interval.within(low, high)
@@ -186,35 +187,35 @@ impl Emitter<'_> {
     }
 
     /// The domain whose elements a place takes only.
-    fn within(&self, place: &Place) -> Option<DomainId> {
+    fn within(&self, place: &AssignTarget) -> Option<DomainId> {
         match place {
-            Place::Slot(function, _) | Place::Location(function, _) => {
+            AssignTarget::Slot(function, _) | AssignTarget::Location(function, _) => {
                 self.program.functions[function.0 as usize].within
             }
-            Place::Local(_) => None,
+            AssignTarget::Local(_) => None,
         }
     }
 
     /// Whether native code can tell that a place takes a value.
-    pub fn is_accepted(&self, place: &Place, kind: Kind) -> bool {
+    pub fn is_accepted(&self, place: &AssignTarget, kind: ValueKind) -> bool {
         let Some(domain) = self.within(place) else {
             return true;
         };
         match self.program.domains[domain.0 as usize].elements {
-            Elements::Ints { .. } => kind == Kind::Int,
-            Elements::Atoms { .. } => kind == Kind::Atom,
-            Elements::Open => true,
-            Elements::Computed(_) | Elements::Undefined => false,
+            DomainElements::Ints { .. } => kind == ValueKind::Int,
+            DomainElements::Atoms { .. } => kind == ValueKind::Atom,
+            DomainElements::Open => true,
+            DomainElements::Computed(_) | DomainElements::Undefined => false,
         }
     }
 
     /// Takes the detour of the unit at hand unless the place takes the value.
-    pub fn accept(&mut self, place: &Place, value: Known) {
+    pub fn accept(&mut self, place: &AssignTarget, value: KnownValue) {
         let Some(domain) = self.within(place) else {
             return;
         };
         match (&self.program.domains[domain.0 as usize].elements, value) {
-            (&Elements::Ints { low, high }, Known::Int(int)) => {
+            (&DomainElements::Ints { low, high }, KnownValue::Int(int)) => {
                 if int.interval.within(low, high) {
                     return;
                 }
@@ -223,7 +224,7 @@ impl Emitter<'_> {
                     self.compare(IntCC::UnsignedGreaterThan, above, high.wrapping_sub(low));
                 self.bail_if(outside);
             }
-            (&Elements::Atoms { first, count }, Known::Atom(atom)) => {
+            (&DomainElements::Atoms { first, count }, KnownValue::Atom(atom)) => {
                 let above = self
                     .builder
                     .ins()
@@ -235,7 +236,7 @@ impl Emitter<'_> {
     }
 
     /// Adds an update; where there is one of the location already, the unit takes its detour.
-    pub fn write(&mut self, located: &Located, value: Known, origin: Origin) {
+    pub fn write(&mut self, located: &Located, value: KnownValue, origin: Origin) {
         if located.is_lazy {
             // a location that was not met yet is undef, and must be met first
             let tag = self.tag(located);
@@ -248,7 +249,7 @@ impl Emitter<'_> {
         let epoch = self.field(I32, at::EPOCH);
         let again = self.builder.ins().icmp(IntCC::Equal, of, epoch);
         match self.mode {
-            Mode::Step => {
+            UpdateMode::Step => {
                 let length = self.load(self.memory.length, I64, self.frame, at::LENGTH);
                 let room = self.field(I64, at::ROOM);
                 let full = self.builder.ins().icmp(IntCC::Equal, length, room);
@@ -257,11 +258,11 @@ impl Emitter<'_> {
                 let slot = self.builder.ins().ireduce(I32, slot);
                 self.add(slot, mark, value, origin);
             }
-            Mode::Layer => {
+            UpdateMode::Layer => {
                 self.bail_if(again);
                 self.write_outside(self.calls.write, slot, value, origin);
             }
-            Mode::Sequence => self.write_through(located, slot, mark, again, value, origin),
+            UpdateMode::Sequence => self.write_through(located, slot, mark, again, value, origin),
         }
     }
 
@@ -272,7 +273,7 @@ impl Emitter<'_> {
         slot: Ssa,
         mark: Ssa,
         again: Ssa,
-        value: Known,
+        value: KnownValue,
         origin: Origin,
     ) {
         let (over, first, done) = (self.block(), self.block(), self.block());
@@ -331,7 +332,7 @@ impl Emitter<'_> {
     }
 
     /// Adds an update to the list and marks its slot.
-    fn add(&mut self, slot: Ssa, mark: Ssa, value: Known, origin: Origin) {
+    fn add(&mut self, slot: Ssa, mark: Ssa, value: KnownValue, origin: Origin) {
         let length = self.load(self.memory.length, I64, self.frame, at::LENGTH);
         let index = self.builder.ins().ireduce(I32, length);
         let epoch = self.field(I32, at::EPOCH);
@@ -353,7 +354,13 @@ impl Emitter<'_> {
     }
 
     /// Writes by a call; the value lies in the frame.
-    fn write_outside(&mut self, call: crate::emit::Call, slot: Ssa, value: Known, origin: Origin) {
+    fn write_outside(
+        &mut self,
+        call: crate::emit::HostFunction,
+        slot: Ssa,
+        value: KnownValue,
+        origin: Origin,
+    ) {
         self.put(self.memory.frame, self.frame, at::GIVEN, value);
         let slot = self.builder.ins().ireduce(I32, slot);
         let origin = self.number(I32, i64::from(origin.0));
@@ -372,7 +379,7 @@ impl Emitter<'_> {
         self.builder.ins().iadd(list, bytes)
     }
 
-    fn put_update(&mut self, update: Ssa, value: Known, origin: Origin) {
+    fn put_update(&mut self, update: Ssa, value: KnownValue, origin: Origin) {
         let origin = self.number(I32, i64::from(origin.0));
         self.store(self.memory.updates, origin, update, at::UPDATE_ORIGIN);
         self.put(self.memory.updates, update, at::UPDATE_VALUE, value);
@@ -384,7 +391,7 @@ impl Emitter<'_> {
         memory: cranelift_codegen::ir::MemFlagsData,
         pointer: Ssa,
         offset: i32,
-        value: Known,
+        value: KnownValue,
     ) {
         let Some((tag, payload)) = self.word(value) else {
             return;

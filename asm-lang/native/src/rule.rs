@@ -1,9 +1,11 @@
 //! Rules.
 
-use crate::emit::{AtomCode, Emitter, Int, Known, Mode, Scope, Ssa};
+use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
-use crate::known::{Span, counts, is_repeatable, rule_counts};
-use asmotion_ir::{Binder, Interval, Local, Node, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use crate::known::{StaticRange, counts, is_repeatable, rule_counts};
+use asmotion_ir::{
+    AssignTarget, Binder, IntegerInterval, Local, Origin, RoutineId, Rule, RuleNode, Term, TermNode,
+};
 use asmotion_machine::back_end::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
 use asmotion_value::Value;
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -14,7 +16,7 @@ use cranelift_codegen::ir::{Block, InstBuilder, Type};
 const MAX_INLINED: usize = 48;
 
 /// A variable, what it ranges over, and where that stands.
-pub(crate) type Spanned = (Local, Span, Origin);
+pub(crate) type BoundRange = (Local, StaticRange, Origin);
 
 /// How the bindings of a loop are counted.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -87,17 +89,19 @@ impl Emitter<'_> {
     }
 
     /// Whether an update can be done here.
-    pub fn is_native_update(&self, place: &Place, value: &Term) -> bool {
+    pub fn is_native_update(&self, place: &AssignTarget, value: &Term) -> bool {
         self.is_native(value) && self.is_place(place) && self.is_accepted(place, self.kind(value))
     }
 
-    fn update(&mut self, rule: &Rule, place: &Place, value: &Term) {
+    fn update(&mut self, rule: &Rule, place: &AssignTarget, value: &Term) {
         if !self.is_native_update(place, value) {
             return self.rule_outside(rule);
         }
         let counts = match place {
-            Place::Slot(..) | Place::Local(_) => self.any_counts([value]),
-            Place::Location(_, arguments) => self.any_counts(arguments.iter().chain([value])),
+            AssignTarget::Slot(..) | AssignTarget::Local(_) => self.any_counts([value]),
+            AssignTarget::Location(_, arguments) => {
+                self.any_counts(arguments.iter().chain([value]))
+            }
         };
         let done = self.block();
         let native = |this: &mut Self| {
@@ -112,8 +116,8 @@ impl Emitter<'_> {
 
     fn par(&mut self, rule: &Rule, rules: &[Rule]) {
         match self.mode {
-            Mode::Step | Mode::Layer => rules.iter().for_each(|rule| self.rule(rule)),
-            Mode::Sequence => self.par_in_sequence(rule, rules),
+            UpdateMode::Step | UpdateMode::Layer => rules.iter().for_each(|rule| self.rule(rule)),
+            UpdateMode::Sequence => self.par_in_sequence(rule, rules),
         }
     }
 
@@ -145,7 +149,7 @@ impl Emitter<'_> {
 
     /// Cases that are constants are compared with the subject one after the other.
     fn switch(&mut self, rule: &Rule, subject: &Term, cases: &[(Term, Rule)], otherwise: &Rule) {
-        let is_constant = |(case, _): &(Term, Rule)| matches!(*case.node, Node::Constant(_));
+        let is_constant = |(case, _): &(Term, Rule)| matches!(*case.node, TermNode::Constant(_));
         if !self.is_native(subject) || !cases.iter().all(is_constant) {
             return self.rule_outside(rule);
         }
@@ -170,14 +174,14 @@ impl Emitter<'_> {
     }
 
     /// Whether a subject is the value of a case; nothing where it never is.
-    fn is_case(&mut self, subject: Known, case: &Term) -> Option<Ssa> {
-        let Node::Constant(value) = &*case.node else {
+    fn is_case(&mut self, subject: KnownValue, case: &Term) -> Option<Ssa> {
+        let TermNode::Constant(value) = &*case.node else {
             return None;
         };
         let (subject, value) = match (subject, value) {
-            (Known::Int(int), Value::Int(number)) => (int.value, *number),
-            (Known::Atom(known), Value::Atom(atom)) => (known.value, i64::from(atom.0)),
-            (Known::Bool(known), Value::Bool(truth)) => (known, i64::from(*truth)),
+            (KnownValue::Int(int), Value::Int(number)) => (int.value, *number),
+            (KnownValue::Atom(known), Value::Atom(atom)) => (known.value, i64::from(atom.0)),
+            (KnownValue::Bool(known), Value::Bool(truth)) => (known, i64::from(*truth)),
             _ => return None,
         };
         Some(self.compare(IntCC::Equal, subject, value))
@@ -201,13 +205,13 @@ impl Emitter<'_> {
     }
 
     /// A term in a register, or in this place among the locals.
-    fn argument(&mut self, term: &Term, place: u32) -> Known {
+    fn argument(&mut self, term: &Term, place: u32) -> KnownValue {
         if self.is_native(term) {
             return self.scalar(term);
         }
         let kind = self.kind(term);
         self.bind_outside(term, place);
-        Known::Memory(kind)
+        KnownValue::Memory(kind)
     }
 
     /// A macro becomes part of the rule that calls it.
@@ -226,7 +230,7 @@ impl Emitter<'_> {
             let base = this.inner_base();
             this.reserve_locals(base + arguments.len() as u32);
             let mut place = base..;
-            let known: Vec<Known> = arguments
+            let known: Vec<KnownValue> = arguments
                 .iter()
                 .zip(&mut place)
                 .map(|(argument, place)| this.argument(argument, place))
@@ -261,7 +265,7 @@ impl Emitter<'_> {
             && self.inlined.len() < MAX_INLINED
     }
 
-    fn leave(&mut self, outer: Scope) {
+    fn leave(&mut self, outer: EmitScope) {
         self.scope = outer;
         self.inlined.pop();
     }
@@ -280,7 +284,7 @@ impl Emitter<'_> {
             // the agent before is an atom or undef: it is put back as it was
             let before = [0, at::PAYLOAD]
                 .map(|offset| this.load(this.memory.run, I64, run, at::AGENT + offset));
-            this.put(this.memory.run, run, at::AGENT, Known::Atom(agent));
+            this.put(this.memory.run, run, at::AGENT, KnownValue::Atom(agent));
             let outer = this.enter(routine, Vec::new());
             this.scope.agent = Some(agent);
             this.rule(&called.code);
@@ -295,10 +299,10 @@ impl Emitter<'_> {
 
     /// An agent in a register, and the one routine that is its program.
     fn one_program(&self, agent: &Term) -> Option<(AtomCode, RoutineId)> {
-        let Node::Local(local) = &*agent.node else {
+        let TermNode::Local(local) = &*agent.node else {
             return None;
         };
-        let Some(Known::Atom(agent)) = self.scope.locals.get(*local as usize) else {
+        let Some(KnownValue::Atom(agent)) = self.scope.locals.get(*local as usize) else {
             return None;
         };
         let (first, count) = agent.among?;
@@ -401,7 +405,7 @@ impl Emitter<'_> {
     /// Which candidate to take.
     fn wanted(
         &mut self,
-        spans: &[Spanned],
+        spans: &[BoundRange],
         counting: Counting,
         guard: Option<&Term>,
         origin: Origin,
@@ -445,7 +449,7 @@ impl Emitter<'_> {
     }
 
     /// What variables range over, if native code can go through it.
-    pub fn spans(&self, binders: &[Binder]) -> Option<Vec<Spanned>> {
+    pub fn spans(&self, binders: &[Binder]) -> Option<Vec<BoundRange>> {
         let spanned = |binder: &Binder| {
             let span = self.span(&binder.range)?;
             Some((binder.local, span, binder.origin))
@@ -457,7 +461,7 @@ impl Emitter<'_> {
     /// or elsewhere.
     pub fn each(
         &mut self,
-        spans: &[Spanned],
+        spans: &[BoundRange],
         counting: Counting,
         body: &mut dyn FnMut(&mut Self, Block),
     ) {
@@ -492,7 +496,7 @@ impl Emitter<'_> {
 
     fn round(
         &mut self,
-        spans: &[Spanned],
+        spans: &[BoundRange],
         counting: Counting,
         body: &mut dyn FnMut(&mut Self, Block),
     ) {
@@ -503,11 +507,11 @@ impl Emitter<'_> {
             return;
         }
         let (ty, first, last): (Type, i64, i64) = match span {
-            Span::Ints(low, high) => (I64, low, high),
-            Span::Atoms(first, count) => {
+            StaticRange::Ints(low, high) => (I64, low, high),
+            StaticRange::Atoms(first, count) => {
                 (I32, first.into(), i64::from(first) + i64::from(count) - 1)
             }
-            Span::Bools => (I8, 0, 1),
+            StaticRange::Bools => (I8, 0, 1),
         };
         let (head, next, done) = (self.block(), self.block(), self.block());
         let value = self.builder.append_block_param(head, ty);
@@ -517,12 +521,14 @@ impl Emitter<'_> {
         self.count_one(counting, origin);
         let outer = self.scope.locals[local as usize];
         self.scope.locals[local as usize] = match span {
-            Span::Ints(low, high) => Known::Int(Int::new(value, Interval { low, high })),
-            Span::Atoms(first, count) => Known::Atom(AtomCode {
+            StaticRange::Ints(low, high) => {
+                KnownValue::Int(NativeInt::new(value, IntegerInterval { low, high }))
+            }
+            StaticRange::Atoms(first, count) => KnownValue::Atom(AtomCode {
                 value,
                 among: Some((first, count)),
             }),
-            Span::Bools => Known::Bool(value),
+            StaticRange::Bools => KnownValue::Bool(value),
         };
         let index = self.builder.ins().iadd_imm_s(value, first.wrapping_neg());
         let index = match ty {
@@ -632,7 +638,7 @@ impl Emitter<'_> {
 }
 
 /// How many bindings loops over these variables make.
-fn total(spans: &[Spanned]) -> u64 {
+fn total(spans: &[BoundRange]) -> u64 {
     spans.iter().rev().fold(0u64, |inner, (_, span, _)| {
         span.count().saturating_mul(inner.saturating_add(1))
     })

@@ -4,19 +4,19 @@
 //! its own: its updates cannot clash. Sequences and loops directly within a sequence share its set:
 //! what they write in the end is the same.
 
-use crate::emit::{Emitter, Known, Mode, Ssa};
-use asmotion_ir::{Place, Rule, RuleNode, Slot, Term};
+use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
+use asmotion_ir::{AssignTarget, Rule, RuleNode, Slot, Term};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I8;
 
 impl Emitter<'_> {
     /// Rules one after the other.
     pub fn sequence(&mut self, rules: impl FnOnce(&mut Self)) {
-        if self.mode == Mode::Sequence {
+        if self.mode == UpdateMode::Sequence {
             return rules(self);
         }
         self.call(self.calls.open, &[]);
-        let outer = std::mem::replace(&mut self.mode, Mode::Sequence);
+        let outer = std::mem::replace(&mut self.mode, UpdateMode::Sequence);
         rules(self);
         self.mode = outer;
         if let Some(stopped) = self.call(self.calls.restore, &[]) {
@@ -28,8 +28,8 @@ impl Emitter<'_> {
     /// A rule that collects a set: within a sequence one of its own.
     pub fn as_set(&mut self, rule: impl FnOnce(&mut Self)) {
         match self.mode {
-            Mode::Step | Mode::Layer => rule(self),
-            Mode::Sequence => {
+            UpdateMode::Step | UpdateMode::Layer => rule(self),
+            UpdateMode::Sequence => {
                 self.layer(rule);
             }
         }
@@ -38,7 +38,7 @@ impl Emitter<'_> {
     /// A set within a sequence, applied when it is complete; whether it is empty.
     pub fn layer(&mut self, rule: impl FnOnce(&mut Self)) -> Ssa {
         self.call(self.calls.open, &[]);
-        let outer = std::mem::replace(&mut self.mode, Mode::Layer);
+        let outer = std::mem::replace(&mut self.mode, UpdateMode::Layer);
         rule(self);
         self.mode = outer;
         match self.call(self.calls.apply, &[]) {
@@ -55,7 +55,7 @@ impl Emitter<'_> {
         let done = self.block();
         let counts = self.any_counts(updates.iter().map(|(_, value, _)| *value));
         let native = |this: &mut Self| {
-            let mut values: Vec<Known> = Vec::new();
+            let mut values: Vec<KnownValue> = Vec::new();
             for (place, value, _) in &updates {
                 let value = this.scalar(value);
                 this.accept(place, value);
@@ -71,14 +71,14 @@ impl Emitter<'_> {
     }
 
     /// Updates of different slots.
-    fn apart<'r>(&self, rules: &'r [Rule]) -> Option<Vec<(&'r Place, &'r Term, &'r Rule)>> {
+    fn apart<'r>(&self, rules: &'r [Rule]) -> Option<Vec<(&'r AssignTarget, &'r Term, &'r Rule)>> {
         let mut slots: Vec<Slot> = Vec::new();
         let mut updates = Vec::new();
         for rule in rules {
             let RuleNode::Update(place, value) = &*rule.node else {
                 return None;
             };
-            let Place::Slot(_, slot) = place else {
+            let AssignTarget::Slot(_, slot) = place else {
                 return None;
             };
             if slots.contains(slot) || !self.is_native_update(place, value) {

@@ -1,8 +1,8 @@
 //! Terms that give integers and atoms.
 
-use crate::emit::{AtomCode, Emitter, Int, Known};
+use crate::emit::{AtomCode, Emitter, KnownValue, NativeInt};
 use crate::known::counts;
-use asmotion_ir::{Arithmetic, Interval, Kind, Node, Term};
+use asmotion_ir::{Arithmetic, IntegerInterval, Term, TermNode, ValueKind};
 use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::InstBuilder;
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -10,12 +10,12 @@ use cranelift_codegen::ir::types::{I32, I64};
 
 impl Emitter<'_> {
     /// A term that [`Emitter::is_native`].
-    pub fn scalar(&mut self, term: &Term) -> Known {
+    pub fn scalar(&mut self, term: &Term) -> KnownValue {
         match self.kind(term) {
-            Kind::Int => Known::Int(self.integer(term)),
-            Kind::Bool => Known::Bool(self.truth(term)),
-            Kind::Atom => Known::Atom(self.atom(term)),
-            Kind::Real | Kind::Other => Known::Nothing,
+            ValueKind::Int => KnownValue::Int(self.integer(term)),
+            ValueKind::Bool => KnownValue::Bool(self.truth(term)),
+            ValueKind::Atom => KnownValue::Atom(self.atom(term)),
+            ValueKind::Real | ValueKind::Other => KnownValue::Nothing,
         }
     }
 
@@ -26,25 +26,25 @@ impl Emitter<'_> {
     }
 
     /// An integer; where it is undef, the unit at hand takes its detour.
-    pub fn integer(&mut self, term: &Term) -> Int {
-        let anything = |value| Int::new(value, Interval::ANY);
+    pub fn integer(&mut self, term: &Term) -> NativeInt {
+        let anything = |value| NativeInt::new(value, IntegerInterval::ANY);
         match &*term.node {
-            Node::Constant(Value::Int(number)) => {
+            TermNode::Constant(Value::Int(number)) => {
                 let value = self.number(I64, *number);
-                Int::new(value, Interval::of(*number))
+                NativeInt::new(value, IntegerInterval::of(*number))
             }
-            Node::Local(local) => match self.scope.locals.get(*local as usize) {
-                Some(Known::Int(int)) => *int,
+            TermNode::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(KnownValue::Int(int)) => *int,
                 _ => anything(self.local(*local, layout::INT, I64)),
             },
-            Node::Arithmetic(operation, left, right)
+            TermNode::Arithmetic(operation, left, right)
                 if self.is_integer(left) && self.is_integer(right) =>
             {
                 let left = self.integer(left);
                 let right = self.integer(right);
                 self.arithmetic(*operation, left, right)
             }
-            Node::If(guard, then, otherwise)
+            TermNode::If(guard, then, otherwise)
                 if self.is_truth(guard) && self.is_integer(then) && self.is_integer(otherwise) =>
             {
                 let (yes, no, done) = (self.block(), self.block(), self.block());
@@ -57,9 +57,9 @@ impl Emitter<'_> {
                 let otherwise = self.integer(otherwise);
                 self.jump_with(done, otherwise.value);
                 self.begin(done);
-                Int::new(result, then.interval.or(otherwise.interval))
+                NativeInt::new(result, then.interval.or(otherwise.interval))
             }
-            Node::Slot(..) | Node::Location(..) => match self.place_of(term) {
+            TermNode::Slot(..) | TermNode::Location(..) => match self.place_of(term) {
                 Some(place) => anything(self.read(&place, layout::INT, I64)),
                 None => anything(self.term_outside(term, layout::INT, I64)),
             },
@@ -71,19 +71,19 @@ impl Emitter<'_> {
     pub fn atom(&mut self, term: &Term) -> AtomCode {
         let anything = |value| AtomCode { value, among: None };
         match &*term.node {
-            Node::Constant(Value::Atom(atom)) => AtomCode {
+            TermNode::Constant(Value::Atom(atom)) => AtomCode {
                 value: self.number(I32, i64::from(atom.0)),
                 among: Some((atom.0, 1)),
             },
-            Node::Local(local) => match self.scope.locals.get(*local as usize) {
-                Some(Known::Atom(atom)) => *atom,
+            TermNode::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(KnownValue::Atom(atom)) => *atom,
                 _ => anything(self.local(*local, layout::ATOM, I32)),
             },
-            Node::Agent => match self.scope.agent {
+            TermNode::Agent => match self.scope.agent {
                 Some(agent) => agent,
                 None => anything(self.term_outside(term, layout::ATOM, I32)),
             },
-            Node::Slot(..) | Node::Location(..) => match self.place_of(term) {
+            TermNode::Slot(..) | TermNode::Location(..) => match self.place_of(term) {
                 Some(place) => anything(self.read(&place, layout::ATOM, I32)),
                 None => anything(self.term_outside(term, layout::ATOM, I32)),
             },
@@ -104,15 +104,21 @@ impl Emitter<'_> {
     }
 
     pub fn is_integer(&self, term: &Term) -> bool {
-        self.kind(term) == Kind::Int
+        self.kind(term) == ValueKind::Int
     }
 
     pub fn is_truth(&self, term: &Term) -> bool {
-        self.kind(term) == Kind::Bool
+        self.kind(term) == ValueKind::Bool
     }
 
-    fn arithmetic(&mut self, operation: Arithmetic, left: Int, right: Int) -> Int {
-        let (interval, overflows) = Interval::computed(operation, left.interval, right.interval);
+    fn arithmetic(
+        &mut self,
+        operation: Arithmetic,
+        left: NativeInt,
+        right: NativeInt,
+    ) -> NativeInt {
+        let (interval, overflows) =
+            IntegerInterval::computed(operation, left.interval, right.interval);
         let (a, b) = (left.value, right.value);
         let value = match (operation, overflows) {
             (Arithmetic::Plus, false) => self.builder.ins().iadd(a, b),
@@ -135,7 +141,7 @@ impl Emitter<'_> {
             }
             (Arithmetic::Mod, _) => self.modulo(left, right),
         };
-        let mut int = Int::new(value, interval);
+        let mut int = NativeInt::new(value, interval);
         // neighbours of one number are found at one address
         let constant = right.interval;
         if !overflows && constant.low == constant.high {
@@ -153,7 +159,7 @@ impl Emitter<'_> {
     }
 
     /// The remainder; its sign is the dividend's.
-    fn modulo(&mut self, left: Int, right: Int) -> crate::emit::Ssa {
+    fn modulo(&mut self, left: NativeInt, right: NativeInt) -> crate::emit::Ssa {
         let (a, b) = (left.value, right.value);
         let divisor = right.interval;
         if divisor.low == divisor.high && divisor.low > 0 {

@@ -1,9 +1,9 @@
 //! Terms that give truth values, mostly as the way code goes on.
 
-use crate::emit::{Emitter, Known, Ssa};
+use crate::emit::{Emitter, KnownValue, Ssa};
 use crate::known::counts;
 use crate::rule::Counting;
-use asmotion_ir::{Binder, Comparison, Kind, Logic, Node, Quantifier, Term};
+use asmotion_ir::{Binder, Comparison, Connective, Quantifier, Term, TermNode, ValueKind};
 use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I8;
@@ -13,11 +13,11 @@ impl Emitter<'_> {
     /// A truth value in a register; where it is undef, the unit at hand takes its detour.
     pub fn truth(&mut self, term: &Term) -> Ssa {
         match &*term.node {
-            Node::Local(local) => match self.scope.locals.get(*local as usize) {
-                Some(Known::Bool(truth)) => *truth,
+            TermNode::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(KnownValue::Bool(truth)) => *truth,
                 _ => self.local(*local, layout::BOOL, I8),
             },
-            Node::Slot(..) | Node::Location(..) => match self.place_of(term) {
+            TermNode::Slot(..) | TermNode::Location(..) => match self.place_of(term) {
                 Some(place) => self.read(&place, layout::BOOL, I8),
                 None => self.term_outside(term, layout::BOOL, I8),
             },
@@ -41,12 +41,12 @@ impl Emitter<'_> {
     /// An operand that is undef may leave a connective true or false: the detour finds out.
     pub fn test(&mut self, term: &Term, yes: Block, no: Block) {
         match &*term.node {
-            Node::Constant(Value::Bool(truth)) => self.jump(if *truth { yes } else { no }),
-            Node::Not(operand) if self.is_truth(operand) => self.test(operand, no, yes),
-            Node::Logic(logic, left, right) if self.is_truth(left) && self.is_truth(right) => {
+            TermNode::Constant(Value::Bool(truth)) => self.jump(if *truth { yes } else { no }),
+            TermNode::Not(operand) if self.is_truth(operand) => self.test(operand, no, yes),
+            TermNode::Logic(logic, left, right) if self.is_truth(left) && self.is_truth(right) => {
                 self.logic(*logic, left, right, yes, no);
             }
-            Node::Compare(comparison, left, right)
+            TermNode::Compare(comparison, left, right)
                 if self.is_integer(left) && self.is_integer(right) =>
             {
                 let (left, right) = (self.integer(left), self.integer(right));
@@ -59,11 +59,11 @@ impl Emitter<'_> {
                 let holds = self.builder.ins().icmp(condition, left.value, right.value);
                 self.branch(holds, yes, no);
             }
-            Node::Equal(left, right) => self.equal(term, left, right, yes, no),
-            Node::Quantified(quantifier, binders, guard) => {
+            TermNode::Equal(left, right) => self.equal(term, left, right, yes, no),
+            TermNode::Quantified(quantifier, binders, guard) => {
                 self.quantified(term, *quantifier, binders, guard.as_ref(), yes, no);
             }
-            Node::If(guard, then, otherwise)
+            TermNode::If(guard, then, otherwise)
                 if self.is_truth(guard) && self.is_truth(then) && self.is_truth(otherwise) =>
             {
                 let (first, second) = (self.block(), self.block());
@@ -73,7 +73,7 @@ impl Emitter<'_> {
                 self.begin(second);
                 self.test(otherwise, yes, no);
             }
-            Node::Local(_) | Node::Slot(..) | Node::Location(..) => {
+            TermNode::Local(_) | TermNode::Slot(..) | TermNode::Location(..) => {
                 let truth = self.truth(term);
                 self.branch(truth, yes, no);
             }
@@ -81,17 +81,19 @@ impl Emitter<'_> {
         }
     }
 
-    fn logic(&mut self, logic: Logic, left: &Term, right: &Term, yes: Block, no: Block) {
+    fn logic(&mut self, logic: Connective, left: &Term, right: &Term, yes: Block, no: Block) {
         let next = self.block();
         match logic {
-            Logic::And => self.test(left, next, no),
-            Logic::Or => self.test(left, yes, next),
-            Logic::Implies => self.test(left, next, yes),
-            Logic::Xor | Logic::Iff => {
+            Connective::And => self.test(left, next, no),
+            Connective::Or => self.test(left, yes, next),
+            Connective::Implies => self.test(left, next, yes),
+            Connective::Xor | Connective::Iff => {
                 let (left, right) = (self.truth(left), self.truth(right));
                 let condition = match logic {
-                    Logic::Xor => IntCC::NotEqual,
-                    Logic::And | Logic::Or | Logic::Implies | Logic::Iff => IntCC::Equal,
+                    Connective::Xor => IntCC::NotEqual,
+                    Connective::And | Connective::Or | Connective::Implies | Connective::Iff => {
+                        IntCC::Equal
+                    }
                 };
                 let holds = self.builder.ins().icmp(condition, left, right);
                 return self.branch(holds, yes, no);
@@ -103,7 +105,7 @@ impl Emitter<'_> {
 
     fn equal(&mut self, term: &Term, left: &Term, right: &Term, yes: Block, no: Block) {
         for (one, other) in [(left, right), (right, left)] {
-            if matches!(*other.node, Node::Constant(Value::Undef))
+            if matches!(*other.node, TermNode::Constant(Value::Undef))
                 && let Some(place) = self.place_of(one)
                 && !place.is_lazy
             {
@@ -117,10 +119,10 @@ impl Emitter<'_> {
             return self.truth_outside(term, yes, no);
         }
         let (left, right) = match kind {
-            Kind::Int => (self.integer(left).value, self.integer(right).value),
-            Kind::Atom => (self.atom(left).value, self.atom(right).value),
-            Kind::Bool => (self.truth(left), self.truth(right)),
-            Kind::Real | Kind::Other => return self.truth_outside(term, yes, no),
+            ValueKind::Int => (self.integer(left).value, self.integer(right).value),
+            ValueKind::Atom => (self.atom(left).value, self.atom(right).value),
+            ValueKind::Bool => (self.truth(left), self.truth(right)),
+            ValueKind::Real | ValueKind::Other => return self.truth_outside(term, yes, no),
         };
         let same = self.builder.ins().icmp(IntCC::Equal, left, right);
         self.branch(same, yes, no);

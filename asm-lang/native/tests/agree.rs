@@ -7,7 +7,7 @@
 )]
 
 use asmotion_lang::simulate::{Random, Seeded, Trace};
-use asmotion_lang::{BackEnd, Files, Machine, Specification};
+use asmotion_lang::{BackEnd, Machine, MemoryFiles, Specification};
 use std::path::Path;
 
 /// How many steps are compared.
@@ -17,7 +17,7 @@ const STEPS: i64 = 30;
 const FAULTS: usize = 2;
 
 fn open(name: &str, text: &str) -> Option<Specification> {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add(name, text);
     asmotion_lang::open(name, &files).ok()
 }

@@ -5,8 +5,8 @@
 mod faithful;
 
 use asmotion_lang::diagnostics::FileId;
-use asmotion_lang::simulate::{Causes, Random, Simulation, Stopped};
-use asmotion_lang::{Files, Report, Specification, Style, render_all, syntax};
+use asmotion_lang::simulate::{Causes, Random, Simulation, SimulationError};
+use asmotion_lang::{MemoryFiles, Report, Specification, Style, render_all, syntax};
 
 /// So many steps are done with what opens.
 const STEPS: u64 = 3;
@@ -40,7 +40,7 @@ fn lies_within(text: &str, report: &Report) {
 /// a fault that can be shown, the same way every time.
 pub fn check(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("fuzz.asm", &*text);
     match asmotion_lang::open("fuzz.asm", &files) {
         Ok(specification) => {
@@ -63,7 +63,7 @@ fn run(specification: &Specification) -> String {
     let inputs = Random::new(specification.program.clone(), &machine, 0);
     let mut run = Simulation::new(machine, Causes::Random(Box::new(inputs)), 0).traced("");
     for _ in 0..STEPS {
-        if let Err(Stopped::Fault(fault)) = run.step() {
+        if let Err(SimulationError::Fault(fault)) = run.step() {
             let told = specification.explain_in(&fault, run.machine()).message;
             return told + &run.into_trace(Some(&fault)).unwrap_or_default();
         }

@@ -8,7 +8,7 @@
 
 use asmotion_lang::machine::{PackedState, Snapshot};
 use asmotion_lang::simulate::{Random, Seeded, Trace};
-use asmotion_lang::{Files, First, Machine, NoInputs, Options, Specification};
+use asmotion_lang::{FirstChoice, Machine, MemoryFiles, NoInputs, ReadOptions, Specification};
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::path::{Path, PathBuf};
@@ -52,14 +52,14 @@ impl Going {
     }
 }
 
-fn open(name: &str, text: &str, options: &Options) -> Option<Specification> {
-    let mut files = Files::new();
+fn open(name: &str, text: &str, options: &ReadOptions) -> Option<Specification> {
+    let mut files = MemoryFiles::new();
     files.add(name, text);
     asmotion_lang::open_with(name, &files, options).ok()
 }
 
 fn opened(text: &str) -> Specification {
-    open("a.asm", text, &Options::default()).unwrap_or_else(|| panic!("does not open: {text}"))
+    open("a.asm", text, &ReadOptions::default()).unwrap_or_else(|| panic!("does not open: {text}"))
 }
 
 /// The programs of the repository that stand alone and have a main rule.
@@ -72,9 +72,9 @@ fn programs() -> Vec<(String, Specification)> {
         }
     }
     paths.sort();
-    let compatible = Options {
+    let compatible = ReadOptions {
         compatible: true,
-        ..Options::default()
+        ..ReadOptions::default()
     };
     let mut programs = Vec::new();
     for path in paths {
@@ -88,7 +88,10 @@ fn programs() -> Vec<(String, Specification)> {
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
-        for (mode, options) in [("", &Options::default()), (" (compatible)", &compatible)] {
+        for (mode, options) in [
+            ("", &ReadOptions::default()),
+            (" (compatible)", &compatible),
+        ] {
             let specification = open(&name, &text, options);
             if let Some(specification) = specification.filter(|it| it.program.main.is_some()) {
                 programs.push((format!("{name}{mode}"), specification));
@@ -178,7 +181,7 @@ default init s0:
     let by = RandomState::new();
     let mut states = vec![machine.snapshot()];
     for _ in 0..6 {
-        machine.step(&mut NoInputs, &mut First, 0).unwrap();
+        machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
         states.push(machine.snapshot());
     }
     // `seen(100)` was met meanwhile, and holds its initial value again
@@ -212,7 +215,7 @@ definitions:
     let by = RandomState::new();
     let after = |text: String| {
         let mut machine = opened(&text).machine().unwrap();
-        machine.step(&mut NoInputs, &mut First, 0).unwrap();
+        machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
         machine.snapshot()
     };
     assert_same("order", &after(text(one, two)), &after(text(two, one)), &by);

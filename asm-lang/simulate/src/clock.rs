@@ -4,7 +4,7 @@ use std::fmt;
 
 /// The clock of a run. What tells the real time comes from outside: the language has no clock.
 #[derive(Default)]
-pub enum Clock {
+pub enum SimulationClock {
     /// Time stands still, but for what scripts and recordings say.
     #[default]
     Virtual,
@@ -14,7 +14,7 @@ pub enum Clock {
     Told(Box<dyn FnMut() -> i64 + Send>),
 }
 
-impl Clock {
+impl SimulationClock {
     /// The time of a step, counted from 1, in nanoseconds.
     pub fn now(&mut self, step: u64) -> i64 {
         match self {
@@ -28,7 +28,7 @@ impl Clock {
     }
 }
 
-impl fmt::Debug for Clock {
+impl fmt::Debug for SimulationClock {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Virtual => to.write_str("Virtual"),

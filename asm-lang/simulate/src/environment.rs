@@ -23,9 +23,9 @@ use crate::codes::s004::WrongInputValue;
 use crate::codes::s005::NotAnAnswer;
 use crate::codes::s006::UnknownPartner;
 use crate::literal::Literals;
-use crate::partner::Answer;
+use crate::partner::ScriptedAnswer;
 use asmotion_diagnostics::{FileId, Finding, Report, Span, similar};
-use asmotion_ir::{FunctionId, FunctionKind, Program, Shape};
+use asmotion_ir::{FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_machine::{CallFault, Environment};
 use asmotion_value::{Atom, Value};
 use std::borrow::Cow;
@@ -36,17 +36,17 @@ use toml::de::{DeTable, DeValue};
 /// The inputs of a run, step by step.
 #[derive(Clone, Debug, Default)]
 pub struct Script {
-    defaults: Inputs,
+    defaults: InputValues,
     /// The functions that tell the time: where the script is silent, the run's clock speaks.
     clocks: Vec<FunctionId>,
-    steps: Vec<Inputs>,
+    steps: Vec<InputValues>,
     /// What partners answer.
-    pub(crate) answers: Vec<Answer>,
+    pub(crate) answers: Vec<ScriptedAnswer>,
     /// The step the machine is in, from 0.
     at: usize,
 }
 
-type Inputs = BTreeMap<(FunctionId, Vec<Value>), Value>;
+type InputValues = BTreeMap<(FunctionId, Vec<Value>), Value>;
 
 impl Script {
     /// Reads a script for a program.
@@ -55,7 +55,7 @@ impl Script {
     /// The text is not TOML, names something that is no input, or gives it a value outside its
     /// codomain; all such places are reported.
     pub fn read(file: FileId, text: &str, program: &Program) -> Result<Self, Report> {
-        let mut reading = Reading {
+        let mut reading = ScriptReader {
             program,
             file,
             report: Report::new(),
@@ -107,13 +107,13 @@ impl Environment for Script {
     }
 }
 
-struct Reading<'a> {
+struct ScriptReader<'a> {
     program: &'a Program,
     file: FileId,
     report: Report,
 }
 
-impl Reading<'_> {
+impl ScriptReader<'_> {
     fn literals(&self) -> Literals<'_> {
         Literals::new(self.program, &[])
     }
@@ -170,7 +170,7 @@ impl Reading<'_> {
         &mut self,
         name: &Spanned<Cow<'_, str>>,
         operations: &Spanned<DeValue<'_>>,
-    ) -> Vec<Answer> {
+    ) -> Vec<ScriptedAnswer> {
         let atoms = &self.program.symbols.atoms;
         let Some(atom) = (0..)
             .zip(atoms)
@@ -191,7 +191,7 @@ impl Reading<'_> {
         let mut answers = Vec::new();
         for (operation, answer) in operations {
             match self.answer(operation.get_ref(), answer.get_ref()) {
-                Some((outcome, after)) => answers.push(Answer {
+                Some((outcome, after)) => answers.push(ScriptedAnswer {
                     partner: Value::Atom(Atom(atom.0)),
                     operation: asmotion_stdlib::operation(operation.get_ref()).to_owned(),
                     outcome,
@@ -239,8 +239,8 @@ impl Reading<'_> {
         self.report.push(UnknownSection { at }.diagnostic());
     }
 
-    fn inputs(&mut self, table: &DeTable<'_>) -> Inputs {
-        let mut inputs = Inputs::new();
+    fn inputs(&mut self, table: &DeTable<'_>) -> InputValues {
+        let mut inputs = InputValues::new();
         for (key, value) in table {
             if let Some((location, value)) = self.input(key, value) {
                 inputs.insert(location, value);
@@ -301,7 +301,7 @@ impl Reading<'_> {
             .push(UnknownInput { name, at, similar }.diagnostic());
     }
 
-    fn misfit(&mut self, what: &str, text: &str, shape: &Shape, at: Span) {
+    fn misfit(&mut self, what: &str, text: &str, shape: &ValueShape, at: Span) {
         let names = self.literals().names(shape).unwrap_or_default();
         let finding = WrongInputValue {
             what: what.to_owned(),
@@ -313,33 +313,35 @@ impl Reading<'_> {
         self.report.push(finding.diagnostic());
     }
 
-    fn describe(&self, shape: &Shape) -> String {
+    fn describe(&self, shape: &ValueShape) -> String {
         match shape {
-            Shape::Bool => "a Boolean".to_owned(),
-            Shape::Int => "an Integer".to_owned(),
-            Shape::Natural => "a Natural".to_owned(),
-            Shape::Real => "a Real".to_owned(),
-            Shape::Char => "a character".to_owned(),
-            Shape::Text => "a String".to_owned(),
-            Shape::Domain(domain) => format!(
+            ValueShape::Bool => "a Boolean".to_owned(),
+            ValueShape::Int => "an Integer".to_owned(),
+            ValueShape::Natural => "a Natural".to_owned(),
+            ValueShape::Real => "a Real".to_owned(),
+            ValueShape::Char => "a character".to_owned(),
+            ValueShape::Text => "a String".to_owned(),
+            ValueShape::Domain(domain) => format!(
                 "an element of {}",
                 self.program.symbols.domains[domain.0 as usize]
             ),
-            Shape::Tuple(items) => format!("a tuple of {}", items.len()),
-            Shape::Seq(_) => "a sequence".to_owned(),
-            Shape::Set(_) => "a set".to_owned(),
-            Shape::Bag(_) => "a bag".to_owned(),
-            Shape::Map(..) | Shape::Complex | Shape::Rule | Shape::Any => {
+            ValueShape::Tuple(items) => format!("a tuple of {}", items.len()),
+            ValueShape::Seq(_) => "a sequence".to_owned(),
+            ValueShape::Set(_) => "a set".to_owned(),
+            ValueShape::Bag(_) => "a bag".to_owned(),
+            ValueShape::Map(..) | ValueShape::Complex | ValueShape::Rule | ValueShape::Any => {
                 "a value that scripts can give".to_owned()
             }
         }
     }
 
     /// A value of TOML as a value of the shape.
-    fn value(&self, value: &DeValue<'_>, shape: &Shape) -> Option<Value> {
+    fn value(&self, value: &DeValue<'_>, shape: &ValueShape) -> Option<Value> {
         match (value, shape) {
-            (DeValue::String(text), Shape::Text | Shape::Any) => Some(Value::text(text.as_ref())),
-            (DeValue::String(text), Shape::Char) => {
+            (DeValue::String(text), ValueShape::Text | ValueShape::Any) => {
+                Some(Value::text(text.as_ref()))
+            }
+            (DeValue::String(text), ValueShape::Char) => {
                 let mut letters = text.chars();
                 letters
                     .next()
@@ -347,25 +349,33 @@ impl Reading<'_> {
                     .map(Value::Char)
             }
             (DeValue::String(text), shape) => self.literals().value(text, shape),
-            (DeValue::Boolean(truth), Shape::Bool | Shape::Any) => Some(Value::Bool(*truth)),
-            (DeValue::Integer(number), Shape::Any) => {
+            (DeValue::Boolean(truth), ValueShape::Bool | ValueShape::Any) => {
+                Some(Value::Bool(*truth))
+            }
+            (DeValue::Integer(number), ValueShape::Any) => {
                 number.to_string().parse().ok().map(Value::Int)
             }
             (DeValue::Integer(number), shape) => self.literals().value(&number.to_string(), shape),
-            (DeValue::Array(items), Shape::Any) => self.items(items, shape).map(Value::seq),
-            (DeValue::Float(number), Shape::Real | Shape::Any) => {
+            (DeValue::Array(items), ValueShape::Any) => self.items(items, shape).map(Value::seq),
+            (DeValue::Float(number), ValueShape::Real | ValueShape::Any) => {
                 number.as_str().parse().ok().map(Value::real)
             }
-            (DeValue::Array(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
+            (DeValue::Array(items), ValueShape::Tuple(shapes)) if items.len() == shapes.len() => {
                 let items = items
                     .iter()
                     .zip(shapes)
                     .map(|(item, shape)| self.value(item.get_ref(), shape));
                 items.collect::<Option<Vec<_>>>().map(Value::tuple)
             }
-            (DeValue::Array(items), Shape::Seq(shape)) => self.items(items, shape).map(Value::seq),
-            (DeValue::Array(items), Shape::Set(shape)) => self.items(items, shape).map(Value::set),
-            (DeValue::Array(items), Shape::Bag(shape)) => self.items(items, shape).map(Value::bag),
+            (DeValue::Array(items), ValueShape::Seq(shape)) => {
+                self.items(items, shape).map(Value::seq)
+            }
+            (DeValue::Array(items), ValueShape::Set(shape)) => {
+                self.items(items, shape).map(Value::set)
+            }
+            (DeValue::Array(items), ValueShape::Bag(shape)) => {
+                self.items(items, shape).map(Value::bag)
+            }
             _ => None,
         }
     }
@@ -373,7 +383,7 @@ impl Reading<'_> {
     fn items<'b>(
         &self,
         items: impl IntoIterator<Item = &'b Spanned<DeValue<'b>>>,
-        shape: &Shape,
+        shape: &ValueShape,
     ) -> Option<Vec<Value>> {
         items
             .into_iter()

@@ -1,6 +1,6 @@
 //! Runs without a robot: environments, seeded choice, traces, scenarios.
 
-mod awaited;
+mod awaited_update;
 mod clock;
 mod codes;
 mod environment;
@@ -14,12 +14,12 @@ mod show;
 mod simulation;
 mod trace;
 
-pub use awaited::{Awaited, Unawaited};
-pub use clock::Clock;
+pub use awaited_update::{AwaitError, AwaitedUpdate};
+pub use clock::SimulationClock;
 pub use codes::CODES;
 pub use environment::Script;
 pub use random::{Random, Seeded};
-pub use recording::{Choices, Inputs, Recorded, Recording, Ticks};
+pub use recording::{RecordedChoices, RecordedInputs, RecordedStep, Recording, Ticks};
 pub use show::{applied, location, sent, updates};
-pub use simulation::{Causes, Simulation, Stopped};
+pub use simulation::{Causes, Simulation, SimulationError};
 pub use trace::Trace;

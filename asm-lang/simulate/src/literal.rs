@@ -1,6 +1,6 @@
 //! Values read back from text: of scripts, of traces.
 
-use asmotion_ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Shape};
+use asmotion_ir::{DomainElements, DomainId, FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
 
@@ -22,8 +22,8 @@ impl<'a> Literals<'a> {
     }
 
     /// The value of a text that stands where this shape is wanted.
-    pub fn value(self, text: &str, shape: &Shape) -> Option<Value> {
-        let mut reader = Reader {
+    pub fn value(self, text: &str, shape: &ValueShape) -> Option<Value> {
+        let mut reader = LiteralReader {
             literals: self,
             rest: text,
             depth: 0,
@@ -75,30 +75,30 @@ impl<'a> Literals<'a> {
     }
 
     /// The names a value of this shape may have, where they are known before the run.
-    pub fn names(self, shape: &Shape) -> Option<&'a [Arc<str>]> {
-        let Shape::Domain(domain) = shape else {
+    pub fn names(self, shape: &ValueShape) -> Option<&'a [Arc<str>]> {
+        let ValueShape::Domain(domain) = shape else {
             return None;
         };
         match self.program.domains.get(domain.0 as usize)?.elements {
-            Elements::Atoms { first, count } => {
+            DomainElements::Atoms { first, count } => {
                 let first = first.0 as usize;
                 let atoms = &self.program.symbols.atoms;
                 atoms.get(first..first + count as usize)
             }
-            Elements::Ints { .. }
-            | Elements::Computed(_)
-            | Elements::Undefined
-            | Elements::Open => None,
+            DomainElements::Ints { .. }
+            | DomainElements::Computed(_)
+            | DomainElements::Undefined
+            | DomainElements::Open => None,
         }
     }
 
     fn element(self, word: &str, domain: DomainId) -> Option<Value> {
         let number = || word.trim_end_matches('n').parse::<i64>().ok();
         match self.program.domains.get(domain.0 as usize)?.elements {
-            Elements::Ints { low, high } => number()
+            DomainElements::Ints { low, high } => number()
                 .filter(|number| (low..=high).contains(number))
                 .map(Value::Int),
-            Elements::Atoms { first, count } => {
+            DomainElements::Atoms { first, count } => {
                 let mut declared = first.0..first.0 + count;
                 let found =
                     declared.find(|&atom| &*self.program.symbols.atoms[atom as usize] == word);
@@ -106,7 +106,9 @@ impl<'a> Literals<'a> {
                     .or_else(|| self.taken(word))
                     .map(|atom| Value::Atom(Atom(atom)))
             }
-            Elements::Computed(_) | Elements::Undefined | Elements::Open => self.word(word),
+            DomainElements::Computed(_) | DomainElements::Undefined | DomainElements::Open => {
+                self.word(word)
+            }
         }
     }
 
@@ -175,13 +177,13 @@ fn split(text: &str) -> Vec<&str> {
 }
 
 /// A place in a text.
-struct Reader<'a> {
+struct LiteralReader<'a> {
     literals: Literals<'a>,
     rest: &'a str,
     depth: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> LiteralReader<'a> {
     fn accept(&mut self, token: &str) -> bool {
         let rest = self.rest.trim_start();
         match rest.strip_prefix(token) {
@@ -193,7 +195,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn value(&mut self, shape: &Shape) -> Option<Value> {
+    fn value(&mut self, shape: &ValueShape) -> Option<Value> {
         if self.depth >= MAX_DEPTH {
             return None;
         }
@@ -203,14 +205,14 @@ impl<'a> Reader<'a> {
         value
     }
 
-    fn value_here(&mut self, shape: &Shape) -> Option<Value> {
+    fn value_here(&mut self, shape: &ValueShape) -> Option<Value> {
         if self.accept("(") {
             return self.tuple(shape);
         }
         if self.accept("[") {
             let item = match shape {
-                Shape::Seq(item) => item,
-                _ => &Shape::Any,
+                ValueShape::Seq(item) => item,
+                _ => &ValueShape::Any,
             };
             return self.items(item, "]").map(Value::seq);
         }
@@ -229,8 +231,8 @@ impl<'a> Reader<'a> {
         }
         if self.accept("<") {
             let item = match shape {
-                Shape::Bag(item) => item,
-                _ => &Shape::Any,
+                ValueShape::Bag(item) => item,
+                _ => &ValueShape::Any,
             };
             return self.items(item, ">").map(Value::bag);
         }
@@ -241,29 +243,29 @@ impl<'a> Reader<'a> {
         self.scalar(word, shape)
     }
 
-    fn scalar(&self, word: &str, shape: &Shape) -> Option<Value> {
+    fn scalar(&self, word: &str, shape: &ValueShape) -> Option<Value> {
         if word == "undef" {
             return Some(Value::Undef);
         }
         match shape {
-            Shape::Bool => word.parse().ok().map(Value::Bool),
-            Shape::Int => word.parse().ok().map(Value::Int),
-            Shape::Natural => {
+            ValueShape::Bool => word.parse().ok().map(Value::Bool),
+            ValueShape::Int => word.parse().ok().map(Value::Int),
+            ValueShape::Natural => {
                 let number = word.trim_end_matches('n').parse().ok();
                 number.filter(|number| *number >= 0).map(Value::Int)
             }
-            Shape::Real => word.parse().ok().map(Value::real),
-            Shape::Domain(domain) => self.literals.element(word, *domain),
-            Shape::Any => self.literals.word(word),
-            Shape::Char
-            | Shape::Text
-            | Shape::Complex
-            | Shape::Rule
-            | Shape::Tuple(_)
-            | Shape::Seq(_)
-            | Shape::Set(_)
-            | Shape::Bag(_)
-            | Shape::Map(..) => None,
+            ValueShape::Real => word.parse().ok().map(Value::real),
+            ValueShape::Domain(domain) => self.literals.element(word, *domain),
+            ValueShape::Any => self.literals.word(word),
+            ValueShape::Char
+            | ValueShape::Text
+            | ValueShape::Complex
+            | ValueShape::Rule
+            | ValueShape::Tuple(_)
+            | ValueShape::Seq(_)
+            | ValueShape::Set(_)
+            | ValueShape::Bag(_)
+            | ValueShape::Map(..) => None,
         }
     }
 
@@ -278,12 +280,12 @@ impl<'a> Reader<'a> {
         word
     }
 
-    fn tuple(&mut self, shape: &Shape) -> Option<Value> {
+    fn tuple(&mut self, shape: &ValueShape) -> Option<Value> {
         let mut items = Vec::new();
         loop {
             let item = match shape {
-                Shape::Tuple(shapes) => shapes.get(items.len())?,
-                _ => &Shape::Any,
+                ValueShape::Tuple(shapes) => shapes.get(items.len())?,
+                _ => &ValueShape::Any,
             };
             items.push(self.value(item)?);
             if self.accept(")") {
@@ -295,7 +297,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn items(&mut self, item: &Shape, close: &str) -> Option<Vec<Value>> {
+    fn items(&mut self, item: &ValueShape, close: &str) -> Option<Vec<Value>> {
         let mut items = Vec::new();
         if self.accept(close) {
             return Some(items);
@@ -311,20 +313,20 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn set_or_map(&mut self, shape: &Shape) -> Option<Value> {
+    fn set_or_map(&mut self, shape: &ValueShape) -> Option<Value> {
         if self.accept("->") {
             return self.accept("}").then(|| Value::map([]));
         }
         if self.accept("}") {
             return Some(match shape {
-                Shape::Map(..) => Value::map([]),
+                ValueShape::Map(..) => Value::map([]),
                 _ => Value::set([]),
             });
         }
         let (key, value) = match shape {
-            Shape::Map(key, value) => (&**key, &**value),
-            Shape::Set(item) => (&**item, &Shape::Any),
-            _ => (&Shape::Any, &Shape::Any),
+            ValueShape::Map(key, value) => (&**key, &**value),
+            ValueShape::Set(item) => (&**item, &ValueShape::Any),
+            _ => (&ValueShape::Any, &ValueShape::Any),
         };
         let (mut keys, mut values) = (Vec::new(), Vec::new());
         loop {

@@ -5,7 +5,7 @@ use asmotion_value::Value;
 
 /// What a partner answers to an operation.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Answer {
+pub(crate) struct ScriptedAnswer {
     /// The agent that stands for the partner.
     pub partner: Value,
     /// The operation.
@@ -18,13 +18,13 @@ pub(crate) struct Answer {
 
 /// The partners of a run, and the answers that are due.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Partners {
-    answers: Vec<Answer>,
-    due: Vec<Due>,
+pub(crate) struct ScriptedPartners {
+    answers: Vec<ScriptedAnswer>,
+    due: Vec<DueAnswer>,
 }
 
 #[derive(Clone, Debug)]
-struct Due {
+struct DueAnswer {
     step: u64,
     /// Its place among the answers.
     answer: usize,
@@ -34,9 +34,9 @@ struct Due {
     waits: bool,
 }
 
-impl Partners {
+impl ScriptedPartners {
     /// Partners with these answers; their messages leave the machine from now on.
-    pub fn new(answers: Vec<Answer>, machine: &mut Machine) -> Self {
+    pub fn new(answers: Vec<ScriptedAnswer>, machine: &mut Machine) -> Self {
         let partners = answers.iter().map(|answer| answer.partner.clone());
         machine.set_partners(partners.collect());
         Self {
@@ -81,7 +81,7 @@ impl Partners {
             let answer = answers
                 .position(|answer| answer.partner == sent.to && answer.operation == operation);
             if let Some(answer) = answer {
-                self.due.push(Due {
+                self.due.push(DueAnswer {
                     step: machine.steps() + self.answers[answer].after,
                     answer,
                     asked: sent.id,

@@ -1,6 +1,6 @@
 //! Chance with a seed: the same seed, the same run.
 
-use asmotion_ir::{FunctionId, Shape};
+use asmotion_ir::{FunctionId, ValueShape};
 use asmotion_machine::{Chooser, Environment, Machine};
 use asmotion_value::Value;
 use rand::{RngExt, SeedableRng};
@@ -49,7 +49,7 @@ impl Random {
             let domain = asmotion_ir::DomainId(index as u32);
             match program.domains[index].elements {
                 // intervals are drawn from without listing them
-                asmotion_ir::Elements::Ints { .. } => Vec::new(),
+                asmotion_ir::DomainElements::Ints { .. } => Vec::new(),
                 _ => machine.state().extent(domain).to_vec(),
             }
         };
@@ -61,23 +61,23 @@ impl Random {
         }
     }
 
-    fn value(&mut self, shape: &Shape) -> Value {
+    fn value(&mut self, shape: &ValueShape) -> Value {
         match shape {
-            Shape::Bool => Value::Bool(self.random.random_bool(0.5)),
-            Shape::Int => Value::Int(self.random.random_range(NUMBERS)),
-            Shape::Natural => Value::Int(self.random.random_range(0..=*NUMBERS.end())),
-            Shape::Real => Value::real(self.random.random_range(NUMBERS) as f64 / 4.0),
-            Shape::Char => Value::Char(char::from(self.random.random_range(b'a'..=b'z'))),
-            Shape::Text => Value::text(WORDS[self.random.random_range(0..WORDS.len())]),
-            Shape::Domain(domain) => self.element(*domain),
-            Shape::Tuple(items) => {
+            ValueShape::Bool => Value::Bool(self.random.random_bool(0.5)),
+            ValueShape::Int => Value::Int(self.random.random_range(NUMBERS)),
+            ValueShape::Natural => Value::Int(self.random.random_range(0..=*NUMBERS.end())),
+            ValueShape::Real => Value::real(self.random.random_range(NUMBERS) as f64 / 4.0),
+            ValueShape::Char => Value::Char(char::from(self.random.random_range(b'a'..=b'z'))),
+            ValueShape::Text => Value::text(WORDS[self.random.random_range(0..WORDS.len())]),
+            ValueShape::Domain(domain) => self.element(*domain),
+            ValueShape::Tuple(items) => {
                 let items: Vec<Value> = items.iter().map(|item| self.value(item)).collect();
                 Value::tuple(items)
             }
-            Shape::Seq(item) => Value::seq(self.several(item)),
-            Shape::Set(item) => Value::set(self.several(item)),
-            Shape::Bag(item) => Value::bag(self.several(item)),
-            Shape::Map(key, value) => {
+            ValueShape::Seq(item) => Value::seq(self.several(item)),
+            ValueShape::Set(item) => Value::set(self.several(item)),
+            ValueShape::Bag(item) => Value::bag(self.several(item)),
+            ValueShape::Map(key, value) => {
                 let keys = self.several(key);
                 let pairs: Vec<(Value, Value)> = keys
                     .into_iter()
@@ -85,12 +85,12 @@ impl Random {
                     .collect();
                 Value::map(pairs)
             }
-            Shape::Complex | Shape::Rule | Shape::Any => Value::Undef,
+            ValueShape::Complex | ValueShape::Rule | ValueShape::Any => Value::Undef,
         }
     }
 
     fn element(&mut self, domain: asmotion_ir::DomainId) -> Value {
-        if let asmotion_ir::Elements::Ints { low, high } =
+        if let asmotion_ir::DomainElements::Ints { low, high } =
             self.program.domains[domain.0 as usize].elements
         {
             return Value::Int(self.random.random_range(low..=high));
@@ -102,7 +102,7 @@ impl Random {
         elements[self.random.random_range(0..elements.len())].clone()
     }
 
-    fn several(&mut self, item: &Shape) -> Vec<Value> {
+    fn several(&mut self, item: &ValueShape) -> Vec<Value> {
         let count = self.random.random_range(0..=3);
         (0..count).map(|_| self.value(item)).collect()
     }

@@ -10,13 +10,13 @@ use std::sync::Arc;
 /// A trace that was read, to be run again.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
-    steps: Vec<Recorded>,
-    unread: Unread,
+    steps: Vec<RecordedStep>,
+    unread: UnreadInput,
 }
 
 /// What is said about an input that the recorded step did not read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Unread {
+enum UnreadInput {
     /// The replay has gone another way than the recorded run.
     #[default]
     Astray,
@@ -28,13 +28,13 @@ enum Unread {
 
 /// What caused a step.
 #[derive(Clone, Debug, Default)]
-pub struct Recorded {
+pub struct RecordedStep {
     /// The time in nanoseconds.
     pub now_ns: i64,
     /// Location and value.
     inputs: Vec<(String, String)>,
     choices: Vec<usize>,
-    unread: Unread,
+    unread: UnreadInput,
 }
 
 impl Recording {
@@ -51,8 +51,8 @@ impl Recording {
             }
             let Some(step) = recording.steps.last_mut() else {
                 match rest.strip_prefix("reader ") {
-                    Some("none") => recording.unread = Unread::Silent,
-                    Some(_) => recording.unread = Unread::Undefined,
+                    Some("none") => recording.unread = UnreadInput::Silent,
+                    Some(_) => recording.unread = UnreadInput::Undefined,
                     None => {}
                 }
                 continue;
@@ -78,33 +78,33 @@ impl Recording {
     }
 
     /// A step, from 0; one that was not recorded read nothing.
-    pub fn step(&self, index: usize) -> Recorded {
+    pub fn step(&self, index: usize) -> RecordedStep {
         let recorded = self.steps.get(index).cloned();
         recorded.unwrap_or_else(|| self.unrecorded())
     }
 
-    fn unrecorded(&self) -> Recorded {
-        Recorded {
+    fn unrecorded(&self) -> RecordedStep {
+        RecordedStep {
             unread: self.unread,
-            ..Recorded::default()
+            ..RecordedStep::default()
         }
     }
 
     /// The steps, in order.
-    pub fn steps(&self) -> &[Recorded] {
+    pub fn steps(&self) -> &[RecordedStep] {
         &self.steps
     }
 }
 
-impl Recorded {
+impl RecordedStep {
     /// The inputs of the step, for a machine that is about to do it.
     ///
     /// # Errors
     /// A line names no input of the machine, or gives it no value: the lines.
-    pub fn inputs(&self, machine: &Machine) -> Result<Inputs, Vec<String>> {
+    pub fn inputs(&self, machine: &Machine) -> Result<RecordedInputs, Vec<String>> {
         let naming = machine.naming();
         let literals = Literals::new(naming.program, naming.reserve);
-        let mut inputs = Inputs {
+        let mut inputs = RecordedInputs {
             values: BTreeMap::new(),
             program: machine.program().clone(),
             unread: self.unread,
@@ -127,8 +127,8 @@ impl Recorded {
     }
 
     /// The choices of the step.
-    pub fn choices(&self) -> Choices {
-        Choices {
+    pub fn choices(&self) -> RecordedChoices {
+        RecordedChoices {
             indices: self.choices.clone(),
             at: 0,
         }
@@ -138,10 +138,10 @@ impl Recorded {
 /// The inputs of one recorded step. What was read several times in it (by the reference, which asks
 /// again after an intermediate state) is answered in that order, the last answer for ever.
 #[derive(Clone, Debug)]
-pub struct Inputs {
+pub struct RecordedInputs {
     values: BTreeMap<(FunctionId, Vec<Value>), VecDeque<Value>>,
     program: Arc<Program>,
-    unread: Unread,
+    unread: UnreadInput,
     ticks: Ticks,
 }
 
@@ -163,7 +163,7 @@ impl Ticks {
     }
 }
 
-impl Inputs {
+impl RecordedInputs {
     /// The same, where another tool's clock stood after the step before.
     pub fn after(mut self, ticks: Ticks) -> Self {
         self.ticks = Ticks {
@@ -179,7 +179,7 @@ impl Inputs {
     }
 }
 
-impl Environment for Inputs {
+impl Environment for RecordedInputs {
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
         let key = (function, arguments.to_vec());
         let declared = &self.program.functions[function.0 as usize];
@@ -191,13 +191,13 @@ impl Environment for Inputs {
             answers.front().cloned()
         });
         match (known, self.unread, declared.clock) {
-            (None, Unread::Silent | Unread::Undefined, Some(unit_ns)) => {
+            (None, UnreadInput::Silent | UnreadInput::Undefined, Some(unit_ns)) => {
                 Ok(Some(Value::Int(self.ticks.tell(unit_ns))))
             }
-            (None, Unread::Astray, _) if is_owed => {
+            (None, UnreadInput::Astray, _) if is_owed => {
                 Err("the recorded step did not read it".to_owned())
             }
-            (None, Unread::Silent, _) => Err("the recorded run has no inputs".to_owned()),
+            (None, UnreadInput::Silent, _) => Err("the recorded run has no inputs".to_owned()),
             (known, ..) => Ok(known),
         }
     }
@@ -209,12 +209,12 @@ impl Environment for Inputs {
 
 /// The choices of one recorded step; beyond the last one the first candidate is taken.
 #[derive(Clone, Debug, Default)]
-pub struct Choices {
+pub struct RecordedChoices {
     indices: Vec<usize>,
     at: usize,
 }
 
-impl Chooser for Choices {
+impl Chooser for RecordedChoices {
     fn choose(&mut self, _count: usize) -> usize {
         let index = self.indices.get(self.at).copied().unwrap_or(0);
         self.at += 1;

@@ -22,7 +22,7 @@ mod plan;
 mod run;
 mod verdict;
 
-pub use inputs::Held;
-pub use plan::Plan;
-pub use run::{Options, run};
-pub use verdict::{Failed, Failure, Outcome, Verdict};
+pub use inputs::HeldInputs;
+pub use plan::ScenarioPlan;
+pub use run::{ScenarioOptions, run};
+pub use verdict::{ScenarioFailure, ScenarioFailureKind, ScenarioOutcome, Verdict};

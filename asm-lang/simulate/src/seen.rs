@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 /// What was seen where a condition did not hold.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct FailedCondition {
     /// The condition.
     pub condition: Span,
     /// Its value: false or undef.
@@ -19,7 +19,7 @@ pub struct Seen {
 /// More updates than this are not listed in a message.
 const MAX_WRITTEN: usize = 12;
 
-impl Seen {
+impl FailedCondition {
     /// Adds the values that were read, and what the last step wrote.
     pub(crate) fn explain(&self, finding: Diagnostic) -> Diagnostic {
         let mut finding = finding.label(self.condition, format!("is {}", self.value));
@@ -53,7 +53,7 @@ pub(crate) fn meant(finding: Diagnostic, at: Span, similar: &Option<Arc<str>>) -
 }
 
 /// How a condition that is false or undef failed.
-pub(crate) fn holds(seen: &Seen) -> &'static str {
+pub(crate) fn holds(seen: &FailedCondition) -> &'static str {
     match seen.value.as_str() {
         "undef" => "is undef",
         _ => "does not hold",

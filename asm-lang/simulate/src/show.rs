@@ -1,7 +1,7 @@
 //! Locations and updates as text.
 
 use asmotion_ir::Slot;
-use asmotion_machine::{Machine, Sent, SentKind, Step};
+use asmotion_machine::{Machine, SentKind, SentMessage, Step};
 use asmotion_value::Value;
 
 /// A location, as in `doing(ROB1, TASK2)`.
@@ -51,7 +51,7 @@ pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, Strin
 }
 
 /// A message that a step sent, as in `self -> planner: plan((3,4))`.
-pub fn sent(machine: &Machine, sent: &Sent) -> String {
+pub fn sent(machine: &Machine, sent: &SentMessage) -> String {
     let naming = machine.naming();
     let (from, to) = (sent.from.show(&naming), sent.to.show(&naming));
     let operation = match &sent.operation {

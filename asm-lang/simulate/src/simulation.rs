@@ -1,9 +1,9 @@
 //! A machine that runs alone: what causes its steps, and what is written down about them.
 
-use crate::partner::Partners;
+use crate::partner::ScriptedPartners;
 use crate::recording::Ticks;
-use crate::{Clock, Random, Recording, Script, Seeded, Trace};
-use asmotion_machine::{Chooser, Environment, Fault, Machine};
+use crate::{Random, Recording, Script, Seeded, SimulationClock, Trace};
+use asmotion_machine::{Chooser, Environment, Machine, StepFault};
 use std::fmt;
 
 /// What causes the steps of a run: inputs, choices, times.
@@ -30,9 +30,9 @@ impl Causes {
 
 /// Why a run ends early.
 #[derive(Debug)]
-pub enum Stopped {
+pub enum SimulationError {
     /// A step has no next state.
-    Fault(Box<Fault>),
+    Fault(Box<StepFault>),
     /// A recorded step gives values to what is no input of this machine, or no values of theirs.
     Unreadable {
         /// The step.
@@ -42,13 +42,13 @@ pub enum Stopped {
     },
 }
 
-impl From<Box<Fault>> for Stopped {
-    fn from(fault: Box<Fault>) -> Self {
+impl From<Box<StepFault>> for SimulationError {
+    fn from(fault: Box<StepFault>) -> Self {
         Self::Fault(fault)
     }
 }
 
-impl fmt::Display for Stopped {
+impl fmt::Display for SimulationError {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Fault(fault) => write!(to, "step {} failed", fault.step),
@@ -67,9 +67,9 @@ impl fmt::Display for Stopped {
 pub struct Simulation {
     machine: Machine,
     causes: Causes,
-    partners: Partners,
+    partners: ScriptedPartners,
     choices: Seeded,
-    clock: Clock,
+    clock: SimulationClock,
     ticks: Ticks,
     trace: Option<Trace>,
 }
@@ -82,18 +82,18 @@ impl Simulation {
             Causes::Random(_) | Causes::Recording(_) => Vec::new(),
         };
         Self {
-            partners: Partners::new(answers, &mut machine),
+            partners: ScriptedPartners::new(answers, &mut machine),
             machine,
             causes,
             choices: Seeded::new(seed),
-            clock: Clock::default(),
+            clock: SimulationClock::default(),
             ticks: Ticks::default(),
             trace: None,
         }
     }
 
     /// Lets a clock say when steps are done, where no recording does.
-    pub fn timed(mut self, clock: Clock) -> Self {
+    pub fn timed(mut self, clock: SimulationClock) -> Self {
         self.clock = clock;
         self
     }
@@ -118,23 +118,23 @@ impl Simulation {
     ///
     /// # Errors
     /// There is no next state, or a recorded step that is none of this machine's.
-    pub fn step(&mut self) -> Result<(), Stopped> {
+    pub fn step(&mut self) -> Result<(), SimulationError> {
         let done = self.attempt();
         match (&mut self.trace, &done) {
             (Some(trace), Ok(())) => trace.step(&self.machine),
-            (Some(trace), Err(Stopped::Fault(fault))) => trace.fault(&self.machine, fault),
-            (Some(_), Err(Stopped::Unreadable { .. })) | (None, _) => {}
+            (Some(trace), Err(SimulationError::Fault(fault))) => trace.fault(&self.machine, fault),
+            (Some(_), Err(SimulationError::Unreadable { .. })) | (None, _) => {}
         }
         done
     }
 
     /// The trace, if one was asked for, of a run that was stopped or was not.
-    pub fn into_trace(self, stopped: Option<&Fault>) -> Option<String> {
+    pub fn into_trace(self, stopped: Option<&StepFault>) -> Option<String> {
         let trace = self.trace?;
         Some(trace.end(&self.machine, stopped))
     }
 
-    fn attempt(&mut self) -> Result<(), Stopped> {
+    fn attempt(&mut self) -> Result<(), SimulationError> {
         let machine = &mut self.machine;
         let choices = &mut self.choices;
         let now_ns = self.clock.now(machine.steps() + 1);
@@ -149,7 +149,7 @@ impl Simulation {
             Causes::Recording(recording) => {
                 let number = machine.steps();
                 let recorded = recording.step(number as usize);
-                let unreadable = |lines| Stopped::Unreadable {
+                let unreadable = |lines| SimulationError::Unreadable {
                     step: number + 1,
                     lines,
                 };
@@ -172,6 +172,6 @@ fn step(
     inputs: &mut dyn Environment,
     choices: &mut dyn Chooser,
     now_ns: i64,
-) -> Result<(), Box<Fault>> {
+) -> Result<(), Box<StepFault>> {
     machine.step(inputs, choices, now_ns).map(|_| ())
 }

@@ -26,7 +26,7 @@
 mod text;
 
 use asmotion_ir::{DomainId, FunctionKind, Program, Slot};
-use asmotion_machine::{Fault, FaultKind, Machine, Naming, Step};
+use asmotion_machine::{FaultKind, Machine, Naming, Step, StepFault};
 use asmotion_value::{Atom, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -47,7 +47,7 @@ impl Trace {
     }
 
     /// The trace of a run that could not begin, for a fault in the initial state.
-    pub fn stillborn(program: &Program, fault: &Fault, comment: &str) -> String {
+    pub fn stillborn(program: &Program, fault: &StepFault, comment: &str) -> String {
         let mut trace = Self::default();
         trace.head(comment);
         let naming = Naming {
@@ -72,7 +72,7 @@ impl Trace {
     }
 
     /// The step that failed last.
-    pub fn fault(&mut self, machine: &Machine, fault: &Fault) {
+    pub fn fault(&mut self, machine: &Machine, fault: &StepFault) {
         let step = machine.last_step();
         // the first step completes the initial state, and finds what is wrong with it
         self.causes(machine, &step, fault.step.max(1));
@@ -89,7 +89,7 @@ impl Trace {
     }
 
     /// The whole text, of a run that was stopped by a fault or was not.
-    pub fn end(mut self, machine: &Machine, fault: Option<&Fault>) -> String {
+    pub fn end(mut self, machine: &Machine, fault: Option<&StepFault>) -> String {
         self.line(format_args!("@end {}", fault.map_or("OK", kind)));
         let state = machine.state();
         let fixed = written(machine).filter(|&slot| slot < machine.program().slots);
@@ -211,7 +211,7 @@ fn written(machine: &Machine) -> impl Iterator<Item = Slot> {
     })
 }
 
-fn kind(fault: &Fault) -> &'static str {
+fn kind(fault: &StepFault) -> &'static str {
     match &fault.kind {
         FaultKind::Clash { .. } => "CLASH",
         FaultKind::Outside { .. }

@@ -2,7 +2,7 @@
 
 use crate::Specification;
 use asmotion_diagnostics::{Diagnostic, Label, Span};
-use asmotion_machine::{Fault, FaultKind, Machine, Passed, Witness};
+use asmotion_machine::{FaultKind, Machine, PathEntry, StepFault, Witness};
 use asmotion_value::Value;
 
 /// So many values are shown of each place, the nearest ones.
@@ -17,12 +17,12 @@ const LENGTH: usize = 60;
 /// Adds what the rules and terms around the fault read, and who called them.
 pub(super) fn add(
     mut finding: Diagnostic,
-    fault: &Fault,
+    fault: &StepFault,
     witness: &Witness,
     specification: &Specification,
     show: &dyn Fn(&Value) -> String,
 ) -> Diagnostic {
-    let shown = Shown {
+    let shown = ValueDisplay {
         specification,
         show,
     };
@@ -86,14 +86,14 @@ fn listed(finding: Diagnostic, what: &str, items: Vec<String>) -> Diagnostic {
 }
 
 /// How places and values are shown.
-struct Shown<'a> {
+struct ValueDisplay<'a> {
     specification: &'a Specification,
     show: &'a dyn Fn(&Value) -> String,
 }
 
-impl Shown<'_> {
+impl ValueDisplay<'_> {
     /// "`$r` = R1": variables first, then what is nearest. A name of a term stands for one value.
-    fn facts(&self, path: &[Passed]) -> Vec<String> {
+    fn facts(&self, path: &[PathEntry]) -> Vec<String> {
         let mut known: Vec<(&str, &Value)> = Vec::new();
         for (origin, value) in path.iter().rev().flat_map(|passed| &passed.reads) {
             let text = self
@@ -113,7 +113,7 @@ impl Shown<'_> {
     }
 
     /// The calls on the way, the innermost last; a recursive one counts once.
-    fn calls(&self, path: &[Passed]) -> Vec<Span> {
+    fn calls(&self, path: &[PathEntry]) -> Vec<Span> {
         let mut calls: Vec<Span> = Vec::new();
         for passed in path.iter().rev().filter(|passed| passed.calls) {
             let span = self.specification.span(passed.origin);

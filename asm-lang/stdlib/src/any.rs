@@ -1,10 +1,10 @@
 //! Functions of every domain: equality, `isDef`, text, console.
 
 use crate::argument::{binary, unary};
-use crate::builtin::{Body, Builtin, Context, strict, total};
-use crate::fault::Fault;
+use crate::builtin::{Builtin, BuiltinBody, BuiltinContext, strict, total};
+use crate::fault::BuiltinFault;
 use crate::real;
-use asmotion_value::{Names, Value};
+use asmotion_value::{Value, ValueNames};
 
 /// Whether the two are one element. Total: `undef` equals `undef`, a real equals itself by its
 /// bits (`NaN = NaN`, and `-0.0` is not `0.0`), collections compare by content.
@@ -21,7 +21,7 @@ pub fn same_number(integer: i64, real: f64) -> bool {
 }
 
 /// The value as text: as it is shown, but a text and a character without their quotes.
-pub fn to_string(value: &Value, names: &dyn Names) -> String {
+pub fn to_string(value: &Value, names: &dyn ValueNames) -> String {
     match value {
         Value::Text(text) => text.as_ref().clone(),
         Value::Char(character) => character.to_string(),
@@ -31,11 +31,11 @@ pub fn to_string(value: &Value, names: &dyn Names) -> String {
 }
 
 /// `toString` as a body; every `toString` of the library is this one.
-pub(crate) const TO_STRING: Body =
+pub(crate) const TO_STRING: BuiltinBody =
     |arguments, context| unary(arguments, |value: &Value| to_string(value, context.names));
 
-const EQ: Body = |arguments, _| binary(arguments, eq);
-const NEQ: Body = |arguments, _| binary(arguments, |a: &Value, b: &Value| !eq(a, b));
+const EQ: BuiltinBody = |arguments, _| binary(arguments, eq);
+const NEQ: BuiltinBody = |arguments, _| binary(arguments, |a: &Value, b: &Value| !eq(a, b));
 
 fn mixed(integer: Option<i64>, real: Option<f64>) -> bool {
     match (integer, real) {
@@ -44,13 +44,16 @@ fn mixed(integer: Option<i64>, real: Option<f64>) -> bool {
     }
 }
 
-const EQ_REAL: Body = |arguments, _| binary(arguments, mixed);
-const EQ_INTEGER: Body = |arguments, _| binary(arguments, |real, integer| mixed(integer, real));
-const NEQ_REAL: Body = |arguments, _| binary(arguments, |integer, real| !mixed(integer, real));
-const NEQ_INTEGER: Body = |arguments, _| binary(arguments, |real, integer| !mixed(integer, real));
+const EQ_REAL: BuiltinBody = |arguments, _| binary(arguments, mixed);
+const EQ_INTEGER: BuiltinBody =
+    |arguments, _| binary(arguments, |real, integer| mixed(integer, real));
+const NEQ_REAL: BuiltinBody =
+    |arguments, _| binary(arguments, |integer, real| !mixed(integer, real));
+const NEQ_INTEGER: BuiltinBody =
+    |arguments, _| binary(arguments, |real, integer| !mixed(integer, real));
 
 /// Writes the values on one line, with blanks between them, and returns how many they are.
-fn print(arguments: &[Value], context: &mut Context<'_>) -> Result<Value, Fault> {
+fn print(arguments: &[Value], context: &mut BuiltinContext<'_>) -> Result<Value, BuiltinFault> {
     let words: Vec<String> = arguments
         .iter()
         .map(|value| to_string(value, context.names))
@@ -104,7 +107,7 @@ pub(crate) const COMPATIBLE: &[Builtin] = &[strict("toString", "D", |arguments, 
     unary(arguments, |value: &Value| to_list(value, context.names))
 })];
 
-fn to_list(value: &Value, names: &dyn Names) -> String {
+fn to_list(value: &Value, names: &dyn ValueNames) -> String {
     let all = |items: &mut dyn Iterator<Item = &Value>, separator: &str| {
         let items: Vec<String> = items.map(|item| to_list(item, names)).collect();
         items.join(separator)

@@ -1,13 +1,13 @@
 //! From values to typed arguments and back, so that a body is a plain Rust function.
 
 use crate::complex::Complex;
-use crate::fault::Fault;
+use crate::fault::BuiltinFault;
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A type that a body can take.
-pub(crate) trait Argument<'a>: Sized {
+pub(crate) trait FromValue<'a>: Sized {
     /// What to say was expected.
     const EXPECTED: &'static str;
 
@@ -16,19 +16,19 @@ pub(crate) trait Argument<'a>: Sized {
 }
 
 /// A type that a body can return.
-pub(crate) trait Answer {
+pub(crate) trait IntoValue {
     /// The value it stands for.
-    fn answer(self) -> Result<Value, Fault>;
+    fn answer(self) -> Result<Value, BuiltinFault>;
 }
 
 /// The components of a tuple; a bare slice is a sequence.
-pub(crate) struct Tuple<'a>(pub &'a [Value]);
+pub(crate) struct TupleArguments<'a>(pub &'a [Value]);
 
 /// Runs a function of one argument.
-pub(crate) fn unary<'a, A: Argument<'a>, R: Answer>(
+pub(crate) fn unary<'a, A: FromValue<'a>, R: IntoValue>(
     arguments: &'a [Value],
     function: impl FnOnce(A) -> R,
-) -> Result<Value, Fault> {
+) -> Result<Value, BuiltinFault> {
     match arguments {
         [a] => function(read(a)?).answer(),
         _ => Err(arity("one argument")),
@@ -36,10 +36,10 @@ pub(crate) fn unary<'a, A: Argument<'a>, R: Answer>(
 }
 
 /// Runs a function of two arguments.
-pub(crate) fn binary<'a, A: Argument<'a>, B: Argument<'a>, R: Answer>(
+pub(crate) fn binary<'a, A: FromValue<'a>, B: FromValue<'a>, R: IntoValue>(
     arguments: &'a [Value],
     function: impl FnOnce(A, B) -> R,
-) -> Result<Value, Fault> {
+) -> Result<Value, BuiltinFault> {
     match arguments {
         [a, b] => function(read(a)?, read(b)?).answer(),
         _ => Err(arity("two arguments")),
@@ -47,10 +47,10 @@ pub(crate) fn binary<'a, A: Argument<'a>, B: Argument<'a>, R: Answer>(
 }
 
 /// Runs a function of three arguments.
-pub(crate) fn ternary<'a, A: Argument<'a>, B: Argument<'a>, C: Argument<'a>, R: Answer>(
+pub(crate) fn ternary<'a, A: FromValue<'a>, B: FromValue<'a>, C: FromValue<'a>, R: IntoValue>(
     arguments: &'a [Value],
     function: impl FnOnce(A, B, C) -> R,
-) -> Result<Value, Fault> {
+) -> Result<Value, BuiltinFault> {
     match arguments {
         [a, b, c] => function(read(a)?, read(b)?, read(c)?).answer(),
         _ => Err(arity("three arguments")),
@@ -77,21 +77,21 @@ pub(crate) fn kind(value: &Value) -> &'static str {
     }
 }
 
-fn read<'a, A: Argument<'a>>(value: &'a Value) -> Result<A, Fault> {
-    A::read(value).ok_or(Fault::Shape {
+fn read<'a, A: FromValue<'a>>(value: &'a Value) -> Result<A, BuiltinFault> {
+    A::read(value).ok_or(BuiltinFault::Shape {
         expected: A::EXPECTED,
         found: kind(value),
     })
 }
 
-fn arity(expected: &'static str) -> Fault {
-    Fault::Shape {
+fn arity(expected: &'static str) -> BuiltinFault {
+    BuiltinFault::Shape {
         expected,
         found: "another number of them",
     }
 }
 
-impl<'a> Argument<'a> for &'a Value {
+impl<'a> FromValue<'a> for &'a Value {
     const EXPECTED: &'static str = "a value";
     fn read(value: &'a Value) -> Option<Self> {
         Some(value)
@@ -99,7 +99,7 @@ impl<'a> Argument<'a> for &'a Value {
 }
 
 /// `undef` is `None`.
-impl<'a, A: Argument<'a>> Argument<'a> for Option<A> {
+impl<'a, A: FromValue<'a>> FromValue<'a> for Option<A> {
     const EXPECTED: &'static str = A::EXPECTED;
     fn read(value: &'a Value) -> Option<Self> {
         match value {
@@ -112,7 +112,7 @@ impl<'a, A: Argument<'a>> Argument<'a> for Option<A> {
 /// One shape of value, one Rust type.
 macro_rules! shape {
     ($type:ty, $expected:literal, $pattern:pat => $argument:expr) => {
-        impl<'a> Argument<'a> for $type {
+        impl<'a> FromValue<'a> for $type {
             const EXPECTED: &'static str = $expected;
             fn read(value: &'a Value) -> Option<Self> {
                 if let $pattern = value {
@@ -132,92 +132,92 @@ shape!(char, "a Char", Value::Char(character) => *character);
 shape!(&'a str, "a String", Value::Text(text) => text);
 shape!(Complex, "a Complex", Value::Complex(parts) => Complex::from(**parts));
 shape!(&'a [Value], "a sequence", Value::Seq(elements) => elements);
-shape!(Tuple<'a>, "a tuple", Value::Tuple(components) => Tuple(components));
+shape!(TupleArguments<'a>, "a tuple", Value::Tuple(components) => TupleArguments(components));
 shape!(&'a BTreeSet<Value>, "a set", Value::Set(elements) => elements);
 shape!(&'a BTreeMap<Value, usize>, "a bag", Value::Bag(elements) => elements);
 shape!(&'a BTreeMap<Value, Value>, "a map", Value::Map(pairs) => pairs);
 
-impl Answer for Value {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for Value {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(self)
     }
 }
 
-impl Answer for &Value {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for &Value {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(self.clone())
     }
 }
 
 /// `None` is `undef`.
-impl<R: Answer> Answer for Option<R> {
-    fn answer(self) -> Result<Value, Fault> {
+impl<R: IntoValue> IntoValue for Option<R> {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         self.map_or(Ok(Value::Undef), R::answer)
     }
 }
 
-impl<R: Answer> Answer for Result<R, Fault> {
-    fn answer(self) -> Result<Value, Fault> {
+impl<R: IntoValue> IntoValue for Result<R, BuiltinFault> {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         self.and_then(R::answer)
     }
 }
 
-impl Answer for bool {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for bool {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::Bool(self))
     }
 }
 
-impl Answer for i64 {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for i64 {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::Int(self))
     }
 }
 
-impl Answer for f64 {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for f64 {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::real(self))
     }
 }
 
-impl Answer for char {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for char {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::Char(self))
     }
 }
 
-impl Answer for String {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for String {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::text(self))
     }
 }
 
-impl Answer for Complex {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for Complex {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(self.value())
     }
 }
 
-impl Answer for Vec<Value> {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for Vec<Value> {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::Seq(Arc::new(self)))
     }
 }
 
-impl Answer for BTreeSet<Value> {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for BTreeSet<Value> {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::Set(Arc::new(self)))
     }
 }
 
-impl Answer for BTreeMap<Value, usize> {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for BTreeMap<Value, usize> {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::Bag(Arc::new(self)))
     }
 }
 
-impl Answer for BTreeMap<Value, Value> {
-    fn answer(self) -> Result<Value, Fault> {
+impl IntoValue for BTreeMap<Value, Value> {
+    fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::Map(Arc::new(self)))
     }
 }

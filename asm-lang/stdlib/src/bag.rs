@@ -3,30 +3,30 @@
 
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict, total};
-use crate::fault::{Fault, LIMIT};
+use crate::fault::{BuiltinFault, LIMIT};
 use crate::integer;
-use crate::set::{self, Set};
+use crate::set::{self, SetValue};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
 /// A multiset.
-pub type Bag = BTreeMap<Value, usize>;
+pub type BagValue = BTreeMap<Value, usize>;
 
 /// Whether `element` is in `bag`.
-pub fn contains(bag: &Bag, element: &Value) -> bool {
+pub fn contains(bag: &BagValue, element: &Value) -> bool {
     bag.contains_key(element)
 }
 
 /// How often `element` is in `bag`.
-pub fn count(bag: &Bag, element: &Value) -> i64 {
+pub fn count(bag: &BagValue, element: &Value) -> i64 {
     integer::of(bag.get(element).copied().unwrap_or(0))
 }
 
 /// Each element as often as in both together.
 ///
 /// # Errors
-/// [`Fault::TooLarge`] for an element more than [`LIMIT`] times.
-pub fn union(left: &Bag, right: &Bag) -> Result<Bag, Fault> {
+/// [`BuiltinFault::TooLarge`] for an element more than [`LIMIT`] times.
+pub fn union(left: &BagValue, right: &BagValue) -> Result<BagValue, BuiltinFault> {
     let mut union = left.clone();
     for (element, &times) in right {
         add(&mut union, element, times, "union")?;
@@ -35,7 +35,7 @@ pub fn union(left: &Bag, right: &Bag) -> Result<Bag, Fault> {
 }
 
 /// Each element as often as in the one where it is rarer.
-pub fn intersection(left: &Bag, right: &Bag) -> Bag {
+pub fn intersection(left: &BagValue, right: &BagValue) -> BagValue {
     let both = |(element, &times): (&Value, &usize)| {
         right
             .get(element)
@@ -47,15 +47,15 @@ pub fn intersection(left: &Bag, right: &Bag) -> Bag {
 /// `bag` with `element` once more.
 ///
 /// # Errors
-/// [`Fault::TooLarge`] for the element more than [`LIMIT`] times.
-pub fn including(bag: &Bag, element: &Value) -> Result<Bag, Fault> {
+/// [`BuiltinFault::TooLarge`] for the element more than [`LIMIT`] times.
+pub fn including(bag: &BagValue, element: &Value) -> Result<BagValue, BuiltinFault> {
     let mut bag = bag.clone();
     add(&mut bag, element, 1, "including")?;
     Ok(bag)
 }
 
 /// `bag` with `element` once less.
-pub fn excluding(bag: &Bag, element: &Value) -> Bag {
+pub fn excluding(bag: &BagValue, element: &Value) -> BagValue {
     let mut bag = bag.clone();
     match bag.get_mut(element) {
         Some(times) if *times > 1 => *times -= 1,
@@ -69,13 +69,13 @@ pub fn excluding(bag: &Bag, element: &Value) -> Bag {
 /// The elements in ascending order, as often as they are there.
 ///
 /// # Errors
-/// [`Fault::TooLarge`] beyond [`LIMIT`] elements.
-pub fn as_sequence(bag: &Bag) -> Result<Vec<Value>, Fault> {
+/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] elements.
+pub fn as_sequence(bag: &BagValue) -> Result<Vec<Value>, BuiltinFault> {
     let size = bag
         .values()
         .fold(0_usize, |size, &times| size.saturating_add(times));
     if size > LIMIT {
-        return Err(Fault::TooLarge {
+        return Err(BuiltinFault::TooLarge {
             function: "asSequence",
             size,
         });
@@ -85,14 +85,19 @@ pub fn as_sequence(bag: &Bag) -> Result<Vec<Value>, Fault> {
 }
 
 /// The elements, each once.
-pub fn as_set(bag: &Bag) -> Set {
+pub fn as_set(bag: &BagValue) -> SetValue {
     bag.keys().cloned().collect()
 }
 
-fn add(bag: &mut Bag, element: &Value, times: usize, function: &'static str) -> Result<(), Fault> {
+fn add(
+    bag: &mut BagValue,
+    element: &Value,
+    times: usize,
+    function: &'static str,
+) -> Result<(), BuiltinFault> {
     let size = bag.get(element).copied().unwrap_or(0).saturating_add(times);
     if size > LIMIT {
-        return Err(Fault::TooLarge { function, size });
+        return Err(BuiltinFault::TooLarge { function, size });
     }
     bag.insert(element.clone(), size);
     Ok(())
@@ -206,21 +211,21 @@ mod tests {
 
     #[test]
     fn a_bag_cannot_fill_the_memory() {
-        let full = Bag::from([(int(1), LIMIT)]);
-        let fault = |function, size| Err(Fault::TooLarge { function, size });
+        let full = BagValue::from([(int(1), LIMIT)]);
+        let fault = |function, size| Err(BuiltinFault::TooLarge { function, size });
         assert_eq!(
             including(&full, &int(1)).map(|_| ()),
             fault("including", LIMIT + 1)
         );
         assert_eq!(union(&full, &full).map(|_| ()), fault("union", 2 * LIMIT));
-        let fuller = Bag::from([(int(1), LIMIT), (int(2), 1)]);
+        let fuller = BagValue::from([(int(1), LIMIT), (int(2), 1)]);
         assert_eq!(
             as_sequence(&fuller).map(|_| ()),
             fault("asSequence", LIMIT + 1)
         );
     }
 
-    fn bags() -> impl Strategy<Value = Bag> {
+    fn bags() -> impl Strategy<Value = BagValue> {
         prop::collection::btree_map((0_i64..4).prop_map(Value::Int), 1_usize..4, 0..4)
     }
 

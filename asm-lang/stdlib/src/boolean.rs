@@ -4,17 +4,17 @@ use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, total};
 
 /// A truth value, or `undef`.
-pub type Truth = Option<bool>;
+pub type TruthValue = Option<bool>;
 
 /// Negation; of `undef` unknown.
 #[inline]
-pub fn not(operand: Truth) -> Truth {
+pub fn not(operand: TruthValue) -> TruthValue {
     operand.map(|truth| !truth)
 }
 
 /// Conjunction; one `false` decides it.
 #[inline]
-pub fn and(left: Truth, right: Truth) -> Truth {
+pub fn and(left: TruthValue, right: TruthValue) -> TruthValue {
     match (left, right) {
         (Some(false), _) | (_, Some(false)) => Some(false),
         (Some(true), Some(true)) => Some(true),
@@ -24,25 +24,25 @@ pub fn and(left: Truth, right: Truth) -> Truth {
 
 /// Disjunction; one `true` decides it.
 #[inline]
-pub fn or(left: Truth, right: Truth) -> Truth {
+pub fn or(left: TruthValue, right: TruthValue) -> TruthValue {
     not(and(not(left), not(right)))
 }
 
 /// Exactly one of the two; unknown as soon as either is.
 #[inline]
-pub fn xor(left: Truth, right: Truth) -> Truth {
+pub fn xor(left: TruthValue, right: TruthValue) -> TruthValue {
     Some(left? != right?)
 }
 
 /// Implication; a `false` premise or a `true` conclusion decides it.
 #[inline]
-pub fn implies(left: Truth, right: Truth) -> Truth {
+pub fn implies(left: TruthValue, right: TruthValue) -> TruthValue {
     or(not(left), right)
 }
 
 /// Equivalence; unknown as soon as either is.
 #[inline]
-pub fn iff(left: Truth, right: Truth) -> Truth {
+pub fn iff(left: TruthValue, right: TruthValue) -> TruthValue {
     Some(left? == right?)
 }
 

@@ -1,13 +1,13 @@
 //! A row of the library: name and domain of a standard function, and its body.
 
-use crate::fault::Fault;
-use asmotion_value::{Names, Value};
+use crate::fault::BuiltinFault;
+use asmotion_value::{Value, ValueNames};
 use std::fmt;
 
 /// What a body may use besides its arguments.
-pub struct Context<'a> {
+pub struct BuiltinContext<'a> {
     /// What atoms and rules are called, for `toString` and `print`.
-    pub names: &'a dyn Names,
+    pub names: &'a dyn ValueNames,
     /// The time of the step, for `currTime…`.
     pub now_ns: i64,
     /// The lines that `print` wrote in this step, the oldest first.
@@ -15,7 +15,7 @@ pub struct Context<'a> {
 }
 
 /// Computes a function: one argument for each component of its domain.
-pub type Body = fn(&[Value], &mut Context<'_>) -> Result<Value, Fault>;
+pub type BuiltinBody = fn(&[Value], &mut BuiltinContext<'_>) -> Result<Value, BuiltinFault>;
 
 /// A function of the standard library.
 #[derive(Clone, Copy)]
@@ -29,7 +29,7 @@ pub struct Builtin {
     /// it runs the body.
     pub strict: bool,
     /// Its body.
-    pub body: Body,
+    pub body: BuiltinBody,
 }
 
 impl fmt::Debug for Builtin {
@@ -55,7 +55,7 @@ pub const TEMPORAL: &[&str] = &[
 ];
 
 /// A row whose body never meets `undef`.
-pub(crate) const fn strict(name: &'static str, domain: &'static str, body: Body) -> Builtin {
+pub(crate) const fn strict(name: &'static str, domain: &'static str, body: BuiltinBody) -> Builtin {
     Builtin {
         name,
         domain,
@@ -65,7 +65,7 @@ pub(crate) const fn strict(name: &'static str, domain: &'static str, body: Body)
 }
 
 /// A row whose body decides about `undef` itself.
-pub(crate) const fn total(name: &'static str, domain: &'static str, body: Body) -> Builtin {
+pub(crate) const fn total(name: &'static str, domain: &'static str, body: BuiltinBody) -> Builtin {
     Builtin {
         name,
         domain,

@@ -7,9 +7,9 @@ use std::sync::Arc;
 /// a sequence at every step meets this fault, not the end of the memory.
 pub const LIMIT: usize = if cfg!(fuzzing) { 1 << 14 } else { 1 << 24 };
 
-/// What stops a function. The message shows the values; [`Fault::help`] a way out.
+/// What stops a function. The message shows the values; [`BuiltinFault::help`] a way out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Fault {
+pub enum BuiltinFault {
     /// A result of two integers that 64 bits cannot hold.
     #[error("`{function}({left}, {right})` is outside the integers of 64 bits")]
     Overflow {
@@ -116,7 +116,7 @@ pub enum Fault {
     },
 }
 
-impl Fault {
+impl BuiltinFault {
     /// What the author of the specification can do about it.
     pub fn help(&self) -> &'static str {
         match self {

@@ -3,15 +3,15 @@
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
-use crate::fault::Fault;
+use crate::fault::BuiltinFault;
 
 /// The sum.
 ///
 /// # Errors
-/// [`Fault::Overflow`].
+/// [`BuiltinFault::Overflow`].
 #[inline]
-pub fn plus(left: i64, right: i64) -> Result<i64, Fault> {
-    left.checked_add(right).ok_or(Fault::Overflow {
+pub fn plus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
+    left.checked_add(right).ok_or(BuiltinFault::Overflow {
         function: "plus",
         left,
         right,
@@ -21,10 +21,10 @@ pub fn plus(left: i64, right: i64) -> Result<i64, Fault> {
 /// The difference.
 ///
 /// # Errors
-/// [`Fault::Overflow`].
+/// [`BuiltinFault::Overflow`].
 #[inline]
-pub fn minus(left: i64, right: i64) -> Result<i64, Fault> {
-    left.checked_sub(right).ok_or(Fault::Overflow {
+pub fn minus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
+    left.checked_sub(right).ok_or(BuiltinFault::Overflow {
         function: "minus",
         left,
         right,
@@ -34,10 +34,10 @@ pub fn minus(left: i64, right: i64) -> Result<i64, Fault> {
 /// The product.
 ///
 /// # Errors
-/// [`Fault::Overflow`].
+/// [`BuiltinFault::Overflow`].
 #[inline]
-pub fn mult(left: i64, right: i64) -> Result<i64, Fault> {
-    left.checked_mul(right).ok_or(Fault::Overflow {
+pub fn mult(left: i64, right: i64) -> Result<i64, BuiltinFault> {
+    left.checked_mul(right).ok_or(BuiltinFault::Overflow {
         function: "mult",
         left,
         right,
@@ -54,16 +54,16 @@ pub fn div(left: i64, right: i64) -> f64 {
 /// The quotient without its fraction: `idiv(-7, 2) = -3`.
 ///
 /// # Errors
-/// [`Fault::ZeroDivisor`], and [`Fault::Overflow`] for the smallest integer by -1.
+/// [`BuiltinFault::ZeroDivisor`], and [`BuiltinFault::Overflow`] for the smallest integer by -1.
 #[inline]
-pub fn idiv(left: i64, right: i64) -> Result<i64, Fault> {
+pub fn idiv(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     if right == 0 {
-        return Err(Fault::ZeroDivisor {
+        return Err(BuiltinFault::ZeroDivisor {
             function: "idiv",
             dividend: left,
         });
     }
-    left.checked_div(right).ok_or(Fault::Overflow {
+    left.checked_div(right).ok_or(BuiltinFault::Overflow {
         function: "idiv",
         left,
         right,
@@ -73,11 +73,11 @@ pub fn idiv(left: i64, right: i64) -> Result<i64, Fault> {
 /// What [`idiv`] leaves, with the sign of the dividend: `-7 mod 2 = -1`.
 ///
 /// # Errors
-/// [`Fault::ZeroDivisor`].
+/// [`BuiltinFault::ZeroDivisor`].
 #[inline]
-pub fn modulo(left: i64, right: i64) -> Result<i64, Fault> {
+pub fn modulo(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     if right == 0 {
-        return Err(Fault::ZeroDivisor {
+        return Err(BuiltinFault::ZeroDivisor {
             function: "mod",
             dividend: left,
         });
@@ -95,10 +95,10 @@ pub fn plus_sign(operand: i64) -> i64 {
 /// The opposite.
 ///
 /// # Errors
-/// [`Fault::OverflowOf`] for the smallest integer.
+/// [`BuiltinFault::OverflowOf`] for the smallest integer.
 #[inline]
-pub fn negate(operand: i64) -> Result<i64, Fault> {
-    operand.checked_neg().ok_or(Fault::OverflowOf {
+pub fn negate(operand: i64) -> Result<i64, BuiltinFault> {
+    operand.checked_neg().ok_or(BuiltinFault::OverflowOf {
         function: "minus",
         operand,
     })
@@ -107,10 +107,10 @@ pub fn negate(operand: i64) -> Result<i64, Fault> {
 /// The absolute value.
 ///
 /// # Errors
-/// [`Fault::OverflowOf`] for the smallest integer.
+/// [`BuiltinFault::OverflowOf`] for the smallest integer.
 #[inline]
-pub fn abs(operand: i64) -> Result<i64, Fault> {
-    operand.checked_abs().ok_or(Fault::OverflowOf {
+pub fn abs(operand: i64) -> Result<i64, BuiltinFault> {
+    operand.checked_abs().ok_or(BuiltinFault::OverflowOf {
         function: "abs",
         operand,
     })
@@ -161,11 +161,11 @@ pub fn to_real(operand: i64) -> f64 {
 /// The same number as a natural.
 ///
 /// # Errors
-/// [`Fault::Negative`].
+/// [`BuiltinFault::Negative`].
 #[inline]
-pub fn to_natural(operand: i64) -> Result<i64, Fault> {
+pub fn to_natural(operand: i64) -> Result<i64, BuiltinFault> {
     if operand < 0 {
-        return Err(Fault::Negative {
+        return Err(BuiltinFault::Negative {
             function: "iton",
             number: operand,
         });

@@ -34,8 +34,8 @@ pub mod text;
 pub mod time;
 pub mod tuple;
 
-pub use builtin::{Body, Builtin, Context, RESERVED, TEMPORAL};
-pub use fault::{Fault, LIMIT};
-pub use library::{Library, libraries, library, library_declaring, library_spelt_like};
-pub use message::{Act, Mail, operation};
+pub use builtin::{Builtin, BuiltinBody, BuiltinContext, RESERVED, TEMPORAL};
+pub use fault::{BuiltinFault, LIMIT};
+pub use library::{StandardLibrary, libraries, library, library_declaring, library_spelt_like};
+pub use message::{MessageAction, MessageQuery, operation};
 pub use table::{builtin, builtins, compatible};

@@ -2,39 +2,39 @@
 
 /// A library as a specification imports it.
 #[derive(Debug)]
-pub struct Library {
+pub struct StandardLibrary {
     /// Its module name, `StandardLibrary`.
     pub name: &'static str,
     /// Its source text.
     pub text: &'static str,
 }
 
-static LIBRARIES: [Library; 7] = [
-    Library {
+static LIBRARIES: [StandardLibrary; 7] = [
+    StandardLibrary {
         name: "StandardLibrary",
         text: include_str!("../asm/StandardLibrary.asm"),
     },
-    Library {
+    StandardLibrary {
         name: "CTLLibrary",
         text: include_str!("../asm/CTLLibrary.asm"),
     },
-    Library {
+    StandardLibrary {
         name: "LTLLibrary",
         text: include_str!("../asm/LTLLibrary.asm"),
     },
-    Library {
+    StandardLibrary {
         name: "TimeLibrary",
         text: include_str!("../asm/TimeLibrary.asm"),
     },
-    Library {
+    StandardLibrary {
         name: "TimeLibrarySimple",
         text: include_str!("../asm/TimeLibrarySimple.asm"),
     },
-    Library {
+    StandardLibrary {
         name: "CommonBehavior",
         text: include_str!("../asm/CommonBehavior.asm"),
     },
-    Library {
+    StandardLibrary {
         name: "MAPEpatterns",
         text: include_str!("../asm/MAPEpatterns.asm"),
     },
@@ -46,14 +46,14 @@ static LIBRARIES: [Library; 7] = [
 /// assert!(asmotion_stdlib::library("StandardLibrary.asm").is_some());
 /// assert!(asmotion_stdlib::library("Elevator").is_none());
 /// ```
-pub fn library(last_path_component: &str) -> Option<&'static Library> {
+pub fn library(last_path_component: &str) -> Option<&'static StandardLibrary> {
     let name = stem(last_path_component);
     LIBRARIES.iter().find(|library| library.name == name)
 }
 
 /// The library whose name differs in capitals only: where files are found whatever their capitals,
 /// people write `CTLlibrary`.
-pub fn library_spelt_like(last_path_component: &str) -> Option<&'static Library> {
+pub fn library_spelt_like(last_path_component: &str) -> Option<&'static StandardLibrary> {
     let name = stem(last_path_component);
     LIBRARIES
         .iter()
@@ -65,7 +65,7 @@ fn stem(file: &str) -> &str {
 }
 
 /// All libraries, the standard library first.
-pub fn libraries() -> &'static [Library] {
+pub fn libraries() -> &'static [StandardLibrary] {
     &LIBRARIES
 }
 
@@ -78,7 +78,7 @@ pub fn libraries() -> &'static [Library] {
 /// assert_eq!(name("TimerUnit"), Some("TimeLibrary"));
 /// assert_eq!(name("r_fly"), None);
 /// ```
-pub fn library_declaring(name: &str) -> Option<&'static Library> {
+pub fn library_declaring(name: &str) -> Option<&'static StandardLibrary> {
     let declares = |line: &str| {
         let mut words = line.split(|c: char| c.is_whitespace() || c == ':');
         let begins = words.next().is_some_and(|first| DECLARES.contains(&first));

@@ -6,22 +6,22 @@ use asmotion_value::Value;
 use std::collections::BTreeMap;
 
 /// A finite map.
-pub type Map = BTreeMap<Value, Value>;
+pub type MapValue = BTreeMap<Value, Value>;
 
 /// The value of `key`; `None` without.
-pub fn at<'a>(map: &'a Map, key: &Value) -> Option<&'a Value> {
+pub fn at<'a>(map: &'a MapValue, key: &Value) -> Option<&'a Value> {
     map.get(key)
 }
 
 /// `map` with `value` for `key`, whether or not there was one.
-pub fn assign(map: &Map, key: &Value, value: &Value) -> Map {
+pub fn assign(map: &MapValue, key: &Value, value: &Value) -> MapValue {
     let mut map = map.clone();
     map.insert(key.clone(), value.clone());
     map
 }
 
 /// The pairs of both; of two values for a key that of `right`.
-pub fn merge(left: &Map, right: &Map) -> Map {
+pub fn merge(left: &MapValue, right: &MapValue) -> MapValue {
     let pairs = left.iter().chain(right);
     pairs
         .map(|(key, value)| (key.clone(), value.clone()))
@@ -86,7 +86,7 @@ mod tests {
         merge(map(), UNDEF, "undef");
     }
 
-    fn maps() -> impl Strategy<Value = Map> {
+    fn maps() -> impl Strategy<Value = MapValue> {
         let number = || (0_i64..4).prop_map(Value::Int);
         prop::collection::btree_map(number(), number(), 0..4)
     }

@@ -2,7 +2,7 @@
 
 /// What an agent does with messages; CommonBehavior has a rule for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Act {
+pub enum MessageAction {
     /// Sends a message: sender, recipient, operation, data.
     Send,
     /// Sends a request and waits for the reply: likewise, and for how many milliseconds; 0 for ever.
@@ -19,7 +19,7 @@ pub enum Act {
     Cancel,
 }
 
-impl Act {
+impl MessageAction {
     /// All of them, with the names of their rules.
     pub const ALL: [(&'static str, Self); 7] = [
         ("r_actSend", Self::Send),
@@ -40,7 +40,7 @@ impl Act {
 
 /// What is asked about messages; CommonBehavior has a monitored function for each but the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mail {
+pub enum MessageQuery {
     /// The operation of the oldest message for an agent.
     Next,
     /// What the oldest message says: recipient, sender, operation.
@@ -61,7 +61,7 @@ pub enum Mail {
     Client,
 }
 
-impl Mail {
+impl MessageQuery {
     /// Those with a function in the library, with its name.
     pub const ALL: [(&'static str, Self); 8] = [
         ("nextRequest", Self::Next),

@@ -3,7 +3,7 @@
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
-use crate::fault::{Fault, LIMIT};
+use crate::fault::{BuiltinFault, LIMIT};
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 
@@ -20,14 +20,14 @@ pub fn to_integer(operand: i64) -> i64 {
 /// The numbers from `from` up to, not including, `to`; none if `from` is not below `to`.
 ///
 /// # Errors
-/// [`Fault::TooLarge`] beyond [`LIMIT`] numbers.
-pub fn range(from: i64, to: i64) -> Result<BTreeSet<Value>, Fault> {
+/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] numbers.
+pub fn range(from: i64, to: i64) -> Result<BTreeSet<Value>, BuiltinFault> {
     if from >= to {
         return Ok(BTreeSet::new());
     }
     let size = usize::try_from(from.abs_diff(to)).unwrap_or(usize::MAX);
     if size > LIMIT {
-        return Err(Fault::TooLarge {
+        return Err(BuiltinFault::TooLarge {
             function: "range",
             size,
         });

@@ -3,7 +3,7 @@
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
-use crate::fault::Fault;
+use crate::fault::BuiltinFault;
 use asmotion_value::Real;
 
 /// A number as the reference writes it: with an exponent below a thousandth and from ten million on.
@@ -126,39 +126,39 @@ pub fn ge(left: f64, right: f64) -> bool {
 /// The greatest integer not above.
 ///
 /// # Errors
-/// [`Fault::NotInteger`] beyond 64 bits.
+/// [`BuiltinFault::NotInteger`] beyond 64 bits.
 #[inline]
-pub fn floor(operand: f64) -> Result<i64, Fault> {
+pub fn floor(operand: f64) -> Result<i64, BuiltinFault> {
     whole("floor", operand, operand.floor())
 }
 
 /// The nearest integer; a half goes away from zero, `round(-2.5) = -3`.
 ///
 /// # Errors
-/// [`Fault::NotInteger`] beyond 64 bits.
+/// [`BuiltinFault::NotInteger`] beyond 64 bits.
 #[inline]
-pub fn round(operand: f64) -> Result<i64, Fault> {
+pub fn round(operand: f64) -> Result<i64, BuiltinFault> {
     whole("round", operand, operand.round())
 }
 
 /// The number without its fraction.
 ///
 /// # Errors
-/// [`Fault::NotInteger`] beyond 64 bits.
+/// [`BuiltinFault::NotInteger`] beyond 64 bits.
 #[inline]
-pub fn to_integer(operand: f64) -> Result<i64, Fault> {
+pub fn to_integer(operand: f64) -> Result<i64, BuiltinFault> {
     whole("rtoi", operand, operand.trunc())
 }
 
 /// The number without its fraction, as a natural.
 ///
 /// # Errors
-/// [`Fault::NotInteger`] beyond 64 bits, [`Fault::Negative`] at -1.0 and below.
+/// [`BuiltinFault::NotInteger`] beyond 64 bits, [`BuiltinFault::Negative`] at -1.0 and below.
 #[inline]
-pub fn to_natural(operand: f64) -> Result<i64, Fault> {
+pub fn to_natural(operand: f64) -> Result<i64, BuiltinFault> {
     let number = whole("rton", operand, operand.trunc())?;
     if number < 0 {
-        return Err(Fault::Negative {
+        return Err(BuiltinFault::Negative {
             function: "rton",
             number,
         });
@@ -167,13 +167,13 @@ pub fn to_natural(operand: f64) -> Result<i64, Fault> {
 }
 
 /// The whole number `rounded` as an integer; `operand` is what the fault shows.
-fn whole(function: &'static str, operand: f64, rounded: f64) -> Result<i64, Fault> {
+fn whole(function: &'static str, operand: f64, rounded: f64) -> Result<i64, BuiltinFault> {
     // 2^63 is a double and no i64, -2^63 is both; NaN is in no range.
     const END: f64 = 9_223_372_036_854_775_808.0;
     if (-END..END).contains(&rounded) {
         Ok(rounded as i64)
     } else {
-        Err(Fault::NotInteger {
+        Err(BuiltinFault::NotInteger {
             function,
             number: Real::new(operand),
         })

@@ -2,11 +2,11 @@
 //! result `undef`, except that nothing is contained in it.
 
 use crate::argument::{binary, ternary, unary};
-use crate::bag::Bag;
+use crate::bag::BagValue;
 use crate::builtin::{Builtin, strict, total};
-use crate::fault::{Fault, LIMIT};
+use crate::fault::{BuiltinFault, LIMIT};
 use crate::integer;
-use crate::set::Set;
+use crate::set::SetValue;
 use asmotion_value::Value;
 
 /// How many elements.
@@ -39,13 +39,13 @@ pub fn index_of(seq: &[Value], element: &Value) -> i64 {
 /// The element at the position.
 ///
 /// # Errors
-/// [`Fault::Position`] unless `0 <= position < length`.
+/// [`BuiltinFault::Position`] unless `0 <= position < length`.
 #[inline]
-pub fn at(seq: &[Value], position: i64) -> Result<&Value, Fault> {
+pub fn at(seq: &[Value], position: i64) -> Result<&Value, BuiltinFault> {
     usize::try_from(position)
         .ok()
         .and_then(|index| seq.get(index))
-        .ok_or(Fault::Position {
+        .ok_or(BuiltinFault::Position {
             function: "at",
             position,
             length: seq.len(),
@@ -55,26 +55,26 @@ pub fn at(seq: &[Value], position: i64) -> Result<&Value, Fault> {
 /// The first element.
 ///
 /// # Errors
-/// [`Fault::Empty`].
-pub fn first(seq: &[Value]) -> Result<&Value, Fault> {
-    seq.first().ok_or(Fault::Empty { function: "first" })
+/// [`BuiltinFault::Empty`].
+pub fn first(seq: &[Value]) -> Result<&Value, BuiltinFault> {
+    seq.first().ok_or(BuiltinFault::Empty { function: "first" })
 }
 
 /// The last element.
 ///
 /// # Errors
-/// [`Fault::Empty`].
-pub fn last(seq: &[Value]) -> Result<&Value, Fault> {
-    seq.last().ok_or(Fault::Empty { function: "last" })
+/// [`BuiltinFault::Empty`].
+pub fn last(seq: &[Value]) -> Result<&Value, BuiltinFault> {
+    seq.last().ok_or(BuiltinFault::Empty { function: "last" })
 }
 
 /// All but the first element.
 ///
 /// # Errors
-/// [`Fault::Empty`].
-pub fn tail(seq: &[Value]) -> Result<Vec<Value>, Fault> {
+/// [`BuiltinFault::Empty`].
+pub fn tail(seq: &[Value]) -> Result<Vec<Value>, BuiltinFault> {
     match seq {
-        [] => Err(Fault::Empty { function: "tail" }),
+        [] => Err(BuiltinFault::Empty { function: "tail" }),
         [_, tail @ ..] => Ok(tail.to_vec()),
     }
 }
@@ -82,15 +82,15 @@ pub fn tail(seq: &[Value]) -> Result<Vec<Value>, Fault> {
 /// The elements at `from`, `from + 1`, …, `to - 1`.
 ///
 /// # Errors
-/// [`Fault::Part`] unless `0 <= from <= to <= length`.
-pub fn sub_sequence(seq: &[Value], from: i64, to: i64) -> Result<Vec<Value>, Fault> {
+/// [`BuiltinFault::Part`] unless `0 <= from <= to <= length`.
+pub fn sub_sequence(seq: &[Value], from: i64, to: i64) -> Result<Vec<Value>, BuiltinFault> {
     let start = usize::try_from(from).ok();
     let end = usize::try_from(to).ok();
     start
         .zip(end)
         .and_then(|(start, end)| seq.get(start..end))
         .map(<[Value]>::to_vec)
-        .ok_or(Fault::Part {
+        .ok_or(BuiltinFault::Part {
             function: "subSequence",
             from,
             to,
@@ -101,11 +101,11 @@ pub fn sub_sequence(seq: &[Value], from: i64, to: i64) -> Result<Vec<Value>, Fau
 /// The second sequence after the first.
 ///
 /// # Errors
-/// [`Fault::TooLarge`] beyond [`LIMIT`] elements.
-pub fn union(left: &[Value], right: &[Value]) -> Result<Vec<Value>, Fault> {
+/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] elements.
+pub fn union(left: &[Value], right: &[Value]) -> Result<Vec<Value>, BuiltinFault> {
     let size = left.len().saturating_add(right.len());
     if size > LIMIT {
-        return Err(Fault::TooLarge {
+        return Err(BuiltinFault::TooLarge {
             function: "union",
             size,
         });
@@ -126,12 +126,16 @@ pub fn prepend(element: &Value, seq: &[Value]) -> Vec<Value> {
 /// `seq` with `element` before what was at the position; at the length it is appended.
 ///
 /// # Errors
-/// [`Fault::Position`] unless `0 <= position <= length`.
-pub fn insert_at(seq: &[Value], position: i64, element: &Value) -> Result<Vec<Value>, Fault> {
+/// [`BuiltinFault::Position`] unless `0 <= position <= length`.
+pub fn insert_at(
+    seq: &[Value],
+    position: i64,
+    element: &Value,
+) -> Result<Vec<Value>, BuiltinFault> {
     let (before, after) = usize::try_from(position)
         .ok()
         .and_then(|index| seq.split_at_checked(index))
-        .ok_or(Fault::Position {
+        .ok_or(BuiltinFault::Position {
             function: "insertAt",
             position,
             length: seq.len(),
@@ -142,14 +146,18 @@ pub fn insert_at(seq: &[Value], position: i64, element: &Value) -> Result<Vec<Va
 /// `seq` with `element` instead of what was at the position.
 ///
 /// # Errors
-/// [`Fault::Position`] unless `0 <= position < length`.
-pub fn replace_at(seq: &[Value], position: i64, element: &Value) -> Result<Vec<Value>, Fault> {
+/// [`BuiltinFault::Position`] unless `0 <= position < length`.
+pub fn replace_at(
+    seq: &[Value],
+    position: i64,
+    element: &Value,
+) -> Result<Vec<Value>, BuiltinFault> {
     let mut seq = seq.to_vec();
     let length = seq.len();
     let place = usize::try_from(position)
         .ok()
         .and_then(|index| seq.get_mut(index))
-        .ok_or(Fault::Position {
+        .ok_or(BuiltinFault::Position {
             function: "replaceAt",
             position,
             length,
@@ -168,13 +176,13 @@ pub fn excluding(seq: &[Value], element: &Value) -> Vec<Value> {
 }
 
 /// The elements, each once.
-pub fn as_set(seq: &[Value]) -> Set {
+pub fn as_set(seq: &[Value]) -> SetValue {
     seq.iter().cloned().collect()
 }
 
 /// The elements, as often as they are there.
-pub fn as_bag(seq: &[Value]) -> Bag {
-    let mut bag = Bag::new();
+pub fn as_bag(seq: &[Value]) -> BagValue {
+    let mut bag = BagValue::new();
     for element in seq {
         *bag.entry(element.clone()).or_insert(0) += 1;
     }
@@ -366,7 +374,7 @@ mod tests {
     #[test]
     fn a_sequence_cannot_fill_the_memory() {
         let half = vec![Value::Undef; LIMIT / 2 + 1];
-        let fault = Fault::TooLarge {
+        let fault = BuiltinFault::TooLarge {
             function: "union",
             size: LIMIT + 2,
         };

@@ -2,52 +2,52 @@
 //! that nothing is contained in it.
 
 use crate::argument::{binary, unary};
-use crate::bag::Bag;
+use crate::bag::BagValue;
 use crate::builtin::{Builtin, strict, total};
 use crate::{bag, integer};
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 
 /// A finite set.
-pub type Set = BTreeSet<Value>;
+pub type SetValue = BTreeSet<Value>;
 
 /// How many elements.
-pub fn size(set: &Set) -> i64 {
+pub fn size(set: &SetValue) -> i64 {
     integer::of(set.len())
 }
 
 /// Whether there is no element.
-pub fn is_empty(set: &Set) -> bool {
+pub fn is_empty(set: &SetValue) -> bool {
     set.is_empty()
 }
 
 /// Whether `element` is in `set`.
-pub fn contains(set: &Set, element: &Value) -> bool {
+pub fn contains(set: &SetValue, element: &Value) -> bool {
     set.contains(element)
 }
 
 /// How often `element` is in `set`: 0 or 1.
-pub fn count(set: &Set, element: &Value) -> i64 {
+pub fn count(set: &SetValue, element: &Value) -> i64 {
     i64::from(set.contains(element))
 }
 
 /// Whether all of `part` is in `whole`. Mind the order: the subset comes second.
-pub fn all_in(whole: &Set, part: &Set) -> bool {
+pub fn all_in(whole: &SetValue, part: &SetValue) -> bool {
     part.is_subset(whole)
 }
 
 /// The elements of either.
-pub fn union(left: &Set, right: &Set) -> Set {
+pub fn union(left: &SetValue, right: &SetValue) -> SetValue {
     left.union(right).cloned().collect()
 }
 
 /// The elements of both.
-pub fn intersection(left: &Set, right: &Set) -> Set {
+pub fn intersection(left: &SetValue, right: &SetValue) -> SetValue {
     left.intersection(right).cloned().collect()
 }
 
 /// The elements of `set` that are in `bag`.
-pub fn intersection_with_bag(set: &Set, bag: &Bag) -> Set {
+pub fn intersection_with_bag(set: &SetValue, bag: &BagValue) -> SetValue {
     set.iter()
         .filter(|element| bag.contains_key(element))
         .cloned()
@@ -55,41 +55,41 @@ pub fn intersection_with_bag(set: &Set, bag: &Bag) -> Set {
 }
 
 /// The elements of `left` that are not in `right`.
-pub fn difference(left: &Set, right: &Set) -> Set {
+pub fn difference(left: &SetValue, right: &SetValue) -> SetValue {
     left.difference(right).cloned().collect()
 }
 
 /// The elements of exactly one of the two.
-pub fn symmetric_difference(left: &Set, right: &Set) -> Set {
+pub fn symmetric_difference(left: &SetValue, right: &SetValue) -> SetValue {
     left.symmetric_difference(right).cloned().collect()
 }
 
 /// `set` with `element`.
-pub fn including(set: &Set, element: &Value) -> Set {
+pub fn including(set: &SetValue, element: &Value) -> SetValue {
     let mut set = set.clone();
     set.insert(element.clone());
     set
 }
 
 /// `set` without `element`.
-pub fn excluding(set: &Set, element: &Value) -> Set {
+pub fn excluding(set: &SetValue, element: &Value) -> SetValue {
     let mut set = set.clone();
     set.remove(element);
     set
 }
 
 /// The smallest element; `None` of the empty set.
-pub fn choose_one(set: &Set) -> Option<Value> {
+pub fn choose_one(set: &SetValue) -> Option<Value> {
     set.first().cloned()
 }
 
 /// The elements in ascending order.
-pub fn as_sequence(set: &Set) -> Vec<Value> {
+pub fn as_sequence(set: &SetValue) -> Vec<Value> {
     set.iter().cloned().collect()
 }
 
 /// Each element once.
-pub fn as_bag(set: &Set) -> Bag {
+pub fn as_bag(set: &SetValue) -> BagValue {
     set.iter().map(|element| (element.clone(), 1)).collect()
 }
 
@@ -127,7 +127,7 @@ pub(crate) const TABLE: &[Builtin] = &[
     strict(
         "equality",
         "Prod(Powerset(D),Powerset(D))",
-        |arguments, _| binary(arguments, |left: &Set, right: &Set| left == right),
+        |arguments, _| binary(arguments, |left: &SetValue, right: &SetValue| left == right),
     ),
     strict("union", "Prod(Powerset(D),Powerset(D))", |arguments, _| {
         binary(arguments, union)
@@ -297,7 +297,7 @@ mod tests {
         check_compatible("union", sets, &arguments, "{1, 2, 3}");
     }
 
-    fn sets() -> impl Strategy<Value = Set> {
+    fn sets() -> impl Strategy<Value = SetValue> {
         prop::collection::btree_set((0_i64..8).prop_map(Value::Int), 0..8)
     }
 

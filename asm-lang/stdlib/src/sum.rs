@@ -1,16 +1,19 @@
 //! `sum` over sets and bags of numbers.
 
 use crate::argument::{kind, unary};
-use crate::bag::Bag;
+use crate::bag::BagValue;
 use crate::builtin::{Builtin, strict};
 use crate::complex::{self, Complex};
-use crate::fault::Fault;
-use crate::set::Set;
+use crate::fault::BuiltinFault;
+use crate::set::SetValue;
 use crate::{integer, real};
 use asmotion_value::Value;
 
 /// Adds up numbers of one domain, each `times` often; `zero` of none, `undef` if one is.
-fn sum<'a>(zero: Value, numbers: impl Iterator<Item = (&'a Value, usize)>) -> Result<Value, Fault> {
+fn sum<'a>(
+    zero: Value,
+    numbers: impl Iterator<Item = (&'a Value, usize)>,
+) -> Result<Value, BuiltinFault> {
     let mut sum = None;
     for (number, times) in numbers {
         let number = repeated(number, times)?;
@@ -23,7 +26,7 @@ fn sum<'a>(zero: Value, numbers: impl Iterator<Item = (&'a Value, usize)>) -> Re
 }
 
 /// `times` times the number.
-fn repeated(number: &Value, times: usize) -> Result<Value, Fault> {
+fn repeated(number: &Value, times: usize) -> Result<Value, BuiltinFault> {
     let times = integer::of(times);
     match number {
         Value::Undef => Ok(Value::Undef),
@@ -41,14 +44,14 @@ fn repeated(number: &Value, times: usize) -> Result<Value, Fault> {
         | Value::Seq(_)
         | Value::Set(_)
         | Value::Bag(_)
-        | Value::Map(_) => Err(Fault::Sum {
+        | Value::Map(_) => Err(BuiltinFault::Sum {
             left: "a number",
             right: kind(number),
         }),
     }
 }
 
-fn plus(left: &Value, right: &Value) -> Result<Value, Fault> {
+fn plus(left: &Value, right: &Value) -> Result<Value, BuiltinFault> {
     match (left, right) {
         (Value::Undef, _) | (_, Value::Undef) => Ok(Value::Undef),
         (Value::Int(left), Value::Int(right)) => integer::plus(*left, *right).map(Value::Int),
@@ -58,18 +61,18 @@ fn plus(left: &Value, right: &Value) -> Result<Value, Fault> {
         (Value::Complex(left), Value::Complex(right)) => {
             Ok(complex::plus(Complex::from(**left), Complex::from(**right)).value())
         }
-        (left, right) => Err(Fault::Sum {
+        (left, right) => Err(BuiltinFault::Sum {
             left: kind(left),
             right: kind(right),
         }),
     }
 }
 
-fn of_set(zero: Value, set: &Set) -> Result<Value, Fault> {
+fn of_set(zero: Value, set: &SetValue) -> Result<Value, BuiltinFault> {
     sum(zero, set.iter().map(|number| (number, 1)))
 }
 
-fn of_bag(zero: Value, bag: &Bag) -> Result<Value, Fault> {
+fn of_bag(zero: Value, bag: &BagValue) -> Result<Value, BuiltinFault> {
     sum(zero, bag.iter().map(|(number, &times)| (number, times)))
 }
 

@@ -27,10 +27,10 @@ const TOPICS: &[&[Builtin]] = &[
     time::TABLE,
 ];
 
-type Index = BTreeMap<(&'static str, &'static str), &'static Builtin>;
+type BuiltinIndex = BTreeMap<(&'static str, &'static str), &'static Builtin>;
 
-static INDEX: LazyLock<Index> = LazyLock::new(|| index(builtins()));
-static COMPATIBLE: LazyLock<Index> = LazyLock::new(|| {
+static INDEX: LazyLock<BuiltinIndex> = LazyLock::new(|| index(builtins()));
+static COMPATIBLE: LazyLock<BuiltinIndex> = LazyLock::new(|| {
     let topics = [
         set::COMPATIBLE,
         integer::COMPATIBLE,
@@ -40,7 +40,7 @@ static COMPATIBLE: LazyLock<Index> = LazyLock::new(|| {
     index(topics.into_iter().flatten())
 });
 
-fn index(functions: impl Iterator<Item = &'static Builtin>) -> Index {
+fn index(functions: impl Iterator<Item = &'static Builtin>) -> BuiltinIndex {
     functions
         .map(|function| ((function.name, function.domain), function))
         .collect()

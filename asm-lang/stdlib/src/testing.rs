@@ -1,8 +1,8 @@
 //! What the tests of the topics share: short names for values, and a call as the machine makes it.
 
-use crate::builtin::{Builtin, Context};
+use crate::builtin::{Builtin, BuiltinContext};
 use crate::table::{builtin, compatible};
-use asmotion_value::{Atom, Names, RuleId, Value};
+use asmotion_value::{Atom, RuleId, Value, ValueNames};
 use std::fmt;
 
 pub(crate) const UNDEF: Value = Value::Undef;
@@ -30,7 +30,7 @@ pub(crate) fn ints<const N: usize>(numbers: [i64; N]) -> impl Iterator<Item = Va
 /// Atoms `a0`, `a1`, …, rules `r_0`, `r_1`, ….
 struct Numbered;
 
-impl Names for Numbered {
+impl ValueNames for Numbered {
     fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "a{}", atom.0)
     }
@@ -57,7 +57,7 @@ pub(crate) fn check_compatible(name: &str, domain: &str, arguments: &[Value], ex
 /// The value or the fault as text, and what was printed.
 pub(crate) fn call(function: Option<&Builtin>, arguments: &[Value]) -> (String, Vec<String>) {
     let mut printed = Vec::new();
-    let mut context = Context {
+    let mut context = BuiltinContext {
         names: &Numbered,
         now_ns: 1_999_999_999,
         printed: &mut printed,

@@ -3,7 +3,7 @@
 use crate::argument::{binary, ternary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::complex::Complex;
-use crate::fault::{Fault, LIMIT};
+use crate::fault::{BuiltinFault, LIMIT};
 use crate::integer;
 use asmotion_value::Value;
 
@@ -15,11 +15,11 @@ pub fn size(text: &str) -> i64 {
 /// The second text after the first.
 ///
 /// # Errors
-/// [`Fault::TooLarge`] beyond [`LIMIT`] bytes.
-pub fn concat(left: &str, right: &str) -> Result<String, Fault> {
+/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] bytes.
+pub fn concat(left: &str, right: &str) -> Result<String, BuiltinFault> {
     let size = left.len().saturating_add(right.len());
     if size > LIMIT {
-        return Err(Fault::TooLarge {
+        return Err(BuiltinFault::TooLarge {
             function: "concat",
             size,
         });
@@ -40,10 +40,10 @@ pub fn to_lower(text: &str) -> String {
 /// The characters at `from`, `from + 1`, …, `to - 1`.
 ///
 /// # Errors
-/// [`Fault::Part`] unless `0 <= from <= to <= size`.
-pub fn sub_string(text: &str, from: i64, to: i64) -> Result<String, Fault> {
+/// [`BuiltinFault::Part`] unless `0 <= from <= to <= size`.
+pub fn sub_string(text: &str, from: i64, to: i64) -> Result<String, BuiltinFault> {
     let length = text.chars().count();
-    let part = || Fault::Part {
+    let part = || BuiltinFault::Part {
         function: "subString",
         from,
         to,
@@ -81,8 +81,8 @@ pub fn split(text: &str, separator: &str) -> Vec<Value> {
 /// The integer written in the text; blanks around it are lawful.
 ///
 /// # Errors
-/// [`Fault::Unreadable`].
-pub fn to_integer(text: &str) -> Result<i64, Fault> {
+/// [`BuiltinFault::Unreadable`].
+pub fn to_integer(text: &str) -> Result<i64, BuiltinFault> {
     text.trim()
         .parse()
         .map_err(|_| unreadable("toInteger", text, "an integer of 64 bits"))
@@ -91,15 +91,15 @@ pub fn to_integer(text: &str) -> Result<i64, Fault> {
 /// The natural written in the text, with or without the `n` of a literal.
 ///
 /// # Errors
-/// [`Fault::Unreadable`]; [`Fault::Negative`].
-pub fn to_natural(text: &str) -> Result<i64, Fault> {
+/// [`BuiltinFault::Unreadable`]; [`BuiltinFault::Negative`].
+pub fn to_natural(text: &str) -> Result<i64, BuiltinFault> {
     let digits = text.trim();
     let digits = digits.strip_suffix('n').unwrap_or(digits);
     let number = digits
         .parse()
         .map_err(|_| unreadable("toNatural", text, "a natural of 64 bits"))?;
     if number < 0 {
-        return Err(Fault::Negative {
+        return Err(BuiltinFault::Negative {
             function: "toNatural",
             number,
         });
@@ -110,8 +110,8 @@ pub fn to_natural(text: &str) -> Result<i64, Fault> {
 /// The real written in the text; an exponent, `Infinity` and `NaN` are lawful.
 ///
 /// # Errors
-/// [`Fault::Unreadable`].
-pub fn to_real(text: &str) -> Result<f64, Fault> {
+/// [`BuiltinFault::Unreadable`].
+pub fn to_real(text: &str) -> Result<f64, BuiltinFault> {
     text.trim()
         .parse()
         .map_err(|_| unreadable("toReal", text, "a real"))
@@ -121,19 +121,19 @@ pub fn to_real(text: &str) -> Result<f64, Fault> {
 /// `i1`.
 ///
 /// # Errors
-/// [`Fault::Unreadable`].
-pub fn to_complex(text: &str) -> Result<Complex, Fault> {
+/// [`BuiltinFault::Unreadable`].
+pub fn to_complex(text: &str) -> Result<Complex, BuiltinFault> {
     parse_complex(text.trim()).ok_or_else(|| unreadable("toComplex", text, "a complex number"))
 }
 
 /// The first character.
 ///
 /// # Errors
-/// [`Fault::Empty`].
-pub fn to_char(text: &str) -> Result<char, Fault> {
+/// [`BuiltinFault::Empty`].
+pub fn to_char(text: &str) -> Result<char, BuiltinFault> {
     text.chars()
         .next()
-        .ok_or(Fault::Empty { function: "toChar" })
+        .ok_or(BuiltinFault::Empty { function: "toChar" })
 }
 
 /// `re`, `±i im` or both; the imaginary part begins at the only `i` that a sign, or nothing, precedes.
@@ -168,8 +168,8 @@ fn split_imaginary(text: &str) -> Option<(&str, &str)> {
         })
 }
 
-fn unreadable(function: &'static str, text: &str, expected: &'static str) -> Fault {
-    Fault::Unreadable {
+fn unreadable(function: &'static str, text: &str, expected: &'static str) -> BuiltinFault {
+    BuiltinFault::Unreadable {
         function,
         text: text.into(),
         expected,
@@ -218,7 +218,7 @@ pub(crate) const TABLE: &[Builtin] = &[
 mod tests {
     use super::*;
     use crate::testing::*;
-    use asmotion_value::Names;
+    use asmotion_value::ValueNames;
     use proptest::prelude::*;
 
     #[test]
@@ -360,7 +360,7 @@ mod tests {
     }
 
     struct Nameless;
-    impl Names for Nameless {
+    impl ValueNames for Nameless {
         fn atom(
             &self,
             _: asmotion_value::Atom,

@@ -3,18 +3,18 @@
 //! A function whose domain is a product takes either the components or the one tuple of them:
 //! `first(1, 2)` and `first(q)`. Each component may be `undef` without the others being so.
 
-use crate::argument::{Tuple, binary};
-use crate::builtin::{Body, Builtin, Context, total};
-use crate::fault::Fault;
+use crate::argument::{TupleArguments, binary};
+use crate::builtin::{Builtin, BuiltinBody, BuiltinContext, total};
+use crate::fault::BuiltinFault;
 use crate::sequence;
 use asmotion_value::Value;
 
 /// The component at the position, from 0.
 ///
 /// # Errors
-/// [`Fault::Position`].
+/// [`BuiltinFault::Position`].
 #[inline]
-pub fn at(components: &[Value], position: i64) -> Result<&Value, Fault> {
+pub fn at(components: &[Value], position: i64) -> Result<&Value, BuiltinFault> {
     sequence::at(components, position)
 }
 
@@ -26,8 +26,8 @@ pub fn index_of(components: &[Value], component: &Value) -> i64 {
 /// `first` … `ninth`, by position from 0; `undef` of `undef`.
 fn component<const POSITION: usize>(
     arguments: &[Value],
-    _: &mut Context<'_>,
-) -> Result<Value, Fault> {
+    _: &mut BuiltinContext<'_>,
+) -> Result<Value, BuiltinFault> {
     match arguments {
         [Value::Undef] => Ok(Value::Undef),
         [Value::Tuple(components)] => nth(components, POSITION),
@@ -35,17 +35,20 @@ fn component<const POSITION: usize>(
     }
 }
 
-fn nth(components: &[Value], position: usize) -> Result<Value, Fault> {
-    components.get(position).cloned().ok_or(Fault::Shape {
-        expected: "a longer tuple",
-        found: "one without this component",
-    })
+fn nth(components: &[Value], position: usize) -> Result<Value, BuiltinFault> {
+    components
+        .get(position)
+        .cloned()
+        .ok_or(BuiltinFault::Shape {
+            expected: "a longer tuple",
+            found: "one without this component",
+        })
 }
 
-const AT: Body = |arguments, _| {
+const AT: BuiltinBody = |arguments, _| {
     binary(
         arguments,
-        |tuple: Option<Tuple<'_>>, position: Option<_>| {
+        |tuple: Option<TupleArguments<'_>>, position: Option<_>| {
             tuple
                 .zip(position)
                 .map(|(tuple, position)| at(tuple.0, position))
@@ -53,8 +56,8 @@ const AT: Body = |arguments, _| {
     )
 };
 
-const INDEX_OF: Body = |arguments, _| {
-    binary(arguments, |tuple: Option<Tuple<'_>>, component| {
+const INDEX_OF: BuiltinBody = |arguments, _| {
+    binary(arguments, |tuple: Option<TupleArguments<'_>>, component| {
         tuple.map(|tuple| index_of(tuple.0, component))
     })
 };

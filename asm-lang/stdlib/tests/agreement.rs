@@ -1,8 +1,10 @@
 //! The texts and the table agree: every signature without a definition has one body, every body one
 //! signature, and what a body returns lies in the codomain that its signature promises.
 
-use asmotion_stdlib::{Builtin, Context, Fault, builtin, builtins, libraries, library};
-use asmotion_value::{Atom, Names, RuleId, Value};
+use asmotion_stdlib::{
+    Builtin, BuiltinContext, BuiltinFault, builtin, builtins, libraries, library,
+};
+use asmotion_value::{Atom, RuleId, Value, ValueNames};
 use proptest::prelude::*;
 use proptest::test_runner::{TestCaseError, TestRunner};
 use std::collections::BTreeSet;
@@ -61,17 +63,17 @@ fn what_the_machine_does_with_messages_is_declared() -> Result<(), String> {
     let declared: Vec<String> = rules
         .filter_map(|rest| Some(format!("r_act{}", rest.split_once('(')?.0)))
         .collect();
-    let known: Vec<&str> = asmotion_stdlib::Act::ALL
+    let known: Vec<&str> = asmotion_stdlib::MessageAction::ALL
         .iter()
         .map(|(name, _)| *name)
         .collect();
     assert_eq!(declared, known);
-    for (name, mail) in asmotion_stdlib::Mail::ALL {
+    for (name, mail) in asmotion_stdlib::MessageQuery::ALL {
         assert!(text.contains(&format!("monitored {name}:")), "{name}");
-        assert_eq!(asmotion_stdlib::Mail::named(name), Some(mail));
+        assert_eq!(asmotion_stdlib::MessageQuery::named(name), Some(mail));
     }
-    for (name, act) in asmotion_stdlib::Act::ALL {
-        assert_eq!(asmotion_stdlib::Act::named(name), Some(act));
+    for (name, act) in asmotion_stdlib::MessageAction::ALL {
+        assert_eq!(asmotion_stdlib::MessageAction::named(name), Some(act));
     }
     Ok(())
 }
@@ -147,7 +149,7 @@ fn bodies_keep_their_signatures() -> Result<(), String> {
         let outcome = TestRunner::default().run(&strategy, |arguments| {
             match call(function, &arguments) {
                 Ok(value) => prop_assert!(codomain.has(&value), "{value:?} is no {codomain:?}"),
-                Err(Fault::Shape { expected, found }) => {
+                Err(BuiltinFault::Shape { expected, found }) => {
                     return Err(TestCaseError::fail(format!(
                         "expected {expected}, found {found}"
                     )));
@@ -167,19 +169,19 @@ proptest! {
     fn bodies_take_anything(arguments in prop::collection::vec(any_value(), 0..4)) {
         for function in builtins() {
             let mut printed = Vec::new();
-            let mut context = Context { names: &Nameless, now_ns: 0, printed: &mut printed };
+            let mut context = BuiltinContext { names: &Nameless, now_ns: 0, printed: &mut printed };
             let _ = (function.body)(&arguments, &mut context);
         }
     }
 }
 
 /// Calls a function as the machine does.
-fn call(function: &Builtin, arguments: &[Value]) -> Result<Value, Fault> {
+fn call(function: &Builtin, arguments: &[Value]) -> Result<Value, BuiltinFault> {
     if function.strict && arguments.iter().any(Value::is_undef) {
         return Ok(Value::Undef);
     }
     let mut printed = Vec::new();
-    let mut context = Context {
+    let mut context = BuiltinContext {
         names: &Nameless,
         now_ns: 1_500_000_000,
         printed: &mut printed,
@@ -189,7 +191,7 @@ fn call(function: &Builtin, arguments: &[Value]) -> Result<Value, Fault> {
 
 struct Nameless;
 
-impl Names for Nameless {
+impl ValueNames for Nameless {
     fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "{}", atom.0)
     }

@@ -8,9 +8,12 @@ pub mod scenario;
 pub mod term;
 
 pub use rule::{Assignee, Rule, RuleKind, SwitchRule};
-pub use scenario::{Block, Command, CommandKind, Pick, PickedRule, Scenario, ScenarioInvariant};
+pub use scenario::{
+    Pick, PickedRule, Scenario, ScenarioBlock, ScenarioCommand, ScenarioCommandKind,
+    ScenarioInvariant,
+};
 pub use term::{
-    Binder, Collection, Comprehension, Interval, Link, Literal, Operator, Quantifier, Term,
+    Binder, ChainLink, Collection, Comprehension, Interval, Literal, Operator, Quantifier, Term,
     TermKind,
 };
 
@@ -19,7 +22,7 @@ use std::sync::Arc;
 
 /// A name and where it stands. Variables keep their `$`, rules their `r_`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Name {
+pub struct NameText {
     /// The text.
     pub text: Arc<str>,
     /// Where it stands.
@@ -34,7 +37,7 @@ pub struct File {
     /// `module` instead of `asm`.
     pub module: bool,
     /// The name after `asm` or `module`; `None` in an empty file.
-    pub name: Option<Name>,
+    pub name: Option<NameText>,
     /// The imports, in order.
     pub imports: Vec<Import>,
     /// What the file lets others see; `None` without an `export` clause.
@@ -65,16 +68,16 @@ pub struct File {
 #[derive(Clone, Debug)]
 pub struct Import {
     /// The path as written, without quotes.
-    pub path: Name,
+    pub path: NameText,
     /// The names asked for; `None` for all.
-    pub names: Option<Vec<Name>>,
+    pub names: Option<Vec<NameText>>,
 }
 
 /// `export * ` or `export names`.
 #[derive(Clone, Debug)]
 pub struct Export {
     /// The names; `None` for `*`.
-    pub names: Option<Vec<Name>>,
+    pub names: Option<Vec<NameText>>,
     /// The whole clause.
     pub span: Span,
 }
@@ -83,7 +86,7 @@ pub struct Export {
 #[derive(Clone, Debug)]
 pub struct Annotation {
     /// The word after `@`, as in `Required`.
-    pub name: Name,
+    pub name: NameText,
     /// The rest of the line, trimmed.
     pub rest: String,
 }
@@ -92,7 +95,7 @@ pub struct Annotation {
 #[derive(Clone, Debug)]
 pub struct Domain {
     /// Its name; the printed form for a structured domain declared without one.
-    pub name: Name,
+    pub name: NameText,
     /// What it is.
     pub kind: DomainKind,
     /// `dynamic` in front.
@@ -113,7 +116,7 @@ pub enum DomainKind {
     /// `abstract domain D`.
     Abstract,
     /// `enum domain D = {A | B}`.
-    Enum(Vec<Name>),
+    Enum(Vec<NameText>),
     /// A structured domain standing alone in the signature.
     Structured(Type),
 }
@@ -150,7 +153,7 @@ pub enum TypeKind {
 #[derive(Clone, Debug)]
 pub struct Function {
     /// Its name.
-    pub name: Name,
+    pub name: NameText,
     /// Who may write it.
     pub kind: FunctionKind,
     /// The domain; `None` for a function without arguments.
@@ -184,7 +187,7 @@ pub enum FunctionKind {
 #[derive(Clone, Debug)]
 pub struct Parameter {
     /// The variable, with its `$`.
-    pub name: Name,
+    pub name: NameText,
     /// Its domain.
     pub domain: Type,
 }
@@ -193,7 +196,7 @@ pub struct Parameter {
 #[derive(Clone, Debug)]
 pub struct DomainDefinition {
     /// The domain.
-    pub name: Name,
+    pub name: NameText,
     /// Its elements.
     pub body: Term,
 }
@@ -202,7 +205,7 @@ pub struct DomainDefinition {
 #[derive(Clone, Debug)]
 pub struct FunctionDefinition {
     /// The function.
-    pub name: Name,
+    pub name: NameText,
     /// Its parameters.
     pub parameters: Vec<Parameter>,
     /// Its value.
@@ -225,7 +228,7 @@ impl FunctionDefinition {
 #[derive(Clone, Debug)]
 pub struct RuleDeclaration {
     /// Its name.
-    pub name: Name,
+    pub name: NameText,
     /// `turbo` in front.
     pub turbo: bool,
     /// Its parameters.
@@ -242,7 +245,7 @@ pub struct RuleDeclaration {
 #[derive(Clone, Debug)]
 pub struct Property {
     /// Its name, where it has one.
-    pub name: Option<Name>,
+    pub name: Option<NameText>,
     /// What it is.
     pub kind: PropertyKind,
     /// The whole property.
@@ -275,7 +278,7 @@ pub enum PropertyKind {
 #[derive(Clone, Debug)]
 pub struct Over {
     /// The domain, function or rule.
-    pub name: Name,
+    pub name: NameText,
     /// The domain that picks an overload.
     pub domain: Option<Type>,
 }
@@ -284,7 +287,7 @@ pub struct Over {
 #[derive(Clone, Debug)]
 pub struct Init {
     /// Its name.
-    pub name: Name,
+    pub name: NameText,
     /// `default` in front.
     pub default: bool,
     /// `domain D = …`.
@@ -299,9 +302,9 @@ pub struct Init {
 #[derive(Clone, Debug)]
 pub struct AgentInit {
     /// The domain of the agents.
-    pub domain: Name,
+    pub domain: NameText,
     /// Their program.
-    pub rule: Name,
+    pub rule: NameText,
     /// Its arguments.
     pub arguments: Vec<Term>,
 }

@@ -3,7 +3,7 @@
 use asmotion_diagnostics::{Applicability, Edit, Fix, Span};
 
 /// A word or a sign of the text and where it stands.
-pub(crate) type Place = (String, Span);
+pub(crate) type SpannedText = (String, Span);
 
 /// Edits that keep the meaning.
 pub(crate) fn all_sure(title: &str, edits: &[Edit]) -> Fix {

@@ -18,17 +18,17 @@ use crate::codes::l034::SeveralRules;
 use crate::codes::l035::MissingRule;
 use crate::codes::l054::ReservedName;
 use crate::codes::l058::UnexpectedToken;
-use crate::edits::Place;
-use crate::findings::Findings;
-use crate::lexer::{Keyword, Lexer, Spanned, Token};
-use crate::nesting::{Nesting, Open, closer};
+use crate::edits::SpannedText;
+use crate::findings::SyntaxFindings;
+use crate::lexer::{Keyword, Lexer, SpannedToken, Token};
+use crate::nesting::{Nesting, OpenConstruct, closer};
 use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use expected::Expected;
 use lalrpop_util::ParseError;
 use std::convert::Infallible;
 
 /// An error as the parser found it.
-pub(crate) type Failure<'input> = ParseError<usize, Token<'input>, Infallible>;
+pub(crate) type ParserError<'input> = ParseError<usize, Token<'input>, Infallible>;
 
 /// So many bytes count as one line at most.
 const LINE: usize = 1000;
@@ -40,20 +40,20 @@ const SHOWN: usize = 40;
 #[derive(Debug)]
 pub(crate) struct Explainer<'input, 'run> {
     text: &'input str,
-    findings: &'run Findings,
+    findings: &'run SyntaxFindings,
     lexer: Lexer<'input, 'run>,
     /// The token that is looked at.
-    found: Option<Spanned<'input>>,
+    found: Option<SpannedToken<'input>>,
     /// What is open before it.
     nesting: Nesting<'input>,
     /// Where the third last token before it begins.
     recent: [usize; 3],
-    last: Option<Last>,
+    last: Option<LastError>,
 }
 
 /// The error explained last.
 #[derive(Clone, Copy, Debug)]
-struct Last {
+struct LastError {
     at: usize,
     /// Where reading went on.
     resumed: usize,
@@ -65,8 +65,8 @@ impl<'input, 'run> Explainer<'input, 'run> {
     /// Reads `text` a second time; what its tokens are blamed for goes to `unheard`.
     pub(crate) fn new(
         text: &'input str,
-        findings: &'run Findings,
-        unheard: &'run Findings,
+        findings: &'run SyntaxFindings,
+        unheard: &'run SyntaxFindings,
     ) -> Self {
         let mut lexer = Lexer::new(text, unheard);
         let found = lexer.next();
@@ -94,7 +94,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
 
     /// Reports an error, unless it only follows from one before. What the parser gave up for it
     /// reaches from `start` to `resumed`.
-    pub(crate) fn explain(&mut self, failure: &Failure<'_>, start: usize, resumed: usize) {
+    pub(crate) fn explain(&mut self, failure: &ParserError<'_>, start: usize, resumed: usize) {
         let (from, to, expected) = match failure {
             ParseError::UnrecognizedToken {
                 token: (from, _, to),
@@ -125,7 +125,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
             }
             self.findings.add(error);
         }
-        self.last = Some(Last {
+        self.last = Some(LastError {
             at: from,
             resumed: resumed.max(to),
             misused,
@@ -202,7 +202,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
     // ── at a token ──
 
     /// The first explanation that fits, from the most particular to the most general.
-    fn at_token(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Diagnostic {
+    fn at_token(&self, found: SpannedToken<'input>, expected: &Expected<'_>) -> Diagnostic {
         let explanations: [Explanation<'input, 'run>; _] = [
             Self::unused_word,
             Self::wrong_sign,
@@ -226,7 +226,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
     }
 
     /// What can always be said.
-    fn unexpected(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Diagnostic {
+    fn unexpected(&self, found: SpannedToken<'input>, expected: &Expected<'_>) -> Diagnostic {
         let before = self.nesting.previous.filter(|_| self.begins_line(found));
         UnexpectedToken {
             what: expected.to_string(),
@@ -242,7 +242,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
     // ── what all of them ask ──
 
     /// What is open innermost and its end, if the end may stand here.
-    fn missing_end(&self, expected: &Expected<'_>) -> Option<(&Open<'input>, String)> {
+    fn missing_end(&self, expected: &Expected<'_>) -> Option<(&OpenConstruct<'input>, String)> {
         let open = self.nesting.open().next()?;
         let end = closer(open.opener.1)?.to_string();
         expected.has(&end).then_some((open, end))
@@ -257,23 +257,23 @@ impl<'input, 'run> Explainer<'input, 'run> {
     }
 
     /// What stands behind a token, blanks left out.
-    fn behind(&self, (_, _, end): Spanned<'_>) -> &'input str {
+    fn behind(&self, (_, _, end): SpannedToken<'_>) -> &'input str {
         self.text.get(end..).unwrap_or("").trim_start()
     }
 
     /// Whether a token is the first of its line.
-    fn begins_line(&self, (start, ..): Spanned<'_>) -> bool {
+    fn begins_line(&self, (start, ..): SpannedToken<'_>) -> bool {
         let between = self.nesting.previous.map_or(0, |(_, _, end)| end)..start;
         self.text
             .get(between)
             .is_some_and(|between| between.contains('\n'))
     }
 
-    fn span(&self, (start, _, end): Spanned<'_>) -> Span {
+    fn span(&self, (start, _, end): SpannedToken<'_>) -> Span {
         self.findings.span(start, end)
     }
 
-    fn place(&self, token: Spanned<'_>) -> Place {
+    fn place(&self, token: SpannedToken<'_>) -> SpannedText {
         let text = self.text.get(token.0..token.2).unwrap_or("");
         let shown = match text.char_indices().nth(SHOWN) {
             Some((end, _)) => format!("{}…", text.get(..end).unwrap_or("")),
@@ -285,4 +285,4 @@ impl<'input, 'run> Explainer<'input, 'run> {
 
 /// Explains some errors at a token.
 type Explanation<'input, 'run> =
-    fn(&Explainer<'input, 'run>, Spanned<'input>, &Expected<'_>) -> Option<Diagnostic>;
+    fn(&Explainer<'input, 'run>, SpannedToken<'input>, &Expected<'_>) -> Option<Diagnostic>;

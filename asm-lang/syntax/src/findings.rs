@@ -23,7 +23,7 @@ const MAX_IDLE: u32 = 10_000;
 
 /// The errors and warnings of one file; the lexer and the parser write to it in turns.
 #[derive(Debug, Default)]
-pub(crate) struct Findings {
+pub(crate) struct SyntaxFindings {
     file: FileId,
     found: RefCell<Vec<Diagnostic>>,
     errors: Cell<u32>,
@@ -34,7 +34,7 @@ pub(crate) struct Findings {
     idle: Cell<u32>,
 }
 
-impl Findings {
+impl SyntaxFindings {
     /// Nothing found yet.
     pub(crate) fn new(file: FileId) -> Self {
         Self {

@@ -2,9 +2,9 @@
 
 use crate::codes::l063::NotAnAssignment;
 use crate::explain::Explainer;
-use crate::findings::Findings;
+use crate::findings::SyntaxFindings;
 use crate::lexer::TextKind;
-use crate::nesting::Tokens;
+use crate::nesting::NestedTokens;
 use crate::node::{Nodes, ParsedText};
 use crate::{ast, never, read};
 use asmotion_diagnostics::{FileId, Finding, Report};
@@ -84,10 +84,10 @@ fn parse<T>(
     of_kind: impl FnOnce(ParsedText) -> Option<T>,
 ) -> Result<T, Report> {
     let text = text.get(..part.end).unwrap_or(text);
-    let (findings, unheard) = (Findings::new(file), Findings::new(file));
+    let (findings, unheard) = (SyntaxFindings::new(file), SyntaxFindings::new(file));
     let explainer = Explainer::new(text, &findings, &unheard).starting_at(part.start);
     let nodes = Nodes::new(text, &findings, explainer);
-    let mut tokens = Tokens::new(text, &findings);
+    let mut tokens = NestedTokens::new(text, &findings);
     tokens.lexer.start_at(part.start);
     tokens.lexer.names_elements = true;
     let parsed = read(kind, part.start, &nodes, tokens);

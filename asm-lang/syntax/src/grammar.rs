@@ -36,8 +36,8 @@ Variant0(&'input str),
 Variant1(Token<'input>),
 Variant2(__lalrpop_util::ErrorRecovery<usize, Token<'input>, std::convert::Infallible>),
 Variant3(Option<Token<'input>>),
-Variant4(Vec<Name>),
-Variant5(Option<Vec<Name>>),
+Variant4(Vec<NameText>),
+Variant5(Option<Vec<NameText>>),
 Variant6(Vec<Type>),
 Variant7(Option<Vec<Type>>),
 Variant8(Term),
@@ -53,8 +53,8 @@ Variant17(Option<Rule>),
 Variant18(()),
 Variant19((usize, Item, usize)),
 Variant20(alloc::vec::Vec<(usize, Item, usize)>),
-Variant21(Name),
-Variant22(Option<Name>),
+Variant21(NameText),
+Variant22(Option<NameText>),
 Variant23(usize),
 Variant24((Operator, Span)),
 Variant25(Operator),
@@ -63,18 +63,18 @@ Variant27(Vec<Term>),
 Variant28(Option<Vec<Term>>),
 Variant29(RuleKind),
 Variant30(Binder),
-Variant31((Name, Term)),
+Variant31((NameText, Term)),
 Variant32(Choose),
 Variant33(Vec<(Term, Term)>),
 Variant34(Vec<Binder>),
-Variant35(Vec<(Name, Term)>),
+Variant35(Vec<(NameText, Term)>),
 Variant36(Vec<Over>),
 Variant37(Vec<Parameter>),
 Variant38(Comprehension),
 Variant39(Domain),
 Variant40(DomainDefinition),
 Variant41(bool),
-Variant42((Name, DomainKind)),
+Variant42((NameText, DomainKind)),
 Variant43(Elements),
 Variant44(Export),
 Variant45(File),
@@ -95,7 +95,7 @@ Variant59(Property),
 Variant60(Quantifier),
 Variant61(alloc::vec::Vec<Rule>),
 Variant62(RuleDeclaration),
-Variant63((Option<Name>, PropertyKind)),
+Variant63((Option<NameText>, PropertyKind)),
 Variant64(TypeKind),
 }
 const __ACTION: &[i16] = &[
@@ -6866,7 +6866,7 @@ fn __pop_Variant42<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, (Name, DomainKind), usize)
+) -> (usize, (NameText, DomainKind), usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant42(__v), __r)) => (__l, __v, __r),
@@ -6877,7 +6877,7 @@ fn __pop_Variant31<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, (Name, Term), usize)
+) -> (usize, (NameText, Term), usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant31(__v), __r)) => (__l, __v, __r),
@@ -6899,7 +6899,7 @@ fn __pop_Variant63<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, (Option<Name>, PropertyKind), usize)
+) -> (usize, (Option<NameText>, PropertyKind), usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant63(__v), __r)) => (__l, __v, __r),
@@ -7130,7 +7130,7 @@ fn __pop_Variant21<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, Name, usize)
+) -> (usize, NameText, usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant21(__v), __r)) => (__l, __v, __r),
@@ -7152,7 +7152,7 @@ fn __pop_Variant22<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, Option<Name>, usize)
+) -> (usize, Option<NameText>, usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant22(__v), __r)) => (__l, __v, __r),
@@ -7207,7 +7207,7 @@ fn __pop_Variant5<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, Option<Vec<Name>>, usize)
+) -> (usize, Option<Vec<NameText>>, usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant5(__v), __r)) => (__l, __v, __r),
@@ -7383,7 +7383,7 @@ fn __pop_Variant35<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, Vec<(Name, Term)>, usize)
+) -> (usize, Vec<(NameText, Term)>, usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant35(__v), __r)) => (__l, __v, __r),
@@ -7416,7 +7416,7 @@ fn __pop_Variant4<
   'input,
 >(
 __symbols: &mut alloc::vec::Vec<(usize,__Symbol<'input>,usize)>
-) -> (usize, Vec<Name>, usize)
+) -> (usize, Vec<NameText>, usize)
  {
 match __symbols.pop() {
 Some((__l, __Symbol::Variant4(__v), __r)) => (__l, __v, __r),
@@ -15306,7 +15306,7 @@ fn __action20<
 node: &Nodes<'input, 'run>,
 (_, asyncr, _): (usize, Option<Token<'input>>, usize),
 (_, module, _): (usize, bool, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 ) -> Item
 {
 Item::Heading { asyncr: asyncr.is_some(), module, name }
@@ -15346,8 +15346,8 @@ fn __action23<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, path, _): (usize, Name, usize),
-(_, names, _): (usize, Option<Vec<Name>>, usize),
+(_, path, _): (usize, NameText, usize),
+(_, names, _): (usize, Option<Vec<NameText>>, usize),
 ) -> Import
 {
 Import { path, names }
@@ -15362,7 +15362,7 @@ fn __action24<
 node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, names, _): (usize, Option<Vec<Name>>, usize),
+(_, names, _): (usize, Option<Vec<NameText>>, usize),
 (_, r, _): (usize, usize, usize),
 ) -> Export
 {
@@ -15377,7 +15377,7 @@ fn __action25<
 >(
 node: &Nodes<'input, 'run>,
 (_, __0, _): (usize, Token<'input>, usize),
-) -> Option<Vec<Name>>
+) -> Option<Vec<NameText>>
 {
 None
 }
@@ -15389,8 +15389,8 @@ fn __action26<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Vec<Name>, usize),
-) -> Option<Vec<Name>>
+(_, __0, _): (usize, Vec<NameText>, usize),
+) -> Option<Vec<NameText>>
 {
 Some(__0)
 }
@@ -15404,7 +15404,7 @@ fn __action27<
 node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, dynamic, _): (usize, bool, usize),
-(_, declared, _): (usize, (Name, DomainKind), usize),
+(_, declared, _): (usize, (NameText, DomainKind), usize),
 (_, r, _): (usize, usize, usize),
 ) -> Domain
 {
@@ -15419,7 +15419,7 @@ fn __action28<
 >(
 node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
-(_, declared, _): (usize, (Name, DomainKind), usize),
+(_, declared, _): (usize, (NameText, DomainKind), usize),
 (_, r, _): (usize, usize, usize),
 ) -> Domain
 {
@@ -15447,10 +15447,10 @@ fn __action30<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, of, _): (usize, Type, usize),
-) -> (Name, DomainKind)
+) -> (NameText, DomainKind)
 {
 (name, DomainKind::Concrete(of))
 }
@@ -15464,8 +15464,8 @@ fn __action31<
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
-) -> (Name, DomainKind)
+(_, name, _): (usize, NameText, usize),
+) -> (NameText, DomainKind)
 {
 (name, DomainKind::Abstract)
 }
@@ -15478,8 +15478,8 @@ fn __action32<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
-) -> (Name, DomainKind)
+(_, name, _): (usize, NameText, usize),
+) -> (NameText, DomainKind)
 {
 (name, DomainKind::Any)
 }
@@ -15493,8 +15493,8 @@ fn __action33<
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
-) -> (Name, DomainKind)
+(_, name, _): (usize, NameText, usize),
+) -> (NameText, DomainKind)
 {
 (name, DomainKind::Basic)
 }
@@ -15508,12 +15508,12 @@ fn __action34<
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, literals, _): (usize, Vec<Name>, usize),
+(_, literals, _): (usize, Vec<NameText>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-) -> (Name, DomainKind)
+) -> (NameText, DomainKind)
 {
 (name, DomainKind::Enum(literals))
 }
@@ -15525,8 +15525,8 @@ fn __action35<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, first, _): (usize, Name, usize),
-) -> Vec<Name>
+(_, first, _): (usize, NameText, usize),
+) -> Vec<NameText>
 {
 vec![first]
 }
@@ -15538,10 +15538,10 @@ fn __action36<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, mut before, _): (usize, Vec<Name>, usize),
+(_, mut before, _): (usize, Vec<NameText>, usize),
 (_, _, _): (usize, (), usize),
-(_, next, _): (usize, Name, usize),
-) -> Vec<Name>
+(_, next, _): (usize, NameText, usize),
+) -> Vec<NameText>
 {
 { before.push(next); before }
 }
@@ -15629,7 +15629,7 @@ fn __action43<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 ) -> TypeKind
 {
 TypeKind::Named(name.text)
@@ -15768,7 +15768,7 @@ fn __action52<
 node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, kind, _): (usize, FunctionKind, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, mapping, _): (usize, (Type, Option<Type>), usize),
 (_, r, _): (usize, usize, usize),
@@ -15895,7 +15895,7 @@ fn __action61<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Term, usize),
 ) -> DomainDefinition
@@ -15911,7 +15911,7 @@ fn __action62<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, parameters, _): (usize, Vec<Parameter>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Term, usize),
@@ -15930,7 +15930,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, _, _): (usize, Option<Token<'input>>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, parameters, _): (usize, Vec<Parameter>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Rule, usize),
@@ -15950,7 +15950,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, parameters, _): (usize, Vec<Parameter>, usize),
 (_, result, _): (usize, Option<Type>, usize),
 (_, _, _): (usize, Token<'input>, usize),
@@ -15968,8 +15968,8 @@ fn __action65<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Name
+(_, __0, _): (usize, NameText, usize),
+) -> NameText
 {
 __0
 }
@@ -15981,8 +15981,8 @@ fn __action66<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Name
+(_, __0, _): (usize, NameText, usize),
+) -> NameText
 {
 node.rule_name_without_prefix(__0)
 }
@@ -16022,7 +16022,7 @@ fn __action69<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, domain, _): (usize, Type, usize),
 ) -> Parameter
@@ -16038,7 +16038,7 @@ fn __action70<
 >(
 node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
-(_, stated, _): (usize, (Option<Name>, PropertyKind), usize),
+(_, stated, _): (usize, (Option<NameText>, PropertyKind), usize),
 (_, r, _): (usize, usize, usize),
 ) -> Property
 {
@@ -16053,12 +16053,12 @@ fn __action71<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Option<Name>, usize),
+(_, name, _): (usize, Option<NameText>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, over, _): (usize, Vec<Over>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 (node.property_name("inv_", name), PropertyKind::Invariant { over, body })
 }
@@ -16072,7 +16072,7 @@ fn __action72<
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 (None, PropertyKind::Constraint(body))
 }
@@ -16086,7 +16086,7 @@ fn __action73<
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 (None, PropertyKind::Justice(body))
 }
@@ -16104,7 +16104,7 @@ node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, q, _): (usize, Term, usize),
 (_, _, _): (usize, Token<'input>, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 (None, PropertyKind::Compassion(p, q))
 }
@@ -16117,9 +16117,9 @@ fn __action75<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Option<Name>, usize),
+(_, name, _): (usize, Option<NameText>, usize),
 (_, body, _): (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 (node.property_name("ctlSpec_", name), PropertyKind::Ctl(body))
 }
@@ -16132,9 +16132,9 @@ fn __action76<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Option<Name>, usize),
+(_, name, _): (usize, Option<NameText>, usize),
 (_, body, _): (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 (node.property_name("ltlSpec_", name), PropertyKind::Ltl(body))
 }
@@ -16146,7 +16146,7 @@ fn __action77<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 ) -> Over
 {
 Over { name, domain: None }
@@ -16159,7 +16159,7 @@ fn __action78<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, domain, _): (usize, Option<Type>, usize),
 (_, _, _): (usize, Token<'input>, usize),
@@ -16177,7 +16177,7 @@ fn __action79<
 node: &Nodes<'input, 'run>,
 (_, default, _): (usize, Option<Token<'input>>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 ) -> Item
 {
@@ -16192,9 +16192,9 @@ fn __action80<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, domain, _): (usize, Name, usize),
+(_, domain, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, rule, _): (usize, Name, usize),
+(_, rule, _): (usize, NameText, usize),
 (_, arguments, _): (usize, Vec<Term>, usize),
 ) -> AgentInit
 {
@@ -16366,7 +16366,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, _, _): (usize, bool, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, mapping, _): (usize, (Type, Option<Type>), usize),
 (_, r, _): (usize, usize, usize),
@@ -16412,7 +16412,7 @@ fn __action95<
 node: &Nodes<'input, 'run>,
 (_, target, _): (usize, Assignee, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, rule, _): (usize, Name, usize),
+(_, rule, _): (usize, NameText, usize),
 (_, arguments, _): (usize, Vec<Term>, usize),
 ) -> RuleKind
 {
@@ -16426,7 +16426,7 @@ fn __action96<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, arguments, _): (usize, Vec<Term>, usize),
 ) -> RuleKind
 {
@@ -16440,7 +16440,7 @@ fn __action97<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, arguments, _): (usize, Vec<Term>, usize),
 ) -> RuleKind
 {
@@ -16519,7 +16519,7 @@ fn __action102<
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, bindings, _): (usize, Vec<(Name, Term)>, usize),
+(_, bindings, _): (usize, Vec<(NameText, Term)>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Rule, usize),
@@ -16601,7 +16601,7 @@ fn __action107<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, range, _): (usize, Term, usize),
 ) -> Binder
@@ -16616,10 +16616,10 @@ fn __action108<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
+(_, __0, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, __1, _): (usize, Term, usize),
-) -> (Name, Term)
+) -> (NameText, Term)
 {
 (__0, __1)
 }
@@ -16631,7 +16631,7 @@ fn __action109<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
+(_, __0, _): (usize, NameText, usize),
 ) -> Assignee
 {
 Assignee::Variable(__0)
@@ -16645,8 +16645,8 @@ fn __action110<
 >(
 node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
-(_, agent, _): (usize, Option<Name>, usize),
-(_, function, _): (usize, Name, usize),
+(_, agent, _): (usize, Option<NameText>, usize),
+(_, function, _): (usize, NameText, usize),
 (_, arguments, _): (usize, Option<Vec<Term>>, usize),
 (_, r, _): (usize, usize, usize),
 ) -> Assignee
@@ -17350,7 +17350,7 @@ fn __action162<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
+(_, __0, _): (usize, NameText, usize),
 ) -> TermKind
 {
 TermKind::Constant(__0)
@@ -17389,7 +17389,7 @@ fn __action165<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, arguments, _): (usize, Vec<Term>, usize),
 ) -> TermKind
 {
@@ -17457,7 +17457,7 @@ fn __action169<
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, bindings, _): (usize, Vec<(Name, Term)>, usize),
+(_, bindings, _): (usize, Vec<(NameText, Term)>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Term, usize),
@@ -17553,7 +17553,7 @@ fn __action175<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, name, _): (usize, Name, usize),
+(_, name, _): (usize, NameText, usize),
 (_, domains, _): (usize, Option<Vec<Type>>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 ) -> TermKind
@@ -17826,8 +17826,8 @@ fn __action195<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Name
+(_, __0, _): (usize, NameText, usize),
+) -> NameText
 {
 __0
 }
@@ -17839,8 +17839,8 @@ fn __action196<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Name
+(_, __0, _): (usize, NameText, usize),
+) -> NameText
 {
 __0
 }
@@ -17852,8 +17852,8 @@ fn __action197<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Name
+(_, __0, _): (usize, NameText, usize),
+) -> NameText
 {
 __0
 }
@@ -17865,8 +17865,8 @@ fn __action198<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Name
+(_, __0, _): (usize, NameText, usize),
+) -> NameText
 {
 __0
 }
@@ -17878,8 +17878,8 @@ fn __action199<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Name
+(_, __0, _): (usize, NameText, usize),
+) -> NameText
 {
 __0
 }
@@ -17894,7 +17894,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, "not", r)
 }
@@ -17909,7 +17909,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, word, _): (usize, &'static str, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, word, r)
 }
@@ -18002,7 +18002,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, text, _): (usize, &'input str, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, text, r)
 }
@@ -18017,7 +18017,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, text, _): (usize, &'input str, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, text, r)
 }
@@ -18032,7 +18032,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, text, _): (usize, &'input str, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, text, r)
 }
@@ -18047,7 +18047,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, text, _): (usize, &'input str, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, text, r)
 }
@@ -18062,7 +18062,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, text, _): (usize, &'input str, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, text, r)
 }
@@ -18077,7 +18077,7 @@ node: &Nodes<'input, 'run>,
 (_, l, _): (usize, usize, usize),
 (_, text, _): (usize, &'input str, usize),
 (_, r, _): (usize, usize, usize),
-) -> Name
+) -> NameText
 {
 node.name(l, text, r)
 }
@@ -18627,8 +18627,8 @@ fn __action252<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Option<Name>
+(_, __0, _): (usize, NameText, usize),
+) -> Option<NameText>
 {
 Some(__0)
 }
@@ -18642,7 +18642,7 @@ fn __action253<
 node: &Nodes<'input, 'run>,
 __lookbehind: &usize,
 __lookahead: &usize,
-) -> Option<Name>
+) -> Option<NameText>
 {
 None
 }
@@ -18654,9 +18654,9 @@ fn __action254<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
+(_, __0, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
-) -> Name
+) -> NameText
 {
 __0
 }
@@ -18820,8 +18820,8 @@ fn __action266<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, first, _): (usize, (Name, Term), usize),
-) -> Vec<(Name, Term)>
+(_, first, _): (usize, (NameText, Term), usize),
+) -> Vec<(NameText, Term)>
 {
 vec![first]
 }
@@ -18833,10 +18833,10 @@ fn __action267<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, mut before, _): (usize, Vec<(Name, Term)>, usize),
+(_, mut before, _): (usize, Vec<(NameText, Term)>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, next, _): (usize, (Name, Term), usize),
-) -> Vec<(Name, Term)>
+(_, next, _): (usize, (NameText, Term), usize),
+) -> Vec<(NameText, Term)>
 {
 { before.push(next); before }
 }
@@ -18989,9 +18989,9 @@ fn __action278<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, domain, _): (usize, Name, usize),
+(_, domain, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, variables, _): (usize, Vec<Name>, usize),
+(_, variables, _): (usize, Vec<NameText>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Rule, usize),
 ) -> RuleKind
@@ -19088,9 +19088,9 @@ fn __action284<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, domain, _): (usize, Name, usize),
+(_, domain, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, variables, _): (usize, Vec<Name>, usize),
+(_, variables, _): (usize, Vec<NameText>, usize),
 (_, _, _): (usize, Token<'input>, usize),
 (_, body, _): (usize, Rule, usize),
 ) -> RuleKind
@@ -19223,8 +19223,8 @@ fn __action293<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Option<Name>
+(_, __0, _): (usize, NameText, usize),
+) -> Option<NameText>
 {
 Some(__0)
 }
@@ -19238,7 +19238,7 @@ fn __action294<
 node: &Nodes<'input, 'run>,
 __lookbehind: &usize,
 __lookahead: &usize,
-) -> Option<Name>
+) -> Option<NameText>
 {
 None
 }
@@ -19250,9 +19250,9 @@ fn __action295<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
+(_, __0, _): (usize, NameText, usize),
 (_, _, _): (usize, Token<'input>, usize),
-) -> Name
+) -> NameText
 {
 __0
 }
@@ -19292,8 +19292,8 @@ fn __action298<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Name, usize),
-) -> Option<Name>
+(_, __0, _): (usize, NameText, usize),
+) -> Option<NameText>
 {
 Some(__0)
 }
@@ -19307,7 +19307,7 @@ fn __action299<
 node: &Nodes<'input, 'run>,
 __lookbehind: &usize,
 __lookahead: &usize,
-) -> Option<Name>
+) -> Option<NameText>
 {
 None
 }
@@ -19527,8 +19527,8 @@ fn __action315<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, __0, _): (usize, Vec<Name>, usize),
-) -> Option<Vec<Name>>
+(_, __0, _): (usize, Vec<NameText>, usize),
+) -> Option<Vec<NameText>>
 {
 Some(__0)
 }
@@ -19542,7 +19542,7 @@ fn __action316<
 node: &Nodes<'input, 'run>,
 __lookbehind: &usize,
 __lookahead: &usize,
-) -> Option<Vec<Name>>
+) -> Option<Vec<NameText>>
 {
 None
 }
@@ -19555,9 +19555,9 @@ fn __action317<
 >(
 node: &Nodes<'input, 'run>,
 (_, _, _): (usize, Token<'input>, usize),
-(_, __0, _): (usize, Vec<Name>, usize),
+(_, __0, _): (usize, Vec<NameText>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-) -> Vec<Name>
+) -> Vec<NameText>
 {
 __0
 }
@@ -19569,8 +19569,8 @@ fn __action318<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, first, _): (usize, Name, usize),
-) -> Vec<Name>
+(_, first, _): (usize, NameText, usize),
+) -> Vec<NameText>
 {
 vec![first]
 }
@@ -19582,10 +19582,10 @@ fn __action319<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, mut before, _): (usize, Vec<Name>, usize),
+(_, mut before, _): (usize, Vec<NameText>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, next, _): (usize, Name, usize),
-) -> Vec<Name>
+(_, next, _): (usize, NameText, usize),
+) -> Vec<NameText>
 {
 { before.push(next); before }
 }
@@ -19721,8 +19721,8 @@ fn __action329<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, first, _): (usize, Name, usize),
-) -> Vec<Name>
+(_, first, _): (usize, NameText, usize),
+) -> Vec<NameText>
 {
 vec![first]
 }
@@ -19734,10 +19734,10 @@ fn __action330<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-(_, mut before, _): (usize, Vec<Name>, usize),
+(_, mut before, _): (usize, Vec<NameText>, usize),
 (_, _, _): (usize, Token<'input>, usize),
-(_, next, _): (usize, Name, usize),
-) -> Vec<Name>
+(_, next, _): (usize, NameText, usize),
+) -> Vec<NameText>
 {
 { before.push(next); before }
 }
@@ -19945,7 +19945,7 @@ fn __action345<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, bool, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 ) -> Item
 {
 let __start0 = __0.0.clone();
@@ -19972,7 +19972,7 @@ fn __action346<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, bool, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 ) -> Item
 {
 let __start0 = __0.0.clone();
@@ -20001,7 +20001,7 @@ fn __action347<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Token<'input>, usize),
 ) -> Item
 {
@@ -20030,7 +20030,7 @@ fn __action348<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 ) -> Item
 {
@@ -20062,7 +20062,7 @@ node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Name, usize),
+__3: (usize, NameText, usize),
 __4: (usize, Vec<Parameter>, usize),
 __5: (usize, Token<'input>, usize),
 __6: (usize, Rule, usize),
@@ -20099,7 +20099,7 @@ fn __action350<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Vec<Parameter>, usize),
 __4: (usize, Token<'input>, usize),
 __5: (usize, Rule, usize),
@@ -20204,9 +20204,9 @@ fn __action353<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Vec<Name>, usize),
+__1: (usize, Vec<NameText>, usize),
 __2: (usize, Token<'input>, usize),
-) -> Option<Vec<Name>>
+) -> Option<Vec<NameText>>
 {
 let __start0 = __0.0.clone();
 let __end0 = __2.2.clone();
@@ -20232,9 +20232,9 @@ fn __action354<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Vec<Name>, usize),
+__3: (usize, Vec<NameText>, usize),
 __4: (usize, Token<'input>, usize),
 ) -> Import
 {
@@ -20264,7 +20264,7 @@ fn __action355<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 ) -> Import
 {
 let __start0 = __1.2.clone();
@@ -20320,7 +20320,7 @@ fn __action357<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 __3: (usize, Vec<Type>, usize),
 __4: (usize, Token<'input>, usize),
@@ -20354,7 +20354,7 @@ fn __action358<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 ) -> TermKind
 {
@@ -20984,7 +20984,7 @@ node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Name, usize),
+__3: (usize, NameText, usize),
 __4: (usize, Vec<Parameter>, usize),
 __5: (usize, Token<'input>, usize),
 __6: (usize, Type, usize),
@@ -21026,7 +21026,7 @@ node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Name, usize),
+__3: (usize, NameText, usize),
 __4: (usize, Vec<Parameter>, usize),
 __5: (usize, Token<'input>, usize),
 __6: (usize, Rule, usize),
@@ -22157,7 +22157,7 @@ fn __action418<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -22185,7 +22185,7 @@ fn __action419<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, bool, usize),
-__2: (usize, (Name, DomainKind), usize),
+__2: (usize, (NameText, DomainKind), usize),
 ) -> Domain
 {
 let __start0 = __2.2.clone();
@@ -22214,7 +22214,7 @@ fn __action420<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
-__1: (usize, (Name, DomainKind), usize),
+__1: (usize, (NameText, DomainKind), usize),
 ) -> Domain
 {
 let __start0 = __1.2.clone();
@@ -22271,7 +22271,7 @@ fn __action422<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Option<Vec<Name>>, usize),
+__2: (usize, Option<Vec<NameText>>, usize),
 ) -> Export
 {
 let __start0 = __2.2.clone();
@@ -22301,7 +22301,7 @@ fn __action423<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, FunctionKind, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Token<'input>, usize),
 __4: (usize, (Type, Option<Type>), usize),
 ) -> Function
@@ -22335,7 +22335,7 @@ fn __action424<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -22363,7 +22363,7 @@ fn __action425<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -22564,7 +22564,7 @@ node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, bool, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Name, usize),
+__3: (usize, NameText, usize),
 __4: (usize, Token<'input>, usize),
 __5: (usize, (Type, Option<Type>), usize),
 ) -> Function
@@ -22598,8 +22598,8 @@ fn __action433<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
-__1: (usize, Option<Name>, usize),
-__2: (usize, Name, usize),
+__1: (usize, Option<NameText>, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Option<Vec<Term>>, usize),
 ) -> Assignee
 {
@@ -22719,7 +22719,7 @@ fn __action437<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, &'static str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -22747,7 +22747,7 @@ fn __action438<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -22774,7 +22774,7 @@ fn __action439<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
-__1: (usize, (Option<Name>, PropertyKind), usize),
+__1: (usize, (Option<NameText>, PropertyKind), usize),
 ) -> Property
 {
 let __start0 = __1.2.clone();
@@ -22832,7 +22832,7 @@ node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Name, usize),
+__3: (usize, NameText, usize),
 __4: (usize, Vec<Parameter>, usize),
 __5: (usize, Token<'input>, usize),
 __6: (usize, Rule, usize),
@@ -22869,7 +22869,7 @@ fn __action442<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Vec<Parameter>, usize),
 __4: (usize, Token<'input>, usize),
 __5: (usize, Rule, usize),
@@ -22906,7 +22906,7 @@ node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Name, usize),
+__3: (usize, NameText, usize),
 __4: (usize, Vec<Parameter>, usize),
 __5: (usize, Token<'input>, usize),
 __6: (usize, Type, usize),
@@ -22948,7 +22948,7 @@ node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Token<'input>, usize),
-__3: (usize, Name, usize),
+__3: (usize, NameText, usize),
 __4: (usize, Vec<Parameter>, usize),
 __5: (usize, Token<'input>, usize),
 __6: (usize, Rule, usize),
@@ -22985,7 +22985,7 @@ fn __action445<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -23125,7 +23125,7 @@ fn __action450<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -23153,7 +23153,7 @@ fn __action451<
 node: &Nodes<'input, 'run>,
 __0: (usize, usize, usize),
 __1: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __1.2.clone();
 let __end0 = __1.2.clone();
@@ -23526,7 +23526,7 @@ fn __action465<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -23552,7 +23552,7 @@ fn __action466<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, bool, usize),
-__1: (usize, (Name, DomainKind), usize),
+__1: (usize, (NameText, DomainKind), usize),
 ) -> Domain
 {
 let __start0 = __0.0.clone();
@@ -23579,7 +23579,7 @@ fn __action467<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, (Name, DomainKind), usize),
+__0: (usize, (NameText, DomainKind), usize),
 ) -> Domain
 {
 let __start0 = __0.0.clone();
@@ -23632,7 +23632,7 @@ fn __action469<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Option<Vec<Name>>, usize),
+__1: (usize, Option<Vec<NameText>>, usize),
 ) -> Export
 {
 let __start0 = __0.0.clone();
@@ -23660,7 +23660,7 @@ fn __action470<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, FunctionKind, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 __3: (usize, (Type, Option<Type>), usize),
 ) -> Function
@@ -23692,7 +23692,7 @@ fn __action471<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -23718,7 +23718,7 @@ fn __action472<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -23933,7 +23933,7 @@ fn __action480<
 node: &Nodes<'input, 'run>,
 __0: (usize, bool, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Token<'input>, usize),
 __4: (usize, (Type, Option<Type>), usize),
 ) -> Function
@@ -23965,8 +23965,8 @@ fn __action481<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Option<Name>, usize),
-__1: (usize, Name, usize),
+__0: (usize, Option<NameText>, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Option<Vec<Term>>, usize),
 ) -> Assignee
 {
@@ -24078,7 +24078,7 @@ fn __action485<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, &'static str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -24104,7 +24104,7 @@ fn __action486<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -24129,7 +24129,7 @@ fn __action487<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, (Option<Name>, PropertyKind), usize),
+__0: (usize, (Option<NameText>, PropertyKind), usize),
 ) -> Property
 {
 let __start0 = __0.0.clone();
@@ -24183,7 +24183,7 @@ fn __action489<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Vec<Parameter>, usize),
 __4: (usize, Token<'input>, usize),
 __5: (usize, Rule, usize),
@@ -24218,7 +24218,7 @@ fn __action490<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Vec<Parameter>, usize),
 __3: (usize, Token<'input>, usize),
 __4: (usize, Rule, usize),
@@ -24253,7 +24253,7 @@ fn __action491<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Vec<Parameter>, usize),
 __4: (usize, Token<'input>, usize),
 __5: (usize, Type, usize),
@@ -24293,7 +24293,7 @@ fn __action492<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Vec<Parameter>, usize),
 __4: (usize, Token<'input>, usize),
 __5: (usize, Rule, usize),
@@ -24328,7 +24328,7 @@ fn __action493<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -24458,7 +24458,7 @@ fn __action498<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -24484,7 +24484,7 @@ fn __action499<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, &'input str, usize),
-) -> Name
+) -> NameText
 {
 let __start0 = __0.0.clone();
 let __end0 = __0.0.clone();
@@ -24609,9 +24609,9 @@ fn __action504<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Token<'input>, usize),
-) -> Option<Name>
+) -> Option<NameText>
 {
 let __start0 = __0.0.clone();
 let __end0 = __1.2.clone();
@@ -24636,10 +24636,10 @@ fn __action505<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 __3: (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 let __start0 = __1.0.clone();
 let __end0 = __2.2.clone();
@@ -24667,7 +24667,7 @@ fn __action506<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 let __start0 = __0.2.clone();
 let __end0 = __1.0.clone();
@@ -24694,10 +24694,10 @@ fn __action507<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 __3: (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 let __start0 = __1.0.clone();
 let __end0 = __2.2.clone();
@@ -24725,7 +24725,7 @@ fn __action508<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 let __start0 = __0.2.clone();
 let __end0 = __1.0.clone();
@@ -24751,9 +24751,9 @@ fn __action509<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Token<'input>, usize),
-) -> Option<Name>
+) -> Option<NameText>
 {
 let __start0 = __0.0.clone();
 let __end0 = __1.2.clone();
@@ -24777,9 +24777,9 @@ fn __action510<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Option<Vec<Term>>, usize),
 ) -> Assignee
 {
@@ -24807,7 +24807,7 @@ fn __action511<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Option<Vec<Term>>, usize),
 ) -> Assignee
 {
@@ -24896,12 +24896,12 @@ fn __action514<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 __3: (usize, Vec<Over>, usize),
 __4: (usize, Token<'input>, usize),
 __5: (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 let __start0 = __1.0.clone();
 let __end0 = __1.2.clone();
@@ -24934,7 +24934,7 @@ __1: (usize, Token<'input>, usize),
 __2: (usize, Vec<Over>, usize),
 __3: (usize, Token<'input>, usize),
 __4: (usize, Term, usize),
-) -> (Option<Name>, PropertyKind)
+) -> (Option<NameText>, PropertyKind)
 {
 let __start0 = __0.2.clone();
 let __end0 = __1.0.clone();
@@ -24963,9 +24963,9 @@ fn __action516<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Vec<Term>, usize),
 ) -> Assignee
 {
@@ -24993,9 +24993,9 @@ fn __action517<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 ) -> Assignee
 {
 let __start0 = __2.2.clone();
@@ -25023,7 +25023,7 @@ fn __action518<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Vec<Term>, usize),
 ) -> Assignee
 {
@@ -25049,7 +25049,7 @@ fn __action519<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 ) -> Assignee
 {
 let __start0 = __0.2.clone();
@@ -25127,7 +25127,7 @@ fn __action522<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, (Name, DomainKind), usize),
+__0: (usize, (NameText, DomainKind), usize),
 ) -> Domain
 {
 let __start0 = __0.0.clone();
@@ -25154,7 +25154,7 @@ fn __action523<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, (Name, DomainKind), usize),
+__1: (usize, (NameText, DomainKind), usize),
 ) -> Domain
 {
 let __start0 = __0.0.clone();
@@ -25440,7 +25440,7 @@ fn __action534<
 >(
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
-__1: (usize, Name, usize),
+__1: (usize, NameText, usize),
 __2: (usize, Token<'input>, usize),
 __3: (usize, (Type, Option<Type>), usize),
 ) -> Function
@@ -25473,7 +25473,7 @@ fn __action535<
 node: &Nodes<'input, 'run>,
 __0: (usize, Token<'input>, usize),
 __1: (usize, Token<'input>, usize),
-__2: (usize, Name, usize),
+__2: (usize, NameText, usize),
 __3: (usize, Token<'input>, usize),
 __4: (usize, (Type, Option<Type>), usize),
 ) -> Function
@@ -25615,7 +25615,7 @@ fn __action540<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Type, usize),
 __3: (usize, Token<'input>, usize),
@@ -25645,7 +25645,7 @@ fn __action541<
     'run,
 >(
 node: &Nodes<'input, 'run>,
-__0: (usize, Name, usize),
+__0: (usize, NameText, usize),
 __1: (usize, Token<'input>, usize),
 __2: (usize, Token<'input>, usize),
 ) -> Over

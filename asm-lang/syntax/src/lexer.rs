@@ -15,20 +15,20 @@ pub(crate) use word::length as word_length;
 use crate::ast::Annotation;
 use crate::codes::l001::UnknownCharacters;
 use crate::codes::l010::StraySemicolon;
-use crate::findings::Findings;
+use crate::findings::SyntaxFindings;
 use asmotion_diagnostics::Span;
 
 /// A token and the bytes it covers.
-pub(crate) type Spanned<'input> = (usize, Token<'input>, usize);
+pub(crate) type SpannedToken<'input> = (usize, Token<'input>, usize);
 
 /// A token and how many bytes it takes.
-type Read<'input> = (Token<'input>, usize);
+type TokenLength<'input> = (Token<'input>, usize);
 
 /// Reads tokens from a text.
 #[derive(Debug)]
 pub(crate) struct Lexer<'input, 'run> {
     text: &'input str,
-    findings: &'run Findings,
+    findings: &'run SyntaxFindings,
     /// Where the next token is looked for.
     position: usize,
     /// What was read last: paths, names and signs depend on what stands before them.
@@ -43,7 +43,7 @@ pub(crate) struct Lexer<'input, 'run> {
 
 impl<'input, 'run> Lexer<'input, 'run> {
     /// Begins at the first character.
-    pub(crate) fn new(text: &'input str, findings: &'run Findings) -> Self {
+    pub(crate) fn new(text: &'input str, findings: &'run SyntaxFindings) -> Self {
         const BYTE_ORDER_MARK: char = '\u{feff}';
         Self {
             text,
@@ -81,7 +81,7 @@ impl<'input, 'run> Lexer<'input, 'run> {
     }
 
     /// The token that begins here, if one does.
-    fn read(&mut self) -> Option<Read<'input>> {
+    fn read(&mut self) -> Option<TokenLength<'input>> {
         if self.previous == Some(Token::Keyword(Keyword::Import))
             && let Some(path) = self.path()
         {
@@ -127,7 +127,7 @@ impl<'input, 'run> Lexer<'input, 'run> {
 }
 
 impl<'input> Iterator for Lexer<'input, '_> {
-    type Item = Spanned<'input>;
+    type Item = SpannedToken<'input>;
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {

@@ -37,10 +37,10 @@ pub use print::{format, format_scenario};
 pub use scenario::{begins_scenario, parse_scenario};
 
 use asmotion_diagnostics::{FileId, Report};
-use explain::{Explainer, Failure};
-use findings::Findings;
-use lexer::{Spanned, TextKind, Token};
-use nesting::Tokens;
+use explain::{Explainer, ParserError};
+use findings::SyntaxFindings;
+use lexer::{SpannedToken, TextKind, Token};
+use nesting::NestedTokens;
 use node::{Nodes, ParsedText};
 use std::iter;
 
@@ -58,9 +58,9 @@ pub const MAX_DEPTH: u32 = 400;
 
 /// Reads a file.
 pub fn parse(file: FileId, text: &str) -> Parsed {
-    let (findings, unheard) = (Findings::new(file), Findings::new(file));
+    let (findings, unheard) = (SyntaxFindings::new(file), SyntaxFindings::new(file));
     let nodes = Nodes::new(text, &findings, Explainer::new(text, &findings, &unheard));
-    let mut tokens = Tokens::new(text, &findings);
+    let mut tokens = NestedTokens::new(text, &findings);
     let mut tree = match read(TextKind::File, 0, &nodes, tokens.by_ref()) {
         Ok(ParsedText::File(tree)) => tree,
         Ok(ParsedText::Rule(_) | ParsedText::Term(_)) => nodes.unread(&never(0)),
@@ -78,13 +78,13 @@ fn read<'input, 'run>(
     kind: TextKind,
     start: usize,
     nodes: &Nodes<'input, 'run>,
-    tokens: impl Iterator<Item = Spanned<'input>>,
-) -> Result<ParsedText, Failure<'input>> {
+    tokens: impl Iterator<Item = SpannedToken<'input>>,
+) -> Result<ParsedText, ParserError<'input>> {
     let first = (start, Token::Start(kind), start);
     grammar::ParsedTextParser::new().parse(nodes, iter::once(first).chain(tokens))
 }
 
 /// The failure of a text that was read as another kind than it was to be; the grammar excludes it.
-fn never(at: usize) -> Failure<'static> {
-    Failure::InvalidToken { location: at }
+fn never(at: usize) -> ParserError<'static> {
+    ParserError::InvalidToken { location: at }
 }

@@ -2,21 +2,21 @@
 
 use crate::MAX_DEPTH;
 use crate::codes::l039::NestedTooDeep;
-use crate::findings::Findings;
-use crate::lexer::{Keyword, Lexer, Sign, Spanned, Token};
+use crate::findings::SyntaxFindings;
+use crate::lexer::{Keyword, Lexer, Sign, SpannedToken, Token};
 use crate::spelling::nearest;
 
 /// A bracket, a block or a declaration that has begun and not ended.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Open<'input> {
+pub(crate) struct OpenConstruct<'input> {
     /// What began it.
-    pub(crate) opener: Spanned<'input>,
+    pub(crate) opener: SpannedToken<'input>,
     /// The first word of a rule that ends with another rule: `forall`, as long as it is unfinished.
-    pub(crate) prefix: Option<Spanned<'input>>,
+    pub(crate) prefix: Option<SpannedToken<'input>>,
     /// The `if` that directly follows this one's `else`.
-    pub(crate) else_if: Option<Spanned<'input>>,
+    pub(crate) else_if: Option<SpannedToken<'input>>,
     /// A name directly inside that is nearly the end.
-    pub(crate) suspect: Option<Spanned<'input>>,
+    pub(crate) suspect: Option<SpannedToken<'input>>,
     /// Where the opener stands in its line, when it is the first of it.
     indent: Option<usize>,
     /// How many rules ending with a rule are nested here, directly.
@@ -32,11 +32,11 @@ pub(crate) struct Open<'input> {
 pub(crate) struct Nesting<'input> {
     text: &'input str,
     /// From the outside in; the first one is the declaration.
-    open: Vec<Open<'input>>,
+    open: Vec<OpenConstruct<'input>>,
     /// The token seen last.
-    pub(crate) previous: Option<Spanned<'input>>,
+    pub(crate) previous: Option<SpannedToken<'input>>,
     /// An end and what it ended although it is indented otherwise.
-    pub(crate) misaligned: Option<(Spanned<'input>, Spanned<'input>)>,
+    pub(crate) misaligned: Option<(SpannedToken<'input>, SpannedToken<'input>)>,
     /// Signs and `not` in a row.
     signs: u32,
 }
@@ -53,17 +53,17 @@ impl<'input> Nesting<'input> {
     }
 
     /// What began the current declaration.
-    pub(crate) fn declaration(&self) -> Option<Spanned<'input>> {
+    pub(crate) fn declaration(&self) -> Option<SpannedToken<'input>> {
         self.open.first().map(|open| open.opener)
     }
 
     /// What is open, from the inside out, without the declaration itself.
-    pub(crate) fn open(&self) -> impl Iterator<Item = &Open<'input>> {
+    pub(crate) fn open(&self) -> impl Iterator<Item = &OpenConstruct<'input>> {
         self.open.iter().skip(1).rev()
     }
 
     /// The innermost bracket, block or declaration.
-    pub(crate) fn innermost(&self) -> Option<&Open<'input>> {
+    pub(crate) fn innermost(&self) -> Option<&OpenConstruct<'input>> {
         self.open.last()
     }
 
@@ -73,7 +73,7 @@ impl<'input> Nesting<'input> {
     }
 
     /// Takes a token into account.
-    pub(crate) fn step(&mut self, spanned: Spanned<'input>) {
+    pub(crate) fn step(&mut self, spanned: SpannedToken<'input>) {
         let (_, token, _) = spanned;
         let operand_before = self
             .previous
@@ -102,12 +102,12 @@ impl<'input> Nesting<'input> {
         self.previous = Some(spanned);
     }
 
-    fn push(&mut self, opener: Spanned<'input>) {
+    fn push(&mut self, opener: SpannedToken<'input>) {
         let outside = 1 + self.depth();
         if outside > MAX_DEPTH + 1 {
             return; // deeper than anybody looks
         }
-        self.open.push(Open {
+        self.open.push(OpenConstruct {
             opener,
             prefix: None,
             else_if: None,
@@ -120,7 +120,7 @@ impl<'input> Nesting<'input> {
     }
 
     /// How far a token is indented, where it is the first of its line.
-    fn indent(&self, (start, _, _): Spanned<'_>) -> Option<usize> {
+    fn indent(&self, (start, _, _): SpannedToken<'_>) -> Option<usize> {
         let before = self.text.as_bytes().get(..start)?;
         let blanks = before
             .iter()
@@ -135,8 +135,8 @@ impl<'input> Nesting<'input> {
     }
 
     /// Closes the innermost `opener`, and with it what was left open inside.
-    fn close(&mut self, opener: Token<'_>, closer: Spanned<'input>) {
-        let same = |open: &Open<'_>| open.opener.1 == opener;
+    fn close(&mut self, opener: Token<'_>, closer: SpannedToken<'input>) {
+        let same = |open: &OpenConstruct<'_>| open.opener.1 == opener;
         let Some(at) = self.open.iter().rposition(same).filter(|&at| at > 0) else {
             return;
         };
@@ -156,7 +156,7 @@ impl<'input> Nesting<'input> {
         self.open.truncate(at);
     }
 
-    fn mark_else_if(&mut self, spanned: Spanned<'input>) {
+    fn mark_else_if(&mut self, spanned: SpannedToken<'input>) {
         let after_else = matches!(self.previous, Some((_, Token::Keyword(Keyword::Else), _)));
         if let Some(open) = self.open.last_mut()
             && after_else
@@ -167,7 +167,7 @@ impl<'input> Nesting<'input> {
     }
 
     /// A token that opens and closes nothing.
-    fn inside(&mut self, token: Token<'input>, spanned: Spanned<'input>) {
+    fn inside(&mut self, token: Token<'input>, spanned: SpannedToken<'input>) {
         let nested = matches!(
             self.previous,
             Some((_, Token::Keyword(Keyword::Do | Keyword::Ifnone), _))
@@ -204,14 +204,14 @@ impl<'input> Nesting<'input> {
 
 /// The tokens of a text, as the parser gets them: never nested too deep, never endless.
 #[derive(Debug)]
-pub(crate) struct Tokens<'input, 'run> {
+pub(crate) struct NestedTokens<'input, 'run> {
     pub(crate) lexer: Lexer<'input, 'run>,
     nesting: Nesting<'input>,
-    findings: &'run Findings,
+    findings: &'run SyntaxFindings,
 }
 
-impl<'input, 'run> Tokens<'input, 'run> {
-    pub(crate) fn new(text: &'input str, findings: &'run Findings) -> Self {
+impl<'input, 'run> NestedTokens<'input, 'run> {
+    pub(crate) fn new(text: &'input str, findings: &'run SyntaxFindings) -> Self {
         Self {
             lexer: Lexer::new(text, findings),
             nesting: Nesting::new(text),
@@ -220,15 +220,15 @@ impl<'input, 'run> Tokens<'input, 'run> {
     }
 
     /// Leaves out what cannot be read, up to the next declaration.
-    fn next_item(&mut self) -> Option<Spanned<'input>> {
+    fn next_item(&mut self) -> Option<SpannedToken<'input>> {
         self.lexer
             .by_ref()
             .find(|&(_, token, _)| starts_item(token))
     }
 }
 
-impl<'input> Iterator for Tokens<'input, '_> {
-    type Item = Spanned<'input>;
+impl<'input> Iterator for NestedTokens<'input, '_> {
+    type Item = SpannedToken<'input>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.findings.is_full() {

@@ -12,8 +12,8 @@ pub(crate) use term::{Elements, applied};
 use crate::ast::*;
 use crate::codes::l056::Misnamed;
 use crate::codes::l075::PropertyPrefix;
-use crate::explain::{Explainer, Failure};
-use crate::findings::Findings;
+use crate::explain::{Explainer, ParserError};
+use crate::findings::SyntaxFindings;
 use crate::lexer::Token;
 use asmotion_diagnostics::Span;
 use lalrpop_util::ErrorRecovery;
@@ -37,7 +37,7 @@ pub(crate) enum ParsedText {
 /// The constructors the grammar calls.
 pub(crate) struct Nodes<'input, 'run> {
     text: &'input str,
-    findings: &'run Findings,
+    findings: &'run SyntaxFindings,
     explainer: RefCell<Explainer<'input, 'run>>,
 }
 
@@ -45,7 +45,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     /// For one run of the parser.
     pub(crate) fn new(
         text: &'input str,
-        findings: &'run Findings,
+        findings: &'run SyntaxFindings,
         explainer: Explainer<'input, 'run>,
     ) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         &self,
         start: usize,
         dynamic: bool,
-        (name, kind): (Name, DomainKind),
+        (name, kind): (NameText, DomainKind),
         end: usize,
     ) -> Domain {
         Domain {
@@ -83,7 +83,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     pub(crate) fn structured_domain(&self, of: Type) -> Domain {
         let span = of.span;
         let text = self.text.get(span.range()).unwrap_or("");
-        let name = Name {
+        let name = NameText {
             text: text.into(),
             span,
         };
@@ -100,7 +100,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         &self,
         start: usize,
         kind: FunctionKind,
-        name: Name,
+        name: NameText,
         mapping: (Type, Option<Type>),
         end: usize,
     ) -> Function {
@@ -118,7 +118,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     }
 
     /// `rule foo`: the prefix `r_` is missing.
-    pub(crate) fn rule_name_without_prefix(&self, name: Name) -> Name {
+    pub(crate) fn rule_name_without_prefix(&self, name: NameText) -> NameText {
         let better = format!("r_{}", name.text);
         self.findings.report(Misnamed {
             what: "a rule",
@@ -126,7 +126,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
             found: (name.text.to_string(), name.span),
             better: Some(better.clone()),
         });
-        Name {
+        NameText {
             text: better.into(),
             span: name.span,
         }
@@ -136,7 +136,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     pub(crate) fn property(
         &self,
         start: usize,
-        (name, kind): (Option<Name>, PropertyKind),
+        (name, kind): (Option<NameText>, PropertyKind),
         end: usize,
     ) -> Property {
         Property {
@@ -147,7 +147,11 @@ impl<'input, 'run> Nodes<'input, 'run> {
     }
 
     /// A name after `invariant`, `CTLSPEC` or `LTLSPEC`; AsmetaS wants each to begin its way.
-    pub(crate) fn property_name(&self, prefix: &'static str, name: Option<Name>) -> Option<Name> {
+    pub(crate) fn property_name(
+        &self,
+        prefix: &'static str,
+        name: Option<NameText>,
+    ) -> Option<NameText> {
         if let Some(name) = name.as_ref().filter(|name| !name.text.starts_with(prefix)) {
             self.findings.report(PropertyPrefix {
                 prefix,
@@ -161,8 +165,8 @@ impl<'input, 'run> Nodes<'input, 'run> {
     // ── names and places ──
 
     /// A name.
-    pub(crate) fn name(&self, start: usize, text: &str, end: usize) -> Name {
-        Name {
+    pub(crate) fn name(&self, start: usize, text: &str, end: usize) -> NameText {
+        NameText {
             text: Arc::from(text),
             span: self.span(start, end),
         }
@@ -195,13 +199,13 @@ impl<'input, 'run> Nodes<'input, 'run> {
     }
 
     /// The file the parser gave up.
-    pub(crate) fn unread(&self, failure: &Failure<'_>) -> File {
+    pub(crate) fn unread(&self, failure: &ParserError<'_>) -> File {
         self.explain(failure, 0, self.text.len());
         file::empty()
     }
 
     /// Reports an error; what the parser gave up for it reaches from `start` to `end`.
-    pub(crate) fn explain(&self, failure: &Failure<'_>, start: usize, end: usize) {
+    pub(crate) fn explain(&self, failure: &ParserError<'_>, start: usize, end: usize) {
         self.explainer.borrow_mut().explain(failure, start, end);
     }
 }

@@ -16,10 +16,10 @@ mod trivia;
 
 use crate::{parse, parse_scenario};
 use asmotion_diagnostics::{FileId, Report};
-use layout::Layout;
+use layout::TokenLayout;
 use pretty::Arena;
 use std::borrow::Cow;
-use trivia::Tokens;
+use trivia::TriviaTokens;
 
 /// A line is as wide as this at most, where it can be.
 const WIDTH: usize = 100;
@@ -45,7 +45,7 @@ pub fn format(file: FileId, text: &str) -> Result<String, Report> {
     }
     .file;
     let arena = Arena::new();
-    let mut layout = Layout::new(&arena, Tokens::of_file(&unix));
+    let mut layout = TokenLayout::new(&arena, TriviaTokens::of_file(&unix));
     layout.file(&tree);
     Ok(layout.finish())
 }
@@ -63,7 +63,7 @@ pub fn format_scenario(file: FileId, text: &str) -> Result<String, Report> {
     let (tree, _) = parse_scenario(file, &unix);
     let arena = Arena::new();
     let tokens = scenario::tokens(&unix, &tree);
-    let mut layout = Layout::new(&arena, Tokens::new(&unix, tokens));
+    let mut layout = TokenLayout::new(&arena, TriviaTokens::new(&unix, tokens));
     layout.scenario(&tree);
     Ok(layout.finish())
 }

@@ -14,22 +14,22 @@
 mod command;
 mod reader;
 
-use crate::ast::{Name, Scenario, ScenarioInvariant};
+use crate::ast::{NameText, Scenario, ScenarioInvariant};
 use crate::codes::v001::NoScenarioHeading;
 use crate::codes::v002::NoLoadCommand;
 use crate::codes::v004::IncompleteCommand;
 use crate::codes::v008::DuplicateBlock;
-use crate::findings::Findings;
+use crate::findings::SyntaxFindings;
 use crate::lexer::Lexer;
 
 use asmotion_diagnostics::{FileId, Report, Span};
-use reader::Reader;
+use reader::ScenarioReader;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Whether a text is meant as a scenario: that is its first word.
 pub fn begins_scenario(text: &str) -> bool {
-    let unheard = Findings::new(FileId(0));
+    let unheard = SyntaxFindings::new(FileId(0));
     let mut lexer = Lexer::new(text, &unheard);
     lexer.blanks_and_comments();
     lexer.rest().starts_with("scenario")
@@ -38,8 +38,8 @@ pub fn begins_scenario(text: &str) -> bool {
 /// Reads a scenario: what could be read, and what was wrong.
 pub fn parse_scenario(file: FileId, text: &str) -> (Scenario, Report) {
     // what the lexer says of a part is said again by the parser of that part
-    let unheard = Findings::new(file);
-    let mut reader = Reader {
+    let unheard = SyntaxFindings::new(file);
+    let mut reader = ScenarioReader {
         file,
         text,
         lexer: Lexer::new(text, &unheard),
@@ -50,7 +50,7 @@ pub fn parse_scenario(file: FileId, text: &str) -> (Scenario, Report) {
     (scenario, reader.report.finish())
 }
 
-impl Reader<'_, '_> {
+impl ScenarioReader<'_, '_> {
     fn scenario(&mut self) -> Scenario {
         let mut scenario = Scenario::default();
         match self.takes("scenario") {
@@ -98,7 +98,7 @@ impl Reader<'_, '_> {
     }
 
     /// The path after `load`: in quotes, or up to the next blank.
-    fn path(&mut self, at: Span) -> Option<Name> {
+    fn path(&mut self, at: Span) -> Option<NameText> {
         self.lexer.blanks_and_comments();
         let rest = self.lexer.rest();
         let start = self.lexer.position();
@@ -125,7 +125,7 @@ impl Reader<'_, '_> {
             return None;
         }
         self.takes_sign(";");
-        Some(Name {
+        Some(NameText {
             text: Arc::from(&self.text[from..from + length]),
             span: self.span(from..from + length),
         })

@@ -5,7 +5,7 @@
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 
 use asmotion_diagnostics::{FileId, Sources};
-use asmotion_syntax::ast::{Command, CommandKind};
+use asmotion_syntax::ast::{ScenarioCommand, ScenarioCommandKind};
 use asmotion_syntax::parse_scenario;
 use std::fs;
 use std::path::Path;
@@ -57,7 +57,7 @@ execblock inner;
         ]
     );
     assert!(scenario.block("inner").is_some());
-    let CommandKind::Pick(pick) = &scenario.commands[5].kind else {
+    let ScenarioCommandKind::Pick(pick) = &scenario.commands[5].kind else {
         unreachable!()
     };
     let domains = pick.rule.as_ref().unwrap().parameters.as_ref().unwrap();
@@ -65,16 +65,16 @@ execblock inner;
     assert_eq!(domains, ["Natural", "Prod(Integer, Boolean)"]);
 }
 
-fn kind(command: &Command) -> &'static str {
+fn kind(command: &ScenarioCommand) -> &'static str {
     match &command.kind {
-        CommandKind::Set(..) => "set",
-        CommandKind::Check(_) => "check",
-        CommandKind::Step => "step",
-        CommandKind::StepUntil(_) => "until",
-        CommandKind::Exec(_) => "exec",
-        CommandKind::Pick(_) => "pick",
-        CommandKind::Block(_) => "block",
-        CommandKind::ExecBlock { .. } => "execblock",
+        ScenarioCommandKind::Set(..) => "set",
+        ScenarioCommandKind::Check(_) => "check",
+        ScenarioCommandKind::Step => "step",
+        ScenarioCommandKind::StepUntil(_) => "until",
+        ScenarioCommandKind::Exec(_) => "exec",
+        ScenarioCommandKind::Pick(_) => "pick",
+        ScenarioCommandKind::Block(_) => "block",
+        ScenarioCommandKind::ExecBlock { .. } => "execblock",
     }
 }
 

@@ -4,7 +4,7 @@ use crate::{Atom, RuleId, Value};
 use std::fmt::{self, Write};
 
 /// What the atoms and rules of a machine are called.
-pub trait Names {
+pub trait ValueNames {
     /// Writes the name of an atom, as in `IDLE` or `order!3`.
     ///
     /// # Errors
@@ -19,9 +19,9 @@ pub trait Names {
 }
 
 /// A value together with the names it needs to be read.
-pub struct Shown<'a> {
+pub struct DisplayValue<'a> {
     value: &'a Value,
-    names: &'a dyn Names,
+    names: &'a dyn ValueNames,
 }
 
 /// What an element is called that `extend` added to a domain, as in `person!1`: after the domain,
@@ -39,14 +39,14 @@ pub fn element_name(domain: &str, number: impl fmt::Display) -> String {
 impl Value {
     /// This value as text: integers decimal, reals so that they read back, texts and characters
     /// quoted as JSON quotes, sets, bags and maps in the order of the values.
-    pub fn show<'a>(&'a self, names: &'a dyn Names) -> Shown<'a> {
-        Shown { value: self, names }
+    pub fn show<'a>(&'a self, names: &'a dyn ValueNames) -> DisplayValue<'a> {
+        DisplayValue { value: self, names }
     }
 }
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for DisplayValue<'_> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let show = |value| Shown {
+        let show = |value| DisplayValue {
             value,
             names: self.names,
         };
@@ -78,7 +78,7 @@ impl fmt::Display for Shown<'_> {
             Value::Map(pairs) => {
                 let pairs = pairs
                     .iter()
-                    .map(|(key, value)| Pair(show(key), show(value)));
+                    .map(|(key, value)| DisplayEntry(show(key), show(value)));
                 list(to, "{", pairs, "}")
             }
         }
@@ -86,9 +86,9 @@ impl fmt::Display for Shown<'_> {
 }
 
 /// `key -> value`.
-struct Pair<'a>(Shown<'a>, Shown<'a>);
+struct DisplayEntry<'a>(DisplayValue<'a>, DisplayValue<'a>);
 
-impl fmt::Display for Pair<'_> {
+impl fmt::Display for DisplayEntry<'_> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "{} -> {}", self.0, self.1)
     }

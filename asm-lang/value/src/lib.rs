@@ -12,7 +12,7 @@ mod display;
 pub mod layout;
 mod real;
 
-pub use display::{Names, Shown, element_name};
+pub use display::{DisplayValue, ValueNames, element_name};
 pub use real::Real;
 
 /// An element without structure: an enumeration literal, an abstract constant, an agent, or an

@@ -1,6 +1,6 @@
 //! Laws of values: one total order, equality and hash agree with it, and the text reads back.
 
-use asmotion_value::{Atom, Names, Real, RuleId, Value};
+use asmotion_value::{Atom, Real, RuleId, Value, ValueNames};
 use proptest::prelude::*;
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet};
@@ -163,7 +163,7 @@ fn values() -> impl Strategy<Value = Value> {
 /// Atoms `a0`, `a1`, …, rules `r_0`, `r_1`, ….
 struct Numbered;
 
-impl Names for Numbered {
+impl ValueNames for Numbered {
     fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "a{}", atom.0)
     }

@@ -10,9 +10,9 @@ use asmotion_messages::{
     Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time as Stamp,
 };
 
-use crate::advice::{Advice, Adviser, Cause, Patience};
-use crate::bend::Limits;
-use crate::memory::Memory;
+use crate::advice::{Advice, Adviser, BlockedCause, Patience};
+use crate::bend::BendLimits;
+use crate::memory::ScanMemory;
 use crate::news::{Blockers, everything, on_the_path};
 use crate::trail::Trail;
 
@@ -23,7 +23,7 @@ pub struct TrajectoryAdapter {
 
     adviser: Adviser,
     trail: Trail,
-    memory: Memory,
+    memory: ScanMemory,
     blockers: Blockers,
     /// Distances to the map's obstacles.
     known: Option<Distances>,
@@ -58,7 +58,7 @@ struct AdapterPorts {
 #[derive(Properties)]
 struct AdapterProperties {
     #[property(flatten)]
-    limits: Limits,
+    limits: BendLimits,
     #[property(flatten)]
     patience: Patience,
     /// Range beyond which hits of the laser are ignored.
@@ -88,7 +88,7 @@ impl TrajectoryAdapter {
             properties: interface.properties(),
             adviser: Adviser::default(),
             trail: Trail::default(),
-            memory: Memory::default(),
+            memory: ScanMemory::default(),
             blockers: Blockers::default(),
             known: None,
             seen: None,
@@ -223,8 +223,8 @@ fn shows(known: &Distances, point: Point, tolerance: f64) -> bool {
     distance.is_some_and(|distance| distance <= tolerance)
 }
 
-fn obstacles(now: Time, discs: &[asmotion_geometry::Disc]) -> Obstacles {
-    let disc = |disc: &asmotion_geometry::Disc| Disc {
+fn obstacles(now: Time, discs: &[asmotion_geometry::RoundObstacle]) -> Obstacles {
+    let disc = |disc: &asmotion_geometry::RoundObstacle| Disc {
         x: disc.centre.x,
         y: disc.centre.y,
         radius: disc.radius,
@@ -235,13 +235,15 @@ fn obstacles(now: Time, discs: &[asmotion_geometry::Disc]) -> Obstacles {
     }
 }
 
-fn blocked(now: Time, cause: Cause) -> Event {
+fn blocked(now: Time, cause: BlockedCause) -> Event {
     let detail = match cause {
-        Cause::Barrier(barrier) => {
+        BlockedCause::Barrier(barrier) => {
             let (at, ahead) = (barrier.point, barrier.ahead);
             format!("no way past ({:.2}, {:.2}), {ahead:.2} m ahead", at.x, at.y)
         }
-        Cause::Stuck(at) => format!("the robot gets no farther than ({:.2}, {:.2})", at.x, at.y),
+        BlockedCause::Stuck(at) => {
+            format!("the robot gets no farther than ({:.2}, {:.2})", at.x, at.y)
+        }
     };
     Event::new(now.nanos(), Event::BLOCKED, detail)
 }

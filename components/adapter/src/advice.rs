@@ -6,8 +6,8 @@ use asmotion_component::{Properties, Time};
 use asmotion_geometry::{Distances, Point, Pose};
 use asmotion_messages::Path;
 
-use crate::bend::{Barrier, Bender, Limits, Obstacles, Window};
-use crate::route::Route;
+use crate::bend::{Barrier, BendLimits, BendObstacles, Bender, Window};
+use crate::route::BendableRoute;
 
 /// When the robot holds before an obstacle, and when its path counts as blocked.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]
@@ -25,7 +25,7 @@ pub struct Patience {
 
 /// Reason why a path counts as blocked.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cause {
+pub enum BlockedCause {
     /// There is no way past this.
     Barrier(Barrier),
     /// The way looks free, but the robot gets no farther than here (map frame, m).
@@ -38,12 +38,12 @@ pub struct Advice {
     /// The path to follow from now on, if it is another than before; without poses: stop.
     pub path: Option<Path>,
     /// Set once for a path that is blocked.
-    pub blocked: Option<Cause>,
+    pub blocked: Option<BlockedCause>,
 }
 
 /// The last order to the follower.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Told {
+enum LastAdvice {
     /// Nothing of this path.
     Nothing,
     /// The path as it was planned.
@@ -59,8 +59,8 @@ enum Told {
 /// State of the decision: the path, its bend, and the last order to the follower.
 #[derive(Debug, Clone)]
 pub struct Adviser {
-    route: Option<Route>,
-    told: Told,
+    route: Option<BendableRoute>,
+    told: LastAdvice,
     fruitless: u32,
     /// Whether the path leads back from a bend that is no longer needed.
     returns: bool,
@@ -87,7 +87,7 @@ impl Default for Adviser {
     fn default() -> Self {
         Self {
             route: None,
-            told: Told::Nothing,
+            told: LastAdvice::Nothing,
             fruitless: 0,
             returns: false,
             milestone: None,
@@ -100,8 +100,8 @@ impl Default for Adviser {
 impl Adviser {
     /// Takes a new path; the advice passes an empty one on.
     pub fn order(&mut self, path: &Path) -> Advice {
-        self.route = Route::new(path.clone());
-        self.told = Told::Nothing;
+        self.route = BendableRoute::new(path.clone());
+        self.told = LastAdvice::Nothing;
         self.fruitless = 0;
         self.returns = false;
         self.milestone = None;
@@ -113,7 +113,7 @@ impl Adviser {
 
     /// Returns whether there is a path that is not blocked.
     pub fn is_busy(&self) -> bool {
-        self.route.is_some() && self.told != Told::Blocked
+        self.route.is_some() && self.told != LastAdvice::Blocked
     }
 
     /// Decides without a scan: a path is passed on as planned if there never was one, and held if the laser has failed.
@@ -122,15 +122,17 @@ impl Adviser {
             return Advice::default();
         };
         match self.told {
-            Told::Nothing | Told::Planned | Told::Bent if has_seen => {
-                self.told = Told::Hold;
+            LastAdvice::Nothing | LastAdvice::Planned | LastAdvice::Bent if has_seen => {
+                self.told = LastAdvice::Hold;
                 say(empty(route.planned()))
             }
-            Told::Nothing => {
-                self.told = Told::Planned;
+            LastAdvice::Nothing => {
+                self.told = LastAdvice::Planned;
                 say(route.planned().clone())
             }
-            Told::Planned | Told::Bent | Told::Hold | Told::Blocked => Advice::default(),
+            LastAdvice::Planned | LastAdvice::Bent | LastAdvice::Hold | LastAdvice::Blocked => {
+                Advice::default()
+            }
         }
     }
 
@@ -146,7 +148,7 @@ impl Adviser {
         robot: &Pose,
         seen: impl Iterator<Item = Point>,
         map: Option<&Distances>,
-        limits: &Limits,
+        limits: &BendLimits,
         patience: &Patience,
     ) -> Advice {
         if !self.is_busy() {
@@ -158,7 +160,7 @@ impl Adviser {
         let (from, offset) = route.locate(robot);
         let place = Point::from(robot.translation.vector);
         if self.is_stuck(now, patience) {
-            return self.give_up(Cause::Stuck(place));
+            return self.give_up(BlockedCause::Stuck(place));
         }
         let Some(route) = &self.route else {
             return Advice::default();
@@ -166,7 +168,7 @@ impl Adviser {
         self.near.clear();
         let around = route.around(from, limits);
         self.near.extend(seen.filter(|point| around(point)));
-        let obstacles = Obstacles::new(&mut self.near, map, limits);
+        let obstacles = BendObstacles::new(&mut self.near, map, limits);
         let window = Window {
             route,
             from,
@@ -205,15 +207,17 @@ impl Adviser {
     /// The way is free: sends the path to a follower that has no order or holds.
     fn go_on(&mut self) -> Advice {
         match (&self.route, self.told) {
-            (Some(route), Told::Nothing | Told::Hold) => {
+            (Some(route), LastAdvice::Nothing | LastAdvice::Hold) => {
                 let (told, path) = match route.is_bent(0) {
-                    true => (Told::Bent, route.bent()),
-                    false => (Told::Planned, route.planned().clone()),
+                    true => (LastAdvice::Bent, route.bent()),
+                    false => (LastAdvice::Planned, route.planned().clone()),
                 };
                 self.told = told;
                 say(path)
             }
-            (Some(_), Told::Planned | Told::Bent | Told::Blocked) | (None, _) => Advice::default(),
+            (Some(_), LastAdvice::Planned | LastAdvice::Bent | LastAdvice::Blocked) | (None, _) => {
+                Advice::default()
+            }
         }
     }
 
@@ -224,8 +228,8 @@ impl Adviser {
         };
         let before: Vec<f64> = route.offsets().to_vec();
         route.bend(from, offsets);
-        if before != route.offsets() && self.told != Told::Nothing {
-            self.told = Told::Hold; // whatever it was told, it is to be told anew
+        if before != route.offsets() && self.told != LastAdvice::Nothing {
+            self.told = LastAdvice::Hold; // whatever it was told, it is to be told anew
         }
         self.go_on()
     }
@@ -237,10 +241,10 @@ impl Adviser {
         };
         let stop = empty(route.planned());
         if self.fruitless >= patience.looks {
-            return self.give_up(Cause::Barrier(barrier));
+            return self.give_up(BlockedCause::Barrier(barrier));
         }
-        if barrier.ahead <= patience.hold_m && self.told != Told::Hold {
-            self.told = Told::Hold;
+        if barrier.ahead <= patience.hold_m && self.told != LastAdvice::Hold {
+            self.told = LastAdvice::Hold;
             return say(stop);
         }
         Advice::default()
@@ -248,9 +252,14 @@ impl Adviser {
 
     /// Returns whether the robot has an order to drive but makes no progress.
     fn is_stuck(&mut self, now: Time, patience: &Patience) -> bool {
-        let along = self.route.as_ref().and_then(Route::progress).unwrap_or(0.0);
-        let left = self.route.as_ref().map_or(0.0, Route::length) - along;
-        let drives = matches!(self.told, Told::Planned | Told::Bent) && left > ALMOST_THERE;
+        let along = self
+            .route
+            .as_ref()
+            .and_then(BendableRoute::progress)
+            .unwrap_or(0.0);
+        let left = self.route.as_ref().map_or(0.0, BendableRoute::length) - along;
+        let drives =
+            matches!(self.told, LastAdvice::Planned | LastAdvice::Bent) && left > ALMOST_THERE;
         match self.milestone {
             Some((reached, since)) if drives && (along - reached).abs() < MILESTONE => {
                 now.since(since) >= patience.stuck_s
@@ -263,10 +272,10 @@ impl Adviser {
     }
 
     /// Stops the robot until the next path, and gives the reason.
-    fn give_up(&mut self, cause: Cause) -> Advice {
+    fn give_up(&mut self, cause: BlockedCause) -> Advice {
         let stop = self.route.as_ref().map(|route| empty(route.planned()));
-        let stands = self.told == Told::Hold;
-        self.told = Told::Blocked;
+        let stands = self.told == LastAdvice::Hold;
+        self.told = LastAdvice::Blocked;
         Advice {
             path: stop.filter(|_| !stands),
             blocked: Some(cause),
@@ -274,7 +283,7 @@ impl Adviser {
     }
 
     /// The path that is cared for.
-    pub fn route(&self) -> Option<&Route> {
+    pub fn route(&self) -> Option<&BendableRoute> {
         self.route.as_ref()
     }
 }
@@ -394,7 +403,7 @@ mod tests {
         }
         let blocked = look(&mut adviser, 0.0, &wall(3.0));
         assert!(is_stop(&blocked));
-        let Some(Cause::Barrier(barrier)) = blocked.blocked else {
+        let Some(BlockedCause::Barrier(barrier)) = blocked.blocked else {
             panic!("{blocked:?}");
         };
         assert!((barrier.point - Point::new(3.0, 0.0)).norm() < 0.1);
@@ -438,7 +447,10 @@ mod tests {
             assert_eq!(look_at(now, x), Advice::default());
         }
         let stuck = look_at(280, 0.26);
-        assert_eq!(stuck.blocked, Some(Cause::Stuck(Point::new(0.26, 0.0))));
+        assert_eq!(
+            stuck.blocked,
+            Some(BlockedCause::Stuck(Point::new(0.26, 0.0)))
+        );
         assert!(is_stop(&stuck));
         assert_eq!(look_at(2000, 1.15), Advice::default());
     }

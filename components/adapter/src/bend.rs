@@ -7,11 +7,11 @@
 use asmotion_component::Properties;
 use asmotion_geometry::{Distances, Point};
 
-use crate::route::Route;
+use crate::route::BendableRoute;
 
 /// The robot's size, and how far a detour may lead.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]
-pub struct Limits {
+pub struct BendLimits {
     /// Radius of the disc that covers the robot.
     #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
     pub robot_radius_m: f64,
@@ -29,7 +29,7 @@ pub struct Limits {
     pub horizon_m: f64,
 }
 
-impl Limits {
+impl BendLimits {
     /// Smallest distance between the robot's centre and an obstacle, m.
     pub fn clearance(&self) -> f64 {
         self.robot_radius_m + self.margin_m
@@ -52,7 +52,7 @@ pub struct Barrier {
 
 /// Obstacles near the path, for distance queries.
 #[derive(Debug, Clone, Copy)]
-pub struct Obstacles<'a> {
+pub struct BendObstacles<'a> {
     /// Points seen by the laser, map frame, in the order of x.
     seen: &'a [Point],
     /// Distances to the map's obstacles, if there is a map.
@@ -95,9 +95,9 @@ const FARTHER: f64 = 0.1;
 /// m, of clearance: the least difference that counts when a robot that is too near shall not come nearer.
 const SLACK: f64 = 0.02;
 
-impl<'a> Obstacles<'a> {
+impl<'a> BendObstacles<'a> {
     /// Obstacles for queries within these limits: points seen by the laser (sorted here) and the map's.
-    pub fn new(seen: &'a mut [Point], mapped: Option<&'a Distances>, limits: &Limits) -> Self {
+    pub fn new(seen: &'a mut [Point], mapped: Option<&'a Distances>, limits: &BendLimits) -> Self {
         seen.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         Self {
             seen,
@@ -128,8 +128,8 @@ impl<'a> Obstacles<'a> {
     }
 
     /// Distances from a robot at `point`, m.
-    fn room(&self, point: Point) -> Room {
-        Room {
+    fn room(&self, point: Point) -> Clearance {
+        Clearance {
             seen: self.seen_distance(point),
             mapped: self.mapped_distance(point),
         }
@@ -146,12 +146,12 @@ impl<'a> Obstacles<'a> {
 /// m to the nearest thing the laser saw, and to the nearest on the map. What the map shows the planner knew: where it
 /// went nearer to that than the clearance, that is near enough.
 #[derive(Debug, Clone, Copy)]
-struct Room {
+struct Clearance {
     seen: f64,
     mapped: f64,
 }
 
-impl Room {
+impl Clearance {
     /// Returns whether this is at least `needed` plus `spare` metres; the planner has allowed for the map's obstacles, so a
     /// positive spare does not apply to them.
     fn suffices(&self, needed: &Self, spare: f64) -> bool {
@@ -167,7 +167,7 @@ impl Room {
 #[derive(Debug, Clone, Copy)]
 pub struct Window<'a> {
     /// The road.
-    pub route: &'a Route,
+    pub route: &'a BendableRoute,
     /// The last station not ahead of the robot: the robot is there, whatever stands near it.
     pub from: usize,
     /// Position of the robot, map frame, m.
@@ -178,7 +178,7 @@ pub struct Window<'a> {
 
 impl Window<'_> {
     /// Number of stations within the horizon.
-    pub fn len(&self, limits: &Limits) -> usize {
+    pub fn len(&self, limits: &BendLimits) -> usize {
         self.route.within(self.from, limits.horizon_m)
     }
 
@@ -186,8 +186,8 @@ impl Window<'_> {
     /// between stations, for a way that leaps to the other side of a wall is not free.
     pub fn is_free(
         &self,
-        limits: &Limits,
-        obstacles: &Obstacles<'_>,
+        limits: &BendLimits,
+        obstacles: &BendObstacles<'_>,
         spare: f64,
         offset: impl Fn(usize) -> f64,
     ) -> bool {
@@ -206,7 +206,12 @@ impl Window<'_> {
     }
 
     /// The way back to the planned path, for a robot beside it: smooth, and only if it is free with `spare` metres more.
-    pub fn back(&self, limits: &Limits, obstacles: &Obstacles<'_>, spare: f64) -> Option<Vec<f64>> {
+    pub fn back(
+        &self,
+        limits: &BendLimits,
+        obstacles: &BendObstacles<'_>,
+        spare: f64,
+    ) -> Option<Vec<f64>> {
         let length = (RETURN * self.offset.abs()).max(1.0);
         let offset = |station: usize| {
             let share = (station - self.from) as f64 * self.route.step() / length;
@@ -220,11 +225,17 @@ impl Window<'_> {
     }
 
     /// Distances required at a station: less where the robot starts too near to something, then growing.
-    fn needed(&self, limits: &Limits, obstacles: &Obstacles<'_>, here: &Room, at: usize) -> Room {
+    fn needed(
+        &self,
+        limits: &BendLimits,
+        obstacles: &BendObstacles<'_>,
+        here: &Clearance,
+        at: usize,
+    ) -> Clearance {
         let gained = at as f64 * self.route.step() * ESCAPE - SLACK;
         let planned = self.route.point(self.from + at, 0.0);
         let mapped = obstacles.mapped_distance(planned).min(here.mapped + gained);
-        Room {
+        Clearance {
             seen: limits.clearance().min(here.seen + gained),
             mapped: limits.clearance().min(mapped),
         }
@@ -246,8 +257,8 @@ impl Bender {
     pub fn bend(
         &mut self,
         window: &Window<'_>,
-        limits: &Limits,
-        obstacles: &Obstacles<'_>,
+        limits: &BendLimits,
+        obstacles: &BendObstacles<'_>,
     ) -> Result<Vec<f64>, Barrier> {
         let lanes = Lanes::new(limits.reach_m);
         let stations = window.len(limits);
@@ -311,10 +322,10 @@ impl Bender {
         &mut self,
         lanes: &Lanes,
         window: &Window<'_>,
-        limits: &Limits,
-        obstacles: &Obstacles<'_>,
+        limits: &BendLimits,
+        obstacles: &BendObstacles<'_>,
         at: usize,
-        needed: &Room,
+        needed: &Clearance,
     ) -> bool {
         let station = window.from + at;
         let taken = window.route.offsets()[station];
@@ -358,7 +369,12 @@ fn smooth_step_down(share: f64) -> f64 {
 }
 
 /// Rounds the corners that the lattice left, where that does not lead below the clearance.
-fn round(offsets: &mut [f64], window: &Window<'_>, limits: &Limits, obstacles: &Obstacles<'_>) {
+fn round(
+    offsets: &mut [f64],
+    window: &Window<'_>,
+    limits: &BendLimits,
+    obstacles: &BendObstacles<'_>,
+) {
     for at in 1..offsets.len().saturating_sub(1) {
         let rounded = (offsets[at - 1] + 2.0 * offsets[at] + offsets[at + 1]) / 4.0;
         let nearest =
@@ -403,7 +419,7 @@ pub(crate) mod tests {
     use asmotion_messages::{Path, Pose};
     use proptest::prelude::*;
 
-    pub const LIMITS: Limits = Limits {
+    pub const LIMITS: BendLimits = BendLimits {
         robot_radius_m: 0.2,
         margin_m: 0.05,
         comfort_m: 0.2,
@@ -411,12 +427,12 @@ pub(crate) mod tests {
         horizon_m: 4.0,
     };
 
-    fn road() -> Route {
+    fn road() -> BendableRoute {
         let ends = [Pose::planar(0.0, 0.0, 0.0), Pose::planar(6.0, 0.0, 0.0)];
-        Route::new(Path::through(1, "map", ends)).unwrap()
+        BendableRoute::new(Path::through(1, "map", ends)).unwrap()
     }
 
-    fn window(route: &Route) -> Window<'_> {
+    fn window(route: &BendableRoute) -> Window<'_> {
         Window {
             route,
             from: 0,
@@ -427,7 +443,7 @@ pub(crate) mod tests {
 
     fn bend(seen: &[Point]) -> Result<Vec<f64>, Barrier> {
         let mut seen = seen.to_vec();
-        let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+        let obstacles = BendObstacles::new(&mut seen, None, &LIMITS);
         Bender::default().bend(&window(&road()), &LIMITS, &obstacles)
     }
 
@@ -495,7 +511,7 @@ pub(crate) mod tests {
             robot: Point::new(4.0, 0.0),
             ..window(&route)
         };
-        let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+        let obstacles = BendObstacles::new(&mut seen, None, &LIMITS);
         assert!(
             Bender::default()
                 .bend(&near_goal, &LIMITS, &obstacles)
@@ -507,7 +523,7 @@ pub(crate) mod tests {
     fn a_robot_that_stands_too_near_to_something_gets_away() {
         let route = road();
         let mut seen = [Point::new(0.22, 0.0)];
-        let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+        let obstacles = BendObstacles::new(&mut seen, None, &LIMITS);
         let offsets = Bender::default()
             .bend(&window(&route), &LIMITS, &obstacles)
             .unwrap();
@@ -516,7 +532,7 @@ pub(crate) mod tests {
 
     #[test]
     fn it_keeps_away_from_what_the_map_knows_but_follows_the_planner() {
-        let layout = asmotion_geometry::Layout::new(
+        let layout = asmotion_geometry::GridLayout::new(
             0.05,
             140,
             40,
@@ -533,7 +549,7 @@ pub(crate) mod tests {
         let route = road();
         let pass = |seen: &[Point]| {
             let mut seen = seen.to_vec();
-            let obstacles = Obstacles::new(&mut seen, Some(&map), &LIMITS);
+            let obstacles = BendObstacles::new(&mut seen, Some(&map), &LIMITS);
             Bender::default().bend(&window(&route), &LIMITS, &obstacles)
         };
         // the planner went within 0.2 m of the wall: so be it
@@ -550,7 +566,7 @@ pub(crate) mod tests {
         #[test]
         fn a_way_that_is_found_is_free(things in prop::collection::vec((0.8..5.0, -1.2..1.2), 1..12)) {
             let mut seen: Vec<Point> = things.iter().map(|(x, y)| Point::new(*x, *y)).collect();
-            let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+            let obstacles = BendObstacles::new(&mut seen, None, &LIMITS);
             let route = road();
             let window = window(&route);
             if let Ok(offsets) = Bender::default().bend(&window, &LIMITS, &obstacles) {
@@ -562,7 +578,7 @@ pub(crate) mod tests {
         #[test]
         fn the_way_back_is_free_and_ends_on_the_path(offset in -1.0..1.0, things in prop::collection::vec((0.8..5.0, -1.2..1.2), 0..6)) {
             let mut seen: Vec<Point> = things.iter().map(|(x, y)| Point::new(*x, *y)).collect();
-            let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+            let obstacles = BendObstacles::new(&mut seen, None, &LIMITS);
             let route = road();
             let aside = Window { robot: Point::new(0.0, offset), offset, ..window(&route) };
             if let Some(back) = aside.back(&LIMITS, &obstacles, 0.0) {

@@ -1,6 +1,6 @@
 //! Points to discs: what belongs together is covered by as few discs as its shape allows.
 
-use asmotion_geometry::{Disc, Point, Vector};
+use asmotion_geometry::{Point, RoundObstacle, Vector};
 
 /// m, points closer than this belong to one thing.
 const GAP: f64 = 0.15;
@@ -33,7 +33,7 @@ pub fn clusters(points: &[Point]) -> Vec<Vec<Point>> {
 
 /// Covers points by discs of at most `radius` metres (and [`SKIN`]): halves them across their longer side until each
 /// half fits one.
-pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<Disc>) {
+pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<RoundObstacle>) {
     let Some(first) = points.first() else {
         return;
     };
@@ -46,7 +46,7 @@ pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<Disc>) {
         .map(|point| (point - centre).norm())
         .fold(0.0, f64::max);
     if reach <= radius || points.len() == 1 {
-        discs.push(Disc {
+        discs.push(RoundObstacle {
             centre,
             radius: reach + SKIN,
         });

@@ -1,6 +1,6 @@
 //! The trajectory adapter: bends the path around obstacles.
 //!
-//! [`Memory`] keeps points the laser has seen, the path is bent within [`Limits`], [`Adviser`] decides,
+//! [`ScanMemory`] keeps points the laser has seen, the path is bent within [`BendLimits`], [`Adviser`] decides,
 //! [`TrajectoryAdapter`] is the component.
 
 mod adapter;
@@ -13,7 +13,7 @@ mod route;
 mod trail;
 
 pub use adapter::TrajectoryAdapter;
-pub use advice::{Advice, Adviser, Cause, Patience};
-pub use bend::{Barrier, Limits};
-pub use memory::Memory;
+pub use advice::{Advice, Adviser, BlockedCause, Patience};
+pub use bend::{Barrier, BendLimits};
+pub use memory::ScanMemory;
 pub use trail::Trail;

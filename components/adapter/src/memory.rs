@@ -13,20 +13,20 @@ const THROUGH: f64 = 0.15;
 
 /// The points at which beams ended, map frame; at most one in each small square, in a fixed order.
 #[derive(Debug, Clone, Default)]
-pub struct Memory {
-    seen: BTreeMap<(i32, i32), Seen>,
+pub struct ScanMemory {
+    seen: BTreeMap<(i32, i32), RememberedPoint>,
 }
 
 /// One remembered point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct RememberedPoint {
     /// Map frame, m.
     pub point: Point,
     /// ns, of the newest scan that saw it.
     pub at: i64,
 }
 
-impl Memory {
+impl ScanMemory {
     /// Takes a scan made from `laser` (map frame) at `nanos`: forgets points it looked through, and remembers the hits up
     /// to `sight` metres away that `counts` accepts.
     pub fn look(
@@ -43,7 +43,8 @@ impl Memory {
         for (angle, range) in scan.hits().filter(|(_, range)| *range <= sight) {
             let point = laser * Point::new(range * angle.cos(), range * angle.sin());
             if counts(point) {
-                self.seen.insert(square(point), Seen { point, at: nanos });
+                self.seen
+                    .insert(square(point), RememberedPoint { point, at: nanos });
             }
         }
     }
@@ -108,8 +109,8 @@ mod tests {
         }
     }
 
-    fn remembered(scans: &[LaserScan]) -> Memory {
-        let mut memory = Memory::default();
+    fn remembered(scans: &[LaserScan]) -> ScanMemory {
+        let mut memory = ScanMemory::default();
         for (at, scan) in (0..).zip(scans) {
             memory.look(scan, &Pose::identity(), at, 6.0, |_| true);
         }

@@ -1,16 +1,16 @@
 //! Obstacles for the planner: what the map does not show, as discs.
 
-use asmotion_geometry::{Disc, Point};
+use asmotion_geometry::{Point, RoundObstacle};
 
-use crate::bend::Limits;
+use crate::bend::BendLimits;
 use crate::cluster::{clusters, cover};
-use crate::route::Route;
+use crate::route::BendableRoute;
 
 /// m, the discs that cover a thing are at most this large.
 const COVER: f64 = 0.25;
 
 /// All the points, as discs: for a robot with a map, which remembers only what is not on it.
-pub fn everything(points: &[Point]) -> Vec<Disc> {
+pub fn everything(points: &[Point]) -> Vec<RoundObstacle> {
     let mut discs = Vec::new();
     for cluster in clusters(points) {
         cover(cluster, COVER, &mut discs);
@@ -22,9 +22,9 @@ pub fn everything(points: &[Point]) -> Vec<Disc> {
 /// have known these, because its path leads through them; about others nothing can be said.
 pub fn on_the_path(
     points: impl Iterator<Item = Point>,
-    route: &Route,
-    limits: &Limits,
-) -> Vec<Disc> {
+    route: &BendableRoute,
+    limits: &BendLimits,
+) -> Vec<RoundObstacle> {
     let off = |point: &Point| route.distance(*point);
     let near: Vec<Point> = points
         .filter(|point| off(point) <= limits.reach_m)
@@ -43,13 +43,15 @@ pub fn on_the_path(
 #[derive(Debug, Clone, Default)]
 pub struct Blockers {
     /// Each with the time at which it blocked a path, ns.
-    discs: Vec<(Disc, i64)>,
+    discs: Vec<(RoundObstacle, i64)>,
 }
 
 impl Blockers {
     /// Adds what blocks at `now`; it replaces what it overlaps.
-    pub fn add(&mut self, discs: &[Disc], now: i64) {
-        let overlap = |a: &Disc, b: &Disc| (a.centre - b.centre).norm() < a.radius + b.radius;
+    pub fn add(&mut self, discs: &[RoundObstacle], now: i64) {
+        let overlap = |a: &RoundObstacle, b: &RoundObstacle| {
+            (a.centre - b.centre).norm() < a.radius + b.radius
+        };
         self.discs
             .retain(|(old, _)| !discs.iter().any(|new| overlap(old, new)));
         self.discs.extend(discs.iter().map(|disc| (*disc, now)));
@@ -63,7 +65,7 @@ impl Blockers {
     }
 
     /// The remembered discs, map frame.
-    pub fn discs(&self) -> Vec<Disc> {
+    pub fn discs(&self) -> Vec<RoundObstacle> {
         self.discs.iter().map(|(disc, _)| *disc).collect()
     }
 }
@@ -81,7 +83,7 @@ mod tests {
     #[test]
     fn without_a_map_it_is_what_stands_on_the_path() {
         let ends = [Pose::planar(0.0, 0.0, 0.0), Pose::planar(8.0, 0.0, 0.0)];
-        let route = Route::new(Path::through(1, "map", ends)).unwrap();
+        let route = BendableRoute::new(Path::through(1, "map", ends)).unwrap();
         let beside = points(&[(1.0, 0.9), (1.1, 0.9)]);
         let on_it = points(&[(3.0, 0.2), (3.0, 0.3), (3.0, 0.4), (3.0, 1.3)]);
         let told = |points: &[Point]| on_the_path(points.iter().copied(), &route, &LIMITS);
@@ -98,7 +100,7 @@ mod tests {
 
     #[test]
     fn what_blocked_is_remembered_for_a_while_and_renewed() {
-        let disc = |x: f64| Disc {
+        let disc = |x: f64| RoundObstacle {
             centre: Point::new(x, 0.0),
             radius: 0.2,
         };

@@ -1,9 +1,9 @@
 //! The planned path as a road: stations along it, and at each station how far the robot shall keep to the left.
 
-use asmotion_geometry::{Nearest, Point, Polyline, Pose, Vector, heading, message};
+use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, Vector, heading, message};
 use asmotion_messages::{Path, PoseStamped};
 
-use crate::bend::Limits;
+use crate::bend::BendLimits;
 
 /// m, the stations are at most this far apart.
 pub const STEP: f64 = 0.1;
@@ -28,7 +28,7 @@ pub struct Station {
 
 /// The path as it was planned, and how it is bent.
 #[derive(Debug, Clone)]
-pub struct Route {
+pub struct BendableRoute {
     planned: Path,
     line: Polyline,
     /// m, from station to station.
@@ -40,7 +40,7 @@ pub struct Route {
     progress: Option<f64>,
 }
 
-impl Route {
+impl BendableRoute {
     /// The road along a path, not bent; none for a path without a usable pose.
     pub fn new(planned: Path) -> Option<Self> {
         let poses = planned.poses.iter();
@@ -118,7 +118,7 @@ impl Route {
     }
 
     /// The place of the robot: near its last one, at the beginning near the start, and only else anywhere.
-    fn nearest(&self, here: Point) -> Option<Nearest> {
+    fn nearest(&self, here: Point) -> Option<NearestOnLine> {
         if let Some(progress) = self.progress {
             return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
         }
@@ -141,7 +141,7 @@ impl Route {
     }
 
     /// Tells which points may matter to a way within the limits from station `from` on.
-    pub fn around(&self, from: usize, limits: &Limits) -> impl Fn(&Point) -> bool + use<> {
+    pub fn around(&self, from: usize, limits: &BendLimits) -> impl Fn(&Point) -> bool + use<> {
         let until = from + self.within(from, limits.horizon_m);
         let points = self.stations[from..until]
             .iter()
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn it_has_stations_from_start_to_goal() {
-        let route = Route::new(path(&[(0.0, 0.0), (1.05, 0.0)])).unwrap();
+        let route = BendableRoute::new(path(&[(0.0, 0.0), (1.05, 0.0)])).unwrap();
         assert_eq!(route.stations().len(), 12);
         assert!(route.step() <= STEP);
         assert_eq!(route.point(0, 0.0), Point::origin());
@@ -224,16 +224,16 @@ mod tests {
 
     #[test]
     fn it_needs_a_pose_but_one_is_enough() {
-        assert!(Route::new(path(&[])).is_none());
-        assert!(Route::new(path(&[(f64::NAN, 0.0)])).is_none());
-        let mut dot = Route::new(path(&[(1.0, 1.0)])).unwrap();
+        assert!(BendableRoute::new(path(&[])).is_none());
+        assert!(BendableRoute::new(path(&[(f64::NAN, 0.0)])).is_none());
+        let mut dot = BendableRoute::new(path(&[(1.0, 1.0)])).unwrap();
         assert_eq!(dot.locate(&Pose::identity()).0, dot.stations().len() - 1);
     }
 
     #[test]
     fn it_finds_the_robot_and_does_not_lose_it_at_a_crossing() {
         // a loop that crosses itself at (2, 0)
-        let mut route = Route::new(path(&[
+        let mut route = BendableRoute::new(path(&[
             (0.0, 0.0),
             (4.0, 0.0),
             (4.0, 2.0),
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn bent_it_keeps_header_and_goal() {
         let planned = path(&[(0.0, 0.0), (1.0, 0.0)]);
-        let mut route = Route::new(planned.clone()).unwrap();
+        let mut route = BendableRoute::new(planned.clone()).unwrap();
         route.bend(3, &[0.1, 0.2, 0.1]);
         assert!(route.is_bent(5) && !route.is_bent(6));
         let bent = route.bent();

@@ -9,14 +9,14 @@ use asmotion_geometry::message;
 use asmotion_messages::{Bool, Event, Odometry, Path, Twist};
 
 use crate::pursuit::Pursuit;
-use crate::task::{Motion, News, Task, Tolerance};
+use crate::task::{FollowTask, FollowerEvent, MeasuredMotion, Tolerance};
 
 /// `nav::TrajectoryFollower`: follows the newest path; publishes `REACHED` once at its end, `HALTED` once after a stop.
 pub struct TrajectoryFollower {
     ports: FollowerPorts,
     properties: PropertySet<FollowerProperties>,
 
-    task: Task,
+    task: FollowTask,
     /// The frame of the newest path.
     frame: String,
     /// The cycle that received the newest odometry.
@@ -59,7 +59,7 @@ impl TrajectoryFollower {
         Self {
             ports: interface.ports(),
             properties: interface.properties(),
-            task: Task::default(),
+            task: FollowTask::default(),
             frame: String::new(),
             located: None,
             hindered: None,
@@ -95,7 +95,7 @@ impl TrajectoryFollower {
 
 impl Component for TrajectoryFollower {
     fn start(&mut self) -> Result<(), Fault> {
-        self.task = Task::default();
+        self.task = FollowTask::default();
         self.located = None;
         self.commanding = false;
         Ok(())
@@ -146,18 +146,18 @@ impl Component for TrajectoryFollower {
     }
 }
 
-fn motion(odometry: &Odometry) -> Motion {
-    Motion {
+fn motion(odometry: &Odometry) -> MeasuredMotion {
+    MeasuredMotion {
         pose: message::pose(&odometry.pose.pose),
         speed: odometry.twist.twist.linear.x,
         turn: odometry.twist.twist.angular.z,
     }
 }
 
-fn event(now: Time, news: News, motion: &Motion) -> Event {
+fn event(now: Time, news: FollowerEvent, motion: &MeasuredMotion) -> Event {
     let code = match news {
-        News::Reached => Event::REACHED,
-        News::Halted => Event::HALTED,
+        FollowerEvent::Reached => Event::REACHED,
+        FollowerEvent::Halted => Event::HALTED,
     };
     let place = motion.pose.translation;
     Event::new(

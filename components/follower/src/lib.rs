@@ -1,6 +1,6 @@
 //! The trajectory follower: regulated pure pursuit.
 //!
-//! [`Pursuit`] is the control law, [`Task`] the order under way, [`TrajectoryFollower`] the component.
+//! [`Pursuit`] is the control law, [`FollowTask`] the order under way, [`TrajectoryFollower`] the component.
 
 mod follower;
 mod pursuit;
@@ -8,4 +8,4 @@ mod task;
 
 pub use follower::TrajectoryFollower;
 pub use pursuit::Pursuit;
-pub use task::{Motion, News, Task, Tolerance};
+pub use task::{FollowTask, FollowerEvent, MeasuredMotion, Tolerance};

@@ -1,7 +1,7 @@
 //! The order under way: to follow a path to its end, or to stop; and the events about it.
 
 use asmotion_component::Properties;
-use asmotion_geometry::{Nearest, Point, Polyline, Pose, message, turn, yaw};
+use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, message, turn, yaw};
 use asmotion_messages::{Path, Time, Twist};
 
 use crate::pursuit::Pursuit;
@@ -28,7 +28,7 @@ pub struct Tolerance {
 
 /// Pose and velocity of the robot by its odometry.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct MeasuredMotion {
     /// In the frame of the path.
     pub pose: Pose,
     /// m/s forward.
@@ -37,7 +37,7 @@ pub struct Motion {
     pub turn: f64,
 }
 
-impl Motion {
+impl MeasuredMotion {
     /// Returns whether every number is finite.
     pub fn is_finite(&self) -> bool {
         let place = self.pose.translation;
@@ -49,7 +49,7 @@ impl Motion {
 
 /// Event published once for each order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum News {
+pub enum FollowerEvent {
     /// The robot stands at the end of the path.
     Reached,
     /// The robot stands after an order to stop.
@@ -58,29 +58,29 @@ pub enum News {
 
 /// The order under way.
 #[derive(Debug, Clone, Default)]
-pub enum Task {
+pub enum FollowTask {
     /// Nothing was ordered yet, or what was ordered is done and said.
     #[default]
     Idle,
     /// Coming to a stand, then saying so.
     Stop,
     /// On the way.
-    Follow(Route),
+    Follow(FollowedPath),
     /// At the end of a path; kept, so that an amendment of it is known as such.
-    Arrived(Identity),
+    Arrived(PathIdentity),
 }
 
 /// Identity of an order: stamp and last pose of its path. An adapter that bends a path keeps both.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Identity {
+pub struct PathIdentity {
     stamp: Time,
     goal: asmotion_messages::Pose,
 }
 
 /// A path on the way.
 #[derive(Debug, Clone)]
-pub struct Route {
-    identity: Identity,
+pub struct FollowedPath {
+    identity: PathIdentity,
     line: Polyline,
     goal: Pose,
     /// m along the line; never looks for the robot far from there, so that it does not jump to another lap.
@@ -94,7 +94,7 @@ pub struct Route {
 /// longer or shorter up to the robot by as much.
 const SEARCH: (f64, f64) = (1.0, 1.5);
 
-impl Task {
+impl FollowTask {
     /// Takes an order. A path without poses stops; the path that is being followed, with other bends, is gone on with;
     /// the path that was reached is not driven again.
     pub fn order(&mut self, path: &Path) {
@@ -114,7 +114,7 @@ impl Task {
             *self = Self::Stop; // a path to nowhere is no path
             return;
         }
-        let identity = Identity {
+        let identity = PathIdentity {
             stamp: path.header.stamp,
             goal: last.pose,
         };
@@ -124,7 +124,7 @@ impl Task {
                 route.line = line;
             }
             Self::Idle | Self::Stop | Self::Follow(_) | Self::Arrived(_) => {
-                *self = Self::Follow(Route {
+                *self = Self::Follow(FollowedPath {
                     identity,
                     line,
                     goal,
@@ -141,22 +141,22 @@ impl Task {
         &mut self,
         pursuit: &Pursuit,
         tolerance: &Tolerance,
-        motion: &Motion,
-    ) -> (Twist, Option<News>) {
+        motion: &MeasuredMotion,
+    ) -> (Twist, Option<FollowerEvent>) {
         let stands = motion.speed.abs() <= tolerance.standing_speed
             && motion.turn.abs() <= tolerance.standing_turn;
         match self {
             Self::Idle | Self::Arrived(_) => (Twist::default(), None),
             Self::Stop if stands => {
                 *self = Self::Idle;
-                (Twist::default(), Some(News::Halted))
+                (Twist::default(), Some(FollowerEvent::Halted))
             }
             Self::Stop => (Twist::default(), None),
             Self::Follow(route) => match route.step(pursuit, tolerance, motion) {
                 Some(twist) => (twist, None),
                 None if stands => {
                     *self = Self::Arrived(route.identity);
-                    (Twist::default(), Some(News::Reached))
+                    (Twist::default(), Some(FollowerEvent::Reached))
                 }
                 None => (Twist::default(), None),
             },
@@ -180,9 +180,14 @@ impl Task {
     }
 }
 
-impl Route {
+impl FollowedPath {
     /// The command on the way; none once at the goal.
-    fn step(&mut self, pursuit: &Pursuit, tolerance: &Tolerance, motion: &Motion) -> Option<Twist> {
+    fn step(
+        &mut self,
+        pursuit: &Pursuit,
+        tolerance: &Tolerance,
+        motion: &MeasuredMotion,
+    ) -> Option<Twist> {
         let here = Point::from(motion.pose.translation.vector);
         let from_goal = (Point::from(self.goal.translation.vector) - here).norm();
         // once there, a little drift while turning does not send the robot off again
@@ -200,7 +205,7 @@ impl Route {
     }
 
     /// The place of the robot: near its last one, at the beginning near the start, and only else anywhere.
-    fn nearest(&self, here: Point) -> Option<Nearest> {
+    fn nearest(&self, here: Point) -> Option<NearestOnLine> {
         if let Some(progress) = self.progress {
             return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
         }
@@ -212,7 +217,12 @@ impl Route {
     }
 
     /// The turn to the goal's heading; none once it is right, or does not matter.
-    fn align(&self, pursuit: &Pursuit, tolerance: &Tolerance, motion: &Motion) -> Option<Twist> {
+    fn align(
+        &self,
+        pursuit: &Pursuit,
+        tolerance: &Tolerance,
+        motion: &MeasuredMotion,
+    ) -> Option<Twist> {
         let wrong = turn(yaw(&motion.pose), yaw(&self.goal));
         let matters = tolerance.goal_heading && wrong.abs() > tolerance.heading_tolerance;
         matters.then(|| pursuit.rotate(wrong))
@@ -244,22 +254,22 @@ mod tests {
         )
     }
 
-    fn motion(x: f64, yaw: f64, speed: f64) -> Motion {
-        Motion {
+    fn motion(x: f64, yaw: f64, speed: f64) -> MeasuredMotion {
+        MeasuredMotion {
             pose: heading(Point::new(x, 0.0), yaw),
             speed,
             turn: 0.0,
         }
     }
 
-    fn step(task: &mut Task, motion: Motion) -> (f64, f64, Option<News>) {
+    fn step(task: &mut FollowTask, motion: MeasuredMotion) -> (f64, f64, Option<FollowerEvent>) {
         let (twist, news) = task.step(&PURSUIT, &TOLERANCE, &motion);
         (twist.linear.x, twist.angular.z, news)
     }
 
     #[test]
     fn it_is_there_once_it_stands_within_the_tolerance() {
-        let mut task = Task::default();
+        let mut task = FollowTask::default();
         task.order(&path(1, 0.0));
         assert!(step(&mut task, motion(1.0, 0.0, 0.5)).0 > 0.4);
         assert_eq!(
@@ -269,7 +279,7 @@ mod tests {
         );
         assert_eq!(
             step(&mut task, motion(1.98, 0.0, 0.0)),
-            (0.0, 0.0, Some(News::Reached))
+            (0.0, 0.0, Some(FollowerEvent::Reached))
         );
         assert_eq!(
             step(&mut task, motion(1.98, 0.0, 0.0)),
@@ -281,15 +291,15 @@ mod tests {
 
     #[test]
     fn it_turns_to_the_heading_of_the_last_pose() {
-        let mut task = Task::default();
+        let mut task = FollowTask::default();
         task.order(&path(1, 1.0));
         let (speed, turn, news) = step(&mut task, motion(2.0, 0.0, 0.0));
         assert!(speed == 0.0 && turn > 0.5 && news.is_none());
         assert_eq!(
             step(&mut task, motion(2.0, 0.95, 0.0)).2,
-            Some(News::Reached)
+            Some(FollowerEvent::Reached)
         );
-        let mut careless = Task::default();
+        let mut careless = FollowTask::default();
         careless.order(&path(1, 1.0));
         let whatever = Tolerance {
             goal_heading: false,
@@ -297,19 +307,19 @@ mod tests {
         };
         assert_eq!(
             careless.step(&PURSUIT, &whatever, &motion(2.0, 0.0, 0.0)).1,
-            Some(News::Reached)
+            Some(FollowerEvent::Reached)
         );
     }
 
     #[test]
     fn it_says_halted_once_for_every_stop_even_when_it_stands_already() {
-        let mut task = Task::default();
+        let mut task = FollowTask::default();
         for _ in 0..2 {
             task.order(&Path::default());
             assert_eq!(step(&mut task, motion(0.0, 0.0, 0.3)), (0.0, 0.0, None));
             assert_eq!(
                 step(&mut task, motion(0.1, 0.0, 0.0)),
-                (0.0, 0.0, Some(News::Halted))
+                (0.0, 0.0, Some(FollowerEvent::Halted))
             );
             assert_eq!(step(&mut task, motion(0.1, 0.0, 0.0)), (0.0, 0.0, None));
         }
@@ -317,7 +327,7 @@ mod tests {
 
     #[test]
     fn a_bent_path_is_the_same_order_and_a_new_one_is_not() {
-        let mut task = Task::default();
+        let mut task = FollowTask::default();
         task.order(&path(1, 0.0));
         step(&mut task, motion(1.9, 0.0, 0.0));
         let mut bent = path(1, 0.0);
@@ -331,7 +341,7 @@ mod tests {
         task.order(&bent);
         assert_eq!(
             step(&mut task, motion(2.0, 0.0, 0.0)).2,
-            Some(News::Reached)
+            Some(FollowerEvent::Reached)
         );
         task.order(&bent);
         assert_eq!(
@@ -342,7 +352,7 @@ mod tests {
         task.order(&path(2, 0.0));
         assert_eq!(
             step(&mut task, motion(2.0, 0.0, 0.0)).2,
-            Some(News::Reached)
+            Some(FollowerEvent::Reached)
         );
         // after a stop, the same path is driven again
         task.order(&Path::default());
@@ -350,7 +360,7 @@ mod tests {
         task.order(&path(2, 0.0));
         assert_eq!(
             step(&mut task, motion(2.0, 0.0, 0.0)).2,
-            Some(News::Reached)
+            Some(FollowerEvent::Reached)
         );
     }
 
@@ -359,7 +369,7 @@ mod tests {
         // out and back, ten centimetres beside: the way back is nearer than the way out for a while
         let points = [(0.0, 0.0), (4.0, 0.0), (4.0, 0.1), (0.0, 0.1)];
         let poses = points.map(|(x, y)| asmotion_messages::Pose::planar(x, y, 0.0));
-        let mut task = Task::default();
+        let mut task = FollowTask::default();
         task.order(&Path::through(1, "map", poses));
         let mut drifting = motion(0.5, 0.0, 0.5);
         for step_on in 0..20 {
@@ -372,13 +382,16 @@ mod tests {
     #[test]
     fn a_path_to_nowhere_is_a_stop() {
         for goal in [f64::NAN, f64::INFINITY] {
-            let mut task = Task::default();
+            let mut task = FollowTask::default();
             task.order(&Path::through(
                 1,
                 "map",
                 [asmotion_messages::Pose::planar(goal, 0.0, 0.0)],
             ));
-            assert_eq!(step(&mut task, motion(0.0, 0.0, 0.0)).2, Some(News::Halted));
+            assert_eq!(
+                step(&mut task, motion(0.0, 0.0, 0.0)).2,
+                Some(FollowerEvent::Halted)
+            );
         }
     }
 }

@@ -1,14 +1,14 @@
 //! Distance of each cell from the nearest obstacle: the exact Euclidean distance transform in linear time
 //! (Meijster, Roerdink, Hesselink: *A general algorithm for computing distance transforms in linear time*, 2000).
 
-use crate::{Cell, Grid, Layout, Occupancy};
+use crate::{Cell, Grid, GridLayout, Occupancy};
 
 /// Squared distances to the nearest obstacle cell, centre to centre.
 ///
 /// A value to keep: [`Distances::compute`] reuses its buffers.
 #[derive(Clone, Debug)]
 pub struct Distances {
-    layout: Layout,
+    layout: GridLayout,
     /// In cells², row-major; [`Distances::NONE`] where the grid has no obstacle at all.
     squared: Vec<u32>,
     /// Within its column, cells to the nearest obstacle; the first pass' result.
@@ -41,7 +41,7 @@ impl Distances {
     }
 
     /// Size, scale and place of the grid the distances belong to.
-    pub fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &GridLayout {
         &self.layout
     }
 
@@ -174,7 +174,7 @@ mod tests {
     proptest! {
         #[test]
         fn it_is_exact(width in 1u32..24, height in 1u32..24, seed in prop::collection::vec(0u8..12, 576)) {
-            let layout = Layout::new(0.05, width, height, Pose::identity()).unwrap();
+            let layout = GridLayout::new(0.05, width, height, Pose::identity()).unwrap();
             let cells = seed.iter().take(layout.len()).map(|dice| if *dice == 0 { OCCUPIED } else { FREE }).collect();
             let grid = Grid::with_cells(layout, cells).unwrap();
             let distances = Distances::to_occupied(&grid);
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn it_counts_metres() {
-        let layout = Layout::new(0.5, 5, 5, Pose::identity()).unwrap();
+        let layout = GridLayout::new(0.5, 5, 5, Pose::identity()).unwrap();
         let mut grid = Grid::new(layout, FREE);
         assert_eq!(
             Distances::to_occupied(&grid).metres(Cell::new(0, 0)),
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn it_takes_an_empty_grid() {
-        let empty = Grid::new(Layout::new(1.0, 0, 0, Pose::identity()).unwrap(), FREE);
+        let empty = Grid::new(GridLayout::new(1.0, 0, 0, Pose::identity()).unwrap(), FREE);
         assert!(Distances::to_occupied(&empty).squared().is_empty());
     }
 }

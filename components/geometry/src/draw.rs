@@ -1,6 +1,6 @@
 //! Drawing on a grid: polygons, strokes and discs in map coordinates become cells. What lies outside is cut off.
 
-use crate::{Grid, Layout, Point, Vector};
+use crate::{Grid, GridLayout, Point, Vector};
 
 impl Grid {
     /// Gives `value` to every cell whose centre lies inside an odd number of rings: a polygon with holes, or several.
@@ -12,7 +12,7 @@ impl Grid {
         let lowest = edges.first().map_or(f64::MAX, |(from, _)| from.y);
         let highest = edges.iter().map(|(_, to)| to.y).fold(f64::MIN, f64::max);
         let mut coming = edges.into_iter().peekable();
-        let mut active: Vec<Edge> = Vec::new();
+        let mut active: Vec<PolygonEdge> = Vec::new();
         let mut crossings = Vec::new();
         for row in centres(lowest, highest, layout.height()) {
             let y = f64::from(row) + 0.5;
@@ -94,10 +94,10 @@ fn centres(from: f64, to: f64, size: u32) -> std::ops::Range<u32> {
 }
 
 /// From a lower to a higher point, counted in cells.
-type Edge = (Point, Point);
+type PolygonEdge = (Point, Point);
 
 /// The sides of the rings; level and infinite ones left out.
-fn edges(layout: &Layout, rings: &[Vec<Point>]) -> Vec<Edge> {
+fn edges(layout: &GridLayout, rings: &[Vec<Point>]) -> Vec<PolygonEdge> {
     let sides = rings.iter().flat_map(|ring| {
         let next = ring.iter().cycle().skip(1);
         ring.iter().zip(next)
@@ -116,7 +116,7 @@ fn edges(layout: &Layout, rings: &[Vec<Point>]) -> Vec<Edge> {
 }
 
 /// Where an edge crosses a level between its ends.
-fn crossing((from, to): &Edge, y: f64) -> f64 {
+fn crossing((from, to): &PolygonEdge, y: f64) -> f64 {
     from.x + (to.x - from.x) * (y - from.y) / (to.y - from.y)
 }
 
@@ -131,7 +131,7 @@ fn band(from: Point, to: Point, width: f64) -> Vec<Point> {
 }
 
 /// The part of a line, counted in cells, that lies in the grid (Liang and Barsky, 1984), a hair inside its rim.
-fn clip(layout: &Layout, from: Point, to: Point) -> Option<(Point, Point)> {
+fn clip(layout: &GridLayout, from: Point, to: Point) -> Option<(Point, Point)> {
     const RIM: f64 = 1e-6;
     let way = to - from;
     if !(way.norm().is_finite() && from.coords.norm().is_finite()) {
@@ -165,7 +165,7 @@ mod tests {
 
     fn grid(width: u32, height: u32) -> Grid {
         Grid::new(
-            Layout::new(1.0, width, height, Pose::identity()).unwrap(),
+            GridLayout::new(1.0, width, height, Pose::identity()).unwrap(),
             FREE,
         )
     }
@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn it_draws_in_map_coordinates() {
         let origin = heading(Point::new(3.0, 0.0), std::f64::consts::FRAC_PI_2);
-        let mut grid = Grid::new(Layout::new(1.0, 2, 3, origin).unwrap(), FREE);
+        let mut grid = Grid::new(GridLayout::new(1.0, 2, 3, origin).unwrap(), FREE);
         grid.disc(Point::new(0.5, 1.5), 0.0, OCCUPIED);
         assert_eq!(picture(&grid), [".#", "..", ".."]);
     }

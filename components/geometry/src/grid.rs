@@ -1,6 +1,6 @@
 //! Occupancy grids: `nav_msgs/OccupancyGrid` as a value one can ask.
 
-use crate::{Cell, Distances, Layout, LayoutError, Point};
+use crate::{Cell, Distances, GridLayout, GridLayoutError, Point};
 
 /// ROS value of a cell that has not been observed.
 pub const UNKNOWN: i8 = -1;
@@ -45,13 +45,13 @@ impl Occupancy {
 /// An occupancy grid: row-major cells with ROS values, -1 unknown, 0 free … 100 occupied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    layout: Layout,
+    layout: GridLayout,
     cells: Vec<i8>,
 }
 
 impl Grid {
     /// A grid whose cells all have one value.
-    pub fn new(layout: Layout, value: i8) -> Self {
+    pub fn new(layout: GridLayout, value: i8) -> Self {
         Self {
             cells: vec![value; layout.len()],
             layout,
@@ -59,9 +59,9 @@ impl Grid {
     }
 
     /// A grid with the given cells, row by row from cell (0, 0).
-    pub fn with_cells(layout: Layout, cells: Vec<i8>) -> Result<Self, LayoutError> {
+    pub fn with_cells(layout: GridLayout, cells: Vec<i8>) -> Result<Self, GridLayoutError> {
         if cells.len() != layout.len() {
-            return Err(LayoutError::Cells {
+            return Err(GridLayoutError::Cells {
                 width: layout.width(),
                 height: layout.height(),
                 found: cells.len(),
@@ -71,7 +71,7 @@ impl Grid {
     }
 
     /// Size, scale and place.
-    pub fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &GridLayout {
         &self.layout
     }
 
@@ -121,9 +121,9 @@ impl Grid {
 
     /// The grid with `factor` × `factor` cells made one that is as occupied as the most occupied of them, and
     /// unknown if none is occupied but one is unknown: nothing that blocks is lost.
-    pub fn coarsened(&self, factor: u32) -> Result<Self, LayoutError> {
+    pub fn coarsened(&self, factor: u32) -> Result<Self, GridLayoutError> {
         let factor = factor.max(1);
-        let layout = Layout::new(
+        let layout = GridLayout::new(
             self.layout.resolution() * f64::from(factor),
             self.layout.width().div_ceil(factor),
             self.layout.height().div_ceil(factor),
@@ -158,7 +158,7 @@ mod tests {
 
     fn grid(width: u32, height: u32) -> Grid {
         Grid::new(
-            Layout::new(0.1, width, height, Pose::identity()).unwrap(),
+            GridLayout::new(0.1, width, height, Pose::identity()).unwrap(),
             FREE,
         )
     }

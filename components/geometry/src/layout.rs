@@ -20,7 +20,7 @@ impl Cell {
 
 /// Size, scale and place of a grid (the numbers of `nav_msgs/MapMetaData`), without its cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layout {
+pub struct GridLayout {
     resolution: f64,
     width: u32,
     height: u32,
@@ -32,7 +32,7 @@ pub struct Layout {
 
 /// Numbers that make no layout.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LayoutError {
+pub enum GridLayoutError {
     /// The side of a cell is no length.
     #[error("a cell's side must be a positive number of metres, not {resolution}")]
     Resolution {
@@ -43,7 +43,7 @@ pub enum LayoutError {
     #[error("the grid's origin has a coordinate that is not finite")]
     Origin,
     /// More cells than an index can name.
-    #[error("a grid of {width} × {height} cells is too large (at most {limit} cells)", limit = Layout::MAX_CELLS)]
+    #[error("a grid of {width} × {height} cells is too large (at most {limit} cells)", limit = GridLayout::MAX_CELLS)]
     TooLarge {
         /// Cells along x.
         width: u64,
@@ -62,7 +62,7 @@ pub enum LayoutError {
     },
 }
 
-impl Layout {
+impl GridLayout {
     /// No grid is larger than this.
     pub const MAX_CELLS: u64 = 1 << 30;
 
@@ -72,9 +72,9 @@ impl Layout {
         width: u32,
         height: u32,
         origin: Pose,
-    ) -> Result<Self, LayoutError> {
+    ) -> Result<Self, GridLayoutError> {
         if !(resolution.is_finite() && resolution > 0.0) {
-            return Err(LayoutError::Resolution { resolution });
+            return Err(GridLayoutError::Resolution { resolution });
         }
         let numbers = [
             origin.translation.x,
@@ -82,11 +82,11 @@ impl Layout {
             origin.rotation.angle(),
         ];
         if numbers.iter().any(|number| !number.is_finite()) {
-            return Err(LayoutError::Origin);
+            return Err(GridLayoutError::Origin);
         }
         let (width64, height64) = (u64::from(width), u64::from(height));
         if width64 * height64 > Self::MAX_CELLS {
-            return Err(LayoutError::TooLarge {
+            return Err(GridLayoutError::TooLarge {
                 width: width64,
                 height: height64,
             });
@@ -170,7 +170,7 @@ impl Layout {
             .then(|| cell.row as usize * self.width as usize + cell.column as usize)
     }
 
-    /// The cell at an index below [`Layout::len`]; the inverse of [`Layout::index`].
+    /// The cell at an index below [`GridLayout::len`]; the inverse of [`GridLayout::index`].
     pub fn cell_at(&self, index: usize) -> Cell {
         let width = self.width.max(1) as usize;
         Cell::new((index % width) as u32, (index / width) as u32)
@@ -194,8 +194,8 @@ mod tests {
     use super::*;
     use crate::heading;
 
-    fn turned() -> Layout {
-        Layout::new(
+    fn turned() -> GridLayout {
+        GridLayout::new(
             0.5,
             4,
             3,
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn it_has_no_cell_outside_or_nowhere() {
-        let layout = Layout::new(1.0, 2, 2, Pose::identity()).unwrap();
+        let layout = GridLayout::new(1.0, 2, 2, Pose::identity()).unwrap();
         for (x, y) in [
             (-1e-9, 1.0),
             (2.0, 1.0),
@@ -237,10 +237,13 @@ mod tests {
     #[test]
     fn it_refuses_numbers_that_are_no_grid() {
         for resolution in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(Layout::new(resolution, 1, 1, Pose::identity()).is_err());
+            assert!(GridLayout::new(resolution, 1, 1, Pose::identity()).is_err());
         }
-        assert!(Layout::new(1.0, u32::MAX, u32::MAX, Pose::identity()).is_err());
+        assert!(GridLayout::new(1.0, u32::MAX, u32::MAX, Pose::identity()).is_err());
         let nowhere = heading(Point::new(f64::NAN, 0.0), 0.0);
-        assert_eq!(Layout::new(1.0, 1, 1, nowhere), Err(LayoutError::Origin));
+        assert_eq!(
+            GridLayout::new(1.0, 1, 1, nowhere),
+            Err(GridLayoutError::Origin)
+        );
     }
 }

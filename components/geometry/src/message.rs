@@ -2,12 +2,14 @@
 
 use asmotion_messages::{Header, MapMetaData, OccupancyGrid, PoseStamped, Time};
 
-use crate::{Disc, Grid, Layout, LayoutError, Point, Pose, Scene, heading, yaw};
+use crate::{
+    Grid, GridLayout, GridLayoutError, ObstacleScene, Point, Pose, RoundObstacle, heading, yaw,
+};
 
 /// The grid of a map message; in the frame of its header.
-pub fn grid(message: &OccupancyGrid) -> Result<Grid, LayoutError> {
+pub fn grid(message: &OccupancyGrid) -> Result<Grid, GridLayoutError> {
     let info = &message.info;
-    let layout = Layout::new(
+    let layout = GridLayout::new(
         widen(info.resolution),
         info.width,
         info.height,
@@ -74,10 +76,10 @@ pub fn pose_stamped(pose: &Pose, nanos: i64, frame_id: &str) -> PoseStamped {
 }
 
 /// Scene of a message, prepared for queries.
-pub fn scene(message: &asmotion_messages::Scene) -> Scene {
+pub fn scene(message: &asmotion_messages::Scene) -> ObstacleScene {
     let segments = message.segments.iter();
     let polygons = message.polygons.iter();
-    Scene::new(
+    ObstacleScene::new(
         segments
             .map(|segment| [vertex(&segment.a), vertex(&segment.b)])
             .collect(),
@@ -89,7 +91,7 @@ pub fn scene(message: &asmotion_messages::Scene) -> Scene {
 }
 
 /// The message of a scene.
-pub fn scene_message(scene: &Scene, revision: u64) -> asmotion_messages::Scene {
+pub fn scene_message(scene: &ObstacleScene, revision: u64) -> asmotion_messages::Scene {
     asmotion_messages::Scene {
         revision,
         segments: scene
@@ -120,8 +122,8 @@ pub fn scene_message(scene: &Scene, revision: u64) -> asmotion_messages::Scene {
 }
 
 /// A round obstacle.
-pub fn disc(message: &asmotion_messages::Disc) -> Disc {
-    Disc {
+pub fn disc(message: &asmotion_messages::Disc) -> RoundObstacle {
+    RoundObstacle {
         centre: Point::new(message.x, message.y),
         radius: message.radius,
     }
@@ -151,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_grid_survives_the_way_there_and_back() {
-        let layout = Layout::new(0.05, 7, 5, heading(Point::new(-1.5, 2.0), 0.3)).unwrap();
+        let layout = GridLayout::new(0.05, 7, 5, heading(Point::new(-1.5, 2.0), 0.3)).unwrap();
         let mut there = Grid::new(layout, FREE);
         there.cells_mut()[3] = -1;
         let message = occupancy_grid(&there, 1_500_000_000, "map");
@@ -194,11 +196,14 @@ mod tests {
             Point::new(6.0, 0.0),
             Point::new(5.0, 1.0),
         ];
-        let pillar = Disc {
+        let pillar = RoundObstacle {
             centre: Point::new(0.0, 3.0),
             radius: 0.5,
         };
-        let message = scene_message(&Scene::new(vec![wall], vec![triangle], vec![pillar]), 4);
+        let message = scene_message(
+            &ObstacleScene::new(vec![wall], vec![triangle], vec![pillar]),
+            4,
+        );
         let back = scene(&message);
         assert_eq!(back.raycast(Point::origin(), Vector::x(), 9.0), Some(1.0));
         assert_eq!(scene_message(&back, 4), message);

@@ -1,8 +1,8 @@
 //! The walls of a grid: the borders between occupied cells and the others, as few segments as possible.
 
-use crate::{Grid, Layout, Occupancy, Point, Scene};
+use crate::{Grid, GridLayout, ObstacleScene, Occupancy, Point};
 
-impl Scene {
+impl ObstacleScene {
     /// Scene whose walls are the borders of a grid's occupied cells; map frame.
     pub fn around(grid: &Grid) -> Self {
         let layout = *grid.layout();
@@ -27,7 +27,7 @@ impl Scene {
     }
 }
 
-fn side(layout: &Layout, from: (i64, i64), to: (i64, i64)) -> [Point; 2] {
+fn side(layout: &GridLayout, from: (i64, i64), to: (i64, i64)) -> [Point; 2] {
     [from, to].map(|(column, row)| layout.to_map(Point::new(column as f64, row as f64)))
 }
 
@@ -53,12 +53,12 @@ mod tests {
 
     #[test]
     fn it_has_four_walls_around_a_block() {
-        let layout = Layout::new(0.5, 6, 6, Pose::identity()).unwrap();
+        let layout = GridLayout::new(0.5, 6, 6, Pose::identity()).unwrap();
         let mut grid = Grid::new(layout, FREE);
         for (column, row) in [(2, 2), (3, 2), (2, 3), (3, 3)] {
             grid.set(Cell::new(column, row), OCCUPIED);
         }
-        let scene = Scene::around(&grid);
+        let scene = ObstacleScene::around(&grid);
         assert_eq!(scene.segments().len(), 4);
         let hit = scene.raycast(Point::new(0.25, 1.5), Vector::x(), 9.0);
         assert!((hit.unwrap() - 0.75).abs() < 1e-6);

@@ -12,7 +12,7 @@ pub struct Polyline {
 
 /// The place on a polyline that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nearest {
+pub struct NearestOnLine {
     /// The place.
     pub point: Point,
     /// Distance from the query point, m.
@@ -69,13 +69,13 @@ impl Polyline {
     }
 
     /// The place nearest to `point`; the first of equally near ones. None for a line without points.
-    pub fn nearest(&self, point: Point) -> Option<Nearest> {
+    pub fn nearest(&self, point: Point) -> Option<NearestOnLine> {
         self.nearest_between(point, 0.0, f64::INFINITY)
     }
 
     /// The place nearest to `point` among those from `from` to `to` metres along the line, so that a follower does
     /// not jump to another lap. None for a line without points.
-    pub fn nearest_between(&self, point: Point, from: f64, to: f64) -> Option<Nearest> {
+    pub fn nearest_between(&self, point: Point, from: f64, to: f64) -> Option<NearestOnLine> {
         let end = self.length();
         let (from, to) = (from.clamp(0.0, end), to.clamp(0.0, end));
         let first = self.points.first()?;
@@ -124,8 +124,8 @@ impl Polyline {
         poses
     }
 
-    fn place(&self, asked: Point, segment: usize, point: Point, step: f64) -> Nearest {
-        Nearest {
+    fn place(&self, asked: Point, segment: usize, point: Point, step: f64) -> NearestOnLine {
+        NearestOnLine {
             point,
             distance: (asked - point).norm(),
             along: self.along[segment] + step,

@@ -13,7 +13,7 @@ use crate::{Point, Vector};
 
 /// A round obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disc {
+pub struct RoundObstacle {
     /// Where, map frame, m.
     pub centre: Point,
     /// m.
@@ -25,18 +25,22 @@ pub struct Disc {
 /// A shape with a coordinate that is not finite, a polygon with less than three corners and a disc without a radius
 /// are kept but hit nothing.
 #[derive(Clone, Debug, Default)]
-pub struct Scene {
+pub struct ObstacleScene {
     segments: Vec<[Point; 2]>,
     polygons: Vec<Vec<Point>>,
-    discs: Vec<Disc>,
-    index: Index,
+    discs: Vec<RoundObstacle>,
+    index: SceneIndex,
 }
 
-impl Scene {
+impl ObstacleScene {
     /// A scene of thin walls, solid polygons (the last corner joins the first, either way round, concave ones too)
     /// and discs.
-    pub fn new(segments: Vec<[Point; 2]>, polygons: Vec<Vec<Point>>, discs: Vec<Disc>) -> Self {
-        let index = Index::new(&segments, &polygons, &discs);
+    pub fn new(
+        segments: Vec<[Point; 2]>,
+        polygons: Vec<Vec<Point>>,
+        discs: Vec<RoundObstacle>,
+    ) -> Self {
+        let index = SceneIndex::new(&segments, &polygons, &discs);
         Self {
             segments,
             polygons,
@@ -56,7 +60,7 @@ impl Scene {
     }
 
     /// The discs.
-    pub fn discs(&self) -> &[Disc] {
+    pub fn discs(&self) -> &[RoundObstacle] {
         &self.discs
     }
 
@@ -85,7 +89,7 @@ impl Scene {
         self.clearance_within(point, f64::INFINITY)
     }
 
-    /// As [`Scene::clearance`], but infinite if nothing is nearer than `max` metres: cheaper for a collision test.
+    /// As [`ObstacleScene::clearance`], but infinite if nothing is nearer than `max` metres: cheaper for a collision test.
     pub fn clearance_within(&self, point: Point, max: f64) -> f64 {
         let at = glam(&point);
         if !finite(&point) {
@@ -106,15 +110,15 @@ impl Scene {
 
 /// The scene as parry2d wants it: every side of everything in one tree, the solids in another.
 #[derive(Clone, Debug, Default)]
-struct Index {
-    parts: Vec<Part>,
+struct SceneIndex {
+    parts: Vec<ScenePart>,
     beams: Bvh,
     solids: Vec<Vec<Glam>>,
     areas: Bvh,
 }
 
-impl Index {
-    fn new(segments: &[[Point; 2]], polygons: &[Vec<Point>], discs: &[Disc]) -> Self {
+impl SceneIndex {
+    fn new(segments: &[[Point; 2]], polygons: &[Vec<Point>], discs: &[RoundObstacle]) -> Self {
         let solids = polygons
             .iter()
             .filter(|polygon| polygon.len() > 2 && polygon.iter().all(finite));
@@ -122,13 +126,13 @@ impl Index {
             .map(|polygon| polygon.iter().map(glam).collect())
             .collect();
         let walls = segments.iter().filter(|ends| ends.iter().all(finite));
-        let walls = walls.map(|[a, b]| Part::Side(Segment::new(glam(a), glam(b))));
+        let walls = walls.map(|[a, b]| ScenePart::Side(Segment::new(glam(a), glam(b))));
         let round = discs
             .iter()
             .filter(|disc| finite(&disc.centre) && disc.radius.is_finite() && disc.radius > 0.0);
         let round =
-            round.map(|disc| Part::Round(glam(&disc.centre), Ball::new(disc.radius as f32)));
-        let parts: Vec<Part> = walls
+            round.map(|disc| ScenePart::Round(glam(&disc.centre), Ball::new(disc.radius as f32)));
+        let parts: Vec<ScenePart> = walls
             .chain(solids.iter().flat_map(|corners| sides(corners)))
             .chain(round)
             .collect();
@@ -136,7 +140,7 @@ impl Index {
             .iter()
             .map(|corners| Aabb::from_points(corners.iter().copied()))
             .collect();
-        let boxes: Vec<Aabb> = parts.iter().map(Part::bounds).collect();
+        let boxes: Vec<Aabb> = parts.iter().map(ScenePart::bounds).collect();
         Self {
             beams: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             areas: Bvh::from_leaves(BvhBuildStrategy::Binned, &areas),
@@ -155,20 +159,20 @@ impl Index {
     }
 }
 
-fn sides(corners: &[Glam]) -> impl Iterator<Item = Part> {
+fn sides(corners: &[Glam]) -> impl Iterator<Item = ScenePart> {
     let next = corners.iter().cycle().skip(1);
     let pairs = corners.iter().zip(next);
-    pairs.map(|(a, b)| Part::Side(Segment::new(*a, *b)))
+    pairs.map(|(a, b)| ScenePart::Side(Segment::new(*a, *b)))
 }
 
 /// One thing a beam can hit.
 #[derive(Clone, Debug)]
-enum Part {
+enum ScenePart {
     Side(Segment),
     Round(Glam, Ball),
 }
 
-impl Part {
+impl ScenePart {
     fn bounds(&self) -> Aabb {
         match self {
             Self::Side(segment) => segment.compute_aabb(&Isometry::IDENTITY),
@@ -211,7 +215,7 @@ mod tests {
     }
 
     /// A room of 4 m × 3 m with a pillar and an L-shaped desk.
-    fn room() -> Scene {
+    fn room() -> ObstacleScene {
         let corners = [
             point(0.0, 0.0),
             point(4.0, 0.0),
@@ -230,11 +234,11 @@ mod tests {
             (0.0, 3.0),
         ];
         let desk = desk.map(|(x, y)| point(x, y)).to_vec();
-        let pillar = Disc {
+        let pillar = RoundObstacle {
             centre: point(3.0, 1.0),
             radius: 0.25,
         };
-        Scene::new(walls, vec![desk], vec![pillar])
+        ObstacleScene::new(walls, vec![desk], vec![pillar])
     }
 
     fn cast(x: f64, y: f64, direction: (f64, f64)) -> Option<f64> {
@@ -277,13 +281,16 @@ mod tests {
         assert!((clearance(0.3, 1.0) - 0.3).abs() < 1e-5);
         assert_eq!((clearance(1.0, 2.2), clearance(3.1, 1.1)), (0.0, 0.0));
         assert_eq!(room().clearance_within(point(3.0, 2.0), 0.5), f64::INFINITY);
-        assert_eq!(Scene::default().clearance(point(0.0, 0.0)), f64::INFINITY);
+        assert_eq!(
+            ObstacleScene::default().clearance(point(0.0, 0.0)),
+            f64::INFINITY
+        );
     }
 
     #[test]
     fn a_lone_wall_is_a_scene() {
         let wall = [point(1.0, -1.0), point(1.0, 1.0)];
-        let scene = Scene::new(vec![wall], Vec::new(), Vec::new());
+        let scene = ObstacleScene::new(vec![wall], Vec::new(), Vec::new());
         assert_eq!(scene.raycast(Point::origin(), Vector::x(), 5.0), Some(1.0));
         assert_eq!(scene.raycast(Point::origin(), -Vector::x(), 5.0), None);
     }
@@ -292,8 +299,8 @@ mod tests {
         #[test]
         fn it_takes_any_numbers(n in prop::collection::vec(prop::num::f64::ANY, 12)) {
             let at = |index: usize| point(n[index], n[index + 1]);
-            let disc = Disc { centre: at(6), radius: n[8] };
-            let scene = Scene::new(vec![[at(0), at(1)]], vec![vec![at(2), at(3), at(4)]], vec![disc]);
+            let disc = RoundObstacle { centre: at(6), radius: n[8] };
+            let scene = ObstacleScene::new(vec![[at(0), at(1)]], vec![vec![at(2), at(3), at(4)]], vec![disc]);
             scene.raycast(at(9), Vector::new(n[10], n[11]), n[5]);
             scene.clearance(at(10));
         }

@@ -1,9 +1,9 @@
 //! Lines on a grid: every cell a straight line touches (Amanatides, Woo: *A fast voxel traversal algorithm*, 1987;
 //! a line through a corner touches all four cells around it, so nothing is seen between two diagonal obstacles).
 
-use crate::{Cell, Grid, Layout, Point};
+use crate::{Cell, Grid, GridLayout, Point};
 
-impl Layout {
+impl GridLayout {
     /// Whether `pass` says yes to every cell the straight line between two map points touches; no as soon as the line
     /// leaves the grid.
     pub fn line(&self, from: Point, to: Point, mut pass: impl FnMut(usize) -> bool) -> bool {
@@ -15,8 +15,8 @@ impl Layout {
             let cell = Cell::new(column as u32, row as u32);
             self.index(cell).is_some_and(&mut pass)
         };
-        let mut along = Axis::new(from.x, to.x, start.column, end.column);
-        let mut across = Axis::new(from.y, to.y, start.row, end.row);
+        let mut along = WalkAxis::new(from.x, to.x, start.column, end.column);
+        let mut across = WalkAxis::new(from.y, to.y, start.row, end.row);
         if !visit(along.at, across.at) {
             return false;
         }
@@ -51,7 +51,7 @@ impl Grid {
 }
 
 /// One coordinate of the walk.
-struct Axis {
+struct WalkAxis {
     /// The cell the walk is in.
     at: i64,
     /// +1 or -1.
@@ -64,7 +64,7 @@ struct Axis {
     gap: f64,
 }
 
-impl Axis {
+impl WalkAxis {
     fn new(from: f64, to: f64, start: u32, end: u32) -> Self {
         let (start, end) = (i64::from(start), i64::from(end));
         let way = to - from;
@@ -103,8 +103,8 @@ mod tests {
     use crate::{FREE, OCCUPIED, Pose};
     use proptest::prelude::*;
 
-    fn layout() -> Layout {
-        Layout::new(1.0, 10, 10, Pose::identity()).unwrap()
+    fn layout() -> GridLayout {
+        GridLayout::new(1.0, 10, 10, Pose::identity()).unwrap()
     }
 
     fn touched(from: (f64, f64), to: (f64, f64)) -> Vec<(u32, u32)> {

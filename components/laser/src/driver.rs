@@ -3,7 +3,7 @@
 use asmotion_component::{
     Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Setup,
 };
-use asmotion_geometry::{Point, Pose, Scene, heading, message};
+use asmotion_geometry::{ObstacleScene, Point, Pose, heading, message};
 use asmotion_messages::{Header, LaserScan, PoseStamped};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -19,7 +19,7 @@ pub struct LaserDriver {
     /// The laser on the robot.
     mount: Pose,
     chance: ChaCha8Rng,
-    surroundings: Option<Scene>,
+    surroundings: Option<ObstacleScene>,
     /// Stamp of the last sweep, ns.
     last: Option<i64>,
 }

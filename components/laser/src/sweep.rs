@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use asmotion_component::Properties;
-use asmotion_geometry::{Point, Pose, Scene, Vector};
+use asmotion_geometry::{ObstacleScene, Point, Pose, Vector};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -47,7 +47,13 @@ impl Optics {
     ///
     /// Every beam draws the same number of random numbers whatever it hits, so that a change in one corner of the
     /// scene leaves the noise elsewhere as it was.
-    pub fn sweep(&self, scene: &Scene, pose: &Pose, chance: &mut impl Rng, ranges: &mut Vec<f32>) {
+    pub fn sweep(
+        &self,
+        scene: &ObstacleScene,
+        pose: &Pose,
+        chance: &mut impl Rng,
+        ranges: &mut Vec<f32>,
+    ) {
         let origin = Point::from(pose.translation.vector);
         // beyond the range there may still be something that noise brings into it
         let sight = self.range_max + 5.0 * self.noise_m;
@@ -80,7 +86,7 @@ impl Optics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asmotion_geometry::{Disc, heading};
+    use asmotion_geometry::{RoundObstacle, heading};
     use proptest::prelude::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -99,7 +105,7 @@ mod tests {
         }
     }
 
-    fn sweep(optics: &Optics, scene: &Scene, pose: &Pose, seed: u64) -> Vec<f32> {
+    fn sweep(optics: &Optics, scene: &ObstacleScene, pose: &Pose, seed: u64) -> Vec<f32> {
         let mut ranges = Vec::new();
         optics.sweep(
             scene,
@@ -110,18 +116,18 @@ mod tests {
         ranges
     }
 
-    fn wall(x: f64) -> Scene {
+    fn wall(x: f64) -> ObstacleScene {
         let ends = [Point::new(x, -50.0), Point::new(x, 50.0)];
-        Scene::new(vec![ends], Vec::new(), Vec::new())
+        ObstacleScene::new(vec![ends], Vec::new(), Vec::new())
     }
 
     #[test]
     fn it_measures_what_is_there() {
-        let disc = Disc {
+        let disc = RoundObstacle {
             centre: Point::new(0.0, 2.0),
             radius: 0.5,
         };
-        let room = Scene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
+        let room = ObstacleScene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
         let ranges = sweep(&cross(), &room, &Pose::identity(), 0);
         assert_eq!(ranges, [3.0, 1.5, f32::INFINITY, f32::INFINITY]);
         // turned to the left, what was ahead is on the right
@@ -173,8 +179,8 @@ mod tests {
         #[test]
         fn a_change_elsewhere_leaves_a_beam_alone(seed: u64, distance in 0.2..4.0) {
             let optics = Optics { noise_m: 0.05, ..cross() };
-            let disc = Disc { centre: Point::new(0.0, distance), radius: 0.1 };
-            let more = Scene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
+            let disc = RoundObstacle { centre: Point::new(0.0, distance), radius: 0.1 };
+            let more = ObstacleScene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
             let (plain, changed) = (sweep(&optics, &wall(3.0), &Pose::identity(), seed), sweep(&optics, &more, &Pose::identity(), seed));
             prop_assert_eq!((plain[0], plain[2], plain[3]), (changed[0], changed[2], changed[3]));
             prop_assert_ne!(plain[1], changed[1]);

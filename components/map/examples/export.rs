@@ -3,14 +3,14 @@
 use std::error::Error;
 use std::path::Path;
 
-use asmotion_map::{Disk, Settings, load, ros};
+use asmotion_map::{DiskFiles, MapSettings, load, ros};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [file, folder] = &arguments[..] else {
         return Err("wants a map and a folder".into());
     };
-    let map = load(&Disk, file, &Settings::default())?;
+    let map = load(&DiskFiles, file, &MapSettings::default())?;
     let name = Path::new(file).file_stem().and_then(|stem| stem.to_str());
     let name = name.ok_or("the map's name is not text")?;
     let (yaml, png) = ros::save(&map.grid, &format!("{name}.png"))?;

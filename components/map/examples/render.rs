@@ -9,8 +9,8 @@ use std::fs::File;
 use std::io::BufWriter;
 
 use asmotion_geometry::{Grid, Occupancy, Point, Pose, heading};
-use asmotion_map::{Disk, Map, Settings, load};
-use asmotion_planner::{AStar, Planner, Settings as Needs};
+use asmotion_map::{DiskFiles, Map, MapSettings, load};
+use asmotion_planner::{AStar, Planner, PlannerSettings as Needs};
 use png::{ColorType, Encoder};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [file, out, ends @ ..] = &arguments[..] else {
         return Err("wants a map, a PNG file, and pairs of ends".into());
     };
-    let map = load(&Disk, file, &Settings::default())?;
+    let map = load(&DiskFiles, file, &MapSettings::default())?;
     let mut picture = draw(&map.grid);
     for point in &map.points {
         dot(

@@ -1,17 +1,17 @@
 //! Common ground of the vector formats: shapes in metres, drawn layer by layer on a grid.
 
-use asmotion_geometry::{Grid, Layout, Occupancy, Point, Pose, Vector, heading};
+use asmotion_geometry::{Grid, GridLayout, Occupancy, Point, Pose, Vector, heading};
 
-use crate::{Fault, Rule, Settings};
+use crate::{FeatureRule, MapFault, MapSettings};
 
 /// Shapes in the map frame, and in which order they are drawn.
 #[derive(Default)]
 pub struct Drawing {
-    shapes: Vec<Shape>,
+    shapes: Vec<DrawnShape>,
 }
 
 /// How the drawing lies in the map.
-pub struct Frame {
+pub struct DrawingFrame {
     /// The smallest x and y, m.
     pub low: Point,
     /// The largest x and y, m.
@@ -22,7 +22,7 @@ pub struct Frame {
     pub ground: Occupancy,
 }
 
-struct Shape {
+struct DrawnShape {
     layer: u8,
     value: i8,
     outline: Outline,
@@ -39,25 +39,25 @@ enum Outline {
 
 impl Drawing {
     /// A line, as wide as said.
-    pub fn line(&mut self, points: Vec<Point>, width: f64, rule: &Rule) {
+    pub fn line(&mut self, points: Vec<Point>, width: f64, rule: &FeatureRule) {
         self.add(rule, Outline::Line(points, width));
     }
 
     /// An area: rings, those within others are holes.
-    pub fn area(&mut self, rings: Vec<Vec<Point>>, rule: &Rule) {
+    pub fn area(&mut self, rings: Vec<Vec<Point>>, rule: &FeatureRule) {
         self.add(rule, Outline::Area(rings));
     }
 
     /// A place, as large across as said; of no size it is not drawn.
-    pub fn spot(&mut self, at: Point, diameter: Option<f64>, rule: &Rule) {
+    pub fn spot(&mut self, at: Point, diameter: Option<f64>, rule: &FeatureRule) {
         if let Some(diameter) = diameter {
             self.add(rule, Outline::Spot(at, diameter));
         }
     }
 
-    fn add(&mut self, rule: &Rule, outline: Outline) {
+    fn add(&mut self, rule: &FeatureRule, outline: Outline) {
         if let Some(occupancy) = rule.occupancy {
-            self.shapes.push(Shape {
+            self.shapes.push(DrawnShape {
                 layer: rule.layer,
                 value: occupancy.value(),
                 outline,
@@ -75,7 +75,7 @@ impl Drawing {
     }
 
     /// The drawing on a grid. Within a layer, what came later covers what came before.
-    pub fn grid(mut self, frame: &Frame, settings: &Settings) -> Result<Grid, Fault> {
+    pub fn grid(mut self, frame: &DrawingFrame, settings: &MapSettings) -> Result<Grid, MapFault> {
         let mut grid = Grid::new(frame.layout(settings.max_cells)?, frame.ground.value());
         self.shapes.sort_by_key(|shape| shape.layer);
         for shape in &self.shapes {
@@ -96,7 +96,7 @@ impl Outline {
     }
 }
 
-impl Shape {
+impl DrawnShape {
     fn draw(&self, grid: &mut Grid) {
         match &self.outline {
             Outline::Line(points, width) => grid.stroke(points, *width, self.value),
@@ -121,7 +121,7 @@ impl Shape {
     }
 }
 
-impl Frame {
+impl DrawingFrame {
     /// The frame with `margin` metres more on each side.
     pub fn widened(self, margin: f64) -> Self {
         let margin = Vector::repeat(margin);
@@ -133,12 +133,12 @@ impl Frame {
     }
 
     /// The grid that covers the frame; the map's origin lies on a corner of its cells.
-    fn layout(&self, max_cells: u64) -> Result<Layout, Fault> {
+    fn layout(&self, max_cells: u64) -> Result<GridLayout, MapFault> {
         let resolution = self.resolution;
         if !(resolution.is_finite() && resolution > 0.0) {
-            return Err(Fault::Layout(asmotion_geometry::LayoutError::Resolution {
-                resolution,
-            }));
+            return Err(MapFault::Layout(
+                asmotion_geometry::GridLayoutError::Resolution { resolution },
+            ));
         }
         // a hair of rounding must not cost a row of cells
         let steps = |value: f64, round: fn(f64) -> f64, hair: f64| round(value / resolution + hair);
@@ -148,10 +148,10 @@ impl Frame {
         );
         let width = (steps(self.high.x, f64::ceil, -1e-6) - first.x).max(1.0);
         let height = (steps(self.high.y, f64::ceil, -1e-6) - first.y).max(1.0);
-        let most = max_cells.min(Layout::MAX_CELLS);
+        let most = max_cells.min(GridLayout::MAX_CELLS);
         let cells = width * height;
         if cells.is_nan() || cells > most as f64 {
-            return Err(Fault::TooLarge {
+            return Err(MapFault::TooLarge {
                 width,
                 height,
                 resolution,
@@ -160,7 +160,7 @@ impl Frame {
             });
         }
         let origin: Pose = heading(Point::from(first * resolution), 0.0);
-        Ok(Layout::new(
+        Ok(GridLayout::new(
             resolution,
             width as u32,
             height as u32,
@@ -188,8 +188,8 @@ pub fn fitting(width: f64, height: f64, limit: u64) -> f64 {
 mod tests {
     use super::*;
 
-    fn frame(width: f64, height: f64, resolution: f64) -> Frame {
-        Frame {
+    fn frame(width: f64, height: f64, resolution: f64) -> DrawingFrame {
+        DrawingFrame {
             low: Point::new(-0.5, 0.0),
             high: Point::new(width - 0.5, height),
             resolution,
@@ -208,7 +208,7 @@ mod tests {
     fn it_proposes_a_resolution_that_fits() {
         for (width, height) in [(31.0, 21.0), (1e6, 3.0), (0.01, 1e5), (1e7, 1e7)] {
             match frame(width, height, 1e-3).layout(10_000) {
-                Err(Fault::TooLarge { fits, .. }) => {
+                Err(MapFault::TooLarge { fits, .. }) => {
                     assert!(frame(width, height, fits).layout(10_000).is_ok(), "{fits}");
                     assert!(
                         frame(width, height, fits / 4.0).layout(10_000).is_err(),

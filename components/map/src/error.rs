@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use asmotion_geometry::LayoutError;
+use asmotion_geometry::GridLayoutError;
 
 /// A map that could not be loaded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -13,7 +13,7 @@ pub struct MapError {
     /// Place in the file.
     pub at: Where,
     /// Cause, with the way out.
-    pub fault: Fault,
+    pub fault: MapFault,
 }
 
 /// A place in a file, as its readers count.
@@ -70,7 +70,7 @@ impl fmt::Display for Where {
 
 /// Cause of an error.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Fault {
+pub enum MapFault {
     /// No such file.
     #[error("there is no such file")]
     Missing,
@@ -171,5 +171,5 @@ pub enum Fault {
     },
     /// The grid's numbers are none.
     #[error(transparent)]
-    Layout(#[from] LayoutError),
+    Layout(#[from] GridLayoutError),
 }

@@ -6,7 +6,7 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 /// Gives the bytes of named files. Names are paths with `/`. Maps are loaded beside the server's cycle, hence `Sync`.
-pub trait Files: Send + Sync {
+pub trait FileSource: Send + Sync {
     /// The whole file, but never more than `limit` bytes.
     fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault>;
 
@@ -45,9 +45,9 @@ impl From<std::io::Error> for FileFault {
 
 /// The files of this machine.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Disk;
+pub struct DiskFiles;
 
-impl Files for Disk {
+impl FileSource for DiskFiles {
     fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault> {
         read_at_most(File::open(name)?, limit)
     }
@@ -75,9 +75,9 @@ impl Files for Disk {
 
 /// Files that exist in memory only: tests, and maps that came by message.
 #[derive(Clone, Debug, Default)]
-pub struct Memory(BTreeMap<String, Vec<u8>>);
+pub struct FilesInMemory(BTreeMap<String, Vec<u8>>);
 
-impl Memory {
+impl FilesInMemory {
     /// These files.
     pub fn new<Name: Into<String>, Bytes: Into<Vec<u8>>>(
         files: impl IntoIterator<Item = (Name, Bytes)>,
@@ -87,7 +87,7 @@ impl Memory {
     }
 }
 
-impl Files for Memory {
+impl FileSource for FilesInMemory {
     fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault> {
         let bytes = self.0.get(name).ok_or(FileFault::Missing)?;
         read_at_most(&bytes[..], limit)

@@ -2,26 +2,26 @@
 
 use asmotion_geometry::Occupancy;
 
-use crate::files::{FileFault, Files, read_at_most};
+use crate::files::{FileFault, FileSource, read_at_most};
 use crate::geo_json::GeoJson;
 use crate::osm::OsmPbf;
 #[cfg(feature = "maps")]
 use crate::osm::OsmXml;
 #[cfg(feature = "maps")]
 use crate::ros::RosMap;
-use crate::{Fault, Map, MapError, Rules, Where};
+use crate::{Map, MapError, MapFault, Rules, Where};
 
 /// Reads one kind of map file. Never panics, whatever the bytes are, and holds no more memory than the settings allow.
-pub trait Format: Sync {
+pub trait MapFormat: Sync {
     /// The endings of its files, with the dot; `.gz` may follow any of them.
     fn endings(&self) -> &'static [&'static str];
 
     /// The map in the file. The same bytes give the same map.
-    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError>;
+    fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError>;
 }
 
 /// Every format by its name. Where a place has files of several formats, the first row wins.
-pub const FORMATS: &[(&str, &dyn Format)] = &[
+pub const FORMATS: &[(&str, &dyn MapFormat)] = &[
     ("geojson", &GeoJson),
     #[cfg(feature = "maps")]
     ("ros", &RosMap),
@@ -38,7 +38,7 @@ const LEFT_OUT: &[&str] = match cfg!(feature = "maps") {
 
 /// Settings of loading, common to all formats.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct MapSettings {
     /// Side of a cell, m; none takes what the file says, or what suits its kind. A ROS map is made coarser if need be,
     /// never finer.
     pub resolution: Option<f64>,
@@ -52,7 +52,7 @@ pub struct Settings {
     pub rules: Rules,
 }
 
-impl Default for Settings {
+impl Default for MapSettings {
     fn default() -> Self {
         Self {
             resolution: None,
@@ -65,21 +65,21 @@ impl Default for Settings {
 }
 
 /// Loads the map in file `name`, whose ending decides the format.
-pub fn load(files: &dyn Files, name: &str, settings: &Settings) -> Result<Map, MapError> {
-    let source = Source::new(files, name, settings);
+pub fn load(files: &dyn FileSource, name: &str, settings: &MapSettings) -> Result<Map, MapError> {
+    let source = MapSource::new(files, name, settings);
     match format_of(name) {
         Some(format) => format.load(&source, settings),
         None if LEFT_OUT.iter().any(|ending| stem(name, ending).is_some()) => {
-            Err(source.error(Fault::LeftOut { feature: "maps" }))
+            Err(source.error(MapFault::LeftOut { feature: "maps" }))
         }
-        None => Err(source.error(Fault::UnknownFormat {
+        None => Err(source.error(MapFault::UnknownFormat {
             known: endings().collect::<Vec<_>>().join(" "),
         })),
     }
 }
 
 /// The format whose ending the file has.
-pub fn format_of(name: &str) -> Option<&'static dyn Format> {
+pub fn format_of(name: &str) -> Option<&'static dyn MapFormat> {
     FORMATS.iter().map(|(_, format)| *format).find(|format| {
         format
             .endings()
@@ -103,15 +103,15 @@ pub fn stem<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
 }
 
 /// A file and how to get it.
-pub struct Source<'a> {
-    files: &'a dyn Files,
+pub struct MapSource<'a> {
+    files: &'a dyn FileSource,
     name: String,
     limit: u64,
 }
 
-impl<'a> Source<'a> {
+impl<'a> MapSource<'a> {
     /// The file called `name`.
-    pub fn new(files: &'a dyn Files, name: &str, settings: &Settings) -> Self {
+    pub fn new(files: &'a dyn FileSource, name: &str, settings: &MapSettings) -> Self {
         Self {
             files,
             name: name.to_owned(),
@@ -133,7 +133,7 @@ impl<'a> Source<'a> {
         }
         let unpacked = flate2::read::MultiGzDecoder::new(&bytes[..]);
         read_at_most(unpacked, self.limit).map_err(|fault| match fault {
-            FileFault::Other(reason) => self.error(Fault::Syntax {
+            FileFault::Other(reason) => self.error(MapFault::Syntax {
                 what: format!("is not gzip, or damaged: {reason}"),
             }),
             fault => self.unread(fault),
@@ -145,15 +145,15 @@ impl<'a> Source<'a> {
         String::from_utf8(self.bytes()?).map_err(|error| {
             let byte = error.utf8_error().valid_up_to() as u64;
             let what = "is not UTF-8 text".to_owned();
-            self.error_at(Where::Byte(byte), Fault::Syntax { what })
+            self.error_at(Where::Byte(byte), MapFault::Syntax { what })
         })
     }
 
     /// Another file, named as this one names it: relative to this one's folder.
-    pub fn beside(&self, name: &str) -> Source<'_> {
+    pub fn beside(&self, name: &str) -> MapSource<'_> {
         let folder = self.name.rfind('/').map_or("", |at| &self.name[..=at]);
         let absolute = name.starts_with('/');
-        Source {
+        MapSource {
             files: self.files,
             name: if absolute {
                 name.to_owned()
@@ -165,12 +165,12 @@ impl<'a> Source<'a> {
     }
 
     /// An error of this file.
-    pub fn error(&self, fault: Fault) -> MapError {
+    pub fn error(&self, fault: MapFault) -> MapError {
         self.error_at(Where::File, fault)
     }
 
     /// An error at a place of this file.
-    pub fn error_at(&self, at: Where, fault: Fault) -> MapError {
+    pub fn error_at(&self, at: Where, fault: MapFault) -> MapError {
         MapError {
             file: self.name.clone(),
             at,
@@ -180,9 +180,9 @@ impl<'a> Source<'a> {
 
     fn unread(&self, fault: FileFault) -> MapError {
         self.error(match fault {
-            FileFault::Missing => Fault::Missing,
-            FileFault::TooLong => Fault::TooManyBytes { limit: self.limit },
-            FileFault::Other(reason) => Fault::Unreadable { reason },
+            FileFault::Missing => MapFault::Missing,
+            FileFault::TooLong => MapFault::TooManyBytes { limit: self.limit },
+            FileFault::Other(reason) => MapFault::Unreadable { reason },
         })
     }
 }

@@ -6,10 +6,10 @@
 use asmotion_geometry::{Occupancy, Point, heading};
 use geojson::{Feature, GeoJson as Document, GeometryValue, JsonObject, JsonValue, Position};
 
-use crate::drawing::{Drawing, Frame};
-use crate::format::{Format, Settings, Source};
+use crate::drawing::{Drawing, DrawingFrame};
+use crate::format::{MapFormat, MapSettings, MapSource};
 use crate::projection::{Projection, centre, checked};
-use crate::{Fault, LonLat, Map, MapError, NamedPoint, Rule, Tags, Where};
+use crate::{FeatureRule, LonLat, Map, MapError, MapFault, NamedPoint, Tags, Where};
 
 /// The format.
 pub struct GeoJson;
@@ -17,17 +17,17 @@ pub struct GeoJson;
 /// Default side of a cell, m, for an indoor robot.
 const RESOLUTION: f64 = 0.05;
 
-impl Format for GeoJson {
+impl MapFormat for GeoJson {
     fn endings(&self) -> &'static [&'static str] {
         &[".geojson"]
     }
 
-    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
+    fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError> {
         let (features, about) = parse(source)?;
-        let about = About::read(about.as_ref()).map_err(|fault| source.error(fault))?;
+        let about = GeoJsonMapMember::read(about.as_ref()).map_err(|fault| source.error(fault))?;
         let place = |index: usize| move |fault| source.error_at(Where::Feature(index), fault);
         let origin = about.origin(&features, &place)?;
-        let mut plan = Plan {
+        let mut plan = GeoJsonReader {
             projection: origin
                 .map(Projection::around)
                 .transpose()
@@ -45,7 +45,7 @@ impl Format for GeoJson {
     }
 }
 
-fn parse(source: &Source<'_>) -> Result<(Vec<Feature>, Option<JsonObject>), MapError> {
+fn parse(source: &MapSource<'_>) -> Result<(Vec<Feature>, Option<JsonObject>), MapError> {
     let document = source
         .text()?
         .parse()
@@ -65,7 +65,7 @@ fn parse(source: &Source<'_>) -> Result<(Vec<Feature>, Option<JsonObject>), MapE
     })
 }
 
-fn syntax(source: &Source<'_>, error: geojson::Error) -> MapError {
+fn syntax(source: &MapSource<'_>, error: geojson::Error) -> MapError {
     let at = match &error {
         geojson::Error::MalformedGeoJson(error) if error.line() > 0 => Where::Line {
             line: error.line() as u64,
@@ -74,24 +74,24 @@ fn syntax(source: &Source<'_>, error: geojson::Error) -> MapError {
         _ => Where::File,
     };
     let what = error.to_string();
-    source.error_at(at, Fault::Syntax { what })
+    source.error_at(at, MapFault::Syntax { what })
 }
 
 /// The foreign member `map`.
-struct About {
+struct GeoJsonMapMember {
     metres: bool,
     resolution: Option<f64>,
     margin: f64,
     ground: Option<Occupancy>,
 }
 
-impl About {
-    fn read(members: Option<&JsonObject>) -> Result<Self, Fault> {
+impl GeoJsonMapMember {
+    fn read(members: Option<&JsonObject>) -> Result<Self, MapFault> {
         if let Some(name) = members
             .and_then(|members| members.get("crs"))
             .and_then(foreign_crs)
         {
-            return Err(Fault::ReferenceSystem { name });
+            return Err(MapFault::ReferenceSystem { name });
         }
         let map = members.and_then(|members| members.get("map"));
         let get = |key: &str| map.and_then(|map| map.get(key));
@@ -129,7 +129,7 @@ impl About {
         place: &impl Fn(usize) -> E,
     ) -> Result<Option<LonLat>, MapError>
     where
-        E: FnOnce(Fault) -> MapError,
+        E: FnOnce(MapFault) -> MapError,
     {
         if self.metres {
             return Ok(None);
@@ -158,7 +158,7 @@ fn foreign_crs(crs: &JsonValue) -> Option<String> {
     (!same).then(|| name.to_owned())
 }
 
-fn length(value: Option<&JsonValue>, key: &str) -> Result<Option<f64>, Fault> {
+fn length(value: Option<&JsonValue>, key: &str) -> Result<Option<f64>, MapFault> {
     match value.map(|value| (value, value.as_f64())) {
         None => Ok(None),
         Some((_, Some(metres))) if metres >= 0.0 => Ok(Some(metres)),
@@ -166,8 +166,8 @@ fn length(value: Option<&JsonValue>, key: &str) -> Result<Option<f64>, Fault> {
     }
 }
 
-fn wrong(key: &str, found: &JsonValue, expected: &'static str) -> Fault {
-    Fault::Value {
+fn wrong(key: &str, found: &JsonValue, expected: &'static str) -> MapFault {
+    MapFault::Value {
         key: key.to_owned(),
         found: found.to_string(),
         expected,
@@ -177,8 +177,8 @@ fn wrong(key: &str, found: &JsonValue, expected: &'static str) -> Fault {
 /// Every position of a geometry.
 fn positions<'a>(
     geometry: &'a GeometryValue,
-    visit: &mut impl FnMut(&'a Position) -> Result<(), Fault>,
-) -> Result<(), Fault> {
+    visit: &mut impl FnMut(&'a Position) -> Result<(), MapFault>,
+) -> Result<(), MapFault> {
     match geometry {
         GeometryValue::Point { coordinates } => visit(coordinates),
         GeometryValue::MultiPoint { coordinates } | GeometryValue::LineString { coordinates } => {
@@ -196,15 +196,15 @@ fn positions<'a>(
     }
 }
 
-fn degrees(position: &Position) -> Result<LonLat, Fault> {
+fn degrees(position: &Position) -> Result<LonLat, MapFault> {
     let (x, y) = numbers(position)?;
     checked(x, y)
 }
 
-fn numbers(position: &Position) -> Result<(f64, f64), Fault> {
+fn numbers(position: &Position) -> Result<(f64, f64), MapFault> {
     match position.as_slice() {
         [x, y, ..] if x.is_finite() && y.is_finite() => Ok((*x, *y)),
-        other => Err(Fault::Value {
+        other => Err(MapFault::Value {
             key: "coordinates".to_owned(),
             found: format!("{other:?}"),
             expected: "two finite numbers",
@@ -213,17 +213,17 @@ fn numbers(position: &Position) -> Result<(f64, f64), Fault> {
 }
 
 /// The map in the making.
-struct Plan<'a> {
+struct GeoJsonReader<'a> {
     projection: Option<Projection>,
-    settings: &'a Settings,
+    settings: &'a MapSettings,
     drawing: Drawing,
     points: Vec<NamedPoint>,
     /// Features with an extent that no rule names.
     ignored: usize,
 }
 
-impl Plan<'_> {
-    fn add(&mut self, feature: &Feature) -> Result<(), Fault> {
+impl GeoJsonReader<'_> {
+    fn add(&mut self, feature: &Feature) -> Result<(), MapFault> {
         let Some(geometry) = &feature.geometry else {
             return Ok(());
         };
@@ -237,7 +237,12 @@ impl Plan<'_> {
         self.name(&geometry.value, &tags)
     }
 
-    fn draw(&mut self, geometry: &GeometryValue, rule: &Rule, tags: &Tags) -> Result<(), Fault> {
+    fn draw(
+        &mut self,
+        geometry: &GeometryValue,
+        rule: &FeatureRule,
+        tags: &Tags,
+    ) -> Result<(), MapFault> {
         match geometry {
             GeometryValue::Point { coordinates } => {
                 let at = self.point(coordinates)?;
@@ -269,13 +274,13 @@ impl Plan<'_> {
         Ok(())
     }
 
-    fn line(&mut self, line: &[Position], rule: &Rule, tags: &Tags) -> Result<(), Fault> {
+    fn line(&mut self, line: &[Position], rule: &FeatureRule, tags: &Tags) -> Result<(), MapFault> {
         let points = self.points(line)?;
         self.drawing.line(points, rule.width_of(tags), rule);
         Ok(())
     }
 
-    fn area(&mut self, rings: &[Vec<Position>], rule: &Rule) -> Result<(), Fault> {
+    fn area(&mut self, rings: &[Vec<Position>], rule: &FeatureRule) -> Result<(), MapFault> {
         let rings = rings.iter().map(|ring| self.points(ring));
         let rings = rings.collect::<Result<_, _>>()?;
         self.drawing.area(rings, rule);
@@ -283,7 +288,7 @@ impl Plan<'_> {
     }
 
     /// A point with a name is a place; `yaw_deg` is the heading there.
-    fn name(&mut self, geometry: &GeometryValue, tags: &Tags) -> Result<(), Fault> {
+    fn name(&mut self, geometry: &GeometryValue, tags: &Tags) -> Result<(), MapFault> {
         if let (GeometryValue::Point { coordinates }, Some(name)) = (geometry, tags.get("name")) {
             let yaw: f64 = tags
                 .get("yaw_deg")
@@ -297,24 +302,24 @@ impl Plan<'_> {
         Ok(())
     }
 
-    fn points(&self, positions: &[Position]) -> Result<Vec<Point>, Fault> {
+    fn points(&self, positions: &[Position]) -> Result<Vec<Point>, MapFault> {
         positions
             .iter()
             .map(|position| self.point(position))
             .collect()
     }
 
-    fn point(&self, position: &Position) -> Result<Point, Fault> {
+    fn point(&self, position: &Position) -> Result<Point, MapFault> {
         match &self.projection {
             Some(projection) => projection.project(degrees(position)?),
             None => numbers(position).map(|(x, y)| Point::new(x, y)),
         }
     }
 
-    fn finish(self, about: &About, origin: Option<LonLat>) -> Result<Map, Fault> {
-        let (low, high) = self.drawing.bounds().ok_or(Fault::Nothing)?;
+    fn finish(self, about: &GeoJsonMapMember, origin: Option<LonLat>) -> Result<Map, MapFault> {
+        let (low, high) = self.drawing.bounds().ok_or(MapFault::Nothing)?;
         let settings = self.settings;
-        let frame = Frame {
+        let frame = DrawingFrame {
             low,
             high,
             resolution: settings
@@ -355,14 +360,14 @@ fn tags(properties: Option<&JsonObject>) -> Tags {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Memory, load};
+    use crate::{FilesInMemory, load};
     use asmotion_geometry::{Cell, yaw};
 
     fn read(text: &str) -> Result<Map, MapError> {
         load(
-            &Memory::new([("a.geojson", text)]),
+            &FilesInMemory::new([("a.geojson", text)]),
             "a.geojson",
-            &Settings::default(),
+            &MapSettings::default(),
         )
     }
 

@@ -16,10 +16,12 @@ pub mod ros;
 mod rules;
 mod server;
 
-pub use error::{Fault, MapError, Where};
-pub use files::{Disk, FileFault, Files, Memory};
-pub use format::{FORMATS, Format, Settings, Source, load};
-pub use library::{Entry, Library, Load, Loaded, Lookup, Places, Refresh, ServeError, Served};
+pub use error::{MapError, MapFault, Where};
+pub use files::{DiskFiles, FileFault, FileSource, FilesInMemory};
+pub use format::{FORMATS, MapFormat, MapSettings, MapSource, load};
+pub use library::{
+    Load, LoadedPlace, Lookup, MapLibrary, PlaceEntry, Places, Refresh, ServeError, ServedMap,
+};
 pub use map::{LonLat, Map, NamedPoint};
-pub use rules::{DEFAULT_RULES, Rule, RuleError, Rules, Tags};
+pub use rules::{DEFAULT_RULES, FeatureRule, RuleError, Rules, Tags};
 pub use server::MapServer;

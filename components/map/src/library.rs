@@ -7,9 +7,9 @@ use asmotion_geometry::message::occupancy_grid;
 use asmotion_messages::OccupancyGrid;
 use serde::Deserialize;
 
-use crate::error::{Fault, MapError, Where};
-use crate::files::Files;
-use crate::format::{FORMATS, Settings, Source, load, stem};
+use crate::error::{MapError, MapFault, Where};
+use crate::files::FileSource;
+use crate::format::{FORMATS, MapSettings, MapSource, load, stem};
 use crate::map::Map;
 
 /// The name of the file that lists places.
@@ -20,11 +20,11 @@ const FRAME: &str = "map";
 
 /// Which file each place has.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Places(BTreeMap<String, Entry>);
+pub struct Places(BTreeMap<String, PlaceEntry>);
 
 /// The map of a place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct PlaceEntry {
     /// Its file.
     pub file: String,
     /// Side of a cell, m; none leaves it to the settings.
@@ -34,13 +34,13 @@ pub struct Entry {
 /// Contents of `places.toml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct List {
-    places: BTreeMap<String, Listed>,
+struct PlaceList {
+    places: BTreeMap<String, PlaceValue>,
 }
 
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Listed {
+enum PlaceValue {
     File(String),
     More(More),
 }
@@ -55,7 +55,11 @@ struct More {
 impl Places {
     /// The places of a source: a list (`places.toml`), a folder (its own list, else every map in it, called as its
     /// file without the ending), or a single map.
-    pub fn find(files: &dyn Files, source: &str, settings: &Settings) -> Result<Self, MapError> {
+    pub fn find(
+        files: &dyn FileSource,
+        source: &str,
+        settings: &MapSettings,
+    ) -> Result<Self, MapError> {
         if files.is_folder(source) {
             return Self::in_folder(files, source.trim_end_matches('/'), settings);
         }
@@ -63,7 +67,7 @@ impl Places {
             return Self::listed(files, source, settings);
         }
         let name = source.rsplit('/').next().unwrap_or(source);
-        let entry = Entry {
+        let entry = PlaceEntry {
             file: source.to_owned(),
             resolution: None,
         };
@@ -71,11 +75,15 @@ impl Places {
         Ok(Self(BTreeMap::from([(place.to_owned(), entry)])))
     }
 
-    fn in_folder(files: &dyn Files, folder: &str, settings: &Settings) -> Result<Self, MapError> {
-        let source = Source::new(files, folder, settings);
+    fn in_folder(
+        files: &dyn FileSource,
+        folder: &str,
+        settings: &MapSettings,
+    ) -> Result<Self, MapError> {
+        let source = MapSource::new(files, folder, settings);
         let names = files.list(folder).map_err(|fault| {
             let reason = fault.to_string();
-            source.error(Fault::Unreadable { reason })
+            source.error(MapFault::Unreadable { reason })
         })?;
         if names.iter().any(|name| name == LIST) {
             return Self::listed(files, &format!("{folder}/{LIST}"), settings);
@@ -88,7 +96,7 @@ impl Places {
                     .iter()
                     .filter_map(|ending| stem(name, ending));
                 if let Some(place) = stems.next() {
-                    let entry = Entry {
+                    let entry = PlaceEntry {
                         file: format!("{folder}/{name}"),
                         resolution: None,
                     };
@@ -99,22 +107,26 @@ impl Places {
         Ok(Self(places))
     }
 
-    fn listed(files: &dyn Files, name: &str, settings: &Settings) -> Result<Self, MapError> {
-        let source = Source::new(files, name, settings);
+    fn listed(
+        files: &dyn FileSource,
+        name: &str,
+        settings: &MapSettings,
+    ) -> Result<Self, MapError> {
+        let source = MapSource::new(files, name, settings);
         let text = source.text()?;
-        let list: List = toml::from_str(&text).map_err(|error| {
+        let list: PlaceList = toml::from_str(&text).map_err(|error| {
             let at = error
                 .span()
                 .map_or(Where::File, |span| Where::in_text(&text, span.start));
             let what = error.message().to_owned();
-            source.error_at(at, Fault::Syntax { what })
+            source.error_at(at, MapFault::Syntax { what })
         })?;
         let entry = |listed| {
             let (file, resolution) = match listed {
-                Listed::File(file) => (file, None),
-                Listed::More(more) => (more.file, more.resolution_m),
+                PlaceValue::File(file) => (file, None),
+                PlaceValue::More(more) => (more.file, more.resolution_m),
             };
-            Entry {
+            PlaceEntry {
                 file: source.beside(&file).name().to_owned(),
                 resolution,
             }
@@ -128,7 +140,7 @@ impl Places {
     }
 
     /// The place called `name`; without a name, the only one there is.
-    pub fn get(&self, name: &str) -> Option<(&str, &Entry)> {
+    pub fn get(&self, name: &str) -> Option<(&str, &PlaceEntry)> {
         let (place, entry) = match (name, self.0.len()) {
             ("", 1) => self.0.first_key_value()?,
             _ => self.0.get_key_value(name)?,
@@ -154,15 +166,15 @@ fn named(file: &str) -> Option<&str> {
 ///
 /// Looking up and keeping maps takes no time; reading and parsing files is in [`Load::run`] and [`Refresh::run`], which
 /// need no library and may run elsewhere.
-pub struct Library {
-    files: Arc<dyn Files>,
+pub struct MapLibrary {
+    files: Arc<dyn FileSource>,
     places: Places,
-    settings: Settings,
-    maps: BTreeMap<String, Kept>,
+    settings: MapSettings,
+    maps: BTreeMap<String, LoadedMap>,
     loads: u64,
 }
 
-struct Kept {
+struct LoadedMap {
     place: String,
     grid: OccupancyGrid,
     /// Version of the file the grid was made of.
@@ -171,7 +183,7 @@ struct Kept {
 }
 
 /// A map of the library.
-pub struct Served<'a> {
+pub struct ServedMap<'a> {
     /// The name of its place.
     pub place: &'a str,
     /// The map; its `map_load_time` is its revision.
@@ -183,7 +195,7 @@ pub struct Served<'a> {
 /// Result of looking up a name.
 pub enum Lookup<'a> {
     /// The map of the place.
-    Kept(Served<'a>),
+    Kept(ServedMap<'a>),
     /// The work that makes it.
     Missing(Load),
 }
@@ -192,13 +204,13 @@ pub enum Lookup<'a> {
 pub struct Load {
     /// The name of the place.
     pub place: String,
-    files: Arc<dyn Files>,
-    entry: Entry,
-    settings: Settings,
+    files: Arc<dyn FileSource>,
+    entry: PlaceEntry,
+    settings: MapSettings,
 }
 
 /// The outcome of a [`Load`].
-pub struct Loaded {
+pub struct LoadedPlace {
     /// The name of the place.
     pub place: String,
     /// Version of the file before it was read.
@@ -238,12 +250,16 @@ impl ServeError {
     }
 }
 
-impl Library {
+impl MapLibrary {
     /// The maps of a source, as [`Places::find`] understands it. Only names are read now.
     ///
     /// # Errors
     /// If the source is a folder or a list that cannot be read.
-    pub fn open(files: Arc<dyn Files>, source: &str, settings: Settings) -> Result<Self, MapError> {
+    pub fn open(
+        files: Arc<dyn FileSource>,
+        source: &str,
+        settings: MapSettings,
+    ) -> Result<Self, MapError> {
         Ok(Self {
             places: Places::find(files.as_ref(), source, &settings)?,
             files,
@@ -280,12 +296,12 @@ impl Library {
         })
     }
 
-    fn load(&self, place: &str, entry: &Entry) -> Load {
+    fn load(&self, place: &str, entry: &PlaceEntry) -> Load {
         Load {
             place: place.to_owned(),
             files: Arc::clone(&self.files),
             entry: entry.clone(),
-            settings: Settings {
+            settings: MapSettings {
                 resolution: entry.resolution.or(self.settings.resolution),
                 ..self.settings.clone()
             },
@@ -297,8 +313,8 @@ impl Library {
     ///
     /// # Errors
     /// The error of the loading.
-    pub fn keep(&mut self, loaded: Loaded, nanos: i64) -> Result<Served<'_>, MapError> {
-        let Loaded {
+    pub fn keep(&mut self, loaded: LoadedPlace, nanos: i64) -> Result<ServedMap<'_>, MapError> {
+        let LoadedPlace {
             place,
             version,
             result,
@@ -314,7 +330,7 @@ impl Library {
                 return Err(error);
             }
         };
-        let kept = Kept {
+        let kept = LoadedMap {
             place: place.clone(),
             grid: occupancy_grid(&map.grid, nanos, FRAME),
             version,
@@ -344,9 +360,9 @@ impl Library {
 
 impl Load {
     /// Reads and parses the file.
-    pub fn run(self) -> Loaded {
+    pub fn run(self) -> LoadedPlace {
         let version = self.files.version(&self.entry.file);
-        Loaded {
+        LoadedPlace {
             result: load(self.files.as_ref(), &self.entry.file, &self.settings),
             place: self.place,
             version,
@@ -356,7 +372,7 @@ impl Load {
 
 impl Refresh {
     /// Loads the files that have changed, in the order of their places.
-    pub fn run(self) -> Vec<Loaded> {
+    pub fn run(self) -> Vec<LoadedPlace> {
         let changed = self
             .kept
             .into_iter()
@@ -365,9 +381,9 @@ impl Refresh {
     }
 }
 
-impl Kept {
-    fn served(&self) -> Served<'_> {
-        Served {
+impl LoadedMap {
+    fn served(&self) -> ServedMap<'_> {
+        ServedMap {
             place: &self.place,
             grid: &self.grid,
             notes: &self.notes,
@@ -378,17 +394,17 @@ impl Kept {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Memory;
+    use crate::FilesInMemory;
 
     const WALL: &str = r#"{"type":"FeatureCollection","map":{"units":"metres"},"features":[{"type":"Feature","properties":{"indoor":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0],[4,3]]}}]}"#;
 
-    fn library(source: &str, files: &[(&str, &str)]) -> Result<Library, MapError> {
-        let files = Memory::new(files.iter().map(|(name, text)| (*name, *text)));
-        Library::open(Arc::new(files), source, Settings::default())
+    fn library(source: &str, files: &[(&str, &str)]) -> Result<MapLibrary, MapError> {
+        let files = FilesInMemory::new(files.iter().map(|(name, text)| (*name, *text)));
+        MapLibrary::open(Arc::new(files), source, MapSettings::default())
     }
 
     /// The map of a place, loaded here if need be, and whether it was.
-    fn get<'a>(library: &'a mut Library, name: &str, nanos: i64) -> (&'a OccupancyGrid, bool) {
+    fn get<'a>(library: &'a mut MapLibrary, name: &str, nanos: i64) -> (&'a OccupancyGrid, bool) {
         let load = match library.find(name).unwrap() {
             Lookup::Kept(_) => None,
             Lookup::Missing(load) => Some(load),
@@ -404,7 +420,7 @@ mod tests {
     }
 
     /// Loads again what has changed; the places, and whether each could be loaded.
-    fn refresh(library: &mut Library, nanos: i64) -> Vec<(String, bool)> {
+    fn refresh(library: &mut MapLibrary, nanos: i64) -> Vec<(String, bool)> {
         let changed = library.refresh().run().into_iter();
         changed
             .map(|loaded| (loaded.place.clone(), library.keep(loaded, nanos).is_ok()))
@@ -452,7 +468,7 @@ mod tests {
             ("maps/plans/hall.geojson", WALL),
         ];
         let mut library = library("maps", &files).unwrap();
-        let width = |library: &mut Library, place: &str| get(library, place, 0).0.info.width;
+        let width = |library: &mut MapLibrary, place: &str| get(library, place, 0).0.info.width;
         assert_eq!(
             (width(&mut library, "lobby"), width(&mut library, "coarse")),
             (80, 8)
@@ -494,7 +510,7 @@ mod tests {
         std::fs::write(&file, WALL).unwrap();
         let source = folder.path().to_str().unwrap();
         let mut library =
-            Library::open(Arc::new(crate::Disk), source, Settings::default()).unwrap();
+            MapLibrary::open(Arc::new(crate::DiskFiles), source, MapSettings::default()).unwrap();
         get(&mut library, "hall", 1);
         assert_eq!(refresh(&mut library, 2), []);
         std::fs::write(&file, WALL.replace("[4,3]", "[8,3.5]")).unwrap();

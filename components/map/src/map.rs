@@ -1,6 +1,6 @@
 //! A loaded map.
 
-use asmotion_geometry::{Grid, Pose, Scene};
+use asmotion_geometry::{Grid, ObstacleScene, Pose};
 
 /// A map: the grid, and what else its file contains.
 #[derive(Clone, Debug)]
@@ -50,7 +50,7 @@ impl Map {
     }
 
     /// Scene of the map: the borders of its occupied cells.
-    pub fn scene(&self) -> Scene {
-        Scene::around(&self.grid)
+    pub fn scene(&self) -> ObstacleScene {
+        ObstacleScene::around(&self.grid)
     }
 }

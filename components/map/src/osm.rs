@@ -10,10 +10,10 @@ mod xml;
 
 use asmotion_geometry::{Occupancy, Point};
 
-use crate::drawing::{Drawing, Frame};
-use crate::format::{Format, Settings, Source};
+use crate::drawing::{Drawing, DrawingFrame};
+use crate::format::{MapFormat, MapSettings, MapSource};
 use crate::projection::{Projection, bounds};
-use crate::{Fault, LonLat, Map, MapError, NamedPoint, Rule, Tags};
+use crate::{FeatureRule, LonLat, Map, MapError, MapFault, NamedPoint, Tags};
 use extract::Extract;
 
 /// OSM XML.
@@ -27,34 +27,34 @@ pub struct OsmPbf;
 const RESOLUTION: f64 = 0.5;
 
 #[cfg(feature = "maps")]
-impl Format for OsmXml {
+impl MapFormat for OsmXml {
     fn endings(&self) -> &'static [&'static str] {
         &[".osm", ".osm.xml"]
     }
 
-    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
+    fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError> {
         let extract = xml::read(source, &settings.rules)?;
         draw(&extract, settings).map_err(|fault| source.error(fault))
     }
 }
 
-impl Format for OsmPbf {
+impl MapFormat for OsmPbf {
     fn endings(&self) -> &'static [&'static str] {
         &[".osm.pbf", ".pbf"]
     }
 
-    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
+    fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError> {
         let extract = pbf::read(source, &settings.rules)?;
         draw(&extract, settings).map_err(|fault| source.error(fault))
     }
 }
 
 /// The map of an extract: as large as the extract says it is, or as what is drawn.
-fn draw(extract: &Extract, settings: &Settings) -> Result<Map, Fault> {
+fn draw(extract: &Extract, settings: &MapSettings) -> Result<Map, MapFault> {
     let corners = extract
         .bounds
         .or_else(|| bounds(extract.nodes.values().copied()));
-    let (low, high) = corners.ok_or(Fault::Nothing)?;
+    let (low, high) = corners.ok_or(MapFault::Nothing)?;
     let origin = LonLat {
         longitude: (low.longitude + high.longitude) / 2.0,
         latitude: (low.latitude + high.latitude) / 2.0,
@@ -71,7 +71,7 @@ fn draw(extract: &Extract, settings: &Settings) -> Result<Map, Fault> {
     city.add_relations()?;
     city.add_nodes()?;
     let (low, high) = city.frame(low, high)?;
-    let frame = Frame {
+    let frame = DrawingFrame {
         low,
         high,
         resolution: settings.resolution.unwrap_or(RESOLUTION),
@@ -94,7 +94,7 @@ fn draw(extract: &Extract, settings: &Settings) -> Result<Map, Fault> {
 struct City<'a> {
     projection: Projection,
     extract: &'a Extract,
-    settings: &'a Settings,
+    settings: &'a MapSettings,
     drawing: Drawing,
     points: Vec<NamedPoint>,
     /// Elements with members that the extract does not have.
@@ -102,7 +102,7 @@ struct City<'a> {
 }
 
 impl City<'_> {
-    fn add_ways(&mut self) -> Result<(), Fault> {
+    fn add_ways(&mut self) -> Result<(), MapFault> {
         for way in &self.extract.ways {
             let Some(rule) = self.settings.rules.of(&way.tags) else {
                 continue;
@@ -121,7 +121,7 @@ impl City<'_> {
     }
 
     /// Areas with holes, or in several parts (<https://wiki.openstreetmap.org/wiki/Relation:multipolygon>).
-    fn add_relations(&mut self) -> Result<(), Fault> {
+    fn add_relations(&mut self) -> Result<(), MapFault> {
         let extract = self.extract;
         let areas = extract.relations.iter().filter(|relation| {
             let kind = relation.tags.get("type").map(String::as_str);
@@ -141,7 +141,7 @@ impl City<'_> {
                 .closed
                 .iter()
                 .map(|ring| Ok(self.known(ring)?.concat()));
-            let closed = closed.collect::<Result<_, Fault>>()?;
+            let closed = closed.collect::<Result<_, MapFault>>()?;
             self.drawing.area(closed, rule);
             self.add_banks(&rings.open, rule)?;
         }
@@ -149,7 +149,7 @@ impl City<'_> {
     }
 
     /// Of an area that blocks and does not close, at least the border that is known blocks.
-    fn add_banks(&mut self, banks: &[Vec<i64>], rule: &Rule) -> Result<(), Fault> {
+    fn add_banks(&mut self, banks: &[Vec<i64>], rule: &FeatureRule) -> Result<(), MapFault> {
         if rule.occupancy != Some(Occupancy::Occupied) {
             return Ok(());
         }
@@ -161,7 +161,7 @@ impl City<'_> {
         Ok(())
     }
 
-    fn add_nodes(&mut self) -> Result<(), Fault> {
+    fn add_nodes(&mut self) -> Result<(), MapFault> {
         for (id, tags) in &self.extract.spots {
             let Some(place) = self.extract.nodes.get(id) else {
                 continue;
@@ -181,7 +181,7 @@ impl City<'_> {
     }
 
     /// The points of a way, in pieces where the extract lacks nodes.
-    fn known(&mut self, nodes: &[i64]) -> Result<Vec<Vec<Point>>, Fault> {
+    fn known(&mut self, nodes: &[i64]) -> Result<Vec<Vec<Point>>, MapFault> {
         let mut pieces = Vec::new();
         for known in nodes.split(|id| !self.extract.nodes.contains_key(id)) {
             let places = known.iter().filter_map(|id| self.extract.nodes.get(id));
@@ -198,9 +198,9 @@ impl City<'_> {
     }
 
     /// The box of the map: the projected corners of the extract's own; else of what is drawn.
-    fn frame(&self, low: LonLat, high: LonLat) -> Result<(Point, Point), Fault> {
+    fn frame(&self, low: LonLat, high: LonLat) -> Result<(Point, Point), MapFault> {
         if self.extract.bounds.is_none() {
-            return self.drawing.bounds().ok_or(Fault::Nothing);
+            return self.drawing.bounds().ok_or(MapFault::Nothing);
         }
         let corner = |longitude, latitude| {
             let place = LonLat {
@@ -224,7 +224,7 @@ impl City<'_> {
 }
 
 /// Whether a closed way means what it encloses.
-fn is_area(rule: &Rule, tags: &Tags) -> bool {
+fn is_area(rule: &FeatureRule, tags: &Tags) -> bool {
     match tags.get("area").map(String::as_str) {
         Some("yes") => true,
         Some("no") => false,

@@ -5,7 +5,7 @@
 use asmotion_geometry::Point;
 use proj4rs::Proj;
 
-use crate::{Fault, LonLat};
+use crate::{LonLat, MapFault};
 
 /// The way from degrees to the map frame.
 pub struct Projection {
@@ -15,7 +15,7 @@ pub struct Projection {
 
 impl Projection {
     /// Metres east and north of `centre`.
-    pub fn around(centre: LonLat) -> Result<Self, Fault> {
+    pub fn around(centre: LonLat) -> Result<Self, MapFault> {
         let LonLat {
             longitude,
             latitude,
@@ -24,7 +24,7 @@ impl Projection {
             "+proj=tmerc +lat_0={latitude:.12} +lon_0={longitude:.12} +k=1 +x_0=0 +y_0=0 +ellps=WGS84 +units=m"
         );
         let made = |text: &str| {
-            Proj::from_proj_string(text).map_err(|error| Fault::Syntax {
+            Proj::from_proj_string(text).map_err(|error| MapFault::Syntax {
                 what: format!("no projection around ({longitude}, {latitude}): {error}"),
             })
         };
@@ -35,12 +35,12 @@ impl Projection {
     }
 
     /// The map point of a place on Earth.
-    pub fn project(&self, place: LonLat) -> Result<Point, Fault> {
+    pub fn project(&self, place: LonLat) -> Result<Point, MapFault> {
         let LonLat {
             longitude,
             latitude,
         } = checked(place.longitude, place.latitude)?;
-        let far = Fault::TooFar {
+        let far = MapFault::TooFar {
             longitude,
             latitude,
         };
@@ -55,9 +55,9 @@ impl Projection {
 }
 
 /// Two numbers as a place on Earth, if they can be one.
-pub fn checked(longitude: f64, latitude: f64) -> Result<LonLat, Fault> {
+pub fn checked(longitude: f64, latitude: f64) -> Result<LonLat, MapFault> {
     if !(-180.0..=180.0).contains(&longitude) || !(-90.0..=90.0).contains(&latitude) {
-        return Err(Fault::NotDegrees {
+        return Err(MapFault::NotDegrees {
             x: longitude,
             y: latitude,
         });
@@ -134,7 +134,7 @@ mod tests {
         for (longitude, latitude) in [(200.0, 0.0), (0.0, 91.0), (f64::NAN, 0.0)] {
             assert!(matches!(
                 checked(longitude, latitude),
-                Err(Fault::NotDegrees { .. })
+                Err(MapFault::NotDegrees { .. })
             ));
         }
     }

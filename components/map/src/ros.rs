@@ -5,23 +5,23 @@
 mod netpbm;
 mod picture;
 
-use asmotion_geometry::{Grid, Layout, LayoutError, Occupancy, Point, heading};
-use picture::{Picture, Pixel};
+use asmotion_geometry::{Grid, GridLayout, GridLayoutError, Occupancy, Point, heading};
+use picture::{MapPicture, Pixel};
 use serde::Deserialize;
 
 use crate::drawing::fitting;
-use crate::format::{Format, Settings, Source};
-use crate::{Fault, Map, MapError, Where};
+use crate::format::{MapFormat, MapSettings, MapSource};
+use crate::{Map, MapError, MapFault, Where};
 
 /// The format.
 pub struct RosMap;
 
-impl Format for RosMap {
+impl MapFormat for RosMap {
     fn endings(&self) -> &'static [&'static str] {
         &[".yaml", ".yml"]
     }
 
-    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
+    fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError> {
         let about = parse(source)?;
         let beside = source.beside(&about.image);
         let image = picture::read(&beside, settings)?;
@@ -35,7 +35,7 @@ impl Format for RosMap {
 
 /// What the YAML file says; keys map_server does not know are none of our business either.
 #[derive(Debug, Deserialize)]
-struct About {
+struct RosMapFile {
     image: String,
     resolution: f64,
     origin: Vec<f64>,
@@ -43,7 +43,7 @@ struct About {
     occupied_thresh: f64,
     free_thresh: f64,
     #[serde(default)]
-    mode: Mode,
+    mode: ThresholdMode,
 }
 
 /// map_server takes a number or a truth value.
@@ -56,7 +56,7 @@ enum Flag {
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Mode {
+enum ThresholdMode {
     /// Occupied, free, and unknown between the thresholds.
     #[default]
     Trinary,
@@ -66,9 +66,9 @@ enum Mode {
     Raw,
 }
 
-fn parse(source: &Source<'_>) -> Result<About, MapError> {
+fn parse(source: &MapSource<'_>) -> Result<RosMapFile, MapError> {
     let text = source.text()?;
-    let about: About = serde_saphyr::from_str(&text).map_err(|error| {
+    let about: RosMapFile = serde_saphyr::from_str(&text).map_err(|error| {
         let at = error
             .location()
             .map_or(Where::File, |location| Where::Line {
@@ -76,14 +76,14 @@ fn parse(source: &Source<'_>) -> Result<About, MapError> {
                 column: location.column(),
             });
         let what = error.without_snippet().to_string();
-        source.error_at(at, Fault::Syntax { what })
+        source.error_at(at, MapFault::Syntax { what })
     })?;
     check(&about).map_err(|fault| source.error(fault))?;
     Ok(about)
 }
 
-fn check(about: &About) -> Result<(), Fault> {
-    let value = |key: &str, found: String, expected| Fault::Value {
+fn check(about: &RosMapFile) -> Result<(), MapFault> {
+    let value = |key: &str, found: String, expected| MapFault::Value {
         key: key.to_owned(),
         found,
         expected,
@@ -110,12 +110,12 @@ fn check(about: &About) -> Result<(), Fault> {
     Ok(())
 }
 
-fn grid(about: &About, image: &Picture) -> Result<Grid, LayoutError> {
+fn grid(about: &RosMapFile, image: &MapPicture) -> Result<Grid, GridLayoutError> {
     let origin = match about.origin[..] {
         [x, y, yaw] => heading(Point::new(x, y), yaw),
         _ => heading(Point::origin(), 0.0),
     };
-    let layout = Layout::new(about.resolution, image.width, image.height, origin)?;
+    let layout = GridLayout::new(about.resolution, image.width, image.height, origin)?;
     let cells = image.upwards().map(|pixel| about.cell(&pixel)).collect();
     Grid::with_cells(layout, cells)
 }
@@ -131,7 +131,7 @@ impl Pixel {
     }
 }
 
-impl About {
+impl RosMapFile {
     fn negates(&self) -> bool {
         match self.negate {
             Flag::Truth(truth) => truth,
@@ -141,7 +141,7 @@ impl About {
 
     /// A pixel's cell value, as nav2's map_server computes it (map_io.cpp, `loadMapFromFile`).
     fn cell(&self, pixel: &Pixel) -> i8 {
-        let trinary = matches!(self.mode, Mode::Trinary);
+        let trinary = matches!(self.mode, ThresholdMode::Trinary);
         let shade = pixel.shade(trinary);
         let occupied = if self.negates() { shade } else { 1.0 - shade };
         let certain = if self.occupied_thresh < occupied {
@@ -152,12 +152,14 @@ impl About {
             None
         };
         match self.mode {
-            Mode::Trinary => certain.unwrap_or(Occupancy::Unknown).value(),
-            Mode::Scale if pixel.alpha.is_some_and(|alpha| alpha < 255) => {
+            ThresholdMode::Trinary => certain.unwrap_or(Occupancy::Unknown).value(),
+            ThresholdMode::Scale if pixel.alpha.is_some_and(|alpha| alpha < 255) => {
                 asmotion_geometry::UNKNOWN
             }
-            Mode::Scale => certain.map_or_else(|| self.between(occupied), Occupancy::value),
-            Mode::Raw => match (shade * 255.0).round() as i64 {
+            ThresholdMode::Scale => {
+                certain.map_or_else(|| self.between(occupied), Occupancy::value)
+            }
+            ThresholdMode::Raw => match (shade * 255.0).round() as i64 {
                 raw @ 0..=100 => raw as i8,
                 _ => asmotion_geometry::UNKNOWN,
             },
@@ -173,7 +175,7 @@ impl About {
 }
 
 /// The grid as coarse as the settings want it, and no larger than they allow.
-fn fit(grid: Grid, settings: &Settings) -> Result<Grid, Fault> {
+fn fit(grid: Grid, settings: &MapSettings) -> Result<Grid, MapFault> {
     let fine = *grid.layout();
     let wanted = settings.resolution.unwrap_or(0.0);
     let factor = (wanted / fine.resolution() - 1e-6).ceil().clamp(1.0, 1e6) as u32;
@@ -186,7 +188,7 @@ fn fit(grid: Grid, settings: &Settings) -> Result<Grid, Fault> {
     if layout.len() as u64 > settings.max_cells {
         let (width, height) = (f64::from(fine.width()), f64::from(fine.height()));
         let metres = fine.resolution();
-        return Err(Fault::TooLarge {
+        return Err(MapFault::TooLarge {
             width: f64::from(layout.width()),
             height: f64::from(layout.height()),
             resolution: layout.resolution(),
@@ -211,7 +213,7 @@ fn note(grid: Grid, fine: (u32, u32)) -> Map {
 
 /// A grid as map_saver writes it: the text of the YAML file that names `image`, and the bytes of that image (PNG).
 /// Cells become occupied, free or unknown.
-pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), Fault> {
+pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), MapFault> {
     let layout = grid.layout();
     let origin = layout.origin();
     let yaml = format!(
@@ -237,15 +239,15 @@ pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Memory, load};
+    use crate::{FilesInMemory, load};
 
     /// A map of one row of pixels, each of one brightness.
     fn cells(shades: &[u8], more: &str) -> Vec<i8> {
         let mut pgm = format!("P5 {} 1 255\n", shades.len()).into_bytes();
         pgm.extend_from_slice(shades);
         let yaml = format!("image: row.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n{more}");
-        let files = Memory::new([("m/row.yaml", yaml.into_bytes()), ("m/row.pgm", pgm)]);
-        load(&files, "m/row.yaml", &Settings::default())
+        let files = FilesInMemory::new([("m/row.yaml", yaml.into_bytes()), ("m/row.pgm", pgm)]);
+        load(&files, "m/row.yaml", &MapSettings::default())
             .unwrap()
             .grid
             .cells()
@@ -288,8 +290,8 @@ mod tests {
             .unwrap();
         writer.finish().unwrap();
         let yaml = "image: a.png\nresolution: 1\norigin: [0, 0, 0]\nmode: scale\nnegate: 0\noccupied_thresh: 0.9\nfree_thresh: 0.1\n";
-        let files = Memory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.png", png)]);
-        let map = load(&files, "a.yaml", &Settings::default()).unwrap();
+        let files = FilesInMemory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.png", png)]);
+        let map = load(&files, "a.yaml", &MapSettings::default()).unwrap();
         assert_eq!(map.grid.cells(), [100, -1]);
     }
 
@@ -297,8 +299,8 @@ mod tests {
     fn it_lies_as_its_origin_says() {
         let yaml = "image: a.pgm\nresolution: 0.5\norigin: [-1, 2, 1.5707963]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
         let pgm = b"P2 2 2 255\n0 254\n254 254\n".to_vec();
-        let files = Memory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.pgm", pgm)]);
-        let map = load(&files, "a.yaml", &Settings::default()).unwrap();
+        let files = FilesInMemory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.pgm", pgm)]);
+        let map = load(&files, "a.yaml", &MapSettings::default()).unwrap();
         // the upper left pixel is cell (0, 1), a quarter turned about the origin
         assert_eq!(
             map.grid.occupancy(Point::new(-1.75, 2.25)),
@@ -309,12 +311,14 @@ mod tests {
 
     #[test]
     fn it_reads_what_it_wrote() {
-        let layout = Layout::new(0.05, 3, 2, heading(Point::new(-1.5, 0.25), 0.5)).unwrap();
+        let layout = GridLayout::new(0.05, 3, 2, heading(Point::new(-1.5, 0.25), 0.5)).unwrap();
         let grid = Grid::with_cells(layout, vec![0, 100, -1, -1, 0, 100]).unwrap();
         let (yaml, png) = save(&grid, "a.png").unwrap();
-        let files = Memory::new([("a.yaml", yaml.into_bytes()), ("a.png", png)]);
+        let files = FilesInMemory::new([("a.yaml", yaml.into_bytes()), ("a.png", png)]);
         assert_eq!(
-            load(&files, "a.yaml", &Settings::default()).unwrap().grid,
+            load(&files, "a.yaml", &MapSettings::default())
+                .unwrap()
+                .grid,
             grid
         );
     }
@@ -322,8 +326,8 @@ mod tests {
     #[test]
     fn it_says_what_is_wrong_and_where() {
         let error = |yaml: &str| {
-            let files = Memory::new([("m.yaml", yaml)]);
-            load(&files, "m.yaml", &Settings::default())
+            let files = FilesInMemory::new([("m.yaml", yaml)]);
+            load(&files, "m.yaml", &MapSettings::default())
                 .unwrap_err()
                 .to_string()
         };

@@ -68,7 +68,7 @@ advertising=column  occupied layer=4 spot=1.4
 
 /// One row: which features, and what they mean.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rule {
+pub struct FeatureRule {
     key: String,
     /// Empty: any but `no`.
     values: Vec<String>,
@@ -86,7 +86,7 @@ pub struct Rule {
 
 /// Rules in the order in which they are asked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rules(Vec<Rule>);
+pub struct Rules(Vec<FeatureRule>);
 
 /// A rule that cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -112,7 +112,9 @@ impl Rules {
             .lines()
             .map(|line| line.split('#').next().unwrap_or(""));
         let rules = lines.flat_map(|line| line.split(';')).map(str::trim);
-        let rules = rules.filter(|rule| !rule.is_empty()).map(Rule::parse);
+        let rules = rules
+            .filter(|rule| !rule.is_empty())
+            .map(FeatureRule::parse);
         rules.collect::<Result<_, _>>().map(Self)
     }
 
@@ -123,7 +125,7 @@ impl Rules {
     }
 
     /// The first rule that matches a feature's tags.
-    pub fn of(&self, tags: &Tags) -> Option<&Rule> {
+    pub fn of(&self, tags: &Tags) -> Option<&FeatureRule> {
         self.0.iter().find(|rule| rule.matches(tags))
     }
 
@@ -133,7 +135,7 @@ impl Rules {
     }
 }
 
-impl Rule {
+impl FeatureRule {
     fn parse(text: &str) -> Result<Self, RuleError> {
         let wrong = |why: String| RuleError {
             rule: text.to_owned(),

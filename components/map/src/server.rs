@@ -11,12 +11,12 @@ use asmotion_component::{
     BackgroundWork, Component, Cycle, Fault, Interface, Out, Ports, Properties, PropertySet,
     Provided, RequestId, ServiceFault, Setup,
 };
-use asmotion_geometry::Layout;
+use asmotion_geometry::GridLayout;
 use asmotion_messages::{GetMap, OccupancyGrid};
 
-use crate::files::{Disk, Files};
-use crate::format::Settings;
-use crate::library::{Library, Load, Loaded, Lookup, ServeError, Served};
+use crate::files::{DiskFiles, FileSource};
+use crate::format::MapSettings;
+use crate::library::{Load, LoadedPlace, Lookup, MapLibrary, ServeError, ServedMap};
 use crate::rules::Rules;
 
 /// `nav::MapServer`: serves `getMap`, each place loaded once; publishes a map when it was loaded and when it changed.
@@ -25,21 +25,21 @@ pub struct MapServer {
     /// Read when configured.
     properties: PropertySet<MapServerProperties>,
 
-    files: Arc<dyn Files>,
+    files: Arc<dyn FileSource>,
     /// None until configured.
-    library: Option<Library>,
+    library: Option<MapLibrary>,
     /// Whether the place to publish unasked is still to be looked up.
     is_first: bool,
     /// Places on their way into the library.
-    loading: Vec<Loading>,
+    loading: Vec<MapLoading>,
     /// The search for changed files that is under way.
-    refreshing: Option<BackgroundWork<Vec<Loaded>>>,
+    refreshing: Option<BackgroundWork<Vec<LoadedPlace>>>,
 }
 
 /// A place whose map is being loaded.
-struct Loading {
+struct MapLoading {
     place: String,
-    work: BackgroundWork<Loaded>,
+    work: BackgroundWork<LoadedPlace>,
     /// Requests to answer with the map.
     requests: Vec<RequestId>,
     /// Whether it is the place to publish unasked; the server fails without it.
@@ -66,10 +66,10 @@ struct MapServerProperties {
     #[property(unit = "m", range = 0.0..=100.0)]
     resolution_m: f64,
     /// Largest number of cells of a grid; a cell takes a byte.
-    #[property(range = 1..=Layout::MAX_CELLS, default = Settings::default().max_cells)]
+    #[property(range = 1..=GridLayout::MAX_CELLS, default = MapSettings::default().max_cells)]
     max_cells: u64,
     /// Largest size of a file, unpacked.
-    #[property(unit = "B", range = 1..=1 << 36, default = Settings::default().max_bytes)]
+    #[property(unit = "B", range = 1..=1 << 36, default = MapSettings::default().max_bytes)]
     max_bytes: u64,
     /// Rules before the built-in ones, which say what blocks: `key=value|value occupied|free|ignore width=…; …`.
     rules: String,
@@ -78,8 +78,8 @@ struct MapServerProperties {
 }
 
 impl MapServerProperties {
-    fn settings(&self) -> Result<Settings, Fault> {
-        Ok(Settings {
+    fn settings(&self) -> Result<MapSettings, Fault> {
+        Ok(MapSettings {
             resolution: (self.resolution_m > 0.0).then_some(self.resolution_m),
             max_cells: self.max_cells,
             max_bytes: self.max_bytes,
@@ -92,11 +92,11 @@ impl MapServerProperties {
 impl MapServer {
     /// Declares ports and properties; serves maps from disk.
     pub fn new(interface: &mut Interface) -> Self {
-        Self::with_files(interface, Disk)
+        Self::with_files(interface, DiskFiles)
     }
 
     /// Declares ports and properties; serves maps from other files.
-    pub fn with_files(interface: &mut Interface, files: impl Files + 'static) -> Self {
+    pub fn with_files(interface: &mut Interface, files: impl FileSource + 'static) -> Self {
         Self {
             ports: interface.ports(),
             properties: interface.properties(),
@@ -128,11 +128,11 @@ impl MapServer {
     }
 
     /// Starts to load a place, unless that is under way.
-    fn load(&mut self, cycle: &mut Cycle<'_>, load: Load) -> &mut Loading {
+    fn load(&mut self, cycle: &mut Cycle<'_>, load: Load) -> &mut MapLoading {
         let known = self.loading.iter().position(|it| it.place == load.place);
         let index = known.unwrap_or(self.loading.len());
         if known.is_none() {
-            self.loading.push(Loading {
+            self.loading.push(MapLoading {
                 place: load.place.clone(),
                 work: cycle.spawn(|| load.run()),
                 requests: Vec::new(),
@@ -164,7 +164,7 @@ impl MapServer {
                 index += 1;
                 continue;
             };
-            let Loading {
+            let MapLoading {
                 requests, is_first, ..
             } = self.loading.remove(index);
             let answer = self.keep(cycle, loaded?);
@@ -182,7 +182,7 @@ impl MapServer {
     fn keep(
         &mut self,
         cycle: &mut Cycle<'_>,
-        loaded: Loaded,
+        loaded: LoadedPlace,
     ) -> Result<OccupancyGrid, ServiceFault> {
         let not_configured = || ServiceFault::new("BAD_MAP", "not configured");
         let library = self.library.as_mut().ok_or_else(not_configured)?;
@@ -226,7 +226,7 @@ fn fault(error: &ServeError) -> ServiceFault {
 }
 
 /// Place, size and notes of a map that was just loaded.
-fn summary(served: &Served<'_>) -> String {
+fn summary(served: &ServedMap<'_>) -> String {
     let info = &served.grid.info;
     let size = format!(
         "{} × {} cells of {} m",
@@ -247,7 +247,7 @@ impl Component for MapServer {
             ));
         }
         let files = Arc::clone(&self.files);
-        self.library = Some(Library::open(files, source, properties.settings()?)?);
+        self.library = Some(MapLibrary::open(files, source, properties.settings()?)?);
         self.is_first = !properties.place.is_empty();
         self.loading.clear();
         self.refreshing = None;

@@ -10,13 +10,13 @@
 mod fixture;
 
 use asmotion_geometry::{Occupancy, Point};
-use asmotion_map::{FORMATS, Fault, Map, MapError, Memory, Settings, load};
+use asmotion_map::{FORMATS, FilesInMemory, Map, MapError, MapFault, MapSettings, load};
 use fixture::Fixture;
 use proptest::prelude::*;
 
-fn read(fixture: &Fixture, settings: &Settings) -> Result<Map, MapError> {
+fn read(fixture: &Fixture, settings: &MapSettings) -> Result<Map, MapError> {
     load(
-        &Memory::new(fixture.files.clone()),
+        &FilesInMemory::new(fixture.files.clone()),
         fixture.files[0].0,
         settings,
     )
@@ -46,9 +46,12 @@ fn every_format_has_a_fixture() {
 #[test]
 fn it_reads_the_yard() {
     for fixture in fixture::all() {
-        let map = read(&fixture, &Settings::default()).unwrap();
+        let map = read(&fixture, &MapSettings::default()).unwrap();
         check_content(&map, &fixture);
-        assert_eq!(map.grid, read(&fixture, &Settings::default()).unwrap().grid);
+        assert_eq!(
+            map.grid,
+            read(&fixture, &MapSettings::default()).unwrap().grid
+        );
     }
 }
 
@@ -57,7 +60,7 @@ fn it_reads_packed_files() {
     for fixture in fixture::all() {
         let files = fixture::packed(&fixture);
         let name = files[0].0.clone();
-        let map = load(&Memory::new(files), &name, &Settings::default()).unwrap();
+        let map = load(&FilesInMemory::new(files), &name, &MapSettings::default()).unwrap();
         check_content(&map, &fixture);
     }
 }
@@ -65,10 +68,10 @@ fn it_reads_packed_files() {
 #[test]
 fn it_draws_as_coarsely_as_it_is_told() {
     for fixture in fixture::all() {
-        let fine = read(&fixture, &Settings::default()).unwrap();
-        let settings = Settings {
+        let fine = read(&fixture, &MapSettings::default()).unwrap();
+        let settings = MapSettings {
             resolution: Some(1.0),
-            ..Settings::default()
+            ..MapSettings::default()
         };
         let coarse = read(&fixture, &settings).unwrap();
         check_content(&coarse, &fixture);
@@ -80,16 +83,16 @@ fn it_draws_as_coarsely_as_it_is_told() {
 #[test]
 fn it_refuses_a_grid_that_is_too_large_and_says_what_would_fit() {
     for fixture in fixture::all() {
-        let small = Settings {
+        let small = MapSettings {
             max_cells: 500,
-            ..Settings::default()
+            ..MapSettings::default()
         };
         let error = read(&fixture, &small).unwrap_err();
         assert!(error.to_string().contains("`resolution_m`"), "{error}");
-        let Fault::TooLarge { fits, .. } = error.fault else {
+        let MapFault::TooLarge { fits, .. } = error.fault else {
             panic!("{error}");
         };
-        let fitting = Settings {
+        let fitting = MapSettings {
             resolution: Some(fits),
             ..small
         };
@@ -104,25 +107,25 @@ fn it_refuses_a_grid_that_is_too_large_and_says_what_would_fit() {
 #[test]
 fn it_refuses_a_file_that_is_too_long() {
     for fixture in fixture::all() {
-        let settings = Settings {
+        let settings = MapSettings {
             max_bytes: 100,
-            ..Settings::default()
+            ..MapSettings::default()
         };
         let plain = read(&fixture, &settings).unwrap_err();
-        assert_eq!(plain.fault, Fault::TooManyBytes { limit: 100 });
+        assert_eq!(plain.fault, MapFault::TooManyBytes { limit: 100 });
         // unpacked it is too long, packed it is not
         let files = fixture::packed(&fixture);
         let limit = files[0].1.len() as u64;
         if limit >= fixture.files[0].1.len() as u64 {
             continue;
         }
-        let settings = Settings {
+        let settings = MapSettings {
             max_bytes: limit,
             ..settings
         };
         let name = files[0].0.clone();
-        let packed = load(&Memory::new(files), &name, &settings).unwrap_err();
-        assert_eq!(packed.fault, Fault::TooManyBytes { limit });
+        let packed = load(&FilesInMemory::new(files), &name, &settings).unwrap_err();
+        assert_eq!(packed.fault, MapFault::TooManyBytes { limit });
     }
 }
 
@@ -133,20 +136,23 @@ fn it_names_the_file_that_is_missing() {
             let mut files = fixture.files.clone();
             let (name, _) = files.remove(missing);
             let error = load(
-                &Memory::new(files),
+                &FilesInMemory::new(files),
                 fixture.files[0].0,
-                &Settings::default(),
+                &MapSettings::default(),
             );
             let error = error.unwrap_err();
-            assert_eq!((error.file.as_str(), &error.fault), (name, &Fault::Missing));
+            assert_eq!(
+                (error.file.as_str(), &error.fault),
+                (name, &MapFault::Missing)
+            );
         }
     }
 }
 
 #[test]
 fn it_knows_no_other_ending() {
-    let files = Memory::new([("yard.dwg", "")]);
-    let error = load(&files, "yard.dwg", &Settings::default()).unwrap_err();
+    let files = FilesInMemory::new([("yard.dwg", "")]);
+    let error = load(&files, "yard.dwg", &MapSettings::default()).unwrap_err();
     let known = match cfg!(feature = "maps") {
         true => ".geojson .yaml .yml .osm .osm.xml .osm.pbf .pbf",
         false => ".geojson .osm.pbf .pbf",
@@ -158,9 +164,9 @@ fn it_knows_no_other_ending() {
 #[cfg(not(feature = "maps"))]
 #[test]
 fn a_format_that_was_left_out_says_how_to_get_it() {
-    let files = Memory::new([("yard.yaml", ""), ("yard.osm.gz", "")]);
+    let files = FilesInMemory::new([("yard.yaml", ""), ("yard.osm.gz", "")]);
     for name in ["yard.yaml", "yard.osm.gz"] {
-        let error = load(&files, name, &Settings::default()).unwrap_err();
+        let error = load(&files, name, &MapSettings::default()).unwrap_err();
         assert!(error.to_string().contains("`--features maps`"), "{error}");
     }
 }
@@ -169,12 +175,12 @@ fn a_format_that_was_left_out_says_how_to_get_it() {
 fn read_damaged(fixture: &Fixture, which: usize, bytes: Vec<u8>) -> Result<Map, MapError> {
     let mut files = fixture.files.clone();
     files[which].1 = bytes;
-    let settings = Settings {
+    let settings = MapSettings {
         max_cells: 1_000_000,
         max_bytes: 1 << 20,
-        ..Settings::default()
+        ..MapSettings::default()
     };
-    let map = load(&Memory::new(files), fixture.files[0].0, &settings);
+    let map = load(&FilesInMemory::new(files), fixture.files[0].0, &settings);
     if let Err(error) = &map {
         assert!(!error.file.is_empty(), "{error}");
     }
@@ -254,13 +260,13 @@ proptest! {
 #[test]
 fn it_reads_what_another_program_wrote() {
     let fixture = fixture::all().pop().unwrap();
-    let expected = read(&fixture, &Settings::default()).unwrap();
+    let expected = read(&fixture, &MapSettings::default()).unwrap();
     for bytes in [
         &include_bytes!("data/yard-plain.osm.pbf")[..],
         &include_bytes!("data/yard-dense.osm.pbf")[..],
     ] {
-        let files = Memory::new([("yard.osm.pbf", bytes)]);
-        let map = load(&files, "yard.osm.pbf", &Settings::default()).unwrap();
+        let files = FilesInMemory::new([("yard.osm.pbf", bytes)]);
+        let map = load(&files, "yard.osm.pbf", &MapSettings::default()).unwrap();
         assert_eq!(map.grid.layout(), expected.grid.layout());
         check_content(&map, &fixture);
         let names: Vec<_> = map.points.iter().map(|it| it.name.as_str()).collect();

@@ -13,8 +13,8 @@
 use std::time::Instant;
 
 use asmotion_geometry::{Occupancy, Point, heading};
-use asmotion_map::{Disk, Map, Settings, load};
-use asmotion_planner::{AStar, Planner, Settings as Needs};
+use asmotion_map::{DiskFiles, Map, MapSettings, load};
+use asmotion_planner::{AStar, Planner, PlannerSettings as Needs};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/osm");
 
@@ -37,7 +37,7 @@ fn check(expected: &Expected) {
         return;
     }
     let begin = Instant::now();
-    let map = load(&Disk, &file, &Settings::default()).unwrap();
+    let map = load(&DiskFiles, &file, &MapSettings::default()).unwrap();
     let loaded = begin.elapsed();
     let layout = *map.grid.layout();
     let size = (layout.width(), layout.height());

@@ -8,16 +8,16 @@
 )]
 
 use asmotion_geometry::{Grid, OCCUPIED, Point};
-use asmotion_map::{Disk, Map, Settings, load};
-use asmotion_planner::{AStar, Planner, Settings as Needs};
+use asmotion_map::{DiskFiles, Map, MapSettings, load};
+use asmotion_planner::{AStar, Planner, PlannerSettings as Needs};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../specs/navigation/maps");
 
 fn office() -> Map {
     load(
-        &Disk,
+        &DiskFiles,
         &format!("{FOLDER}/office.geojson"),
-        &Settings::default(),
+        &MapSettings::default(),
     )
     .unwrap()
 }
@@ -111,9 +111,9 @@ fn a_blocked_corridor_can_be_passed_by() {
 #[test]
 fn its_ros_map_is_the_same_map() {
     let ros = load(
-        &Disk,
+        &DiskFiles,
         &format!("{FOLDER}/office.yaml"),
-        &Settings::default(),
+        &MapSettings::default(),
     )
     .unwrap();
     assert!(

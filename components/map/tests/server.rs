@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Required, Span, State, Time, Wire,
 };
-use asmotion_map::{FileFault, Files, MapServer, Memory};
+use asmotion_map::{FileFault, FileSource, FilesInMemory, MapServer};
 use asmotion_messages::{GetMap, OccupancyGrid, Place};
 use asmotion_runtime::{Event, Log, Run, System};
 
@@ -44,12 +44,12 @@ impl Component for Client {
 
 /// A server on two maps, and a client for each place.
 fn system(source: &str, places: &[&'static str]) -> (System, Answers, Log) {
-    let files = Memory::new([("maps/hall.geojson", WALL), ("maps/bad.geojson", "{")]);
+    let files = FilesInMemory::new([("maps/hall.geojson", WALL), ("maps/bad.geojson", "{")]);
     system_on(files, source, places)
 }
 
 fn system_on(
-    files: impl Files + 'static,
+    files: impl FileSource + 'static,
     source: &str,
     places: &[&'static str],
 ) -> (System, Answers, Log) {
@@ -148,12 +148,12 @@ fn it_is_not_configured_without_a_source() {
 
 /// Files of which one takes as long to read as the test wants.
 struct Slow {
-    files: Memory,
+    files: FilesInMemory,
     /// Blocks while it is locked.
     gate: Arc<Mutex<()>>,
 }
 
-impl Files for Slow {
+impl FileSource for Slow {
     fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault> {
         if name.contains("slow") {
             drop(self.gate.lock().unwrap());
@@ -179,7 +179,7 @@ fn live_no_cycle_waits_for_a_file_and_other_places_are_served_meanwhile() {
     let gate = Arc::new(Mutex::new(()));
     let closed = gate.lock().unwrap();
     let files = Slow {
-        files: Memory::new([("maps/hall.geojson", WALL), ("maps/slow.geojson", WALL)]),
+        files: FilesInMemory::new([("maps/hall.geojson", WALL), ("maps/slow.geojson", WALL)]),
         gate: Arc::clone(&gate),
     };
     let (system, answers, _) = system_on(files, "maps", &["slow", "hall"]);
@@ -237,7 +237,7 @@ fn it_publishes_a_file_again_when_it_has_changed() {
     let file = folder.path().join("hall.geojson");
     std::fs::write(&file, WALL).unwrap();
     let source = folder.path().to_str().unwrap();
-    let (mut system, _, log) = system_on(asmotion_map::Disk, source, &["hall"]);
+    let (mut system, _, log) = system_on(asmotion_map::DiskFiles, source, &["hall"]);
     let maps = system.id("Maps").unwrap();
     system.set_property(maps, "watch", &true.into()).unwrap();
     let mut run = system.simulate();

@@ -23,6 +23,6 @@ pub use operation::{GetMap, Plan};
 pub use rover::*;
 pub use sensor_msgs::*;
 pub use std_msgs::*;
-pub use table::{Describe, MESSAGES};
+pub use table::{DescribeMessage, MESSAGES};
 pub use world::*;
 pub use youbot::*;

@@ -5,10 +5,10 @@ use asmotion_datum::{Message, Schema};
 use crate::*;
 
 /// Gives the schema of a message.
-pub type Describe = fn() -> &'static Schema;
+pub type DescribeMessage = fn() -> &'static Schema;
 
 /// The schema of every message, by the message's name, in the order of the names.
-pub const MESSAGES: &[(&str, Describe)] = &[
+pub const MESSAGES: &[(&str, DescribeMessage)] = &[
     row::<Time>(),
     row::<Point>(),
     row::<Pose>(),
@@ -50,7 +50,7 @@ pub const MESSAGES: &[(&str, Describe)] = &[
     row::<Period>(),
 ];
 
-const fn row<T: Message>() -> (&'static str, Describe) {
+const fn row<T: Message>() -> (&'static str, DescribeMessage) {
     (T::NAME, T::schema)
 }
 

@@ -3,5 +3,5 @@
 mod operator;
 mod script;
 
-pub use operator::Operator;
-pub use script::{Command, Deed, ScriptError};
+pub use operator::ScriptedOperator;
+pub use script::{Deed, OperatorCommand, ScriptError};

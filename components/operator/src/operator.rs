@@ -6,10 +6,10 @@ use asmotion_component::{
 use asmotion_geometry::{Point, heading, message};
 use asmotion_messages::{Bool, Empty, PoseStamped};
 
-use crate::script::{Command, Deed};
+use crate::script::{Deed, OperatorCommand};
 
 /// `nav::Operator`: does what its script says.
-pub struct Operator {
+pub struct ScriptedOperator {
     ports: OperatorPorts,
     /// Read when configured.
     properties: PropertySet<OperatorProperties>,
@@ -36,7 +36,7 @@ struct OperatorProperties {
     script: Vec<String>,
 }
 
-impl Operator {
+impl ScriptedOperator {
     /// Declares ports and the script.
     pub fn new(interface: &mut Interface) -> Self {
         Self {
@@ -48,7 +48,7 @@ impl Operator {
     }
 }
 
-impl Component for Operator {
+impl Component for ScriptedOperator {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let script = self.properties.refresh(setup).script.iter();
         self.deeds = script.map(|line| line.parse()).collect::<Result<_, _>>()?;
@@ -65,15 +65,17 @@ impl Component for Operator {
         let since = (now.nanos() - began.nanos()) as f64 * 1e-9;
         while let Some(deed) = self.deeds.pop_if(|deed| deed.at <= since) {
             match deed.command {
-                Command::Goal { x, y, yaw } => {
+                OperatorCommand::Goal { x, y, yaw } => {
                     let pose = heading(Point::new(x, y), yaw);
                     cycle.write(
                         self.ports.goal,
                         message::pose_stamped(&pose, now.nanos(), "map"),
                     );
                 }
-                Command::Cancel => cycle.write(self.ports.cancel, Empty::default()),
-                Command::Estop(pressed) => cycle.write(self.ports.estop, Bool { data: pressed }),
+                OperatorCommand::Cancel => cycle.write(self.ports.cancel, Empty::default()),
+                OperatorCommand::Estop(pressed) => {
+                    cycle.write(self.ports.estop, Bool { data: pressed })
+                }
             }
         }
         Ok(())

@@ -8,12 +8,12 @@ pub struct Deed {
     /// s after the operator's first cycle.
     pub at: f64,
     /// The action at that time.
-    pub command: Command,
+    pub command: OperatorCommand,
 }
 
 /// An action of the operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Command {
+pub enum OperatorCommand {
     /// Sends the robot somewhere: x and y in m, yaw in rad, map frame.
     Goal {
         /// m.
@@ -62,19 +62,19 @@ impl FromStr for Deed {
             return Err(wrong("the time comes before the start"));
         }
         let command = match command {
-            ["goal", x, y] => Command::Goal {
+            ["goal", x, y] => OperatorCommand::Goal {
                 x: number(x)?,
                 y: number(y)?,
                 yaw: 0.0,
             },
-            ["goal", x, y, yaw] => Command::Goal {
+            ["goal", x, y, yaw] => OperatorCommand::Goal {
                 x: number(x)?,
                 y: number(y)?,
                 yaw: number(yaw)?,
             },
-            ["cancel"] => Command::Cancel,
-            ["estop", "on"] => Command::Estop(true),
-            ["estop", "off"] => Command::Estop(false),
+            ["cancel"] => OperatorCommand::Cancel,
+            ["estop", "on"] => OperatorCommand::Estop(true),
+            ["estop", "off"] => OperatorCommand::Estop(false),
             _ => return Err(wrong("there is no such command")),
         };
         Ok(Self { at, command })
@@ -90,7 +90,7 @@ mod tests {
         let deed = |line: &str| line.parse::<Deed>().map(|deed| deed.command);
         assert_eq!(
             deed("1.0 goal 26.4 4.2"),
-            Ok(Command::Goal {
+            Ok(OperatorCommand::Goal {
                 x: 26.4,
                 y: 4.2,
                 yaw: 0.0
@@ -98,14 +98,14 @@ mod tests {
         );
         assert_eq!(
             deed("1 goal -2 0 1.57"),
-            Ok(Command::Goal {
+            Ok(OperatorCommand::Goal {
                 x: -2.0,
                 y: 0.0,
                 yaw: 1.57
             })
         );
-        assert_eq!(deed("8 estop on"), Ok(Command::Estop(true)));
-        assert_eq!(deed("12 cancel"), Ok(Command::Cancel));
+        assert_eq!(deed("8 estop on"), Ok(OperatorCommand::Estop(true)));
+        assert_eq!(deed("12 cancel"), Ok(OperatorCommand::Cancel));
     }
 
     #[test]

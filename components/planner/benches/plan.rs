@@ -9,15 +9,15 @@
 
 use std::hint::black_box;
 
-use asmotion_geometry::{Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, heading};
-use asmotion_planner::{PLANNERS, Settings};
+use asmotion_geometry::{Cell, FREE, Grid, GridLayout, OCCUPIED, Point, Pose, heading};
+use asmotion_planner::{PLANNERS, PlannerSettings};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 const SIZE: u32 = 400;
 const RESOLUTION: f64 = 0.05;
 
 fn hall() -> Grid {
-    let layout = Layout::new(RESOLUTION, SIZE, SIZE, Pose::identity());
+    let layout = GridLayout::new(RESOLUTION, SIZE, SIZE, Pose::identity());
     Grid::new(layout.expect("a lawful layout"), FREE)
 }
 
@@ -75,7 +75,7 @@ fn plan(criterion: &mut Criterion) {
             ("no way", no_way()),
         ];
         for (map, grid) in maps {
-            let mut planner = make(&Settings::default());
+            let mut planner = make(&PlannerSettings::default());
             // another map in between, so that the costs are computed each time
             let mut other = grid.clone();
             other.set(Cell::new(0, 0), OCCUPIED);

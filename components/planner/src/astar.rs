@@ -3,48 +3,48 @@
 use asmotion_geometry::{Cell, Grid, Occupancy, Point, Polyline, Pose, heading, yaw};
 
 use crate::costs::{Costs, TIGHT, WALL};
-use crate::search::Search;
+use crate::search::GridSearch;
 use crate::smooth::{Knot, smooth};
-use crate::{Blocked, End, NoPath, Plan, Planner, Settings};
+use crate::{Blocked, NoPath, PathEnd, PlannedPath, Planner, PlannerSettings};
 
 /// A* over the inflated grid, then straight lines where they cost no more.
 ///
 /// A robot that stands nearer to an obstacle than the inflation may leave, the shortest way out first; nothing else
 /// comes that near.
 pub struct AStar {
-    settings: Settings,
+    settings: PlannerSettings,
     costs: Costs,
-    search: Search,
+    search: GridSearch,
     way: Vec<(usize, u32)>,
     knots: Vec<Knot>,
 }
 
 impl AStar {
     /// A planner for a robot with these needs.
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(settings: &PlannerSettings) -> Self {
         Self {
             settings: settings.clone(),
             costs: Costs::default(),
-            search: Search::new(),
+            search: GridSearch::new(),
             way: Vec::new(),
             knots: Vec::new(),
         }
     }
 
     /// The cell of an end, or why the robot cannot be there.
-    fn end(&self, grid: &Grid, end: End, at: Point) -> Result<Cell, NoPath> {
+    fn end(&self, grid: &Grid, end: PathEnd, at: Point) -> Result<Cell, NoPath> {
         let outside = NoPath::Outside { end, at };
         let cell = grid.layout().cell(at).ok_or(outside)?;
         match self.blocked(grid, cell, end) {
             None => Ok(cell),
             Some(why) => Err(match end {
-                End::Start => NoPath::StartOccupied { at, why },
-                End::Goal => NoPath::GoalOccupied { at, why },
+                PathEnd::Start => NoPath::StartOccupied { at, why },
+                PathEnd::Goal => NoPath::GoalOccupied { at, why },
             }),
         }
     }
 
-    fn blocked(&self, grid: &Grid, cell: Cell, end: End) -> Option<Blocked> {
+    fn blocked(&self, grid: &Grid, cell: Cell, end: PathEnd) -> Option<Blocked> {
         match (self.costs.at(self.costs.index(cell)), end) {
             (WALL, _) => {
                 let occupied = grid.get(cell).map(Occupancy::of) == Some(Occupancy::Occupied);
@@ -54,7 +54,7 @@ impl AStar {
                     Blocked::Unknown
                 })
             }
-            (TIGHT, End::Goal) => Some(Blocked::Near {
+            (TIGHT, PathEnd::Goal) => Some(Blocked::Near {
                 distance: self.costs.clearance(cell),
                 inflation: self.settings.inflation_m,
             }),
@@ -83,11 +83,11 @@ impl AStar {
 }
 
 impl Planner for AStar {
-    fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<Plan, NoPath> {
+    fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<PlannedPath, NoPath> {
         self.costs.update(grid, &self.settings);
         let (from, to) = (place(start), place(goal));
-        let first = self.end(grid, End::Start, from)?;
-        let last = self.end(grid, End::Goal, to)?;
+        let first = self.end(grid, PathEnd::Start, from)?;
+        let last = self.end(grid, PathEnd::Goal, to)?;
         let (first, last) = (self.costs.index(first), self.costs.index(last));
         let found = self.search.run(&self.costs, first, last);
         let explored = found.explored;
@@ -102,7 +102,7 @@ impl Planner for AStar {
         if let Some(end) = poses.last_mut() {
             *end = heading(to, yaw(goal));
         }
-        Ok(Plan {
+        Ok(PlannedPath {
             poses,
             length: line.length(),
             explored,

@@ -4,12 +4,12 @@ use asmotion_component::{
     CallId, Component, Cycle, Fault, In, Interface, Out, Ports, Properties, PropertySet, Provided,
     RequestId, Required, ServiceFault,
 };
-use asmotion_geometry::{Disc, Grid, OCCUPIED, Point, message};
+use asmotion_geometry::{Grid, OCCUPIED, Point, RoundObstacle, message};
 use asmotion_messages::{
     GetMap, Obstacles, OccupancyGrid, Path, Place, Plan as PlanOperation, PlanRequest,
 };
 
-use crate::{NoPath, PLANNERS, Planner, Settings, planner};
+use crate::{NoPath, PLANNERS, Planner, PlannerSettings, planner};
 
 /// `nav::TrajectoryPlanner`: serves `plan`, publishes each path it found.
 ///
@@ -20,7 +20,7 @@ pub struct TrajectoryPlanner {
     properties: PropertySet<PlannerProperties>,
 
     /// The planner, and what it was made of.
-    made: Option<(String, Settings, Box<dyn Planner>)>,
+    made: Option<(String, PlannerSettings, Box<dyn Planner>)>,
     /// Requests that wait for a map.
     waiting: Vec<(CallId, RequestId, PlanRequest)>,
 }
@@ -45,7 +45,7 @@ struct PlannerProperties {
     #[property(default = "astar", choices = PLANNERS.iter().map(|(name, _)| *name))]
     algorithm: String,
     #[property(flatten)]
-    settings: Settings,
+    settings: PlannerSettings,
     /// Place whose map is requested from `maps` when a request brings none.
     place: String,
 }
@@ -128,8 +128,9 @@ impl TrajectoryPlanner {
                 return Err(ServiceFault::new(PlanOperation::OUTSIDE, detail));
             }
         }
-        let bad_map =
-            |error: asmotion_geometry::LayoutError| ServiceFault::new("BAD_MAP", error.to_string());
+        let bad_map = |error: asmotion_geometry::GridLayoutError| {
+            ServiceFault::new("BAD_MAP", error.to_string())
+        };
         let mut grid = message::grid(map).map_err(bad_map)?;
         let (start, goal) = (
             message::pose(&request.start.pose),
@@ -157,7 +158,7 @@ impl TrajectoryPlanner {
             settings,
             ..
         } = &*self.properties;
-        let same = |(known, of, _): &(String, Settings, _)| known == name && of == settings;
+        let same = |(known, of, _): &(String, PlannerSettings, _)| known == name && of == settings;
         let made = match self.made.take().filter(same) {
             Some(made) => made,
             None => {
@@ -174,7 +175,7 @@ impl TrajectoryPlanner {
 /// Puts what was seen on the map. The robot stands at `start`, so what is said to be there is not.
 fn add(grid: &mut Grid, seen: &Obstacles, start: Point) {
     let discs = seen.discs.iter().map(message::disc);
-    for Disc { centre, radius } in discs {
+    for RoundObstacle { centre, radius } in discs {
         if (centre - start).norm() > radius {
             grid.disc(centre, radius, OCCUPIED);
         }

@@ -1,8 +1,8 @@
 //! Costs of entering cells: higher near obstacles, forbidden within the inflation.
 
-use asmotion_geometry::{Cell, Distances, Grid, Layout, Occupancy};
+use asmotion_geometry::{Cell, Distances, Grid, GridLayout, Occupancy};
 
-use crate::Settings;
+use crate::PlannerSettings;
 
 /// The cost of one cell's side in the open; costs are whole numbers, so that sums do not depend on their order.
 pub const BASE: u32 = 128;
@@ -29,7 +29,7 @@ pub struct Costs {
 
 impl Costs {
     /// Computes the costs, unless the grid is the one they were computed for last.
-    pub fn update(&mut self, grid: &Grid, settings: &Settings) {
+    pub fn update(&mut self, grid: &Grid, settings: &PlannerSettings) {
         if self.grid.as_ref() == Some(grid) {
             return;
         }
@@ -85,7 +85,7 @@ impl Costs {
             .unwrap_or(f64::INFINITY)
     }
 
-    fn fill(&mut self, grid: &Grid, distances: &Distances, settings: &Settings) {
+    fn fill(&mut self, grid: &Grid, distances: &Distances, settings: &PlannerSettings) {
         let layout = grid.layout();
         let (width, height) = (layout.width() as usize, layout.height() as usize);
         self.stride = width + 2;
@@ -119,7 +119,7 @@ struct Price {
 }
 
 impl Price {
-    fn new(layout: &Layout, distances: &Distances, settings: &Settings) -> Self {
+    fn new(layout: &GridLayout, distances: &Distances, settings: &PlannerSettings) -> Self {
         let comfort_m = settings.comfort_m.max(0.0);
         Self {
             tight: distances.limit(settings.inflation_m),

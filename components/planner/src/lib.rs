@@ -11,4 +11,6 @@ mod smooth;
 
 pub use self::component::TrajectoryPlanner;
 pub use astar::AStar;
-pub use planner::{Blocked, End, Make, NoPath, PLANNERS, Plan, Planner, Settings, planner};
+pub use planner::{
+    Blocked, MakePlanner, NoPath, PLANNERS, PathEnd, PlannedPath, Planner, PlannerSettings, planner,
+};

@@ -13,24 +13,25 @@ pub trait Planner: Send {
     ///
     /// # Errors
     /// If an end lies outside the map, the robot cannot stand at an end, or no path connects the ends.
-    fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<Plan, NoPath>;
+    fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<PlannedPath, NoPath>;
 }
 
 /// Makes a planner with the given settings.
-pub type Make = fn(&Settings) -> Box<dyn Planner>;
+pub type MakePlanner = fn(&PlannerSettings) -> Box<dyn Planner>;
 
 /// Every planner by its name.
-pub const PLANNERS: &[(&str, Make)] = &[("astar", |settings| Box::new(AStar::new(settings)))];
+pub const PLANNERS: &[(&str, MakePlanner)] =
+    &[("astar", |settings| Box::new(AStar::new(settings)))];
 
 /// The planner called `name`; none if no row of [`PLANNERS`] is.
-pub fn planner(name: &str, settings: &Settings) -> Option<Box<dyn Planner>> {
+pub fn planner(name: &str, settings: &PlannerSettings) -> Option<Box<dyn Planner>> {
     let row = PLANNERS.iter().find(|(known, _)| *known == name)?;
     Some((row.1)(settings))
 }
 
 /// The robot's needs and preferences.
 #[derive(Clone, Debug, PartialEq, Properties)]
-pub struct Settings {
+pub struct PlannerSettings {
     /// Smallest distance of the path from an occupied cell: the robot's radius and a margin.
     #[property(unit = "m", range = 0.0..=10.0, default = 0.3)]
     pub inflation_m: f64,
@@ -48,7 +49,7 @@ pub struct Settings {
     pub allow_unknown: bool,
 }
 
-impl Settings {
+impl PlannerSettings {
     /// The shortest way that is allowed, with no wish for room.
     pub fn shortest(self) -> Self {
         Self {
@@ -60,7 +61,7 @@ impl Settings {
 
 /// A path that was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct PlannedPath {
     /// From the start's position, looking along the way, to the goal with the goal's own yaw.
     pub poses: Vec<Pose>,
     /// Along the poses, m.
@@ -71,14 +72,14 @@ pub struct Plan {
 
 /// An end of the requested path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum PathEnd {
     /// Pose of the robot.
     Start,
     /// Requested pose.
     Goal,
 }
 
-impl std::fmt::Display for End {
+impl std::fmt::Display for PathEnd {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Start => "start",
@@ -94,7 +95,7 @@ pub enum NoPath {
     #[error("the {end} ({x:.2}, {y:.2}) m lies outside the map", x = at.x, y = at.y)]
     Outside {
         /// Which end.
-        end: End,
+        end: PathEnd,
         /// Where, map frame, m.
         at: Point,
     },

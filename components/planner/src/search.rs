@@ -15,7 +15,7 @@ const NOWHERE: u8 = 8;
 const SETTLED: u8 = 0x80;
 
 /// The buffers of a search, kept from one to the next.
-pub struct Search {
+pub struct GridSearch {
     /// The cheapest known cost from the start.
     costs: Vec<u32>,
     /// Along which direction that way enters the cell.
@@ -25,7 +25,7 @@ pub struct Search {
 }
 
 /// Outcome of a search.
-pub struct Found {
+pub struct SearchResult {
     /// Whether the goal was reached.
     pub reached: bool,
     /// Number of cells settled, a measure of the work done.
@@ -52,7 +52,7 @@ impl Directions {
     }
 }
 
-impl Search {
+impl GridSearch {
     /// A search without anything in it.
     pub fn new() -> Self {
         Self {
@@ -63,7 +63,7 @@ impl Search {
     }
 
     /// Looks for the cheapest way between two cells given by their index in `costs`; neither may be a wall.
-    pub fn run(&mut self, costs: &Costs, start: usize, goal: usize) -> Found {
+    pub fn run(&mut self, costs: &Costs, start: usize, goal: usize) -> SearchResult {
         self.reset(costs.len());
         let directions = Directions::new(costs.stride());
         let (column, row) = place(goal, costs.stride());
@@ -89,14 +89,14 @@ impl Search {
             self.from[index] |= SETTLED;
             explored += 1;
             if index == goal {
-                return Found {
+                return SearchResult {
                     reached: true,
                     explored,
                 };
             }
             waiting += self.expand(costs, &directions, index, &estimate);
         }
-        Found {
+        SearchResult {
             reached: false,
             explored,
         }

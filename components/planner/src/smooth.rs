@@ -1,7 +1,7 @@
 //! From a staircase of cells to straight lines: a shortcut is taken where it is free and costs no more than the way
 //! it replaces.
 
-use asmotion_geometry::{Layout, Point};
+use asmotion_geometry::{GridLayout, Point};
 
 use crate::costs::{BASE, Costs, TIGHT, WALL};
 
@@ -19,13 +19,13 @@ pub struct Knot {
 /// Leaves out every knot that a straight line can skip.
 ///
 /// First from neighbour to neighbour, which is linear and leaves few knots; then among those the longest lines.
-pub fn smooth(layout: &Layout, costs: &Costs, knots: &mut Vec<Knot>) {
+pub fn smooth(layout: &GridLayout, costs: &Costs, knots: &mut Vec<Knot>) {
     advance(layout, costs, knots);
     reach_far(layout, costs, knots);
 }
 
 /// Goes on from a knot as long as the next one is in sight.
-fn advance(layout: &Layout, costs: &Costs, knots: &mut Vec<Knot>) {
+fn advance(layout: &GridLayout, costs: &Costs, knots: &mut Vec<Knot>) {
     let mut kept = 0;
     for at in 1..knots.len() {
         let next = knots.get(at + 1);
@@ -39,7 +39,7 @@ fn advance(layout: &Layout, costs: &Costs, knots: &mut Vec<Knot>) {
 }
 
 /// Goes from each knot to the furthest one in sight.
-fn reach_far(layout: &Layout, costs: &Costs, knots: &mut Vec<Knot>) {
+fn reach_far(layout: &GridLayout, costs: &Costs, knots: &mut Vec<Knot>) {
     let mut kept = 0;
     let mut at = 0;
     while at + 1 < knots.len() {
@@ -54,7 +54,7 @@ fn reach_far(layout: &Layout, costs: &Costs, knots: &mut Vec<Knot>) {
 }
 
 /// Returns whether the straight line between two knots is allowed and costs no more than the path along the cells.
-fn shortcut(layout: &Layout, costs: &Costs, from: &Knot, to: &Knot) -> bool {
+fn shortcut(layout: &GridLayout, costs: &Costs, from: &Knot, to: &Knot) -> bool {
     let (mut sum, mut cells) = (0_u64, 0_u64);
     let mut leaving = costs.at(from.cell) == TIGHT;
     let passes = layout.line(from.point, to.point, |index| {

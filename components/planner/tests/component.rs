@@ -12,14 +12,14 @@ use std::sync::{Arc, Mutex};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Provided, Required, Span, Time, Wire,
 };
-use asmotion_geometry::{FREE, Grid, Layout, OCCUPIED, Point, Pose, heading, message};
+use asmotion_geometry::{FREE, Grid, GridLayout, OCCUPIED, Point, Pose, heading, message};
 use asmotion_messages::{Disc, GetMap, Obstacles, OccupancyGrid, Path, Plan, PlanRequest};
 use asmotion_planner::TrajectoryPlanner;
 use asmotion_runtime::{Log, Run, System};
 
 /// 6 m × 4 m with a wall in the middle that has an opening at either end.
 fn hall() -> OccupancyGrid {
-    let layout = Layout::new(0.1, 60, 40, Pose::identity()).unwrap();
+    let layout = GridLayout::new(0.1, 60, 40, Pose::identity()).unwrap();
     let mut grid = Grid::new(layout, FREE);
     grid.stroke(&[Point::new(3.0, 1.2), Point::new(3.0, 2.8)], 0.2, OCCUPIED);
     message::occupancy_grid(&grid, 0, "map")

@@ -10,20 +10,20 @@
 mod reference;
 
 use asmotion_geometry::{
-    Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, UNKNOWN, Vector, heading, yaw,
+    Cell, FREE, Grid, GridLayout, OCCUPIED, Point, Pose, UNKNOWN, Vector, heading, yaw,
 };
-use asmotion_planner::{NoPath, PLANNERS, Plan, Planner, Settings};
+use asmotion_planner::{NoPath, PLANNERS, PlannedPath, Planner, PlannerSettings};
 use proptest::prelude::*;
 use reference::Reference;
 
 const RESOLUTION: f64 = 0.1;
 
 /// Runs a check for every planner with a wish for room and without.
-fn each(check: impl Fn(&str, &Settings, &mut dyn Planner)) {
-    let settings = Settings {
+fn each(check: impl Fn(&str, &PlannerSettings, &mut dyn Planner)) {
+    let settings = PlannerSettings {
         inflation_m: 0.2,
         comfort_m: 0.3,
-        ..Settings::default()
+        ..PlannerSettings::default()
     };
     for (name, make) in PLANNERS {
         for settings in [settings.clone(), settings.clone().shortest()] {
@@ -34,7 +34,7 @@ fn each(check: impl Fn(&str, &Settings, &mut dyn Planner)) {
 
 /// A grid from a picture: rows from top to bottom, `#` occupied, `?` unknown, anything else free.
 fn picture(rows: &[&str]) -> Grid {
-    let layout = Layout::new(
+    let layout = GridLayout::new(
         RESOLUTION,
         rows[0].len() as u32,
         rows.len() as u32,
@@ -63,7 +63,13 @@ fn place(pose: &Pose) -> Point {
 }
 
 /// Everything that must hold for a plan from `start` to `goal`.
-fn check_plan(grid: &Grid, settings: &Settings, start: &Pose, goal: &Pose, plan: &Plan) {
+fn check_plan(
+    grid: &Grid,
+    settings: &PlannerSettings,
+    start: &Pose,
+    goal: &Pose,
+    plan: &PlannedPath,
+) {
     let (first, last) = (plan.poses.first().unwrap(), plan.poses.last().unwrap());
     assert_eq!(place(first), place(start));
     assert_eq!(place(last), place(goal));
@@ -92,7 +98,7 @@ fn check_plan(grid: &Grid, settings: &Settings, start: &Pose, goal: &Pose, plan:
 
 /// No touched cell is occupied or unknown; none is too near, unless the robot started there and has not left yet.
 /// (On its way out it may brush the corner of a cell that is clear.)
-fn check_clear(grid: &Grid, settings: &Settings, points: &[Point]) {
+fn check_clear(grid: &Grid, settings: &PlannerSettings, points: &[Point]) {
     let reference = Reference::new(grid, settings);
     let tight = |point: Point| {
         let cell = grid.layout().cell(point).expect("leaves the map");
@@ -143,7 +149,8 @@ fn it_goes_from_room_to_room() {
 #[test]
 fn it_goes_straight_where_nothing_is() {
     each(|_, _, planner| {
-        let layout = Layout::new(RESOLUTION, 60, 50, heading(Point::new(-3.0, 7.0), 0.4)).unwrap();
+        let layout =
+            GridLayout::new(RESOLUTION, 60, 50, heading(Point::new(-3.0, 7.0), 0.4)).unwrap();
         let grid = Grid::new(layout, FREE);
         let (start, goal) = (centre(&grid, (3, 5), 0.0), centre(&grid, (55, 31), 0.0));
         let plan = planner.plan(&grid, &start, &goal).unwrap();
@@ -230,13 +237,13 @@ fn it_crosses_the_unknown_only_if_it_may() {
     ]);
     let (start, goal) = (centre(&grid, (4, 3), 0.0), centre(&grid, (15, 3), 0.0));
     for (_, make) in PLANNERS {
-        let settings = Settings {
+        let settings = PlannerSettings {
             inflation_m: 0.2,
-            ..Settings::default()
+            ..PlannerSettings::default()
         };
         let refused = make(&settings).plan(&grid, &start, &goal);
         assert!(matches!(refused, Err(NoPath::Unreachable { .. })));
-        let allowed = Settings {
+        let allowed = PlannerSettings {
             allow_unknown: true,
             ..settings
         };
@@ -247,13 +254,13 @@ fn it_crosses_the_unknown_only_if_it_may() {
 #[test]
 fn it_keeps_to_the_middle_where_that_costs_little() {
     for (_, make) in PLANNERS {
-        let layout = Layout::new(0.05, 400, 40, Pose::identity()).unwrap();
+        let layout = GridLayout::new(0.05, 400, 40, Pose::identity()).unwrap();
         let mut grid = Grid::new(layout, FREE);
         let wall = |y: f64| [Point::new(0.0, y), Point::new(20.0, y)];
         grid.stroke(&wall(0.0), 0.0, OCCUPIED);
         grid.stroke(&wall(1.99), 0.0, OCCUPIED);
         let [start, goal] = [1.0, 19.0].map(|x| heading(Point::new(x, 0.4), 0.0));
-        let plan = make(&Settings::default())
+        let plan = make(&PlannerSettings::default())
             .plan(&grid, &start, &goal)
             .unwrap();
         let middle = plan
@@ -267,7 +274,7 @@ fn it_keeps_to_the_middle_where_that_costs_little() {
 #[test]
 fn it_answers_an_empty_map() {
     each(|_, _, planner| {
-        let empty = Grid::new(Layout::new(1.0, 0, 0, Pose::identity()).unwrap(), FREE);
+        let empty = Grid::new(GridLayout::new(1.0, 0, 0, Pose::identity()).unwrap(), FREE);
         let refused = planner.plan(&empty, &Pose::identity(), &Pose::identity());
         assert_eq!(refused.unwrap_err().code(), "OUTSIDE");
     });
@@ -279,7 +286,7 @@ fn random_grid() -> impl Strategy<Value = Grid> {
         let cells = (width * height) as usize;
         let dice = prop::collection::vec(0..rarity, cells);
         dice.prop_map(move |dice| {
-            let layout = Layout::new(RESOLUTION, width, height, Pose::identity()).unwrap();
+            let layout = GridLayout::new(RESOLUTION, width, height, Pose::identity()).unwrap();
             let cells = dice
                 .iter()
                 .map(|dice| if *dice == 0 { OCCUPIED } else { FREE });
@@ -298,7 +305,7 @@ proptest! {
         let start = heading(Point::new(ends[0] * far.x, ends[1] * far.y), 0.0);
         let goal = heading(Point::new(ends[2] * far.x, ends[3] * far.y), 1.0);
         for (_, make) in PLANNERS {
-            let wishes = Settings { inflation_m: f64::from(inflation) * RESOLUTION, comfort_m: 0.3, ..Settings::default() };
+            let wishes = PlannerSettings { inflation_m: f64::from(inflation) * RESOLUTION, comfort_m: 0.3, ..PlannerSettings::default() };
             for settings in [wishes.clone(), wishes.shortest()] {
                 let mut planner = make(&settings);
                 let answer = planner.plan(&grid, &start, &goal);
@@ -324,7 +331,7 @@ proptest! {
     fn it_forgets(one in random_grid(), other in random_grid()) {
         let ends = [heading(Point::new(0.15, 0.15), 0.0), heading(Point::new(0.35, 0.35), 0.0)];
         for (_, make) in PLANNERS {
-            let settings = Settings { inflation_m: 0.1, ..Settings::default() };
+            let settings = PlannerSettings { inflation_m: 0.1, ..PlannerSettings::default() };
             let mut used = make(&settings);
             let _ = used.plan(&one, &ends[0], &ends[1]);
             prop_assert_eq!(used.plan(&other, &ends[0], &ends[1]), make(&settings).plan(&other, &ends[0], &ends[1]));
@@ -336,7 +343,7 @@ proptest! {
         let grid = picture(ROOMS);
         let pose = |at: usize| Pose::new(Vector::new(numbers[at], numbers[at + 1]), numbers[at + 2]);
         for (_, make) in PLANNERS {
-            let _ = make(&Settings::default()).plan(&grid, &pose(0), &pose(3));
+            let _ = make(&PlannerSettings::default()).plan(&grid, &pose(0), &pose(3));
         }
     }
 }

@@ -5,7 +5,7 @@ use asmotion_messages::WheelSpeeds;
 
 /// Geometry of a differential drive.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]
-pub struct Drive {
+pub struct DifferentialDrive {
     /// Radius of the driven wheels.
     #[property(unit = "m", range = 0.001..=1.0, default = 0.05)]
     pub wheel_radius_m: f64,
@@ -25,7 +25,7 @@ pub struct Velocity {
 
 /// Limits of the rover. A command beyond them is scaled as a whole: same curve, driven more slowly.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]
-pub struct Limits {
+pub struct DriveLimits {
     /// Speed limit, forward and backward.
     #[property(unit = "m/s", range = 0.0..=10.0, default = 0.6)]
     pub max_speed: f64,
@@ -43,7 +43,7 @@ pub struct Limits {
     pub max_wheel_speed: f64,
 }
 
-impl Drive {
+impl DifferentialDrive {
     /// Wheel speeds, rad/s, for a velocity of the body.
     pub fn wheels(&self, velocity: Velocity) -> WheelSpeeds {
         let rim = velocity.turn * self.track_m / 2.0;
@@ -63,12 +63,18 @@ impl Drive {
     }
 }
 
-impl Limits {
+impl DriveLimits {
     /// The velocity to drive for the next `dt` seconds on the way from `current` to `wanted`.
     ///
     /// A command beyond the speed limits is scaled as a whole, so that the robot follows the commanded curve more
     /// slowly instead of another curve.
-    pub fn toward(&self, drive: &Drive, current: Velocity, wanted: Velocity, dt: f64) -> Velocity {
+    pub fn toward(
+        &self,
+        drive: &DifferentialDrive,
+        current: Velocity,
+        wanted: Velocity,
+        dt: f64,
+    ) -> Velocity {
         let wanted = self.on_the_same_curve(drive, wanted);
         Velocity {
             speed: step(current.speed, wanted.speed, self.max_acceleration * dt),
@@ -76,7 +82,7 @@ impl Limits {
         }
     }
 
-    fn on_the_same_curve(&self, drive: &Drive, wanted: Velocity) -> Velocity {
+    fn on_the_same_curve(&self, drive: &DifferentialDrive, wanted: Velocity) -> Velocity {
         if !(wanted.speed.is_finite() && wanted.turn.is_finite()) {
             return Velocity::default(); // a command that is no number is no command
         }
@@ -108,12 +114,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const DRIVE: Drive = Drive {
+    const DRIVE: DifferentialDrive = DifferentialDrive {
         wheel_radius_m: 0.05,
         track_m: 0.3,
     };
 
-    const LIMITS: Limits = Limits {
+    const LIMITS: DriveLimits = DriveLimits {
         max_speed: 0.6,
         max_turn: 1.5,
         max_acceleration: 1.0,

@@ -8,7 +8,7 @@ use asmotion_component::{
 use asmotion_geometry::{Point, Pose, heading, message};
 use asmotion_messages::{Encoders, Header, Odometry, Twist, WheelSpeeds};
 
-use crate::drive::{Drive, Limits, Velocity};
+use crate::drive::{DifferentialDrive, DriveLimits, Velocity};
 use crate::odometry::Odometer;
 
 /// `nav::sim::RoverDriver`: drives the wheels by the newest twist, and stops them once it is too old.
@@ -40,9 +40,9 @@ struct RoverPorts {
 #[derive(Properties)]
 struct RoverProperties {
     #[property(flatten)]
-    drive: Drive,
+    drive: DifferentialDrive,
     #[property(flatten)]
-    limits: Limits,
+    limits: DriveLimits,
     /// Time without a new twist after which the wheels stop at once, without a ramp.
     #[property(range = "0s"..="10s", default = "150ms")]
     command_timeout_s: Duration,

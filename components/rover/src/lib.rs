@@ -1,12 +1,12 @@
 //! The rover driver: differential-drive kinematics and odometry.
 //!
-//! [`Drive`] and [`Limits`] turn velocities into wheel speeds, [`Odometer`] integrates wheel angles, [`RoverDriver`] is the
+//! [`DifferentialDrive`] and [`DriveLimits`] turn velocities into wheel speeds, [`Odometer`] integrates wheel angles, [`RoverDriver`] is the
 //! component.
 
 mod drive;
 mod driver;
 mod odometry;
 
-pub use drive::{Drive, Limits, Velocity};
+pub use drive::{DifferentialDrive, DriveLimits, Velocity};
 pub use driver::RoverDriver;
 pub use odometry::{Odometer, roll};

@@ -3,7 +3,7 @@
 use asmotion_geometry::{Pose, Vector, heading, wrap, yaw};
 use asmotion_messages::Encoders;
 
-use crate::drive::{Drive, Velocity};
+use crate::drive::{DifferentialDrive, Velocity};
 
 /// The pose after rolling `distance` metres along a circle while turning by `turn` radians.
 ///
@@ -35,7 +35,7 @@ impl Odometer {
     }
 
     /// Integrates one reading of the encoders. The first only sets the zero.
-    pub fn update(&mut self, drive: &Drive, encoders: &Encoders) {
+    pub fn update(&mut self, drive: &DifferentialDrive, encoders: &Encoders) {
         if let Some(last) = &self.last {
             let rolled = drive.body(encoders.left - last.left, encoders.right - last.right);
             self.pose = roll(&self.pose, rolled.speed, rolled.turn);
@@ -78,7 +78,7 @@ mod tests {
     use proptest::prelude::*;
     use std::f64::consts::{FRAC_PI_2, PI};
 
-    const DRIVE: Drive = Drive {
+    const DRIVE: DifferentialDrive = DifferentialDrive {
         wheel_radius_m: 0.05,
         track_m: 0.3,
     };

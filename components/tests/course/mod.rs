@@ -8,7 +8,7 @@ use asmotion_adapter::TrajectoryAdapter;
 use asmotion_component::{Activity, Component, Interface, Policy, Span, Time, Wire};
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_follower::TrajectoryFollower;
-use asmotion_geometry::{Grid, Layout, Point, Polyline, Pose, Scene, message};
+use asmotion_geometry::{Grid, GridLayout, ObstacleScene, Point, Polyline, Pose, message};
 use asmotion_laser::LaserDriver;
 use asmotion_messages::{OccupancyGrid, Path, PoseStamped, Twist, WheelSpeeds};
 use asmotion_rover::RoverDriver;
@@ -55,7 +55,7 @@ pub struct Drive {
     pub nearest: f64,
     /// Faults of components.
     pub faults: Vec<String>,
-    scene: Scene,
+    scene: ObstacleScene,
 }
 
 /// A running course and what was seen of it.
@@ -94,9 +94,9 @@ impl Course {
             "/../specs/navigation/maps/office.geojson"
         );
         let plan = asmotion_map::load(
-            &asmotion_map::Disk,
+            &asmotion_map::DiskFiles,
             file,
-            &asmotion_map::Settings::default(),
+            &asmotion_map::MapSettings::default(),
         )
         .unwrap();
         Self {
@@ -226,7 +226,7 @@ impl Course {
 
     /// The map of the walls, cells of 5 cm; obstacles are not on it.
     pub fn with_map(mut self) -> Self {
-        let layout = Layout::new(
+        let layout = GridLayout::new(
             0.05,
             280,
             180,

@@ -1,14 +1,14 @@
 //! The robot's body in the world: wheels that turn, a disc that moves, and what it bumps into.
 
-use asmotion_geometry::{Point, Pose, Scene};
+use asmotion_geometry::{ObstacleScene, Point, Pose};
 use asmotion_messages::WheelSpeeds;
-use asmotion_rover::{Drive, roll};
+use asmotion_rover::{DifferentialDrive, roll};
 
 /// A round robot on two driven wheels.
 #[derive(Debug, Clone)]
 pub struct Body {
     /// Geometry of the drive.
-    pub drive: Drive,
+    pub drive: DifferentialDrive,
     /// m, of the disc that covers it, about the midpoint between the wheels.
     pub radius: f64,
     /// True pose, map frame.
@@ -30,7 +30,7 @@ pub struct Slip {
 
 impl Body {
     /// A body at `pose` whose wheels have not turned yet.
-    pub fn new(drive: Drive, radius: f64, pose: Pose) -> Self {
+    pub fn new(drive: DifferentialDrive, radius: f64, pose: Pose) -> Self {
         Self {
             drive,
             radius,
@@ -42,7 +42,13 @@ impl Body {
 
     /// Moves for `dt` seconds. Where the body would touch something it does not roll on: the wheels stall as far as
     /// they push against it, and only the turn on the spot is left. Says whether it touched.
-    pub fn step(&mut self, wheels: WheelSpeeds, slip: Slip, scene: &Scene, dt: f64) -> bool {
+    pub fn step(
+        &mut self,
+        wheels: WheelSpeeds,
+        slip: Slip,
+        scene: &ObstacleScene,
+        dt: f64,
+    ) -> bool {
         let (left, right) = (wheels.left * dt, wheels.right * dt);
         let moved = self.moved(left, right, slip);
         if self.may_stand(&moved, scene) {
@@ -58,7 +64,7 @@ impl Body {
     }
 
     /// m between the body and the nearest thing; 0 if it touches or overlaps.
-    pub fn clearance(&self, scene: &Scene) -> f64 {
+    pub fn clearance(&self, scene: &ObstacleScene) -> f64 {
         (scene.clearance(place(&self.pose)) - self.radius).max(0.0)
     }
 
@@ -70,7 +76,7 @@ impl Body {
     }
 
     /// A body that something was put upon may leave, but not go deeper.
-    fn may_stand(&self, pose: &Pose, scene: &Scene) -> bool {
+    fn may_stand(&self, pose: &Pose, scene: &ObstacleScene) -> bool {
         let there = scene.clearance_within(place(pose), self.radius);
         there >= self.radius || there >= scene.clearance_within(place(&self.pose), self.radius)
     }
@@ -89,19 +95,19 @@ fn place(pose: &Pose) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asmotion_geometry::{Disc, heading, yaw};
+    use asmotion_geometry::{RoundObstacle, heading, yaw};
     use proptest::prelude::*;
 
     fn robot() -> Body {
-        let drive = Drive {
+        let drive = DifferentialDrive {
             wheel_radius_m: 0.05,
             track_m: 0.3,
         };
         Body::new(drive, 0.2, Pose::identity())
     }
 
-    fn wall_at(x: f64) -> Scene {
-        Scene::new(
+    fn wall_at(x: f64) -> ObstacleScene {
+        ObstacleScene::new(
             vec![[Point::new(x, -9.0), Point::new(x, 9.0)]],
             Vec::new(),
             Vec::new(),
@@ -115,7 +121,12 @@ mod tests {
     #[test]
     fn it_rolls_as_its_wheels_turn() {
         let mut body = robot();
-        assert!(!body.step(wheels(10.0, 10.0), Slip::default(), &Scene::default(), 0.5));
+        assert!(!body.step(
+            wheels(10.0, 10.0),
+            Slip::default(),
+            &ObstacleScene::default(),
+            0.5
+        ));
         assert!((body.pose.translation.x - 0.25).abs() < 1e-12);
         assert_eq!((body.left, body.right), (5.0, 5.0));
     }
@@ -127,7 +138,7 @@ mod tests {
             left: 0.1,
             right: 0.1,
         };
-        body.step(wheels(10.0, 10.0), slip, &Scene::default(), 0.5);
+        body.step(wheels(10.0, 10.0), slip, &ObstacleScene::default(), 0.5);
         assert!((body.pose.translation.x - 0.275).abs() < 1e-12);
         assert_eq!(body.left, 5.0);
     }
@@ -150,11 +161,11 @@ mod tests {
 
     #[test]
     fn it_gets_out_from_under_a_thing_but_not_deeper_in() {
-        let disc = Disc {
+        let disc = RoundObstacle {
             centre: Point::new(0.25, 0.0),
             radius: 0.1,
         };
-        let scene = Scene::new(Vec::new(), Vec::new(), vec![disc]);
+        let scene = ObstacleScene::new(Vec::new(), Vec::new(), vec![disc]);
         let mut body = robot();
         assert_eq!(body.clearance(&scene), 0.0);
         assert!(body.step(wheels(1.0, 1.0), Slip::default(), &scene, 0.1));
@@ -170,7 +181,7 @@ mod tests {
         ) {
             let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Point::new(x, y));
             let walls = (0..4).map(|side| [corners[side], corners[(side + 1) % 4]]).collect();
-            let room = Scene::new(walls, Vec::new(), Vec::new());
+            let room = ObstacleScene::new(walls, Vec::new(), Vec::new());
             let mut body = robot();
             body.pose = heading(Point::new(x, y), angle);
             for (left, right) in drives {

@@ -1,6 +1,6 @@
 //! Obstacles that no map shows, and when they are there.
 
-use asmotion_geometry::{Disc, Point, Pose, Scene, heading};
+use asmotion_geometry::{ObstacleScene, Point, Pose, RoundObstacle, heading};
 
 asmotion_datum::message! {
     /// One obstacle, as the property `obstacles` lists it: `{ at_s = 8.0, until_s = 60.0, disc = [4.0, 0.0, 0.3] }`.
@@ -50,7 +50,7 @@ pub enum ObstacleProblem {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Solid {
     /// A round one.
-    Disc(Disc),
+    Disc(RoundObstacle),
     /// One with corners.
     Polygon(Vec<Point>),
 }
@@ -58,29 +58,29 @@ pub enum Solid {
 /// The obstacles of a run, and which of them are there.
 #[derive(Debug, Clone, Default)]
 pub struct Schedule {
-    entries: Vec<Entry>,
+    entries: Vec<ScheduleEntry>,
 }
 
 #[derive(Debug, Clone)]
-struct Entry {
+struct ScheduleEntry {
     /// s.
     from: f64,
     /// s.
     until: f64,
-    frame: Frame,
+    frame: ScheduleFrame,
     /// In that frame.
     solid: Solid,
-    state: State,
+    state: ScheduleState,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Frame {
+enum ScheduleFrame {
     Map,
     Robot,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum State {
+enum ScheduleState {
     Waiting,
     /// Map frame.
     There(Solid),
@@ -93,7 +93,7 @@ impl Schedule {
         let numbered = (1..).zip(obstacles);
         let entries = numbered.map(|(number, obstacle)| {
             let problem = |problem| ObstacleError { number, problem };
-            Entry::new(obstacle).map_err(problem)
+            ScheduleEntry::new(obstacle).map_err(problem)
         });
         Ok(Self {
             entries: entries.collect::<Result<_, _>>()?,
@@ -106,17 +106,19 @@ impl Schedule {
         let mut changed = false;
         for entry in &mut self.entries {
             let next = match entry.state {
-                State::Waiting | State::There(_) if seconds >= entry.until => State::Gone,
-                State::Waiting if seconds >= entry.from => {
+                ScheduleState::Waiting | ScheduleState::There(_) if seconds >= entry.until => {
+                    ScheduleState::Gone
+                }
+                ScheduleState::Waiting if seconds >= entry.from => {
                     let solid = entry.put(robot);
                     if solid.distance(robot.translation.vector.into()) <= radius {
                         continue;
                     }
-                    State::There(solid)
+                    ScheduleState::There(solid)
                 }
-                State::Waiting | State::There(_) | State::Gone => continue,
+                ScheduleState::Waiting | ScheduleState::There(_) | ScheduleState::Gone => continue,
             };
-            changed |= (&entry.state, &next) != (&State::Waiting, &State::Gone);
+            changed |= (&entry.state, &next) != (&ScheduleState::Waiting, &ScheduleState::Gone);
             entry.state = next;
         }
         changed
@@ -125,8 +127,8 @@ impl Schedule {
     /// The obstacles that are there.
     pub fn there(&self) -> impl Iterator<Item = &Solid> {
         self.entries.iter().filter_map(|entry| match &entry.state {
-            State::There(solid) => Some(solid),
-            State::Waiting | State::Gone => None,
+            ScheduleState::There(solid) => Some(solid),
+            ScheduleState::Waiting | ScheduleState::Gone => None,
         })
     }
 }
@@ -135,14 +137,16 @@ impl Solid {
     /// m from a point; 0 within.
     fn distance(&self, point: Point) -> f64 {
         let scene = match self {
-            Self::Disc(disc) => Scene::new(Vec::new(), Vec::new(), vec![*disc]),
-            Self::Polygon(corners) => Scene::new(Vec::new(), vec![corners.clone()], Vec::new()),
+            Self::Disc(disc) => ObstacleScene::new(Vec::new(), Vec::new(), vec![*disc]),
+            Self::Polygon(corners) => {
+                ObstacleScene::new(Vec::new(), vec![corners.clone()], Vec::new())
+            }
         };
         scene.clearance(point)
     }
 }
 
-impl Entry {
+impl ScheduleEntry {
     fn new(obstacle: Obstacle) -> Result<Self, ObstacleProblem> {
         let until = obstacle.until_s.unwrap_or(f64::INFINITY);
         if !obstacle.at_s.is_finite() || until.is_nan() {
@@ -168,8 +172,8 @@ impl Entry {
             return Err(ObstacleProblem::Size);
         }
         let frame = match obstacle.frame.as_str() {
-            "map" => Frame::Map,
-            "robot" => Frame::Robot,
+            "map" => ScheduleFrame::Map,
+            "robot" => ScheduleFrame::Robot,
             _ => return Err(ObstacleProblem::Frame(obstacle.frame)),
         };
         Ok(Self {
@@ -177,19 +181,19 @@ impl Entry {
             until,
             frame,
             solid,
-            state: State::Waiting,
+            state: ScheduleState::Waiting,
         })
     }
 
     /// The obstacle put into the world of a robot at `robot`.
     fn put(&self, robot: &Pose) -> Solid {
         match (self.frame, &self.solid) {
-            (Frame::Map, solid) => solid.clone(),
-            (Frame::Robot, Solid::Disc(disc)) => Solid::Disc(Disc {
+            (ScheduleFrame::Map, solid) => solid.clone(),
+            (ScheduleFrame::Robot, Solid::Disc(disc)) => Solid::Disc(RoundObstacle {
                 centre: robot * disc.centre,
                 radius: disc.radius,
             }),
-            (Frame::Robot, Solid::Polygon(corners)) => {
+            (ScheduleFrame::Robot, Solid::Polygon(corners)) => {
                 Solid::Polygon(corners.iter().map(|corner| robot * corner).collect())
             }
         }
@@ -197,7 +201,7 @@ impl Entry {
 }
 
 fn disc(x: f64, y: f64, radius: f64) -> Solid {
-    Solid::Disc(Disc {
+    Solid::Disc(RoundObstacle {
         centre: Point::new(x, y),
         radius,
     })

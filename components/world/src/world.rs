@@ -5,10 +5,10 @@ use std::time::Duration;
 use asmotion_component::{
     Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Setup, Time,
 };
-use asmotion_geometry::{Point, Pose, Scene, heading, message};
-use asmotion_map::Disk;
+use asmotion_geometry::{ObstacleScene, Point, Pose, heading, message};
+use asmotion_map::DiskFiles;
 use asmotion_messages::{Encoders, Event, PoseStamped, Time as Stamp, WheelSpeeds};
-use asmotion_rover::Drive;
+use asmotion_rover::DifferentialDrive;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -36,9 +36,9 @@ pub struct World {
 #[derive(Debug, Clone)]
 struct Truth {
     body: Body,
-    walls: Scene,
+    walls: ObstacleScene,
     schedule: Schedule,
-    scene: Scene,
+    scene: ObstacleScene,
     revision: u64,
     /// Whether the body touches something; reported once until it is free again.
     touches: bool,
@@ -61,7 +61,7 @@ struct WorldPorts {
 #[derive(Properties)]
 struct WorldProperties {
     #[property(flatten)]
-    drive: Drive,
+    drive: DifferentialDrive,
     /// Radius of the disc that is the robot.
     #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
     robot_radius_m: f64,
@@ -207,20 +207,20 @@ impl Component for World {
 
 impl Default for Truth {
     fn default() -> Self {
-        let drive = Drive {
+        let drive = DifferentialDrive {
             wheel_radius_m: 1.0,
             track_m: 1.0,
         };
         Self::new(
             Body::new(drive, 0.0, Pose::identity()),
-            Scene::default(),
+            ObstacleScene::default(),
             Schedule::default(),
         )
     }
 }
 
 impl Truth {
-    fn new(body: Body, walls: Scene, schedule: Schedule) -> Self {
+    fn new(body: Body, walls: ObstacleScene, schedule: Schedule) -> Self {
         Self {
             body,
             scene: walls.clone(),
@@ -254,7 +254,7 @@ impl Truth {
                     Solid::Polygon(corners) => polygons.push(corners.clone()),
                 }
             }
-            self.scene = Scene::new(self.walls.segments().to_vec(), polygons, discs);
+            self.scene = ObstacleScene::new(self.walls.segments().to_vec(), polygons, discs);
         }
         changed
     }
@@ -273,11 +273,13 @@ impl WorldProperties {
         Ok(Truth::new(body, self.static_walls()?, schedule))
     }
 
-    fn static_walls(&self) -> Result<Scene, Fault> {
+    fn static_walls(&self) -> Result<ObstacleScene, Fault> {
         let file = &self.floor_plan;
         let plan = match file.strip_prefix("file:").unwrap_or(file) {
-            "" => Scene::default(),
-            name => asmotion_map::load(&Disk, name, &asmotion_map::Settings::default())?.scene(),
+            "" => ObstacleScene::default(),
+            name => {
+                asmotion_map::load(&DiskFiles, name, &asmotion_map::MapSettings::default())?.scene()
+            }
         };
         let (more, rest) = self.walls.as_chunks::<4>();
         if !rest.is_empty() {
@@ -289,7 +291,7 @@ impl WorldProperties {
             .iter()
             .map(|[x1, y1, x2, y2]| [Point::new(*x1, *y1), Point::new(*x2, *y2)]);
         let segments = plan.segments().iter().copied().chain(more).collect();
-        Ok(Scene::new(
+        Ok(ObstacleScene::new(
             segments,
             plan.polygons().to_vec(),
             plan.discs().to_vec(),

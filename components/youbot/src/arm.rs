@@ -8,7 +8,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Positions of the five joints, rad.
-pub type Joints = [f64; 5];
+pub type ArmJoints = [f64; 5];
 
 /// An arm of this build.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl Default for Arm {
 
 impl Arm {
     /// Pose of the hand in a posture (rad), in the frame of the foot, m; z points out of the hand.
-    pub fn forward(&self, [turn, shoulder, elbow, wrist, roll]: Joints) -> Isometry3<f64> {
+    pub fn forward(&self, [turn, shoulder, elbow, wrist, roll]: ArmJoints) -> Isometry3<f64> {
         let about_z = |angle| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
         let lean = |angle| UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
         let along = |length| Translation3::new(0.0, 0.0, length);

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::{Arm, Joints, Unreachable};
+use crate::{Arm, ArmJoints, Unreachable};
 
 /// Largest angle between a goal and the arm's plane that counts as none, rad.
 const OUT_OF_PLANE: f64 = 1e-3;
@@ -32,7 +32,11 @@ impl Arm {
     ///
     /// # Errors
     /// Reason of the refusal: that of the posture that comes closest with the arm turned to the goal.
-    pub fn inverse(&self, goal: &Isometry3<f64>, near: &Joints) -> Result<Joints, Unreachable> {
+    pub fn inverse(
+        &self,
+        goal: &Isometry3<f64>,
+        near: &ArmJoints,
+    ) -> Result<ArmJoints, Unreachable> {
         let coordinates = goal
             .translation
             .vector
@@ -41,7 +45,7 @@ impl Arm {
         if !coordinates.copied().all(f64::is_finite) {
             return Err(Unreachable::BadPose);
         }
-        let mut best: Option<Joints> = None;
+        let mut best: Option<ArmJoints> = None;
         let mut reason: Option<Unreachable> = None;
         for turn in turns(goal, near) {
             match self.turned(goal, turn, near) {
@@ -60,8 +64,8 @@ impl Arm {
         &self,
         goal: &Isometry3<f64>,
         turn: f64,
-        near: &Joints,
-    ) -> Result<Joints, Unreachable> {
+        near: &ArmJoints,
+    ) -> Result<ArmJoints, Unreachable> {
         let [one, other] = self.postures(&self.planar(goal, turn)?)?;
         match (self.beyond(&one), self.beyond(&other)) {
             (None, None) if far(&other, near) < far(&one, near) => Ok(other),
@@ -95,7 +99,7 @@ impl Arm {
     }
 
     /// Both postures: elbow on the one side, and on the other.
-    fn postures(&self, planar: &Planar) -> Result<[Joints; 2], Unreachable> {
+    fn postures(&self, planar: &Planar) -> Result<[ArmJoints; 2], Unreachable> {
         let Planar {
             forward, up, pitch, ..
         } = *planar;
@@ -126,7 +130,7 @@ impl Arm {
     }
 
     /// The joint that would have to turn farthest beyond its range, and how far.
-    fn beyond(&self, posture: &Joints) -> Option<(f64, Unreachable)> {
+    fn beyond(&self, posture: &ArmJoints) -> Option<(f64, Unreachable)> {
         let limits = posture.iter().zip(&self.ranges).enumerate();
         let beyond = limits.map(|(index, (&position, &(least, greatest)))| {
             let excess = (least - position).max(position - greatest);
@@ -147,7 +151,7 @@ impl Arm {
 }
 
 /// To where joint 1 may turn the arm: to the goal, or away from it; above the foot, to where the hand points.
-fn turns(goal: &Isometry3<f64>, near: &Joints) -> [f64; 2] {
+fn turns(goal: &Isometry3<f64>, near: &ArmJoints) -> [f64; 2] {
     let place = goal.translation.vector;
     let pointing = goal.rotation * Vector3::z();
     let to = |direction: Vector3<f64>| {
@@ -159,7 +163,7 @@ fn turns(goal: &Isometry3<f64>, near: &Joints) -> [f64; 2] {
 }
 
 /// The farthest that a joint turns from one posture to the other.
-fn far(one: &Joints, other: &Joints) -> f64 {
+fn far(one: &ArmJoints, other: &ArmJoints) -> f64 {
     let turns = one
         .iter()
         .zip(other)
@@ -179,7 +183,7 @@ mod tests {
     use nalgebra::Translation3;
     use proptest::prelude::*;
 
-    const UPRIGHT: Joints = [0.0; 5];
+    const UPRIGHT: ArmJoints = [0.0; 5];
 
     /// A pose of the hand: where, how far it leans forward in the plane of `turn`, and how it is rolled.
     fn pose(place: [f64; 3], turn: f64, pitch: f64, roll: f64) -> Isometry3<f64> {

@@ -4,7 +4,7 @@ use asmotion_component::{Component, Cycle, Fault, Interface, Ports, Provided, Se
 use asmotion_messages::{Goal, JointPositions, Solve};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
-use crate::{Arm, Joints, Unreachable};
+use crate::{Arm, ArmJoints, Unreachable};
 
 /// `youbot::Kinematics`: answers where the joints must be for the hand to be there, or why it cannot be there.
 pub struct Kinematics {
@@ -41,7 +41,7 @@ impl Component for Kinematics {
 }
 
 fn solve(arm: &Arm, goal: &Goal) -> Result<JointPositions, Unreachable> {
-    let near = Joints::try_from(goal.near.as_slice()).unwrap_or_default();
+    let near = ArmJoints::try_from(goal.near.as_slice()).unwrap_or_default();
     let position = arm.inverse(&isometry(goal)?, &near)?;
     Ok(JointPositions {
         position: position.to_vec(),

@@ -1,5 +1,5 @@
 //! The KUKA youBot's arm: a driver that has no arm ([`DummyDriver`]), the inverse kinematics ([`Arm`],
-//! served by [`Kinematics`]), and a client that sends goals ([`Operator`]).
+//! served by [`Kinematics`]), and a client that sends goals ([`YoubotOperator`]).
 
 mod arm;
 mod driver;
@@ -9,8 +9,8 @@ mod kinematics;
 mod operator;
 mod unreachable;
 
-pub use arm::{Arm, Joints};
+pub use arm::{Arm, ArmJoints};
 pub use driver::DummyDriver;
 pub use kinematics::Kinematics;
-pub use operator::Operator;
+pub use operator::YoubotOperator;
 pub use unreachable::Unreachable;

@@ -13,11 +13,11 @@ use nalgebra::{UnitQuaternion, Vector3};
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// `youbot::Operator`: sends the next goal when the arm is idle, or cannot reach the one before.
-pub struct Operator {
+pub struct YoubotOperator {
     ports: HandOperatorPorts,
     properties: PropertySet<HandOperatorProperties>,
     next: usize,
-    state: State,
+    state: OperatorState,
     heard: Option<Time>,
 }
 
@@ -38,7 +38,7 @@ struct HandOperatorProperties {
 }
 
 /// Progress of the goal sent last.
-enum State {
+enum OperatorState {
     /// Reached or refused: the next goal can be sent.
     Done,
     /// Accepted: the arm is moving.
@@ -47,14 +47,14 @@ enum State {
     Again,
 }
 
-impl Operator {
+impl YoubotOperator {
     /// Declares the reference, the service and the property.
     pub fn new(interface: &mut Interface) -> Self {
         Self {
             ports: interface.ports(),
             properties: interface.properties(),
             next: 0,
-            state: State::Done,
+            state: OperatorState::Done,
             heard: None,
         }
     }
@@ -70,38 +70,38 @@ impl Operator {
         let was_silent = before.is_some_and(|before| now.since(before) > SILENCE);
         let arrived = notices.iter().any(|it| it.argument.event == "idle");
         self.state = match self.state {
-            State::Waits if arrived => State::Done,
-            State::Again => self.take_back(),
-            State::Waits if was_silent => self.take_back(),
-            State::Waits => State::Waits,
-            State::Done => State::Done,
+            OperatorState::Waits if arrived => OperatorState::Done,
+            OperatorState::Again => self.take_back(),
+            OperatorState::Waits if was_silent => self.take_back(),
+            OperatorState::Waits => OperatorState::Waits,
+            OperatorState::Done => OperatorState::Done,
         };
     }
 
     /// Makes the goal sent last the next one again.
-    fn take_back(&mut self) -> State {
+    fn take_back(&mut self) -> OperatorState {
         self.next = self.next.saturating_sub(1);
-        State::Done
+        OperatorState::Done
     }
 }
 
-impl Component for Operator {
+impl Component for YoubotOperator {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.listen(cycle);
         for reply in cycle.replies(self.ports.locomotion) {
             if let Err(error) = reply.result {
                 self.state = match is_refused(&error) {
-                    true => State::Done,
-                    false => State::Again,
+                    true => OperatorState::Done,
+                    false => OperatorState::Again,
                 };
             }
         }
-        if let State::Done = self.state
+        if let OperatorState::Done = self.state
             && let Some(goal) = self.properties.refresh(cycle).goals.get(self.next)
         {
             cycle.call(self.ports.locomotion, pose(goal));
             self.next += 1;
-            self.state = State::Waits;
+            self.state = OperatorState::Waits;
         }
         Ok(())
     }

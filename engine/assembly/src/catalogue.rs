@@ -5,7 +5,7 @@ use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{Component, Interface};
 use asmotion_datum::Schema;
 
-use crate::model::Builtin;
+use crate::model::BuiltinComponent;
 
 /// Makes a component: declares its ports, services and properties on the interface.
 pub type Constructor = fn(&mut Interface) -> Box<dyn Component>;
@@ -32,7 +32,7 @@ pub trait Catalogue {
     }
 
     /// Whether this built-in is in this build.
-    fn has(&self, builtin: Builtin) -> bool;
+    fn has(&self, builtin: BuiltinComponent) -> bool;
 
     /// The names of all message types.
     fn messages(&self) -> Vec<String>;
@@ -55,7 +55,7 @@ pub struct Tables {
     /// Interfaces of services.
     pub interfaces: &'static [(&'static str, OperationsOf)],
     /// Built-ins.
-    pub builtins: &'static [Builtin],
+    pub builtins: &'static [BuiltinComponent],
 }
 
 impl Tables {
@@ -80,7 +80,7 @@ impl Catalogue for Tables {
         row(self.components, component)
     }
 
-    fn has(&self, builtin: Builtin) -> bool {
+    fn has(&self, builtin: BuiltinComponent) -> bool {
         self.builtins.contains(&builtin)
     }
 

@@ -3,7 +3,7 @@
 use asmotion_diagnostics::Loader;
 
 use crate::catalogue::{Catalogue, Tables};
-use crate::environment::{EmptyEnvironment, Environment};
+use crate::environment::{EmptyEnvironment, VariableSource};
 use crate::signature::{NoSpecifications, Specifications};
 
 /// Everything a composite needs from outside its files.
@@ -12,7 +12,7 @@ pub struct Context<'a> {
     /// Where files come from.
     pub loader: &'a dyn Loader,
     /// Where `${NAME}` comes from.
-    pub environment: &'a dyn Environment,
+    pub environment: &'a dyn VariableSource,
     /// What this build has.
     pub catalogue: &'a dyn Catalogue,
     /// Opens `.asm` files.

@@ -1,7 +1,7 @@
 //! Environment variables and secrets come in through a parameter: this crate reads none itself.
 
 /// Where `${NAME}` comes from.
-pub trait Environment {
+pub trait VariableSource {
     /// The value of an environment variable.
     fn variable(&self, name: &str) -> Option<String>;
 
@@ -17,7 +17,7 @@ pub trait Environment {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EmptyEnvironment;
 
-impl Environment for EmptyEnvironment {
+impl VariableSource for EmptyEnvironment {
     fn variable(&self, _: &str) -> Option<String> {
         None
     }

@@ -1,6 +1,7 @@
 //! Composite files: checked plan, then running system.
 
 mod address;
+mod admissible;
 mod at;
 pub mod catalogue;
 mod check;
@@ -11,7 +12,6 @@ mod environment;
 mod expand;
 mod family;
 mod finding;
-mod lawful;
 mod map;
 pub mod model;
 mod named;
@@ -38,7 +38,7 @@ pub use at::At;
 pub use catalogue::{Catalogue, Constructor, Tables};
 pub use codes::CODES;
 pub use context::Context;
-pub use environment::{EmptyEnvironment, Environment};
+pub use environment::{EmptyEnvironment, VariableSource};
 pub use expand::{beside, expand};
 pub use opened::{Opened, open, summary};
 pub use plan::Part;
@@ -47,4 +47,4 @@ pub use signature::{NoSpecifications, Signature, Specifications};
 pub use specification::AsmFiles;
 pub use start::{Assembled, Standard, StartError, Workshop, start, start_part};
 pub use types::open_types;
-pub use value::{REDACTED, Value};
+pub use value::{REDACTED, SettingValue};

@@ -3,7 +3,7 @@
 
 use asmotion_bridge::{Conversion, Use, inside};
 use asmotion_component::declaration::OperationDeclaration;
-use asmotion_datum::{Datum, Field, Schema, Shape};
+use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
 use crate::model::{ProxyEntry, ProxyMode};
 
@@ -50,7 +50,7 @@ pub(crate) fn listener(operations: &[OperationDeclaration]) -> Option<(String, C
 
 /// What a port-proxy tells.
 pub(crate) fn notice() -> Schema {
-    let text = |name: &'static str| Field {
+    let text = |name: &'static str| OutlineKey {
         name: name.into(),
         doc: "".into(),
         schema: Schema::plain(Shape::Text),

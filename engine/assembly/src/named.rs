@@ -5,19 +5,19 @@ use asmotion_diagnostics::Span;
 
 /// A name and where it was declared, if that can be shown.
 #[derive(Clone, Debug)]
-pub(crate) struct Named {
+pub(crate) struct NamedAt {
     pub text: String,
     pub at: Option<Span>,
 }
 
 /// A type or an interface and where it was written, if that can be shown.
 #[derive(Clone, Debug)]
-pub(crate) struct Kind {
+pub(crate) struct TypeAt {
     pub text: String,
     pub at: Option<Span>,
 }
 
-impl Named {
+impl NamedAt {
     pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Self {
         Self {
             text: text.into(),
@@ -26,7 +26,7 @@ impl Named {
     }
 }
 
-impl Kind {
+impl TypeAt {
     /// A type that a component declares.
     pub(crate) fn declared(schema: &Schema) -> Option<Self> {
         let unknown = schema.shape == Shape::Any && schema.name.is_empty();

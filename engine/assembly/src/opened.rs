@@ -13,7 +13,7 @@ use crate::finding::Findings;
 use crate::model::Composite;
 use crate::nearest::nearest;
 use crate::plan::{self, Parts, Plan};
-use crate::scope::Notes;
+use crate::scope::SubstitutionNotes;
 use crate::types::Types;
 
 /// A composite that was opened: its texts, what was found, and a plan for every profile in which
@@ -70,7 +70,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let mut found = Vec::new();
     let mut outside = false;
     for profile in names {
-        let mut notes = Notes::default();
+        let mut notes = SubstitutionNotes::default();
         let faces = check::check(
             &family,
             &types,

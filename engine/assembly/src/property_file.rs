@@ -11,44 +11,44 @@ use asmotion_datum::Datum;
 use asmotion_diagnostics::{Report, Sources};
 use toml_edit::DocumentMut;
 
+use crate::admissible::lawful;
 use crate::finding::Findings;
-use crate::lawful::lawful;
 use crate::nearest::nearest_name;
 use crate::read;
-use crate::scope::Notes;
+use crate::scope::SubstitutionNotes;
 use crate::table::toml;
 use crate::tree::Table;
-use crate::value::Value;
+use crate::value::SettingValue;
 
 /// The properties of a component by name, in the order of its declaration.
-pub type Properties = Vec<(String, Datum)>;
+pub type PropertyFileValues = Vec<(String, Datum)>;
 
 /// A file of properties that was read.
-pub struct Read {
+pub struct PropertyFile {
     /// Its text; the findings point into it.
     pub sources: Sources,
     /// Everything that is wrong with it.
     pub report: Report,
     /// The properties in it that are lawful.
-    pub properties: Properties,
+    pub properties: PropertyFileValues,
     /// Those that the component has and the file does not.
     pub missing: Vec<String>,
 }
 
 /// Reads a file of properties for a component: unknown names, other types and values out of range are findings.
-pub fn read(path: &str, text: &str, component: &str, declared: &Declaration) -> Read {
+pub fn read(path: &str, text: &str, component: &str, declared: &Declaration) -> PropertyFile {
     let mut sources = Sources::new();
     let file = sources.add(path, text);
     let (table, report) = read::tree(file, path, text);
     let mut read = of_tree(&table.unwrap_or_default(), component, declared);
     read.report.extend(report);
-    Read { sources, ..read }
+    PropertyFile { sources, ..read }
 }
 
 /// Reads properties from a tree, of a file of whatever form.
-pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> Read {
-    let mut notes = Notes::default();
-    let mut properties = Properties::new();
+pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> PropertyFile {
+    let mut notes = SubstitutionNotes::default();
+    let mut properties = PropertyFileValues::new();
     for entry in &table.entries {
         let name = &entry.key;
         let Some(property) = declared.property(name) else {
@@ -64,14 +64,14 @@ pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> Read {
             });
             continue;
         };
-        let value = literal(Value::of(&entry.node.value));
+        let value = literal(SettingValue::of(&entry.node.value));
         if let Some(value) = lawful(property, value, Some(entry.node.span), &mut notes) {
             properties.push((name.value.clone(), value.datum()));
         }
     }
     let names = declared.properties.iter().map(|it| &it.name);
     let missing = names.filter(|name| table.get(name).is_none());
-    Read {
+    PropertyFile {
         sources: Sources::new(),
         report: notes.report,
         properties,
@@ -80,24 +80,27 @@ pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> Read {
 }
 
 /// A value as it stands in a composite, where `$$` is a dollar.
-fn literal(value: Value) -> Value {
+fn literal(value: SettingValue) -> SettingValue {
     match value {
-        Value::Text(text) => Value::Text(text.replace("$$", "$")),
-        Value::List(items) => Value::List(items.into_iter().map(literal).collect()),
-        Value::Record(fields) => {
+        SettingValue::Text(text) => SettingValue::Text(text.replace("$$", "$")),
+        SettingValue::List(items) => SettingValue::List(items.into_iter().map(literal).collect()),
+        SettingValue::Record(fields) => {
             let fields = fields.into_iter();
-            Value::Record(fields.map(|(name, it)| (name, literal(it))).collect())
+            SettingValue::Record(fields.map(|(name, it)| (name, literal(it))).collect())
         }
-        Value::Boolean(_) | Value::Integer(_) | Value::Real(_) | Value::Secret(_) => value,
+        SettingValue::Boolean(_)
+        | SettingValue::Integer(_)
+        | SettingValue::Real(_)
+        | SettingValue::Secret(_) => value,
     }
 }
 
 /// Writes the properties of a component, each behind what it is for.
-pub fn write(declared: &Declaration, properties: &Properties) -> String {
+pub fn write(declared: &Declaration, properties: &PropertyFileValues) -> String {
     let mut file = DocumentMut::new();
     for (name, value) in properties {
         // TOML has no word for what is absent
-        let Some(value) = Value::of_datum(value) else {
+        let Some(value) = SettingValue::of_datum(value) else {
             continue;
         };
         file.insert(name, toml_edit::value(toml(&value)));
@@ -125,8 +128,8 @@ fn about(property: &PropertyDeclaration) -> String {
 /// How the properties of a file and those of a running component differ: the name, the value in the file, the value
 /// there.
 pub fn difference<'a>(
-    file: &'a Properties,
-    running: &'a Properties,
+    file: &'a PropertyFileValues,
+    running: &'a PropertyFileValues,
 ) -> Vec<(&'a str, &'a Datum, &'a Datum)> {
     let pairs = file.iter().filter_map(|(name, value)| {
         let (_, there) = running.iter().find(|(known, _)| known == name)?;
@@ -139,5 +142,5 @@ pub fn difference<'a>(
 
 /// Whether two values are the same, however their numbers are packed.
 fn same(one: &Datum, other: &Datum) -> bool {
-    Value::of_datum(one) == Value::of_datum(other)
+    SettingValue::of_datum(one) == SettingValue::of_datum(other)
 }

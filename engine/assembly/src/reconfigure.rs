@@ -4,12 +4,12 @@ use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Run};
 
 use crate::plan::Part;
-use crate::plan::{self, Component, Connection, End, Plan, Settings, Terminal, Wire};
+use crate::plan::{self, Component, Connection, End, Plan, PropertyValues, Terminal, Wire};
 use crate::start;
 
 /// Something that is as it was when the process started.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Fixed {
+pub enum FixedPart {
     /// A table of the composite.
     #[error("{0} of the composite")]
     Table(&'static str),
@@ -49,7 +49,7 @@ pub fn changes(
     wanted: &Plan,
     part: &Part,
     run: &dyn Run,
-) -> Result<Vec<Change>, Vec<Fixed>> {
+) -> Result<Vec<Change>, Vec<FixedPart>> {
     let mut difference = Difference {
         part,
         run,
@@ -67,7 +67,7 @@ pub fn changes(
 }
 
 /// The tables that differ and must not.
-fn tables(running: &Plan, wanted: &Plan) -> Vec<Fixed> {
+fn tables(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
     let placed = |plan: &Plan| (plan.processes.clone(), plan.restart.clone());
     let same = [
         ("the name", running.name == wanted.name),
@@ -80,7 +80,7 @@ fn tables(running: &Plan, wanted: &Plan) -> Vec<Fixed> {
         ("`deploy`", placed(running) == placed(wanted)),
     ];
     let differs = same.into_iter().filter(|(_, same)| !same);
-    differs.map(|(table, _)| Fixed::Table(table)).collect()
+    differs.map(|(table, _)| FixedPart::Table(table)).collect()
 }
 
 struct Difference<'p> {
@@ -89,7 +89,7 @@ struct Difference<'p> {
     /// What ends, before anything new begins.
     ends: Vec<Change>,
     begins: Vec<Change>,
-    fixed: Vec<Fixed>,
+    fixed: Vec<FixedPart>,
 }
 
 impl Difference<'_> {
@@ -100,19 +100,19 @@ impl Difference<'_> {
                     self.component((before, running), (after, wanted));
                 }
                 Some(_) => {}
-                None => self.fixed.push(Fixed::Removed(before.name.clone())),
+                None => self.fixed.push(FixedPart::Removed(before.name.clone())),
             }
         }
         let new = |it: &&Component| running.component(&it.name).is_none();
         let new = wanted.components.iter().filter(new);
         self.fixed
-            .extend(new.map(|it| Fixed::Added(it.name.clone())));
+            .extend(new.map(|it| FixedPart::Added(it.name.clone())));
     }
 
     fn component(&mut self, before: (&Component, &Plan), after: (&Component, &Plan)) {
         let name = &before.0.name;
         if steady(before.0) != steady(after.0) {
-            self.fixed.push(Fixed::Component(name.clone()));
+            self.fixed.push(FixedPart::Component(name.clone()));
             return;
         }
         let values = self.values(name, &before.0.properties, &after.0.properties);
@@ -131,7 +131,12 @@ impl Difference<'_> {
     }
 
     /// The properties that have other values; one that is set no more has its default.
-    fn values(&self, component: &str, before: &Settings, after: &Settings) -> Vec<(String, Datum)> {
+    fn values(
+        &self,
+        component: &str,
+        before: &PropertyValues,
+        after: &PropertyValues,
+    ) -> Vec<(String, Datum)> {
         let declared = self.run.declaration(component).unwrap_or_default();
         let set = after
             .0
@@ -182,7 +187,7 @@ impl Difference<'_> {
             _ => {
                 if here(from) || here(to) {
                     let (from, to) = (from.to_string(), to.to_string());
-                    self.fixed.push(Fixed::Connection { from, to });
+                    self.fixed.push(FixedPart::Connection { from, to });
                 }
                 None
             }
@@ -208,7 +213,7 @@ impl Difference<'_> {
     }
 
     /// The ends of a wire within this part, if its component uses the reference.
-    fn ends_of(&mut self, joint: &Joint<'_>) -> Option<(String, String)> {
+    fn ends_of(&mut self, joint: &WiredService<'_>) -> Option<(String, String)> {
         let reference = joint.reference;
         if !self.part.has(&reference.component) {
             return None;
@@ -216,7 +221,7 @@ impl Difference<'_> {
         let (from, to) = (reference.to_string(), joint.service.to_string());
         if !joint.stays_here {
             let (reference, service) = (from, to);
-            self.fixed.push(Fixed::Wire { reference, service });
+            self.fixed.push(FixedPart::Wire { reference, service });
             return None;
         }
         let declared = self.run.declaration(&reference.component)?;
@@ -227,7 +232,7 @@ impl Difference<'_> {
 
 /// One service of a wire.
 #[derive(PartialEq)]
-struct Joint<'p> {
+struct WiredService<'p> {
     reference: &'p End,
     service: &'p End,
     how: asmotion_component::Wire,
@@ -235,10 +240,10 @@ struct Joint<'p> {
     stays_here: bool,
 }
 
-fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<Joint<'p>> {
+fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
     let mut joints = Vec::new();
     for wire in wires {
-        joints.extend(wire.services.iter().map(|service| Joint {
+        joints.extend(wire.services.iter().map(|service| WiredService {
             reference: &wire.reference,
             service,
             how: start::how(wire),
@@ -251,7 +256,7 @@ fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<Joint<'p>> {
 /// What of a component stays as it was.
 fn steady(component: &Component) -> Component {
     let mut component = component.clone();
-    component.properties = Settings::default();
+    component.properties = PropertyValues::default();
     component.pace = plan::Pace {
         period_ms: 0,
         ..component.pace

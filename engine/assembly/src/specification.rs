@@ -2,7 +2,7 @@
 
 use asmotion_diagnostics::{Loader, Report, Sources, Span};
 use asmotion_lang::hir::{self, DomainKind, Model, Type, TypeId};
-use asmotion_lang::ir::{Role, message_uses};
+use asmotion_lang::ir::{MessageRole, message_uses};
 use asmotion_lang::stdlib;
 use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
@@ -34,7 +34,7 @@ impl Specifications for AsmFiles<'_> {
     ) -> Result<Option<Box<dyn Signature>>, Report> {
         let loaded = hir::load(path, self.loader, sources);
         let (model, found) = hir::analyse(&loaded, sources);
-        let hir::Loaded { units, mut report } = loaded;
+        let hir::LoadedFiles { units, mut report } = loaded;
         report.extend(found);
         match model.filter(|_| !report.has_errors()) {
             Some(model) => {
@@ -70,7 +70,7 @@ impl Signature for ModelSignature {
     fn awaits(&self, partner: &str) -> Option<(String, Span)> {
         let uses = message_uses(&self.model);
         let awaited = uses.iter().find(|used| {
-            let asks = used.role == Role::Ask && used.reply.is_some();
+            let asks = used.role == MessageRole::Ask && used.reply.is_some();
             asks && self.element(used.partner) == Some(partner)
         });
         awaited.map(|used| (stdlib::operation(used.operation).to_owned(), used.at))

@@ -118,7 +118,7 @@ impl Branch {
 }
 
 /// Why a text is not TOML.
-pub(crate) struct SyntaxError {
+pub(crate) struct TomlError {
     pub message: String,
     pub span: Span,
     /// The same key or header further up, where the finding is a duplicate.
@@ -126,7 +126,7 @@ pub(crate) struct SyntaxError {
 }
 
 /// Reads TOML: as much of the tree as can be understood, and every place that cannot.
-pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<SyntaxError>) {
+pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<TomlError>) {
     let (root, errors) = DeTable::parse_recoverable(text);
     let mut grower = Grower {
         file,
@@ -150,7 +150,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<SyntaxError>) {
         }
         let earlier = earlier.map(|range| Span::new(file, range.start, range.end));
         let span = Span::new(file, span.start, span.end);
-        grower.errors.push(SyntaxError {
+        grower.errors.push(TomlError {
             message: error.message().to_owned(),
             span,
             earlier,
@@ -190,7 +190,7 @@ fn earlier_header(text: &str, offset: usize) -> Option<std::ops::Range<usize>> {
 struct Grower<'t> {
     file: FileId,
     text: &'t str,
-    errors: Vec<SyntaxError>,
+    errors: Vec<TomlError>,
 }
 
 impl Grower<'_> {
@@ -239,7 +239,7 @@ impl Grower<'_> {
     fn number<T: Default>(&mut self, read: Option<T>, span: Span) -> T {
         read.unwrap_or_else(|| {
             let message = "number is too large".to_owned();
-            self.errors.push(SyntaxError {
+            self.errors.push(TomlError {
                 message,
                 span,
                 earlier: None,

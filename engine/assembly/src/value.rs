@@ -12,7 +12,7 @@ use crate::tree::{self, Branch, Entry};
 
 /// A value. Serialises as itself; a secret serialises and prints as `***`.
 #[derive(Clone, PartialEq)]
-pub enum Value {
+pub enum SettingValue {
     /// A Boolean.
     Boolean(bool),
     /// A whole number.
@@ -24,15 +24,15 @@ pub enum Value {
     /// A text that is never shown.
     Secret(String),
     /// A list.
-    List(Vec<Value>),
+    List(Vec<SettingValue>),
     /// Named values in the order they were written.
-    Record(Vec<(String, Value)>),
+    Record(Vec<(String, SettingValue)>),
 }
 
 /// What is shown in place of a secret.
 pub const REDACTED: &str = "***";
 
-impl Value {
+impl SettingValue {
     /// The value that a text of TOML writes, as in `[1.4, 4.7]`.
     pub fn from_toml(text: &str) -> Option<Self> {
         let (table, errors) = tree::parse(FileId::default(), &format!("value = {text}"));
@@ -73,7 +73,7 @@ impl Value {
             }
             Datum::Record(entries) => {
                 let fields = entries.iter();
-                let field = |(name, value): &(asmotion_datum::Name, Datum)| {
+                let field = |(name, value): &(asmotion_datum::FieldName, Datum)| {
                     Some((name.to_string(), Self::of_datum(value)?))
                 };
                 Self::Record(fields.filter_map(field).collect())
@@ -134,8 +134,8 @@ impl Value {
     }
 }
 
-impl From<Value> for Constant {
-    fn from(value: Value) -> Self {
+impl From<SettingValue> for Constant {
+    fn from(value: SettingValue) -> Self {
         Self {
             secret: value.has_secret(),
             datum: value.datum(),
@@ -143,7 +143,7 @@ impl From<Value> for Constant {
     }
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for SettingValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Boolean(truth) => truth.fmt(f),
@@ -173,13 +173,13 @@ impl fmt::Display for Value {
     }
 }
 
-impl fmt::Debug for Value {
+impl fmt::Debug for SettingValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
     }
 }
 
-impl Serialize for Value {
+impl Serialize for SettingValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Boolean(truth) => serializer.serialize_bool(*truth),
@@ -201,11 +201,11 @@ impl Serialize for Value {
 
 /// Names and values, in the order they were declared or set.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Settings(pub Vec<(String, Value)>);
+pub struct PropertyValues(pub Vec<(String, SettingValue)>);
 
-impl Settings {
+impl PropertyValues {
     /// The value of a property.
-    pub fn get(&self, name: &str) -> Option<&Value> {
+    pub fn get(&self, name: &str) -> Option<&SettingValue> {
         self.0
             .iter()
             .find(|(known, _)| known == name)

@@ -6,7 +6,7 @@ mod support;
 use asmotion_assembly::{Context, Opened, Standard, Tables, property_file};
 use asmotion_component::{Component, Cycle, Fault, Interface, Property, Span};
 use asmotion_datum::Datum;
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Log, Run, System};
 
 const BUILD: Tables = Tables {
@@ -19,7 +19,7 @@ const BUILD: Tables = Tables {
     ..Tables::EMPTY
 };
 
-fn open(files: &Files, path: &str) -> Opened {
+fn open(files: &MemoryFiles, path: &str) -> Opened {
     let context = Context {
         catalogue: &BUILD,
         ..Context::files(files)
@@ -27,7 +27,7 @@ fn open(files: &Files, path: &str) -> Opened {
     asmotion_assembly::open(path, &context)
 }
 
-fn start(files: &Files, opened: &Opened) -> System {
+fn start(files: &MemoryFiles, opened: &Opened) -> System {
     let plan = opened.plan(None).expect("a plan");
     let mut workshop = Standard {
         catalogue: &BUILD,
@@ -85,7 +85,7 @@ processes = [
 #[cfg(target_os = "linux")]
 #[test]
 fn o3_a_process_says_how_its_components_are_scheduled_that_do_not_say_it_themselves() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("main.toml", COMPOSITE);
     let opened = open(&files, "main.toml");
     assert_eq!(said(&opened), "", "nothing is without effect");
@@ -165,8 +165,8 @@ implementation = { rust = "test::Pid" }
 task = { period_ms = 10 }
 "#;
 
-fn controlled(pid: &str, site: &str) -> Files {
-    let mut files = Files::new();
+fn controlled(pid: &str, site: &str) -> MemoryFiles {
+    let mut files = MemoryFiles::new();
     files.add("all/main.toml", PID);
     files.add("all/pid.toml", pid);
     files.add(
@@ -178,7 +178,7 @@ fn controlled(pid: &str, site: &str) -> Files {
 }
 
 /// What the components of a composite say in its first 25 ms.
-fn first_lines(files: &Files, path: &str) -> Vec<String> {
+fn first_lines(files: &MemoryFiles, path: &str) -> Vec<String> {
     let opened = open(files, path);
     assert_eq!(said(&opened), "");
     let mut system = start(files, &opened);
@@ -228,7 +228,7 @@ fn o13_what_is_wrong_with_a_site_is_shown_there() {
 
 #[test]
 fn o13_a_site_of_itself_is_refused() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("a.toml", "base = \"b.toml\"\n");
     files.add("b.toml", "base = \"a.toml\"\n");
     insta::assert_snapshot!(said(&open(&files, "a.toml")));

@@ -4,13 +4,13 @@
 mod support;
 
 use asmotion_assembly::{AsmFiles, Context, Opened, Tables};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use proptest::prelude::*;
 use support::Variables;
 
 const HEAD: &str = "schema = \"composite/1\"\n[composite]\nname = \"test\"\n";
 
-fn open(files: &Files) -> Opened {
+fn open(files: &MemoryFiles) -> Opened {
     let specifications = AsmFiles::new(files);
     let context = Context {
         loader: files,
@@ -23,7 +23,7 @@ fn open(files: &Files) -> Opened {
 }
 
 fn opened(text: &str) -> Opened {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("main.toml", text);
     open(&files)
 }
@@ -58,7 +58,7 @@ fn it_says_what_an_empty_file_lacks() {
 
 #[test]
 fn it_says_that_a_file_is_missing() {
-    let opened = open(&Files::new());
+    let opened = open(&MemoryFiles::new());
     assert_eq!(codes(&opened), ["C002"]);
     assert!(opened.composite.is_none());
 }
@@ -106,7 +106,7 @@ fn it_refuses_what_nests_too_deep() {
 
 #[test]
 fn it_refuses_composites_that_nest_too_deep() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     let nest = |file: &str| {
         format!("{HEAD}[components.Inner]\nimplementation = {{ composite = \"{file}\" }}\n")
     };
@@ -121,7 +121,7 @@ fn it_refuses_composites_that_nest_too_deep() {
 
 #[test]
 fn it_refuses_composites_that_multiply() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     let twice = |file: &str| {
         format!(
             "{HEAD}[components.A]\nimplementation = {{ composite = \"{file}\" }}\n\
@@ -151,7 +151,7 @@ fn it_refuses_types_that_multiply() {
         ));
     }
     types.push_str("[type.\"t/T40\"]\nfields = { x = \"f64\" }\n");
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add(
         "main.toml",
         HEAD.replace("name =", "types = [\"types.toml\"]\nname ="),
@@ -185,7 +185,7 @@ fn it_takes_a_large_composite_in_good_time() {
 
 #[test]
 fn it_says_what_is_wrong_with_a_specification() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add(
         "main.toml",
         format!("{HEAD}[components.C]\nimplementation = {{ asm = \"c.asm\" }}\n"),

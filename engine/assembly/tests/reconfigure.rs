@@ -7,7 +7,7 @@ use asmotion_assembly::reconfigure::changes;
 use asmotion_assembly::{Context, Opened, Part, Plan, Standard, Tables};
 use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, Property, Span};
 use asmotion_datum::{Message, Schema};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Log, Run};
 
 asmotion_datum::message! {
@@ -109,8 +109,8 @@ port = "Witness.said"
 as = "witness"
 "#;
 
-fn open(text: &str) -> (Files, Opened) {
-    let mut files = Files::new();
+fn open(text: &str) -> (MemoryFiles, Opened) {
+    let mut files = MemoryFiles::new();
     files.add("main.toml", text);
     let context = Context {
         catalogue: &BUILD,

@@ -12,7 +12,7 @@ use asmotion_component::{
 };
 use asmotion_coordinator::{Action, Argument, Effect};
 use asmotion_datum::{Datum, Message, Schema};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Log, Run, System};
 use support::Variables;
 
@@ -216,15 +216,15 @@ port = "Echo.number"
 as = "number"
 "#;
 
-fn files(composite: &str) -> Files {
-    let mut files = Files::new();
+fn files(composite: &str) -> MemoryFiles {
+    let mut files = MemoryFiles::new();
     files.add("main.toml", composite);
     files.add("nested.toml", NESTED);
     files.add("brain.asm", SPECIFICATION);
     files
 }
 
-fn open(files: &Files, settings: &[(String, String)]) -> Opened {
+fn open(files: &MemoryFiles, settings: &[(String, String)]) -> Opened {
     let specifications = AsmFiles::new(files);
     let context = Context {
         loader: files,
@@ -242,7 +242,7 @@ fn open(files: &Files, settings: &[(String, String)]) -> Opened {
     opened
 }
 
-fn start(files: &Files, plan: &plan::Plan) -> Result<System, StartError> {
+fn start(files: &MemoryFiles, plan: &plan::Plan) -> Result<System, StartError> {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: files,
@@ -382,7 +382,7 @@ fn it_takes_paths_from_the_folder_of_the_file_they_are_written_in() {
         )
     };
     let map = |set: &str| {
-        let mut files = Files::new();
+        let mut files = MemoryFiles::new();
         files.add("here/main.toml", outer(set));
         files.add("here/deep/inner.toml", inner);
         let opened = asmotion_assembly::open("here/main.toml", &Context::files(&files));
@@ -454,8 +454,8 @@ reference = "Teller.listeners"
 service = ["One.notifying", "Two.notifying"]
 "#;
 
-fn told(specification: &str) -> Files {
-    let mut files = Files::new();
+fn told(specification: &str) -> MemoryFiles {
+    let mut files = MemoryFiles::new();
     files.add("main.toml", TOLD);
     files.add("teller.asm", specification);
     files.add("listener.asm", LISTENER);

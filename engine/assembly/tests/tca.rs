@@ -10,7 +10,7 @@ use std::time::Duration;
 use asmotion_assembly::{AsmFiles, Constructor, Context, Opened, Plan, Standard, Tables, plan};
 use asmotion_component::{Component, Cycle, Fault, Interface, State, Time, Transition};
 use asmotion_coordinator::StepRecord;
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Event, Run, Simulation};
 use support::Variables;
 
@@ -53,7 +53,7 @@ fn composite(lines: &str) -> String {
 }
 
 fn open(text: &str) -> Opened {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("tca.toml", text);
     let context = Context {
         loader: &files,
@@ -89,7 +89,7 @@ fn task(keys: &str) -> plan::Component {
 /// The same in simulated time.
 fn simulated(keys: &str) -> Simulation {
     let plan = plan(&composite(&format!("task = {{ {keys} }}")));
-    let files = Files::new();
+    let files = MemoryFiles::new();
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
@@ -176,7 +176,7 @@ default init s0:
 
 #[test]
 fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("long.asm", LONG);
     let text = composite("task = { period_ms = 1, may_interrupt_if_running = true }")
         .replace("rust = \"test::Task\"", "asm = \"long.asm\"");

@@ -6,24 +6,24 @@ use asmotion_datum::{Datum, Schema, Shape};
 
 /// Something that holds of a message that came through a port, or does not.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Condition {
+pub struct MessageCondition {
     /// The port.
     pub port: String,
     /// The part of its messages: `error_flags`. Of a run of elements, one is enough.
     pub path: String,
-    test: Test,
+    test: ConditionTest,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Test {
+enum ConditionTest {
     /// Every message will do.
     New,
     /// The part compares so with a constant.
-    Compare(Relation, Datum),
+    Compare(ConditionRelation, Datum),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Relation {
+enum ConditionRelation {
     Equal,
     Unequal,
     Less,
@@ -33,13 +33,13 @@ enum Relation {
 }
 
 /// Longer signs first, so that `<=` is not read as `<`.
-const RELATIONS: [(&str, Relation); 6] = [
-    ("==", Relation::Equal),
-    ("!=", Relation::Unequal),
-    ("<=", Relation::AtMost),
-    (">=", Relation::AtLeast),
-    ("<", Relation::Less),
-    (">", Relation::Greater),
+const RELATIONS: [(&str, ConditionRelation); 6] = [
+    ("==", ConditionRelation::Equal),
+    ("!=", ConditionRelation::Unequal),
+    ("<=", ConditionRelation::AtMost),
+    (">=", ConditionRelation::AtLeast),
+    ("<", ConditionRelation::Less),
+    (">", ConditionRelation::Greater),
 ];
 
 /// Why a text is no condition.
@@ -53,7 +53,7 @@ pub enum ConditionError {
     NoComparison(String),
 }
 
-impl FromStr for Condition {
+impl FromStr for MessageCondition {
     type Err = ConditionError;
 
     /// `port.new`, `port.flag` or `port.field != 0`.
@@ -68,19 +68,19 @@ impl FromStr for Condition {
             return Err(no_field());
         }
         let test = match (rest.trim(), path) {
-            ("", "new") => Test::New,
-            ("", _) => Test::Compare(Relation::Equal, Datum::Bool(true)),
+            ("", "new") => ConditionTest::New,
+            ("", _) => ConditionTest::Compare(ConditionRelation::Equal, Datum::Bool(true)),
             (rest, _) => {
                 comparison(rest).ok_or_else(|| ConditionError::NoComparison(rest.to_owned()))?
             }
         };
-        let path = if test == Test::New { "" } else { path };
+        let path = if test == ConditionTest::New { "" } else { path };
         let (port, path) = (port.to_owned(), path.to_owned());
         Ok(Self { port, path, test })
     }
 }
 
-fn comparison(text: &str) -> Option<Test> {
+fn comparison(text: &str) -> Option<ConditionTest> {
     let (sign, relation) = RELATIONS.iter().find(|(sign, _)| text.starts_with(sign))?;
     let constant = text[sign.len()..].trim();
     let quoted = |text: &str| Some(text.strip_prefix('"')?.strip_suffix('"')?.to_owned());
@@ -93,15 +93,18 @@ fn comparison(text: &str) -> Option<Test> {
             _ => return None,
         },
     };
-    let ordered = !matches!(relation, Relation::Equal | Relation::Unequal);
+    let ordered = !matches!(
+        relation,
+        ConditionRelation::Equal | ConditionRelation::Unequal
+    );
     let lawful = !ordered || matches!(constant, Datum::Float(_));
-    lawful.then_some(Test::Compare(*relation, constant))
+    lawful.then_some(ConditionTest::Compare(*relation, constant))
 }
 
-impl Condition {
+impl MessageCondition {
     /// Whether it can be asked of a part of this shape.
     pub fn suits(&self, part: &Schema) -> bool {
-        let Test::Compare(_, constant) = &self.test else {
+        let ConditionTest::Compare(_, constant) = &self.test else {
             return true;
         };
         match &part.shape {
@@ -126,8 +129,8 @@ impl Condition {
     /// Whether it holds of a message.
     pub fn holds(&self, message: &Datum) -> bool {
         match &self.test {
-            Test::New => true,
-            Test::Compare(relation, constant) => (message.get(&self.path))
+            ConditionTest::New => true,
+            ConditionTest::Compare(relation, constant) => (message.get(&self.path))
                 .is_some_and(|part| any(&part, &|value| compare(*relation, value, constant))),
         }
     }
@@ -151,21 +154,24 @@ fn any(value: &Datum, passes: &dyn Fn(&Datum) -> bool) -> bool {
     }
 }
 
-fn compare(relation: Relation, value: &Datum, constant: &Datum) -> bool {
+fn compare(relation: ConditionRelation, value: &Datum, constant: &Datum) -> bool {
     let (Some(left), Some(right)) = (value.as_float(), constant.as_float()) else {
         return match relation {
-            Relation::Equal => value == constant,
-            Relation::Unequal => value != constant,
-            Relation::Less | Relation::AtMost | Relation::Greater | Relation::AtLeast => false,
+            ConditionRelation::Equal => value == constant,
+            ConditionRelation::Unequal => value != constant,
+            ConditionRelation::Less
+            | ConditionRelation::AtMost
+            | ConditionRelation::Greater
+            | ConditionRelation::AtLeast => false,
         };
     };
     match relation {
-        Relation::Equal => left == right,
-        Relation::Unequal => left != right,
-        Relation::Less => left < right,
-        Relation::AtMost => left <= right,
-        Relation::Greater => left > right,
-        Relation::AtLeast => left >= right,
+        ConditionRelation::Equal => left == right,
+        ConditionRelation::Unequal => left != right,
+        ConditionRelation::Less => left < right,
+        ConditionRelation::AtMost => left <= right,
+        ConditionRelation::Greater => left > right,
+        ConditionRelation::AtLeast => left >= right,
     }
 }
 
@@ -175,7 +181,10 @@ mod tests {
     use super::*;
 
     fn holds(condition: &str, message: &Datum) -> bool {
-        condition.parse::<Condition>().unwrap().holds(message)
+        condition
+            .parse::<MessageCondition>()
+            .unwrap()
+            .holds(message)
     }
 
     #[test]
@@ -214,7 +223,7 @@ mod tests {
             "status.flags != NaN",
             "status.flags != 0 or more",
         ] {
-            assert!(text.parse::<Condition>().is_err(), "{text}");
+            assert!(text.parse::<MessageCondition>().is_err(), "{text}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use asmotion_datum::{Datum, Field, Schema, Shape};
+use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
 /// How data of one shape becomes data of another; decided once, from the shapes.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,12 +127,12 @@ pub fn inside(schema: &Schema, path: &str) -> Option<Schema> {
     Some(here.clone())
 }
 
-fn by_name(source: &[Field], target: &[Field], how: Use) -> Option<Conversion> {
+fn by_name(source: &[OutlineKey], target: &[OutlineKey], how: Use) -> Option<Conversion> {
     let wanted = match how {
         Use::All => source,
         Use::Fill => target,
     };
-    let find = |fields: &[Field], name: &str| {
+    let find = |fields: &[OutlineKey], name: &str| {
         let field = fields.iter().find(|field| field.name == name)?;
         Some(field.schema.clone())
     };
@@ -145,14 +145,14 @@ fn by_name(source: &[Field], target: &[Field], how: Use) -> Option<Conversion> {
 }
 
 /// A record with one field stands for that field.
-fn out_of(source: &[Field], to: &Schema, how: Use) -> Option<Conversion> {
+fn out_of(source: &[OutlineKey], to: &Schema, how: Use) -> Option<Conversion> {
     let [only] = source else { return None };
     let inner = Conversion::between(&only.schema, to, how)?;
     Some(Conversion::OutOf(only.name.to_string(), Box::new(inner)))
 }
 
 /// The one field of a record that takes the data.
-fn into(from: &Schema, target: &[Field], how: Use) -> Option<Conversion> {
+fn into(from: &Schema, target: &[OutlineKey], how: Use) -> Option<Conversion> {
     if how == Use::Fill && target.len() > 1 {
         return None;
     }
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
 
     fn record(fields: &[(&'static str, Schema)]) -> Schema {
-        let fields = fields.iter().map(|(name, schema)| Field {
+        let fields = fields.iter().map(|(name, schema)| OutlineKey {
             name: (*name).into(),
             doc: "".into(),
             schema: schema.clone(),

@@ -5,7 +5,7 @@ use asmotion_datum::{Datum, Schema, Shape};
 /// The first place where data is not of its shape.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{wanted} is wanted, not {found}", place(.path))]
-pub struct Misfit {
+pub struct SchemaMisfit {
     path: String,
     wanted: String,
     found: String,
@@ -22,7 +22,7 @@ fn place(path: &str) -> String {
 ///
 /// # Errors
 /// Where it is not.
-pub fn fit(data: &Datum, schema: &Schema) -> Result<(), Misfit> {
+pub fn fit(data: &Datum, schema: &Schema) -> Result<(), SchemaMisfit> {
     let fits = match &schema.shape {
         Shape::Any => true,
         Shape::Bool => data.as_bool().is_some(),
@@ -58,7 +58,7 @@ fn elements(
     element: &Schema,
     count: Option<usize>,
     schema: &Schema,
-) -> Result<(), Misfit> {
+) -> Result<(), SchemaMisfit> {
     let found = match data {
         Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => data.count().unwrap_or(0),
         Datum::Null
@@ -80,15 +80,19 @@ fn elements(
 }
 
 /// So many elements are wanted, and so many there are.
-pub(crate) fn wrong_count(wanted: usize, found: usize) -> Misfit {
-    Misfit {
+pub(crate) fn wrong_count(wanted: usize, found: usize) -> SchemaMisfit {
+    SchemaMisfit {
         path: String::new(),
         wanted: format!("a run of {wanted}"),
         found: format!("one of {found}"),
     }
 }
 
-fn record(data: &Datum, fields: &[asmotion_datum::Field], schema: &Schema) -> Result<(), Misfit> {
+fn record(
+    data: &Datum,
+    fields: &[asmotion_datum::OutlineKey],
+    schema: &Schema,
+) -> Result<(), SchemaMisfit> {
     let Datum::Record(entries) = data else {
         return Err(misfit(schema, data));
     };
@@ -98,7 +102,7 @@ fn record(data: &Datum, fields: &[asmotion_datum::Field], schema: &Schema) -> Re
                 fit(value, &field.schema).map_err(|misfit| misfit.within(name))?;
             }
             None => {
-                return Err(Misfit {
+                return Err(SchemaMisfit {
                     path: String::new(),
                     wanted: format!("`{schema}`"),
                     found: format!("a record with `{name}`"),
@@ -109,15 +113,15 @@ fn record(data: &Datum, fields: &[asmotion_datum::Field], schema: &Schema) -> Re
     Ok(())
 }
 
-fn misfit(schema: &Schema, data: &Datum) -> Misfit {
-    Misfit {
+fn misfit(schema: &Schema, data: &Datum) -> SchemaMisfit {
+    SchemaMisfit {
         path: String::new(),
         wanted: format!("`{schema}`"),
         found: data.kind().to_owned(),
     }
 }
 
-impl Misfit {
+impl SchemaMisfit {
     pub(crate) fn within(mut self, step: &str) -> Self {
         self.path = match self.path.as_str() {
             "" => step.to_owned(),
@@ -131,7 +135,7 @@ impl Misfit {
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
-    use asmotion_datum::Field;
+    use asmotion_datum::OutlineKey;
 
     fn said(data: &Datum, schema: &Schema) -> String {
         fit(data, schema).unwrap_err().to_string()
@@ -140,7 +144,7 @@ mod tests {
     #[test]
     fn it_says_where_data_does_not_fit() {
         let floats = Schema::many(Schema::plain(Shape::F64), Some(2));
-        let field = |name: &'static str, schema| Field {
+        let field = |name: &'static str, schema| OutlineKey {
             name: name.into(),
             doc: "".into(),
             schema,

@@ -6,7 +6,9 @@ mod conversion;
 mod fit;
 mod proxy;
 
-pub use condition::{Condition, ConditionError};
+pub use condition::{ConditionError, MessageCondition};
 pub use conversion::{Conversion, Use, inside};
-pub use fit::{Misfit, fit};
-pub use proxy::{Idle, Mapped, Mode, Notify, PortProxy, ProxyPort, Settings};
+pub use fit::{SchemaMisfit, fit};
+pub use proxy::{
+    IdleCriterion, Mapped, PortProxy, ProxyNotification, ProxyPort, ProxySettings, ReplyMode,
+};

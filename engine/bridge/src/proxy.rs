@@ -2,7 +2,7 @@
 //!
 //! An invocation becomes a sample: called while the target is in cycle k, it is consumed in cycle k + 1. The proxy
 //! waits for nothing; who calls chooses, operation by operation, what a reply means: that the sample was written
-//! ([`Mode::OneWay`]), that the target has taken it ([`Mode::Taken`]) or that the motion has ended ([`Mode::Done`]).
+//! ([`ReplyMode::OneWay`]), that the target has taken it ([`ReplyMode::Taken`]) or that the motion has ended ([`ReplyMode::Done`]).
 
 mod events;
 mod motion;
@@ -14,32 +14,32 @@ use std::sync::Arc;
 use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, ServiceFault, Time};
 use asmotion_datum::{Datum, Schema};
 
-use events::Events;
-use motion::Motion;
-use operation::{Served, TAKEN_BACK, refusal};
+use events::ProxyEvents;
+use motion::MotionMonitor;
+use operation::{ProxiedOperation, TAKEN_BACK, refusal};
 
-pub use settings::{Idle, Mapped, Mode, Notify, ProxyPort, Settings};
+pub use settings::{IdleCriterion, Mapped, ProxyNotification, ProxyPort, ProxySettings, ReplyMode};
 
 /// A component that offers the ports of another one, its target, as services.
 pub struct PortProxy {
     /// The outputs of the target.
-    inputs: Vec<Input>,
+    inputs: Vec<ProxyInput>,
     /// The inputs of the target.
-    outputs: Vec<Output>,
-    operations: Vec<Served>,
-    motion: Option<Motion>,
-    events: Option<Events>,
+    outputs: Vec<ProxyOutput>,
+    operations: Vec<ProxiedOperation>,
+    motion: Option<MotionMonitor>,
+    events: Option<ProxyEvents>,
     /// When the newest sample came; before the first one, when the proxy began to listen.
     heard: Option<Time>,
 }
 
 #[derive(Clone)]
-struct Input {
+struct ProxyInput {
     name: Arc<str>,
     port: In<Datum>,
 }
 
-struct Output {
+struct ProxyOutput {
     name: String,
     port: Out<Datum>,
     message: Schema,
@@ -47,13 +47,13 @@ struct Output {
 
 impl PortProxy {
     /// Declares the ports, services and the reference, as the target and the map have them.
-    pub fn new(settings: &Settings, interface: &mut Interface) -> Self {
-        let inputs = settings.inputs.iter().map(|of| Input {
+    pub fn new(settings: &ProxySettings, interface: &mut Interface) -> Self {
+        let inputs = settings.inputs.iter().map(|of| ProxyInput {
             name: of.name.as_str().into(),
             port: interface.input_of(&of.name, of.message.clone(), "an output of the target"),
         });
         let inputs = inputs.collect();
-        let outputs = settings.outputs.iter().map(|of| Output {
+        let outputs = settings.outputs.iter().map(|of| ProxyOutput {
             name: of.name.clone(),
             port: interface.output_of(&of.name, of.message.clone(), "an input of the target"),
             message: of.message.clone(),
@@ -65,12 +65,12 @@ impl PortProxy {
             inputs,
             outputs,
             operations: operations
-                .map(|mapped| Served::declare(mapped, interface))
+                .map(|mapped| ProxiedOperation::declare(mapped, interface))
                 .collect(),
             motion: notify
                 .and_then(|notify| notify.idle.clone())
-                .map(Motion::new),
-            events: notify.map(|notify| Events::declare(notify, interface)),
+                .map(MotionMonitor::new),
+            events: notify.map(|notify| ProxyEvents::declare(notify, interface)),
             heard: None,
         }
     }
@@ -94,7 +94,7 @@ impl Component for PortProxy {
 impl PortProxy {
     /// What came from the target.
     fn listen(&mut self, cycle: &mut Cycle<'_>) {
-        for Input { name, port } in self.inputs.clone() {
+        for ProxyInput { name, port } in self.inputs.clone() {
             let samples = cycle.all(port).to_vec();
             let Some(written) = cycle.written_at(port).filter(|_| !samples.is_empty()) else {
                 continue;
@@ -147,7 +147,7 @@ impl PortProxy {
 
     /// What is asked of the target.
     fn serve(&mut self, index: usize, cycle: &mut Cycle<'_>) {
-        let Some(served) = self.operations.get(index).map(Served::handle) else {
+        let Some(served) = self.operations.get(index).map(ProxiedOperation::handle) else {
             return;
         };
         for request in cycle.requests(served) {
@@ -156,7 +156,7 @@ impl PortProxy {
                 return;
             };
             if operation.reads() {
-                let stale = self.events.as_ref().is_some_and(Events::is_stale);
+                let stale = self.events.as_ref().is_some_and(ProxyEvents::is_stale);
                 let port = (self.inputs.iter()).find(|input| *input.name == operation.port);
                 let result = match port {
                     _ if stale => Err(refusal("STALE", "the target is silent")),
@@ -192,7 +192,7 @@ impl PortProxy {
         let output = outputs.find(|output| output.name == operation.port);
         let output = output.ok_or_else(missing)?;
         let message = operation.conversion.apply(argument);
-        let unfit = |misfit: crate::Misfit| refusal("BAD_ARGUMENT", &misfit.to_string());
+        let unfit = |misfit: crate::SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
         crate::fit(&message, &output.message).map_err(unfit)?;
         if let Some(motion) = self.motion.as_mut().filter(|it| it.obeys(&output.name)) {
             motion.command(&message).map_err(unfit)?;

@@ -6,8 +6,8 @@ use std::time::Duration;
 use asmotion_datum::Schema;
 
 use crate::{
-    Health, Notifier, Pattern, Payload, Pending, Queue, Request, Sending, Sent, Serving,
-    Subscription, Trace,
+    Health, Notifier, Pattern, Payload, PendingCall, PublishOptions, PublisherCounts, QueuePolicy,
+    Request, ServedAddress, Subscription, TraceContext,
 };
 
 /// A bus: topics and addresses shared by processes.
@@ -20,9 +20,9 @@ pub trait Bus: Send + Sync {
     fn publisher(
         &self,
         topic: &str,
-        origin: &Origin,
+        origin: &SenderId,
         schema: &Schema,
-        sending: Sending,
+        sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError>;
 
     /// All messages of the topics that match a pattern, from now on, for one reader, whose name operators see. The notifier
@@ -31,7 +31,7 @@ pub trait Bus: Send + Sync {
         &self,
         reader: &str,
         pattern: &Pattern,
-        queue: Queue,
+        queue: QueuePolicy,
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError>;
 
@@ -41,7 +41,7 @@ pub trait Bus: Send + Sync {
         address: &str,
         size: usize,
         notifier: Arc<Notifier>,
-    ) -> Result<Serving, BusError>;
+    ) -> Result<ServedAddress, BusError>;
 
     /// Sends a request to an address. It ends with an answer, or with a [`CallFailure`](crate::CallFailure): at once
     /// if nobody serves there, else at the deadline.
@@ -50,7 +50,7 @@ pub trait Bus: Send + Sync {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError>;
+    ) -> Result<PendingCall, BusError>;
 
     /// Sends a request that has no answer (SCA `@OneWay`). It ends with nothing when the server's queue has it, else
     /// with a failure; who does not care drops it.
@@ -59,9 +59,9 @@ pub trait Bus: Send + Sync {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError>;
+    ) -> Result<PendingCall, BusError>;
 
-    /// Sends the last message of each publisher that [keeps it](Sending::init) again, as the same message: those who
+    /// Sends the last message of each publisher that [keeps it](PublishOptions::init) again, as the same message: those who
     /// came late get it, those who have it take it out.
     fn repeat(&self);
 
@@ -78,14 +78,14 @@ pub trait Bus: Send + Sync {
 
 /// Who publishes or calls.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Origin {
+pub struct SenderId {
     /// The component.
     pub source: Arc<str>,
     /// Which life of its process: grows with every restart.
     pub incarnation: u64,
 }
 
-impl Origin {
+impl SenderId {
     /// A component in a life of its process.
     pub fn new(source: impl Into<Arc<str>>, incarnation: u64) -> Self {
         Self {
@@ -107,11 +107,11 @@ pub trait Publisher: Send {
         &mut self,
         stamp: i64,
         payload: Payload,
-        cause: Option<Trace>,
+        cause: Option<TraceContext>,
     ) -> Result<(), BusError>;
 
     /// What has become of the messages so far.
-    fn sent(&self) -> Sent;
+    fn sent(&self) -> PublisherCounts;
 }
 
 /// Why a bus cannot do what is asked.

@@ -18,7 +18,7 @@ pub struct Violation {
 
 /// Runs the suite; a bus keeps the contract if this is empty. `prefix` keeps runs on a shared broker apart.
 pub fn violations(bus: &dyn Bus, prefix: &str) -> Vec<Violation> {
-    let run = |(case, check): &(&'static str, cases::Case)| {
+    let run = |(case, check): &(&'static str, cases::ContractCase)| {
         let found = check(bus, &format!("{prefix}.{}", case.replace(' ', "-"))).err()?;
         Some(Violation { case, found })
     };

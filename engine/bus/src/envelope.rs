@@ -3,9 +3,9 @@
 use std::fmt;
 use std::sync::Arc;
 
-use asmotion_datum::{Codec, Datum, DatumError, Message, Problem, Sample, Schema};
+use asmotion_datum::{Codec, Datum, DatumError, DatumProblem, Message, Sample, Schema};
 
-use crate::Trace;
+use crate::TraceContext;
 
 /// A message on a topic.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub struct Envelope {
     /// Which clock that is, `wall:rover1`; empty if it is the reader's own.
     pub clock: Arc<str>,
     /// Its place in a trace; none, if its sender keeps no traces.
-    pub trace: Option<Trace>,
+    pub trace: Option<TraceContext>,
     /// The payload's message type, `geometry_msgs/Twist`; empty if unknown.
     pub type_name: Arc<str>,
     /// What it says.
@@ -97,7 +97,7 @@ impl Envelope {
         } = self.payload
             && !is_named(&self.type_name, &schema.name)
         {
-            return Err(DatumError::new(Problem::Mismatch(format!(
+            return Err(DatumError::new(DatumProblem::Mismatch(format!(
                 "it is `{}`, and `{schema}` is read",
                 self.type_name
             ))));

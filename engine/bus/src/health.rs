@@ -8,14 +8,14 @@ use std::time::Instant;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Health {
     /// The state.
-    pub link: Link,
+    pub link: LinkState,
     /// Since when.
     pub since: Instant,
 }
 
 /// Whether messages go through.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Link {
+pub enum LinkState {
     /// They do.
     Up,
     /// What is published waits: the broker takes nothing. What others published before still comes in.
@@ -32,7 +32,7 @@ pub enum Link {
 
 impl Health {
     /// A state that begins now.
-    pub fn now(link: Link) -> Self {
+    pub fn now(link: LinkState) -> Self {
         Self {
             link,
             since: Instant::now(),
@@ -41,11 +41,11 @@ impl Health {
 
     /// Whether messages go through.
     pub fn is_up(&self) -> bool {
-        self.link == Link::Up
+        self.link == LinkState::Up
     }
 }
 
-impl fmt::Display for Link {
+impl fmt::Display for LinkState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Up => f.write_str("up"),

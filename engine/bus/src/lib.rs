@@ -1,6 +1,6 @@
 //! Topics between processes: publish and subscribe, request and reply, behind one trait.
 //!
-//! [`Bus`] is the seam; [`Local`] is the bus inside one process. Every back end passes the same suite,
+//! [`Bus`] is the seam; [`LocalBus`] is the bus inside one process. Every back end passes the same suite,
 //! [`contract::violations`]. Inside a process components are joined directly; the bus carries their topics to tools
 //! and to other processes.
 
@@ -11,19 +11,22 @@ mod envelope;
 mod health;
 mod local;
 mod pattern;
+mod publish_options;
 mod queue;
 mod request;
-mod sending;
-mod trace;
+mod trace_context;
 
 pub use asmotion_connection::Notifier;
-pub use bus::{Bus, BusError, Origin, Publisher};
+pub use bus::{Bus, BusError, Publisher, SenderId};
 pub use deadline::later;
 pub use envelope::{Envelope, Payload};
-pub use health::{Health, Link};
-pub use local::Local;
+pub use health::{Health, LinkState};
+pub use local::LocalBus;
 pub use pattern::Pattern;
-pub use queue::{Inlet, Overflow, Queue, Received, Subscription};
-pub use request::{Call, CallFailure, Delivered, Desk, Pending, Refusal, Request, Serving};
-pub use sending::{Assurance, Outage, Sending, Sent};
-pub use trace::{NoTrace, Spans, Trace};
+pub use publish_options::{Assurance, Outage, PublishOptions, PublisherCounts};
+pub use queue::{Overflow, QueuePolicy, Subscription, SubscriptionCounts, SubscriptionSender};
+pub use request::{
+    AddressQueue, CallFailure, DeliveryReceipt, IncomingCall, PendingCall, Refusal, Request,
+    ServedAddress,
+};
+pub use trace_context::{InvalidTraceparent, SpanGenerator, TraceContext};

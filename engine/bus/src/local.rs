@@ -9,83 +9,84 @@ use std::time::Duration;
 
 use asmotion_datum::Schema;
 
-use crate::request::Desk;
+use crate::request::AddressQueue;
 use crate::{
-    Bus, BusError, CallFailure, Envelope, Health, Inlet, Link, Notifier, Origin, Pattern, Payload,
-    Pending, Publisher, Queue, Request, Sending, Sent, Serving, Spans, Subscription, Trace,
+    Bus, BusError, CallFailure, Envelope, Health, LinkState, Notifier, Pattern, Payload,
+    PendingCall, PublishOptions, Publisher, PublisherCounts, QueuePolicy, Request, SenderId,
+    ServedAddress, SpanGenerator, Subscription, SubscriptionSender, TraceContext,
 };
 
 /// A bus inside one process. Clones are the same bus.
 #[derive(Clone, Default)]
-pub struct Local {
-    shared: Arc<Shared>,
+pub struct LocalBus {
+    shared: Arc<LocalBusState>,
 }
 
-struct Shared {
-    routes: Mutex<Vec<Route>>,
+struct LocalBusState {
+    routes: Mutex<Vec<LocalRoute>>,
     /// Grows with every change of the routes, so that publishers look at them only then.
     generation: AtomicU64,
-    desks: Mutex<BTreeMap<String, Arc<Desk>>>,
+    desks: Mutex<BTreeMap<String, Arc<AddressQueue>>>,
     /// Of publishers that keep it, the last message.
-    lasts: Mutex<Vec<Weak<Mutex<Last>>>>,
+    lasts: Mutex<Vec<Weak<Mutex<RetainedMessage>>>>,
     /// Up from the beginning to the end.
     health: Health,
 }
 
-impl Default for Shared {
+impl Default for LocalBusState {
     fn default() -> Self {
         Self {
             routes: Mutex::default(),
             generation: AtomicU64::new(0),
             desks: Mutex::default(),
             lasts: Mutex::default(),
-            health: Health::now(Link::Up),
+            health: Health::now(LinkState::Up),
         }
     }
 }
 
-struct Route {
+struct LocalRoute {
     pattern: Pattern,
-    inlet: Inlet,
+    inlet: SubscriptionSender,
     /// The generation that it came with.
     since: u64,
 }
 
 /// The last message of a publisher, and who has it.
 #[derive(Default)]
-struct Last {
+struct RetainedMessage {
     envelope: Option<Envelope>,
     /// The routes up to this generation.
     had: u64,
 }
 
-impl fmt::Debug for Local {
+impl fmt::Debug for LocalBus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Local, {} subscriptions", self.shared.routes().len())
     }
 }
 
-impl Local {
+impl LocalBus {
     /// A bus without topics.
     pub fn new() -> Self {
         Self::default()
     }
 }
 
-impl Shared {
-    fn routes(&self) -> MutexGuard<'_, Vec<Route>> {
+impl LocalBusState {
+    fn routes(&self) -> MutexGuard<'_, Vec<LocalRoute>> {
         self.routes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn desks(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Desk>>> {
+    fn desks(&self) -> MutexGuard<'_, BTreeMap<String, Arc<AddressQueue>>> {
         self.desks.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn lasts(&self) -> MutexGuard<'_, Vec<Weak<Mutex<Last>>>> {
+    fn lasts(&self) -> MutexGuard<'_, Vec<Weak<Mutex<RetainedMessage>>>> {
         self.lasts.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn change_routes(&self, change: impl FnOnce(&mut Vec<Route>, u64)) {
+    fn change_routes(&self, change: impl FnOnce(&mut Vec<LocalRoute>, u64)) {
         let mut routes = self.routes();
         let next = self.generation.load(Ordering::Acquire) + 1;
         change(&mut routes, next);
@@ -93,15 +94,15 @@ impl Shared {
     }
 }
 
-impl Bus for Local {
+impl Bus for LocalBus {
     fn publisher(
         &self,
         topic: &str,
-        origin: &Origin,
+        origin: &SenderId,
         schema: &Schema,
-        sending: Sending,
+        sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError> {
-        let last = sending.init.then(Arc::<Mutex<Last>>::default);
+        let last = sending.init.then(Arc::<Mutex<RetainedMessage>>::default);
         let mut lasts = self.shared.lasts();
         lasts.retain(|last| last.strong_count() > 0);
         lasts.extend(last.as_ref().map(Arc::downgrade));
@@ -109,7 +110,7 @@ impl Bus for Local {
         Ok(Box::new(LocalPublisher {
             shared: Arc::clone(&self.shared),
             topic: topic.into(),
-            spans: Spans::new(&origin.source, origin.incarnation, topic),
+            spans: SpanGenerator::new(&origin.source, origin.incarnation, topic),
             origin: origin.clone(),
             type_name: (&*schema.name).into(),
             sequence: 0,
@@ -125,12 +126,12 @@ impl Bus for Local {
         &self,
         _: &str,
         pattern: &Pattern,
-        queue: Queue,
+        queue: QueuePolicy,
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
-        let inlet = Inlet::new(queue, notifier);
+        let inlet = SubscriptionSender::new(queue, notifier);
         self.shared.change_routes(|routes, since| {
-            routes.push(Route {
+            routes.push(LocalRoute {
                 pattern: pattern.clone(),
                 inlet: inlet.clone(),
                 since,
@@ -147,17 +148,17 @@ impl Bus for Local {
         address: &str,
         size: usize,
         notifier: Arc<Notifier>,
-    ) -> Result<Serving, BusError> {
+    ) -> Result<ServedAddress, BusError> {
         let mut desks = self.shared.desks();
         if desks.contains_key(address) {
             return Err(BusError::Served {
                 address: address.to_owned(),
             });
         }
-        let desk = Desk::new(size, notifier);
+        let desk = AddressQueue::new(size, notifier);
         desks.insert(address.to_owned(), Arc::clone(&desk));
         let (shared, address) = (Arc::clone(&self.shared), address.to_owned());
-        Ok(Serving::new(desk, move || {
+        Ok(ServedAddress::new(desk, move || {
             shared.desks().remove(&address);
         }))
     }
@@ -167,9 +168,9 @@ impl Bus for Local {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         let desk = self.shared.desks().get(address).cloned();
-        let (pending, call) = Pending::new(request, notifier);
+        let (pending, call) = PendingCall::new(request, notifier);
         match desk {
             // What the desk refuses, it ends.
             Some(desk) => drop(desk.put(call)),
@@ -183,9 +184,9 @@ impl Bus for Local {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         let desk = self.shared.desks().get(address).cloned();
-        let (pending, call, delivered) = Pending::one_way(request, notifier);
+        let (pending, call, delivered) = PendingCall::one_way(request, notifier);
         delivered.end(match desk {
             Some(desk) => desk.put(call),
             None => Err(CallFailure::Unavailable),
@@ -224,10 +225,10 @@ impl Bus for Local {
 }
 
 struct LocalPublisher {
-    shared: Arc<Shared>,
+    shared: Arc<LocalBusState>,
     topic: Arc<str>,
-    spans: Spans,
-    origin: Origin,
+    spans: SpanGenerator,
+    origin: SenderId,
     type_name: Arc<str>,
     /// Number of the last message.
     sequence: u64,
@@ -238,9 +239,9 @@ struct LocalPublisher {
     /// The routes that `inlets` was made from.
     generation: u64,
     /// The subscriptions that match.
-    inlets: Vec<Inlet>,
+    inlets: Vec<SubscriptionSender>,
     /// The last message, if it is kept.
-    last: Option<Arc<Mutex<Last>>>,
+    last: Option<Arc<Mutex<RetainedMessage>>>,
 }
 
 impl Publisher for LocalPublisher {
@@ -248,7 +249,7 @@ impl Publisher for LocalPublisher {
         &mut self,
         stamp: i64,
         payload: Payload,
-        cause: Option<Trace>,
+        cause: Option<TraceContext>,
     ) -> Result<(), BusError> {
         let generation = self.shared.generation.load(Ordering::Acquire);
         if generation != self.generation {
@@ -277,7 +278,7 @@ impl Publisher for LocalPublisher {
             inlet.push(envelope.clone());
         }
         if let Some(last) = &self.last {
-            *last.lock().unwrap_or_else(PoisonError::into_inner) = Last {
+            *last.lock().unwrap_or_else(PoisonError::into_inner) = RetainedMessage {
                 envelope: Some(envelope),
                 had: self.generation,
             };
@@ -285,12 +286,12 @@ impl Publisher for LocalPublisher {
         Ok(())
     }
 
-    fn sent(&self) -> Sent {
-        Sent {
+    fn sent(&self) -> PublisherCounts {
+        PublisherCounts {
             published: self.sequence,
             arrived: self.sequence,
             unheard: self.unheard,
-            ..Sent::default()
+            ..PublisherCounts::default()
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::{Envelope, Notifier};
 
 /// What a subscription keeps for its reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Queue {
+pub enum QueuePolicy {
     /// The newest message, for what is a state. What it replaces was out of date, and is not counted (TCA
     /// `receiveLast`).
     Latest,
@@ -36,7 +36,7 @@ pub enum Overflow {
 
 /// What has become of a subscription's messages, apart from those it holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Received {
+pub struct SubscriptionCounts {
     /// Dropped because the queue was full.
     pub dropped: u64,
     /// Never came: gaps in their publishers' numbers.
@@ -48,7 +48,7 @@ pub struct Received {
 }
 
 #[derive(Default)]
-struct Counts {
+struct AtomicSubscriptionCounts {
     dropped: AtomicU64,
     missed: AtomicU64,
     duplicates: AtomicU64,
@@ -57,29 +57,29 @@ struct Counts {
 
 /// The filling end of a subscription's queue, for back ends.
 #[derive(Clone)]
-pub struct Inlet {
-    kept: Arc<Kept>,
+pub struct SubscriptionSender {
+    kept: Arc<SubscriptionQueue>,
 }
 
-struct Kept {
+struct SubscriptionQueue {
     queue: ArrayQueue<Envelope>,
-    policy: Queue,
-    counts: Counts,
+    policy: QueuePolicy,
+    counts: AtomicSubscriptionCounts,
     notifier: Arc<Notifier>,
 }
 
-impl Inlet {
+impl SubscriptionSender {
     /// A queue and its two ends. The notifier is notified of every message.
-    pub fn new(policy: Queue, notifier: Arc<Notifier>) -> Self {
+    pub fn new(policy: QueuePolicy, notifier: Arc<Notifier>) -> Self {
         let size = match policy {
-            Queue::Latest => 1,
-            Queue::All { size, .. } => size.max(1),
+            QueuePolicy::Latest => 1,
+            QueuePolicy::All { size, .. } => size.max(1),
         };
         Self {
-            kept: Arc::new(Kept {
+            kept: Arc::new(SubscriptionQueue {
                 queue: ArrayQueue::new(size),
                 policy,
-                counts: Counts::default(),
+                counts: AtomicSubscriptionCounts::default(),
                 notifier,
             }),
         }
@@ -89,15 +89,15 @@ impl Inlet {
     pub fn push(&self, envelope: Envelope) {
         let kept = &self.kept;
         let dropped = match kept.policy {
-            Queue::Latest => {
+            QueuePolicy::Latest => {
                 kept.queue.force_push(envelope);
                 false
             }
-            Queue::All {
+            QueuePolicy::All {
                 overflow: Overflow::DropOldest,
                 ..
             } => kept.queue.force_push(envelope).is_some(),
-            Queue::All {
+            QueuePolicy::All {
                 overflow: Overflow::DropNewest,
                 ..
             } => kept.queue.push(envelope).is_err(),
@@ -139,7 +139,7 @@ impl Inlet {
 
 /// The reading end of a subscription. Dropping it unsubscribes.
 pub struct Subscription {
-    kept: Arc<Kept>,
+    kept: Arc<SubscriptionQueue>,
     leave: Option<Box<dyn FnOnce() + Send>>,
 }
 
@@ -170,9 +170,9 @@ impl Subscription {
     }
 
     /// What has become of the messages that were not handed out.
-    pub fn received(&self) -> Received {
+    pub fn received(&self) -> SubscriptionCounts {
         let counts = &self.kept.counts;
-        Received {
+        SubscriptionCounts {
             dropped: counts.dropped.load(Ordering::Relaxed),
             missed: counts.missed.load(Ordering::Relaxed),
             duplicates: counts.duplicates.load(Ordering::Relaxed),

@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use crossbeam_queue::ArrayQueue;
 
 use crate::deadline::later;
-use crate::{Notifier, Origin, Payload, Trace};
+use crate::{Notifier, Payload, SenderId, TraceContext};
 
 /// What is asked of a server.
 #[derive(Debug, Clone)]
 pub struct Request {
     /// Who calls.
-    pub origin: Origin,
+    pub origin: SenderId,
     /// What is asked.
     pub argument: Payload,
     /// After how long the caller gives up; the server does not begin after that.
@@ -22,12 +22,12 @@ pub struct Request {
     /// Where the caller serves what the server has to say later, if it does (SCA `@Callback`).
     pub callback: Option<Arc<str>>,
     /// Its place in a trace, if its sender keeps traces.
-    pub trace: Option<Trace>,
+    pub trace: Option<TraceContext>,
 }
 
 impl Request {
     /// A request without callback.
-    pub fn new(origin: Origin, argument: Payload, timeout: Duration) -> Self {
+    pub fn new(origin: SenderId, argument: Payload, timeout: Duration) -> Self {
         Self {
             origin,
             argument,
@@ -39,7 +39,7 @@ impl Request {
 
     /// The same, at a place in a trace.
     #[must_use]
-    pub fn within(mut self, trace: Trace) -> Self {
+    pub fn within(mut self, trace: TraceContext) -> Self {
         self.trace = Some(trace);
         self
     }
@@ -79,16 +79,16 @@ pub struct Refusal {
     pub detail: String,
 }
 
-type Answer = Result<Payload, CallFailure>;
+type CallResult = Result<Payload, CallFailure>;
 
 /// Where the answer to one call is left.
-struct Slot {
-    answer: Mutex<Option<Answer>>,
+struct ReplySlot {
+    answer: Mutex<Option<CallResult>>,
     answered: AtomicBool,
     notifier: Arc<Notifier>,
 }
 
-impl Slot {
+impl ReplySlot {
     fn new(notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
             answer: Mutex::new(None),
@@ -98,7 +98,7 @@ impl Slot {
     }
 
     /// The first answer counts.
-    fn put(&self, answer: Answer) {
+    fn put(&self, answer: CallResult) {
         if self.answered.swap(true, Ordering::AcqRel) {
             return;
         }
@@ -108,26 +108,29 @@ impl Slot {
 }
 
 /// A call under way, at the caller. Dropping it gives the call up.
-pub struct Pending {
-    slot: Arc<Slot>,
+pub struct PendingCall {
+    slot: Arc<ReplySlot>,
     deadline: Instant,
 }
 
-impl Pending {
+impl PendingCall {
     /// A call and its server's end of it, for back ends.
-    pub fn new(request: Request, notifier: Arc<Notifier>) -> (Self, Call) {
-        let slot = Slot::new(notifier);
-        let call = Call::new(request, Arc::clone(&slot), false);
+    pub fn new(request: Request, notifier: Arc<Notifier>) -> (Self, IncomingCall) {
+        let slot = ReplySlot::new(notifier);
+        let call = IncomingCall::new(request, Arc::clone(&slot), false);
         let deadline = call.deadline;
         (Self { slot, deadline }, call)
     }
 
     /// A request without answer, and its server's end. `delivered` ends the first.
-    pub fn one_way(request: Request, notifier: Arc<Notifier>) -> (Self, Call, Delivered) {
-        let call = Call::new(request, Slot::new(Arc::new(Notifier::new())), true);
-        let slot = Slot::new(notifier);
+    pub fn one_way(
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> (Self, IncomingCall, DeliveryReceipt) {
+        let call = IncomingCall::new(request, ReplySlot::new(Arc::new(Notifier::new())), true);
+        let slot = ReplySlot::new(notifier);
         let deadline = call.deadline;
-        let delivered = Delivered(Arc::clone(&slot));
+        let delivered = DeliveryReceipt(Arc::clone(&slot));
         (Self { slot, deadline }, call, delivered)
     }
 
@@ -143,7 +146,7 @@ impl Pending {
     }
 
     /// How the call ended, if it has. Handed over once.
-    pub fn try_take(&self) -> Option<Answer> {
+    pub fn try_take(&self) -> Option<CallResult> {
         if self.is_over() {
             self.slot.put(Err(CallFailure::Timeout));
         }
@@ -156,7 +159,7 @@ impl Pending {
     }
 
     /// How the call ended, waiting for it: never longer than the deadline.
-    pub fn wait(self) -> Answer {
+    pub fn wait(self) -> CallResult {
         loop {
             if let Some(answer) = self.try_take() {
                 return answer;
@@ -169,9 +172,9 @@ impl Pending {
 }
 
 /// A request, at the server. Dropping it unanswered tells the caller that nobody is there.
-pub struct Call {
+pub struct IncomingCall {
     /// Who calls.
-    pub origin: Origin,
+    pub origin: SenderId,
     /// What is asked.
     pub argument: Payload,
     /// When the caller gives up.
@@ -179,15 +182,15 @@ pub struct Call {
     /// Where the caller serves what comes later, if it does.
     pub callback: Option<Arc<str>>,
     /// Its place in a trace, if its sender keeps traces.
-    pub trace: Option<Trace>,
-    slot: Arc<Slot>,
+    pub trace: Option<TraceContext>,
+    slot: Arc<ReplySlot>,
     one_way: bool,
 }
 
 /// Ends a request without answer.
-pub struct Delivered(Arc<Slot>);
+pub struct DeliveryReceipt(Arc<ReplySlot>);
 
-impl Delivered {
+impl DeliveryReceipt {
     /// The server's queue has it, or will never have it.
     pub fn end(self, end: Result<(), CallFailure>) {
         self.0
@@ -200,8 +203,8 @@ impl Delivered {
     }
 }
 
-impl Call {
-    fn new(request: Request, slot: Arc<Slot>, one_way: bool) -> Self {
+impl IncomingCall {
+    fn new(request: Request, slot: Arc<ReplySlot>, one_way: bool) -> Self {
         Self {
             origin: request.origin,
             argument: request.argument,
@@ -237,13 +240,13 @@ impl Call {
 }
 
 /// Where requests wait for their server, for back ends.
-pub struct Desk {
-    waiting: ArrayQueue<Call>,
+pub struct AddressQueue {
+    waiting: ArrayQueue<IncomingCall>,
     open: AtomicBool,
     notifier: Arc<Notifier>,
 }
 
-impl Desk {
+impl AddressQueue {
     /// A desk where at most `size` requests wait. The notifier is notified of each.
     pub fn new(size: usize, notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
@@ -254,7 +257,7 @@ impl Desk {
     }
 
     /// Leaves a request; one too many finds nobody. Says whether it was taken.
-    pub fn put(&self, call: Call) -> Result<(), CallFailure> {
+    pub fn put(&self, call: IncomingCall) -> Result<(), CallFailure> {
         if !self.open.load(Ordering::Acquire) {
             call.end(Err(CallFailure::Unavailable));
             return Err(CallFailure::Unavailable);
@@ -280,14 +283,14 @@ impl Desk {
 }
 
 /// The server's end of an address. Dropping it ends the service: whoever waits learns that nobody is there.
-pub struct Serving {
-    desk: Arc<Desk>,
+pub struct ServedAddress {
+    desk: Arc<AddressQueue>,
     leave: Option<Box<dyn FnOnce() + Send>>,
 }
 
-impl Serving {
+impl ServedAddress {
     /// The server's end of a desk. `leave` is called when it is dropped, after which nobody waits any more.
-    pub fn new(desk: Arc<Desk>, leave: impl FnOnce() + Send + 'static) -> Self {
+    pub fn new(desk: Arc<AddressQueue>, leave: impl FnOnce() + Send + 'static) -> Self {
         Self {
             desk,
             leave: Some(Box::new(leave)),
@@ -295,12 +298,12 @@ impl Serving {
     }
 
     /// The next request that somebody still waits for, if one is there.
-    pub fn try_next(&self) -> Option<Call> {
-        std::iter::from_fn(|| self.desk.waiting.pop()).find(Call::is_awaited)
+    pub fn try_next(&self) -> Option<IncomingCall> {
+        std::iter::from_fn(|| self.desk.waiting.pop()).find(IncomingCall::is_awaited)
     }
 
     /// The next request, waiting for it at the longest so long.
-    pub fn next_within(&self, at_most: Duration) -> Option<Call> {
+    pub fn next_within(&self, at_most: Duration) -> Option<IncomingCall> {
         let until = later(at_most);
         loop {
             if let Some(call) = self.try_next() {
@@ -315,7 +318,7 @@ impl Serving {
     }
 }
 
-impl Drop for Serving {
+impl Drop for ServedAddress {
     fn drop(&mut self) {
         self.desk.open.store(false, Ordering::Release);
         self.desk.refuse_all();
@@ -326,7 +329,7 @@ impl Drop for Serving {
 }
 
 /// Whoever drops a request will not answer it any more.
-impl Drop for Call {
+impl Drop for IncomingCall {
     fn drop(&mut self) {
         self.slot.put(Err(if Instant::now() < self.deadline {
             CallFailure::Unavailable
@@ -336,19 +339,19 @@ impl Drop for Call {
     }
 }
 
-impl fmt::Debug for Pending {
+impl fmt::Debug for PendingCall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Pending")
     }
 }
 
-impl fmt::Debug for Call {
+impl fmt::Debug for IncomingCall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Call from {}: {:?}", self.origin.source, self.argument)
     }
 }
 
-impl fmt::Debug for Serving {
+impl fmt::Debug for ServedAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Serving, {} waiting", self.desk.waiting.len())
     }

@@ -5,18 +5,19 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_bus::{
-    Bus, BusError, Health, Local, Notifier, Origin, Overflow, Pattern, Payload, Pending, Publisher,
-    Queue, Request, Sending, Sent, Serving, Subscription, contract,
+    Bus, BusError, Health, LocalBus, Notifier, Overflow, Pattern, Payload, PendingCall,
+    PublishOptions, Publisher, PublisherCounts, QueuePolicy, Request, SenderId, ServedAddress,
+    Subscription, contract,
 };
 use asmotion_datum::{Datum, Message};
 
 #[test]
 fn t29_the_local_bus_keeps_the_contract() {
-    assert_eq!(contract::violations(&Local::new(), "here"), []);
+    assert_eq!(contract::violations(&LocalBus::new(), "here"), []);
 }
 
 /// A bus that forgets every third message, and reports others twice.
-struct Forgetful(Local);
+struct Forgetful(LocalBus);
 
 struct ForgetfulPublisher(Box<dyn Publisher>, u64);
 
@@ -25,7 +26,7 @@ impl Publisher for ForgetfulPublisher {
         &mut self,
         stamp: i64,
         payload: Payload,
-        _: Option<asmotion_bus::Trace>,
+        _: Option<asmotion_bus::TraceContext>,
     ) -> Result<(), BusError> {
         self.1 += 1;
         match self.1 % 3 {
@@ -38,7 +39,7 @@ impl Publisher for ForgetfulPublisher {
         }
     }
 
-    fn sent(&self) -> Sent {
+    fn sent(&self) -> PublisherCounts {
         self.0.sent()
     }
 }
@@ -47,9 +48,9 @@ impl Bus for Forgetful {
     fn publisher(
         &self,
         topic: &str,
-        origin: &Origin,
+        origin: &SenderId,
         schema: &asmotion_datum::Schema,
-        sending: Sending,
+        sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError> {
         let inner = self.0.publisher(topic, origin, schema, sending)?;
         Ok(Box::new(ForgetfulPublisher(inner, 0)))
@@ -59,7 +60,7 @@ impl Bus for Forgetful {
         &self,
         reader: &str,
         pattern: &Pattern,
-        queue: Queue,
+        queue: QueuePolicy,
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
         self.0.subscribe(reader, pattern, queue, notifier)
@@ -70,7 +71,7 @@ impl Bus for Forgetful {
         address: &str,
         size: usize,
         notifier: Arc<Notifier>,
-    ) -> Result<Serving, BusError> {
+    ) -> Result<ServedAddress, BusError> {
         self.0.serve(address, size, notifier)
     }
 
@@ -79,7 +80,7 @@ impl Bus for Forgetful {
         address: &str,
         mut request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         request.timeout = Duration::ZERO;
         self.0.call(address, request, notifier)
     }
@@ -89,7 +90,7 @@ impl Bus for Forgetful {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         self.0.call(address, request, notifier)
     }
 
@@ -112,7 +113,7 @@ impl Bus for Forgetful {
 
 #[test]
 fn the_contract_finds_out_a_bus_that_breaks_it() {
-    let violations = contract::violations(&Forgetful(Local::new()), "here");
+    let violations = contract::violations(&Forgetful(LocalBus::new()), "here");
     let cases: Vec<_> = violations.iter().map(|violation| violation.case).collect();
     for case in [
         "keeps the order of a publisher",
@@ -128,9 +129,9 @@ fn the_contract_finds_out_a_bus_that_breaks_it() {
 
 #[test]
 fn one_notifier_wakes_for_several_subscriptions() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let notifier = Arc::new(Notifier::new());
-    let all = Queue::All {
+    let all = QueuePolicy::All {
         size: 8,
         overflow: Overflow::DropOldest,
     };
@@ -141,10 +142,10 @@ fn one_notifier_wakes_for_several_subscriptions() {
         .subscribe("Tester", &Pattern::new("b"), all, Arc::clone(&notifier))
         .unwrap();
     let publishing = std::thread::spawn(move || {
-        let origin = Origin::new("Elsewhere", 1);
+        let origin = SenderId::new("Elsewhere", 1);
         std::thread::sleep(Duration::from_millis(50));
         let mut publisher = bus
-            .publisher("b", &origin, Datum::schema(), Sending::default())
+            .publisher("b", &origin, Datum::schema(), PublishOptions::default())
             .unwrap();
         publisher.publish(0, Payload::of(Datum::Int(1))).unwrap();
     });
@@ -156,12 +157,12 @@ fn one_notifier_wakes_for_several_subscriptions() {
 
 #[test]
 fn payloads_are_shared_not_copied() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let subscription = bus
         .subscribe(
             "Tester",
             &Pattern::all(),
-            Queue::Latest,
+            QueuePolicy::Latest,
             Arc::new(Notifier::new()),
         )
         .unwrap();
@@ -169,9 +170,9 @@ fn payloads_are_shared_not_copied() {
     let mut publisher = bus
         .publisher(
             "map",
-            &Origin::new("Maps", 1),
+            &SenderId::new("Maps", 1),
             Datum::schema(),
-            Sending::default(),
+            PublishOptions::default(),
         )
         .unwrap();
     publisher

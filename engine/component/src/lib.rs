@@ -33,7 +33,7 @@ pub use activity::{
 };
 pub use asmotion_datum::Word;
 pub use asmotion_derive::{Ports, Properties, Word};
-pub use asmotion_port::{Flow, Kind, Lock, OnStale, Policy, Sharing, Span, Time};
+pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, Time};
 pub use background::{BackgroundWork, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
 pub use component::Component;

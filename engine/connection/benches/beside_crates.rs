@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use asmotion_connection::{Kind, Pool, Receiver, Sender, channel};
+use asmotion_connection::{BufferKind, Pool, Receiver, Sender, channel};
 
 /// Short and many: the least of them met nobody else on the processor.
 const ROUNDS: usize = 201;
@@ -64,15 +64,15 @@ fn rtrb<const N: usize>() -> Box<dyn FnMut(u32)> {
 }
 
 fn write_and_read<const N: usize>(quick: bool) {
-    let locked = Pool::locked(Kind::Buffer(BUFFER));
+    let locked = Pool::locked(BufferKind::Buffer(BUFFER));
     let mut ways: Vec<Way> = vec![
         ("triple_buffer", triple_buffer::<N>()),
-        ("data", ours::<N>(channel(Kind::Data))),
+        ("data", ours::<N>(channel(BufferKind::Data))),
         ("rtrb", rtrb::<N>()),
-        ("buffer", ours::<N>(channel(Kind::Buffer(BUFFER)))),
+        ("buffer", ours::<N>(channel(BufferKind::Buffer(BUFFER)))),
         (
             "circular buffer",
-            ours::<N>(channel(Kind::Circular(BUFFER))),
+            ours::<N>(channel(BufferKind::Circular(BUFFER))),
         ),
         (
             "locked buffer",
@@ -113,9 +113,9 @@ type Large = [u64; 8192];
 
 /// How long writes take while a reader copies 64 KiB as fast as it can.
 fn writers_worst_case(quick: bool) {
-    let locked = Pool::locked(Kind::Data);
+    let locked = Pool::locked(BufferKind::Data);
     let took = [
-        ("lock-free", stall(channel(Kind::Data), quick)),
+        ("lock-free", stall(channel(BufferKind::Data), quick)),
         ("mutex", stall((locked.sender(), locked.receiver()), quick)),
     ];
     println!("a write of 64 KiB under a reader that does nothing but read, number of writes");

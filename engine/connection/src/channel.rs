@@ -6,11 +6,11 @@ use crossbeam_queue::ArrayQueue;
 
 use crate::store::Store;
 use crate::unsync::Unsync;
-use crate::{Kind, Pool, ring, triple};
+use crate::{BufferKind, Pool, ring, triple};
 
 /// What became of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Delivery {
+pub enum PushOutcome {
     /// It lies where its reader finds it.
     Stored,
     /// The new one did not fit.
@@ -20,25 +20,25 @@ pub enum Delivery {
 }
 
 /// The writing end.
-pub struct Sender<T>(Writing<T>);
+pub struct Sender<T>(SenderKind<T>);
 
-enum Writing<T> {
-    Newest(triple::Writer<T>),
-    Buffer(ring::Writer<T>),
-    Shared(Shared<T>),
+enum SenderKind<T> {
+    Newest(triple::TripleWriter<T>),
+    Buffer(ring::RingWriter<T>),
+    Shared(SharedBuffer<T>),
 }
 
 /// The reading end.
-pub struct Receiver<T>(Reading<T>);
+pub struct Receiver<T>(ReceiverKind<T>);
 
-enum Reading<T> {
-    Newest(triple::Reader<T>),
-    Buffer(ring::Reader<T>),
-    Shared(Shared<T>),
+enum ReceiverKind<T> {
+    Newest(triple::TripleReader<T>),
+    Buffer(ring::RingReader<T>),
+    Shared(SharedBuffer<T>),
 }
 
 /// A queue that several ends share.
-pub(crate) enum Shared<T> {
+pub(crate) enum SharedBuffer<T> {
     Newest(Arc<ArrayQueue<T>>),
     Buffer(Arc<ArrayQueue<T>>),
     Circular(Arc<ArrayQueue<T>>),
@@ -47,24 +47,24 @@ pub(crate) enum Shared<T> {
 }
 
 /// A connection of one writer and one reader, lock-free.
-pub fn channel<T>(kind: Kind) -> (Sender<T>, Receiver<T>) {
+pub fn channel<T>(kind: BufferKind) -> (Sender<T>, Receiver<T>) {
     match kind {
-        Kind::Data => {
+        BufferKind::Data => {
             let (writer, reader) = triple::triple();
             (
-                Sender(Writing::Newest(writer)),
-                Receiver(Reading::Newest(reader)),
+                Sender(SenderKind::Newest(writer)),
+                Receiver(ReceiverKind::Newest(reader)),
             )
         }
-        Kind::Buffer(size) => {
+        BufferKind::Buffer(size) => {
             let (writer, reader) = ring::ring(size);
             (
-                Sender(Writing::Buffer(writer)),
-                Receiver(Reading::Buffer(reader)),
+                Sender(SenderKind::Buffer(writer)),
+                Receiver(ReceiverKind::Buffer(reader)),
             )
         }
         // The writer, too, takes from the front.
-        Kind::Circular(_) => {
+        BufferKind::Circular(_) => {
             let pool = Pool::lock_free(kind);
             (pool.sender(), pool.receiver())
         }
@@ -72,57 +72,57 @@ pub fn channel<T>(kind: Kind) -> (Sender<T>, Receiver<T>) {
 }
 
 impl<T> Sender<T> {
-    pub(crate) fn shared(shared: Shared<T>) -> Self {
-        Self(Writing::Shared(shared))
+    pub(crate) fn shared(shared: SharedBuffer<T>) -> Self {
+        Self(SenderKind::Shared(shared))
     }
 
     /// Sends a sample.
     #[inline(always)]
-    pub fn send(&mut self, sample: T) -> Delivery {
+    pub fn send(&mut self, sample: T) -> PushOutcome {
         match &mut self.0 {
-            Writing::Newest(writer) => {
+            SenderKind::Newest(writer) => {
                 writer.write(sample);
-                Delivery::Stored
+                PushOutcome::Stored
             }
-            Writing::Buffer(writer) => match writer.push(sample) {
-                true => Delivery::Stored,
-                false => Delivery::DroppedNewest,
+            SenderKind::Buffer(writer) => match writer.push(sample) {
+                true => PushOutcome::Stored,
+                false => PushOutcome::DroppedNewest,
             },
-            Writing::Shared(shared) => shared.push(sample),
+            SenderKind::Shared(shared) => shared.push(sample),
         }
     }
 }
 
 impl<T> Receiver<T> {
-    pub(crate) fn shared(shared: Shared<T>) -> Self {
-        Self(Reading::Shared(shared))
+    pub(crate) fn shared(shared: SharedBuffer<T>) -> Self {
+        Self(ReceiverKind::Shared(shared))
     }
 
     /// Takes the oldest sample that is there; of a data connection, the newest.
     #[inline(always)]
     pub fn take(&mut self) -> Option<T> {
         match &mut self.0 {
-            Reading::Newest(reader) => reader.take(),
-            Reading::Buffer(reader) => reader.pop(),
-            Reading::Shared(shared) => shared.pop(),
+            ReceiverKind::Newest(reader) => reader.take(),
+            ReceiverKind::Buffer(reader) => reader.pop(),
+            ReceiverKind::Shared(shared) => shared.pop(),
         }
     }
 
     /// Whether it is the last end: nobody writes any more.
     pub fn is_abandoned(&self) -> bool {
         match &self.0 {
-            Reading::Newest(reader) => reader.is_abandoned(),
-            Reading::Buffer(reader) => reader.is_abandoned(),
-            Reading::Shared(shared) => shared.is_last(),
+            ReceiverKind::Newest(reader) => reader.is_abandoned(),
+            ReceiverKind::Buffer(reader) => reader.is_abandoned(),
+            ReceiverKind::Shared(shared) => shared.is_last(),
         }
     }
 
     /// How many samples there are to take now, at the most.
     fn len(&mut self) -> usize {
         match &mut self.0 {
-            Reading::Newest(_) => 1,
-            Reading::Buffer(reader) => reader.len(),
-            Reading::Shared(shared) => shared.len(),
+            ReceiverKind::Newest(_) => 1,
+            ReceiverKind::Buffer(reader) => reader.len(),
+            ReceiverKind::Shared(shared) => shared.len(),
         }
     }
 
@@ -135,20 +135,20 @@ impl<T> Receiver<T> {
     }
 }
 
-impl<T> Shared<T> {
-    fn push(&self, sample: T) -> Delivery {
+impl<T> SharedBuffer<T> {
+    fn push(&self, sample: T) -> PushOutcome {
         match self {
             Self::Newest(queue) => {
                 queue.force_push(sample);
-                Delivery::Stored
+                PushOutcome::Stored
             }
             Self::Buffer(queue) => match queue.push(sample) {
-                Ok(()) => Delivery::Stored,
-                Err(_) => Delivery::DroppedNewest,
+                Ok(()) => PushOutcome::Stored,
+                Err(_) => PushOutcome::DroppedNewest,
             },
             Self::Circular(queue) => match queue.force_push(sample) {
-                None => Delivery::Stored,
-                Some(_) => Delivery::DroppedOldest,
+                None => PushOutcome::Stored,
+                Some(_) => PushOutcome::DroppedOldest,
             },
             // What had to go is dropped when nobody waits for the lock any more.
             Self::Locked(store) => {
@@ -192,7 +192,7 @@ impl<T> Shared<T> {
     }
 }
 
-impl<T> Clone for Shared<T> {
+impl<T> Clone for SharedBuffer<T> {
     fn clone(&self) -> Self {
         match self {
             Self::Newest(queue) => Self::Newest(Arc::clone(queue)),
@@ -214,7 +214,7 @@ mod tests {
     use super::*;
 
     /// Every way there is to keep samples of a kind, with one writer and one reader.
-    fn every_way(kind: Kind) -> [(Sender<u64>, Receiver<u64>); 4] {
+    fn every_way(kind: BufferKind) -> [(Sender<u64>, Receiver<u64>); 4] {
         let ends = |pool: Pool<u64>| (pool.sender(), pool.receiver());
         [
             channel(kind),
@@ -224,10 +224,10 @@ mod tests {
         ]
     }
 
-    fn send_and_drain(kind: Kind, count: u64, kept: &[u64], dropped: usize) {
+    fn send_and_drain(kind: BufferKind, count: u64, kept: &[u64], dropped: usize) {
         for (mut sender, mut receiver) in every_way(kind) {
             let deliveries = (0..count).map(|n| sender.send(n));
-            let lost = deliveries.filter(|delivery| *delivery != Delivery::Stored);
+            let lost = deliveries.filter(|delivery| *delivery != PushOutcome::Stored);
             assert_eq!(lost.count(), dropped, "{kind:?}");
             let mut got = Vec::new();
             receiver.drain(|sample| got.push(sample));
@@ -238,37 +238,37 @@ mod tests {
 
     #[test]
     fn o6_a_buffer_keeps_the_oldest() {
-        send_and_drain(Kind::Buffer(3), 5, &[0, 1, 2], 2);
+        send_and_drain(BufferKind::Buffer(3), 5, &[0, 1, 2], 2);
     }
 
     #[test]
     fn o6_a_circular_buffer_keeps_the_newest() {
-        send_and_drain(Kind::Circular(3), 5, &[2, 3, 4], 2);
+        send_and_drain(BufferKind::Circular(3), 5, &[2, 3, 4], 2);
     }
 
     #[test]
     fn o5_data_keeps_the_last_and_counts_nothing_lost() {
-        send_and_drain(Kind::Data, 5, &[4], 0);
+        send_and_drain(BufferKind::Data, 5, &[4], 0);
     }
 
     #[test]
     fn a_queue_of_size_zero_holds_one() {
-        send_and_drain(Kind::Buffer(0), 2, &[0], 1);
+        send_and_drain(BufferKind::Buffer(0), 2, &[0], 1);
     }
 
     #[test]
     fn o8_those_who_share_a_queue_share_its_size_and_each_sample_has_one_reader() {
         for pool in [
-            Pool::lock_free(Kind::Buffer(4)),
-            Pool::locked(Kind::Buffer(4)),
+            Pool::lock_free(BufferKind::Buffer(4)),
+            Pool::locked(BufferKind::Buffer(4)),
         ] {
             let (mut a, mut b) = (pool.sender(), pool.sender());
             let (mut x, mut y) = (pool.receiver(), pool.receiver());
             for n in 0..2 {
-                assert_eq!(a.send(n), Delivery::Stored);
-                assert_eq!(b.send(n + 10), Delivery::Stored);
+                assert_eq!(a.send(n), PushOutcome::Stored);
+                assert_eq!(b.send(n + 10), PushOutcome::Stored);
             }
-            assert_eq!(a.send(9), Delivery::DroppedNewest);
+            assert_eq!(a.send(9), PushOutcome::DroppedNewest);
             assert_eq!([x.take(), y.take()], [Some(0), Some(10)]);
             assert_eq!([y.take(), x.take(), x.take()], [Some(1), Some(11), None]);
         }

@@ -4,8 +4,8 @@
 //! A [`channel`] has one writer and one reader, and neither ever waits. A [`Pool`] has as many as want to share it, and
 //! keeps them apart by no lock, by a lock, or not at all where all run in one thread.
 
+mod buffer_kind;
 mod channel;
-mod kind;
 mod notifier;
 mod pool;
 mod ring;
@@ -14,7 +14,7 @@ mod sync;
 mod triple;
 mod unsync;
 
-pub use channel::{Delivery, Receiver, Sender, channel};
-pub use kind::Kind;
+pub use buffer_kind::BufferKind;
+pub use channel::{PushOutcome, Receiver, Sender, channel};
 pub use notifier::Notifier;
 pub use pool::Pool;

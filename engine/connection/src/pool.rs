@@ -4,27 +4,27 @@ use std::sync::{Arc, Mutex};
 
 use crossbeam_queue::ArrayQueue;
 
-use crate::channel::Shared;
+use crate::channel::SharedBuffer;
 use crate::store::Store;
-use crate::{Kind, Receiver, Sender};
+use crate::{BufferKind, Receiver, Sender};
 
 /// A queue with as many ends as are asked for.
-pub struct Pool<T>(pub(crate) Shared<T>);
+pub struct Pool<T>(pub(crate) SharedBuffer<T>);
 
 impl<T> Pool<T> {
     /// Kept apart by no lock: nobody ever waits. (The newest sample alone is a circular buffer of one here.)
-    pub fn lock_free(kind: Kind) -> Self {
+    pub fn lock_free(kind: BufferKind) -> Self {
         let queue = Arc::new(ArrayQueue::new(kind.size()));
         Self(match kind {
-            Kind::Data => Shared::Newest(queue),
-            Kind::Buffer(_) => Shared::Buffer(queue),
-            Kind::Circular(_) => Shared::Circular(queue),
+            BufferKind::Data => SharedBuffer::Newest(queue),
+            BufferKind::Buffer(_) => SharedBuffer::Buffer(queue),
+            BufferKind::Circular(_) => SharedBuffer::Circular(queue),
         })
     }
 
     /// Kept apart by a lock: whoever comes second waits (RTT LOCKED).
-    pub fn locked(kind: Kind) -> Self {
-        Self(Shared::Locked(Arc::new(Mutex::new(Store::new(kind)))))
+    pub fn locked(kind: BufferKind) -> Self {
+        Self(SharedBuffer::Locked(Arc::new(Mutex::new(Store::new(kind)))))
     }
 
     /// Another writing end.

@@ -36,7 +36,7 @@ unsafe impl<T: Send> Sync for Ring<T> {}
 unsafe impl<T: Send> Send for Ring<T> {}
 
 /// The writing end.
-pub(crate) struct Writer<T> {
+pub(crate) struct RingWriter<T> {
     ring: Arc<Ring<T>>,
     written: usize,
     /// At least so many have been taken.
@@ -44,7 +44,7 @@ pub(crate) struct Writer<T> {
 }
 
 /// The reading end.
-pub(crate) struct Reader<T> {
+pub(crate) struct RingReader<T> {
     ring: Arc<Ring<T>>,
     taken: usize,
     /// At least so many have been written.
@@ -52,7 +52,7 @@ pub(crate) struct Reader<T> {
 }
 
 /// A new ring, empty, for so many values.
-pub(crate) fn ring<T>(size: usize) -> (Writer<T>, Reader<T>) {
+pub(crate) fn ring<T>(size: usize) -> (RingWriter<T>, RingReader<T>) {
     let size = size.max(1);
     let slots = (0..size.next_power_of_two()).map(|_| UnsafeCell::new(MaybeUninit::uninit()));
     let ring = Arc::new(Ring {
@@ -61,12 +61,12 @@ pub(crate) fn ring<T>(size: usize) -> (Writer<T>, Reader<T>) {
         written: Padded(AtomicUsize::new(0)),
         taken: Padded(AtomicUsize::new(0)),
     });
-    let reader = Reader {
+    let reader = RingReader {
         ring: Arc::clone(&ring),
         taken: 0,
         written: 0,
     };
-    let writer = Writer {
+    let writer = RingWriter {
         ring,
         written: 0,
         taken: 0,
@@ -83,7 +83,7 @@ impl<T> Ring<T> {
     }
 }
 
-impl<T> Writer<T> {
+impl<T> RingWriter<T> {
     /// Appends a value, if there is room. Says whether there was.
     #[inline(always)]
     pub(crate) fn push(&mut self, value: T) -> bool {
@@ -104,7 +104,7 @@ impl<T> Writer<T> {
     }
 }
 
-impl<T> Reader<T> {
+impl<T> RingReader<T> {
     /// Takes the oldest value.
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> Option<T> {
@@ -196,7 +196,7 @@ mod exhaustively {
                 sent.collect::<Vec<_>>()
             });
             let mut seen = Vec::new();
-            let mut look = |reader: &mut Reader<Box<[usize; 2]>>| {
+            let mut look = |reader: &mut RingReader<Box<[usize; 2]>>| {
                 if let Some(value) = reader.pop() {
                     assert_eq!(value[0], value[1], "torn");
                     seen.push(value[0]);

@@ -2,16 +2,16 @@
 
 use std::collections::VecDeque;
 
-use crate::{Delivery, Kind};
+use crate::{BufferKind, PushOutcome};
 
 /// A queue for one thread at a time.
 pub(crate) struct Store<T> {
-    kind: Kind,
+    kind: BufferKind,
     queue: VecDeque<T>,
 }
 
 impl<T> Store<T> {
-    pub(crate) fn new(kind: Kind) -> Self {
+    pub(crate) fn new(kind: BufferKind) -> Self {
         Self {
             kind,
             queue: VecDeque::with_capacity(kind.size()),
@@ -19,22 +19,22 @@ impl<T> Store<T> {
     }
 
     /// Appends a value. Gives back what had to go, for the caller to drop where nobody waits.
-    pub(crate) fn push(&mut self, value: T) -> (Delivery, Option<T>) {
+    pub(crate) fn push(&mut self, value: T) -> (PushOutcome, Option<T>) {
         if self.queue.len() < self.kind.size() {
             self.queue.push_back(value);
-            return (Delivery::Stored, None);
+            return (PushOutcome::Stored, None);
         }
         match self.kind {
-            Kind::Buffer(_) => (Delivery::DroppedNewest, Some(value)),
-            Kind::Circular(_) => {
+            BufferKind::Buffer(_) => (PushOutcome::DroppedNewest, Some(value)),
+            BufferKind::Circular(_) => {
                 let oldest = self.queue.pop_front();
                 self.queue.push_back(value);
-                (Delivery::DroppedOldest, oldest)
+                (PushOutcome::DroppedOldest, oldest)
             }
-            Kind::Data => {
+            BufferKind::Data => {
                 let before = self.queue.pop_front();
                 self.queue.push_back(value);
-                (Delivery::Stored, before)
+                (PushOutcome::Stored, before)
             }
         }
     }

@@ -29,28 +29,28 @@ struct Slots<T> {
 unsafe impl<T: Send> Sync for Slots<T> {}
 
 /// The writing end.
-pub(crate) struct Writer<T> {
+pub(crate) struct TripleWriter<T> {
     shared: Arc<Slots<T>>,
     slot: u8,
 }
 
 /// The reading end.
-pub(crate) struct Reader<T> {
+pub(crate) struct TripleReader<T> {
     shared: Arc<Slots<T>>,
     slot: u8,
 }
 
 /// A new buffer, empty.
-pub(crate) fn triple<T>() -> (Writer<T>, Reader<T>) {
+pub(crate) fn triple<T>() -> (TripleWriter<T>, TripleReader<T>) {
     let shared = Arc::new(Slots {
         slots: [const { None }; 3].map(UnsafeCell::new),
         middle: AtomicU8::new(2),
     });
-    let reader = Reader {
+    let reader = TripleReader {
         shared: Arc::clone(&shared),
         slot: 1,
     };
-    (Writer { shared, slot: 0 }, reader)
+    (TripleWriter { shared, slot: 0 }, reader)
 }
 
 impl<T> Slots<T> {
@@ -66,7 +66,7 @@ impl<T> Slots<T> {
     }
 }
 
-impl<T> Writer<T> {
+impl<T> TripleWriter<T> {
     /// Makes a value the newest one. Says whether it took the place of a value that nobody had read.
     pub(crate) fn write(&mut self, value: T) -> bool {
         // SAFETY: `self.slot` is the writer's own, and `&mut self` keeps other writers away.
@@ -80,7 +80,7 @@ impl<T> Writer<T> {
     }
 }
 
-impl<T> Reader<T> {
+impl<T> TripleReader<T> {
     /// Whether the writer is gone.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.shared) == 1

@@ -7,18 +7,18 @@
 use std::cell::UnsafeCell;
 use std::sync::Arc;
 
-use crate::channel::Shared as Kept;
+use crate::channel::SharedBuffer as Kept;
 use crate::store::Store;
-use crate::{Kind, Pool};
+use crate::{BufferKind, Pool};
 
 /// A share of something that one thread at a time uses.
-pub(crate) struct Unsync<T>(Arc<Shared<T>>);
+pub(crate) struct Unsync<T>(Arc<UnsyncCell<T>>);
 
-struct Shared<T>(UnsafeCell<T>);
+struct UnsyncCell<T>(UnsafeCell<T>);
 
 // SAFETY: `Unsync::new` has its caller promise that no two threads use the shares at one time, and that what one thread
 // did happened before what the next one does; `T: Send` lets the content change threads with them.
-unsafe impl<T: Send> Sync for Shared<T> {}
+unsafe impl<T: Send> Sync for UnsyncCell<T> {}
 
 impl<T> Unsync<T> {
     /// The first share.
@@ -27,7 +27,7 @@ impl<T> Unsync<T> {
     /// This share and its clones are used by one thread; or, if they change to another one, all of them together, what
     /// was done before happening before what is done after.
     pub(crate) unsafe fn new(content: T) -> Self {
-        Self(Arc::new(Shared(UnsafeCell::new(content))))
+        Self(Arc::new(UnsyncCell(UnsafeCell::new(content))))
     }
 
     /// Reaches the content. What `act` calls must not come back here: it moves values in and out, and drops none.
@@ -58,7 +58,7 @@ impl<T> Pool<T> {
     /// # Safety
     /// The pool and its ends are used by one thread; or, if they change to another one, all of them together, what was
     /// done before happening before what is done after.
-    pub unsafe fn unsync(kind: Kind) -> Self {
+    pub unsafe fn unsync(kind: BufferKind) -> Self {
         // SAFETY: as the caller promises.
         Self(Kept::Unsync(unsafe { Unsync::new(Store::new(kind)) }))
     }
@@ -69,7 +69,7 @@ pub(crate) mod tests {
     use super::*;
 
     /// For tests, which run each in one thread.
-    pub(crate) fn in_this_thread<T>(kind: Kind) -> Pool<T> {
+    pub(crate) fn in_this_thread<T>(kind: BufferKind) -> Pool<T> {
         // SAFETY: the test keeps the pool and its ends in its thread.
         unsafe { Pool::unsync(kind) }
     }

@@ -4,7 +4,7 @@
 use std::hint::spin_loop;
 use std::thread;
 
-use asmotion_connection::{Delivery, Kind, Pool, Receiver, Sender, channel};
+use asmotion_connection::{BufferKind, Pool, PushOutcome, Receiver, Sender, channel};
 
 const SHORT: u64 = 1_000_000;
 const LONG: u64 = 100_000_000;
@@ -15,11 +15,11 @@ type Wide = [u64; 6];
 type Ends = (Sender<Wide>, Receiver<Wide>);
 
 fn kinds() -> [(&'static str, Ends); 4] {
-    let circular = Pool::locked(Kind::Circular(16));
+    let circular = Pool::locked(BufferKind::Circular(16));
     [
-        ("data", channel(Kind::Data)),
-        ("buffer", channel(Kind::Buffer(16))),
-        ("circular buffer", channel(Kind::Circular(16))),
+        ("data", channel(BufferKind::Data)),
+        ("buffer", channel(BufferKind::Buffer(16))),
+        ("circular buffer", channel(BufferKind::Circular(16))),
         ("locked", (circular.sender(), circular.receiver())),
     ]
 }
@@ -29,7 +29,7 @@ fn race(writes: u64, (mut sender, mut receiver): Ends) -> (u64, u64) {
     let writing = thread::spawn(move || {
         let mut refused = 0;
         for n in 1..=writes {
-            let full = sender.send([n; 6]) == Delivery::DroppedNewest;
+            let full = sender.send([n; 6]) == PushOutcome::DroppedNewest;
             refused += u64::from(full);
             // With fewer processors than work, the reader gets its turns.
             if full || n % 1024 == 0 {
@@ -37,7 +37,7 @@ fn race(writes: u64, (mut sender, mut receiver): Ends) -> (u64, u64) {
             }
         }
         // The last one is always there to end by.
-        while sender.send([u64::MAX; 6]) == Delivery::DroppedNewest {
+        while sender.send([u64::MAX; 6]) == PushOutcome::DroppedNewest {
             thread::yield_now();
         }
         refused
@@ -84,8 +84,8 @@ fn o5_o6_a_hundred_million_writes_are_never_torn_and_never_out_of_order() {
 #[test]
 fn o8_what_several_write_is_read_once_by_one_of_several() {
     for pool in [
-        Pool::lock_free(Kind::Buffer(64)),
-        Pool::locked(Kind::Buffer(64)),
+        Pool::lock_free(BufferKind::Buffer(64)),
+        Pool::locked(BufferKind::Buffer(64)),
     ] {
         const EACH: u64 = 50_000;
         let sum: u64 = thread::scope(|scope| {
@@ -93,11 +93,11 @@ fn o8_what_several_write_is_read_once_by_one_of_several() {
                 let mut sender = pool.sender();
                 scope.spawn(move || {
                     for n in 0..EACH {
-                        while sender.send(writer * EACH + n) == Delivery::DroppedNewest {
+                        while sender.send(writer * EACH + n) == PushOutcome::DroppedNewest {
                             thread::yield_now();
                         }
                     }
-                    while sender.send(u64::MAX) == Delivery::DroppedNewest {
+                    while sender.send(u64::MAX) == PushOutcome::DroppedNewest {
                         thread::yield_now();
                     }
                 });

@@ -11,16 +11,17 @@ use amqprs::channel::{
     QueueBindArguments, QueueDeclareArguments,
 };
 use amqprs::connection::{Connection, OpenConnectionArguments};
-use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_amqp::{AmqpBus, AmqpSettings};
 use asmotion_bus::{
-    Bus, Notifier, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+    Bus, Notifier, Overflow, Pattern, Payload, PublishOptions, Publisher, QueuePolicy, SenderId,
+    Subscription,
 };
 use asmotion_component::{Activity, Policy};
 use asmotion_coordinator::{
     Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive, Source,
 };
 use asmotion_datum::{Datum, Message, Schema};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use asmotion_network::Network;
 use asmotion_runtime::{Live, System};
 use tokio::runtime::Runtime;
@@ -58,9 +59,9 @@ struct Ours {
 
 impl Ours {
     fn new(url: &str) -> Self {
-        let settings = Settings::parse(url).unwrap();
+        let settings = AmqpSettings::parse(url).unwrap();
         let bus = Arc::new(AmqpBus::connect(settings, Duration::from_secs(10)).unwrap());
-        let queue = Queue::All {
+        let queue = QueuePolicy::All {
             size: 16,
             overflow: Overflow::DropNewest,
         };
@@ -68,9 +69,9 @@ impl Ours {
         let subscription = bus
             .subscribe("Bench", &commands, queue, Arc::new(Notifier::new()))
             .unwrap();
-        let origin = Origin::new("Bench", 1);
+        let origin = SenderId::new("Bench", 1);
         let publisher = bus
-            .publisher("event", &origin, Datum::schema(), Sending::default())
+            .publisher("event", &origin, Datum::schema(), PublishOptions::default())
             .unwrap();
         let mut system = coordinator();
         Network::new().attach(&mut system, bus.clone(), 2).unwrap();
@@ -102,7 +103,7 @@ impl Ours {
 }
 
 fn coordinator() -> System {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("echo.asm", ECHO);
     let specification = Arc::new(asmotion_lang::open("echo.asm", &files).unwrap());
     let binding = Binding {
@@ -154,7 +155,7 @@ struct Bare {
 }
 
 impl Bare {
-    fn new(broker: &asmotion_broker::Broker, vhost: &str) -> Self {
+    fn new(broker: &asmotion_broker::TestBroker, vhost: &str) -> Self {
         let runtime = Runtime::new().unwrap();
         let (connection, channel, messages) = runtime.block_on(async {
             let port = broker.address().port();

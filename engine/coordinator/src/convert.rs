@@ -1,14 +1,14 @@
 //! Data that travels and values of the machine, one into the other.
 
 use asmotion_datum::Datum;
-use asmotion_lang::ir::{DomainId, Elements, Program, Shape};
+use asmotion_lang::ir::{DomainElements, DomainId, Program, ValueShape};
 use asmotion_lang::machine::Naming;
 use asmotion_lang::value::{Atom, Value};
 use std::borrow::Cow;
 
 /// A datum as a value of the shape; `None` if it is none. Texts name enumeration literals.
-pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Option<Value> {
-    let each = |items: &[Datum], shape: &Shape| {
+pub(crate) fn value_of(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
+    let each = |items: &[Datum], shape: &ValueShape| {
         items
             .iter()
             .map(|item| value_of(item, shape, program))
@@ -16,18 +16,18 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
     };
     match (datum, shape) {
         (Datum::Null, _) => Some(Value::Undef),
-        (Datum::Bool(truth), Shape::Bool | Shape::Any) => Some(Value::Bool(*truth)),
-        (Datum::Int(number), Shape::Int | Shape::Any) => Some(Value::Int(*number)),
-        (Datum::Int(number), Shape::Natural) => (*number >= 0).then_some(Value::Int(*number)),
-        (Datum::Int(number), Shape::Real) => Some(Value::real(*number as f64)),
-        (Datum::Int(number), Shape::Domain(domain)) => integer_of(*number, *domain, program),
-        (Datum::Float(number), Shape::Real | Shape::Any) => Some(Value::real(*number)),
-        (Datum::Text(text), Shape::Text | Shape::Any) => Some(Value::text(text.as_str())),
-        (Datum::Text(text), Shape::Domain(domain)) => literal_of(text, *domain, program),
-        (Datum::List(items), Shape::Seq(item)) => each(items, item).map(Value::seq),
-        (Datum::List(items), Shape::Set(item)) => each(items, item).map(Value::set),
-        (Datum::List(items), Shape::Bag(item)) => each(items, item).map(Value::bag),
-        (Datum::List(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
+        (Datum::Bool(truth), ValueShape::Bool | ValueShape::Any) => Some(Value::Bool(*truth)),
+        (Datum::Int(number), ValueShape::Int | ValueShape::Any) => Some(Value::Int(*number)),
+        (Datum::Int(number), ValueShape::Natural) => (*number >= 0).then_some(Value::Int(*number)),
+        (Datum::Int(number), ValueShape::Real) => Some(Value::real(*number as f64)),
+        (Datum::Int(number), ValueShape::Domain(domain)) => integer_of(*number, *domain, program),
+        (Datum::Float(number), ValueShape::Real | ValueShape::Any) => Some(Value::real(*number)),
+        (Datum::Text(text), ValueShape::Text | ValueShape::Any) => Some(Value::text(text.as_str())),
+        (Datum::Text(text), ValueShape::Domain(domain)) => literal_of(text, *domain, program),
+        (Datum::List(items), ValueShape::Seq(item)) => each(items, item).map(Value::seq),
+        (Datum::List(items), ValueShape::Set(item)) => each(items, item).map(Value::set),
+        (Datum::List(items), ValueShape::Bag(item)) => each(items, item).map(Value::bag),
+        (Datum::List(items), ValueShape::Tuple(shapes)) if items.len() == shapes.len() => {
             let items = items
                 .iter()
                 .zip(shapes)
@@ -35,7 +35,7 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
             items.collect::<Option<Vec<_>>>().map(Value::tuple)
         }
         // a record is a map of its fields, where any value will do
-        (Datum::Record(fields), Shape::Any) if fields.len() != 1 => {
+        (Datum::Record(fields), ValueShape::Any) if fields.len() != 1 => {
             let field = |(name, value): &(Cow<'_, str>, Datum)| {
                 Some((Value::text(&**name), value_of(value, shape, program)?))
             };
@@ -45,8 +45,8 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
                 .collect::<Option<Vec<_>>>()
                 .map(Value::map)
         }
-        (Datum::Record(fields), Shape::Map(..)) => {
-            let Shape::Map(key, item) = shape else {
+        (Datum::Record(fields), ValueShape::Map(..)) => {
+            let ValueShape::Map(key, item) = shape else {
                 return None;
             };
             let field = |(name, value): &(Cow<'_, str>, Datum)| {
@@ -60,14 +60,14 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
                 .map(Value::map)
         }
         // and a tuple of them, in order, where a tuple is wanted
-        (Datum::Record(fields), Shape::Tuple(shapes)) if fields.len() == shapes.len() => {
+        (Datum::Record(fields), ValueShape::Tuple(shapes)) if fields.len() == shapes.len() => {
             let items = fields
                 .iter()
                 .zip(shapes)
                 .map(|((_, item), shape)| value_of(item, shape, program));
             items.collect::<Option<Vec<_>>>().map(Value::tuple)
         }
-        (Datum::List(items), Shape::Any) => each(items, shape).map(Value::seq),
+        (Datum::List(items), ValueShape::Any) => each(items, shape).map(Value::seq),
         // a message with one field stands for that field
         (Datum::Record(fields), shape) => match fields.as_slice() {
             [(_, only)] => value_of(only, shape, program),
@@ -79,17 +79,20 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
 
 fn integer_of(number: i64, domain: DomainId, program: &Program) -> Option<Value> {
     match program.domains.get(domain.0 as usize)?.elements {
-        Elements::Ints { low, high } => {
+        DomainElements::Ints { low, high } => {
             (low..=high).contains(&number).then_some(Value::Int(number))
         }
-        Elements::Computed(_) | Elements::Undefined | Elements::Open => Some(Value::Int(number)),
-        Elements::Atoms { .. } => None,
+        DomainElements::Computed(_) | DomainElements::Undefined | DomainElements::Open => {
+            Some(Value::Int(number))
+        }
+        DomainElements::Atoms { .. } => None,
     }
 }
 
 /// The enumeration literal or constant of this name in a domain.
 pub(crate) fn literal_of(name: &str, domain: DomainId, program: &Program) -> Option<Value> {
-    let Elements::Atoms { first, count } = program.domains.get(domain.0 as usize)?.elements else {
+    let DomainElements::Atoms { first, count } = program.domains.get(domain.0 as usize)?.elements
+    else {
         return None;
     };
     let names = program

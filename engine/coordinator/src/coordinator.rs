@@ -1,10 +1,10 @@
 //! The component that runs a specification.
 
 use crate::binding::{Action, Binding, Effect, Interfaces};
-use crate::frame::Frame;
-use crate::inbox::Inbox;
-use crate::outbox::{Handles, Outbox};
-use crate::partners::Partners;
+use crate::effects::{EffectHandles, EffectOutbox};
+use crate::frame::InputFrame;
+use crate::inputs::MessageInputs;
+use crate::partners::MessagePartners;
 use crate::requests::Requests;
 use crate::step::{STEP_REPORT, StepRecord};
 use asmotion_component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface, Losses, Setup};
@@ -55,13 +55,13 @@ pub struct Coordinator {
     specification: Arc<Specification>,
     machine: Machine,
     chooser: Seeded,
-    inbox: Inbox,
-    outbox: Outbox,
-    partners: Partners,
+    inbox: MessageInputs,
+    outbox: EffectOutbox,
+    partners: MessagePartners,
     requests: Requests,
     /// Where the system tells how its bus is, if the component listens.
     health: Option<In<Datum>>,
-    frame: Frame,
+    frame: InputFrame,
     /// What was lost, as far as it was told.
     told: Losses,
 }
@@ -83,7 +83,7 @@ impl Coordinator {
     ) -> Result<Self, BindError> {
         let handles = declare(binding, interfaces, interface)?;
         let requests = Requests::declare(binding, interfaces, interface)?;
-        let partners = Partners::declare(
+        let partners = MessagePartners::declare(
             &specification,
             &interfaces.references,
             &interfaces.services,
@@ -99,8 +99,8 @@ impl Coordinator {
         })?;
         machine.set_partners(partners.agents());
         let health = health(interfaces, &handles);
-        let mut inbox = Inbox::new(binding, &specification, &handles.inputs, &requests)?;
-        let outbox = Outbox::new(binding, &specification, handles, &mut inbox)?;
+        let mut inbox = MessageInputs::new(binding, &specification, &handles.inputs, &requests)?;
+        let outbox = EffectOutbox::new(binding, &specification, handles, &mut inbox)?;
         Ok(Self {
             specification,
             machine,
@@ -110,7 +110,7 @@ impl Coordinator {
             partners,
             requests,
             health,
-            frame: Frame::default(),
+            frame: InputFrame::default(),
             told: Losses::default(),
         })
     }
@@ -197,7 +197,7 @@ impl Coordinator {
 }
 
 /// The port with the messages of the bus' health.
-fn health(interfaces: &Interfaces, handles: &Handles) -> Option<In<Datum>> {
+fn health(interfaces: &Interfaces, handles: &EffectHandles) -> Option<In<Datum>> {
     let types = interfaces.inputs.iter().map(|(_, message)| message);
     let mut ports = types.zip(&handles.inputs);
     let found = ports.find(|(message, _)| message.name == BusHealth::NAME);
@@ -209,8 +209,8 @@ fn declare(
     binding: &Binding,
     interfaces: &Interfaces,
     interface: &mut Interface,
-) -> Result<Handles, BindError> {
-    let mut handles = Handles::default();
+) -> Result<EffectHandles, BindError> {
+    let mut handles = EffectHandles::default();
     for (name, message) in &interfaces.inputs {
         let port = interface.input_of(name, message.clone(), "bound to the specification");
         handles.inputs.push((name.clone(), port));

@@ -6,11 +6,11 @@ use asmotion_lang::value::Value;
 
 /// The inputs of one step.
 #[derive(Debug, Default)]
-pub(crate) struct Frame {
+pub(crate) struct InputFrame {
     values: Vec<(FunctionId, Value)>,
 }
 
-impl Frame {
+impl InputFrame {
     pub fn clear(&mut self) {
         self.values.clear();
     }
@@ -20,7 +20,7 @@ impl Frame {
     }
 }
 
-impl Environment for Frame {
+impl Environment for InputFrame {
     /// An input that nothing is bound to is undef.
     fn read(
         &mut self,

@@ -8,9 +8,9 @@
 mod binding;
 mod convert;
 mod coordinator;
+mod effects;
 mod frame;
-mod inbox;
-mod outbox;
+mod inputs;
 mod partners;
 mod requests;
 mod step;
@@ -20,5 +20,5 @@ pub use binding::{
     PublishWhen, Receive, Source,
 };
 pub use coordinator::{BindError, Coordinator, LOSSES_REPORT};
-pub use outbox::UNSENT_REPORT;
+pub use effects::UNSENT_REPORT;
 pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

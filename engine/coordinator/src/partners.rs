@@ -10,41 +10,41 @@ use asmotion_component::{
 };
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
-use asmotion_lang::ir::{Program, Role, Shape, message_uses};
-use asmotion_lang::machine::{CallFault, Machine, MessageId, Sent, SentKind};
+use asmotion_lang::ir::{MessageRole, Program, ValueShape, message_uses};
+use asmotion_lang::machine::{CallFault, Machine, MessageId, SentKind, SentMessage};
 use asmotion_lang::value::{Atom, Value};
 
 /// The services that a specification exchanges messages with.
 #[derive(Default)]
-pub(crate) struct Partners {
-    asked: Vec<Asked>,
-    served: Vec<Served>,
+pub(crate) struct MessagePartners {
+    asked: Vec<PartnerOperation>,
+    served: Vec<OwnOperation>,
     /// The calls under way, and the messages that made them.
-    calls: Vec<(CallId, Call)>,
+    calls: Vec<(CallId, PartnerCall)>,
     /// The requests received, and the messages they became.
     requests: Vec<(MessageId, usize, RequestId)>,
 }
 
 /// An operation of a partner.
-struct Asked {
+struct PartnerOperation {
     partner: Value,
     operation: String,
     handle: Required<Dynamic>,
     /// What its replies are.
-    answer: Shape,
+    answer: ValueShape,
     /// Whether messages have replies, too; calls always have.
     replies: bool,
 }
 
 /// An operation of the component itself.
-struct Served {
+struct OwnOperation {
     operation: String,
     handle: Provided<Dynamic>,
-    argument: Shape,
+    argument: ValueShape,
 }
 
 /// A message that became a call.
-struct Call {
+struct PartnerCall {
     message: MessageId,
     from: Value,
     /// Whether the specification waits for the reply, or receives it as a message.
@@ -52,7 +52,7 @@ struct Call {
     asked: usize,
 }
 
-impl Partners {
+impl MessagePartners {
     /// Declares the operations that the specification names: of references what it asks for, of
     /// services what it receives.
     pub fn declare(
@@ -65,7 +65,7 @@ impl Partners {
         for used in message_uses(&specification.model) {
             let operation = operation_name(used.operation);
             match used.role {
-                Role::Ask => {
+                MessageRole::Ask => {
                     let Some((partner, name)) = element(used.partner, &specification.program)
                     else {
                         continue;
@@ -84,7 +84,7 @@ impl Partners {
                         interface,
                     );
                 }
-                Role::Serve => partners.serve(services, operation, specification, interface),
+                MessageRole::Serve => partners.serve(services, operation, specification, interface),
             }
         }
         partners
@@ -99,14 +99,15 @@ impl Partners {
         specification: &Specification,
         interface: &mut Interface,
     ) {
-        let is_known = |asked: &Asked| asked.partner == partner && asked.operation == operation;
+        let is_known =
+            |asked: &PartnerOperation| asked.partner == partner && asked.operation == operation;
         if self.asked.iter().any(is_known) {
             return;
         }
         let handle =
             interface.require_of(reference, service, operation, "called by the specification");
         let known = specification.program.operation(operation);
-        self.asked.push(Asked {
+        self.asked.push(PartnerOperation {
             partner,
             operation: operation.to_owned(),
             handle,
@@ -133,7 +134,7 @@ impl Partners {
         for (name, service) in services {
             let handle =
                 interface.serve_of(name, service, operation, "served by the specification");
-            self.served.push(Served {
+            self.served.push(OwnOperation {
                 operation: operation.to_owned(),
                 handle,
                 argument: argument.clone(),
@@ -193,7 +194,12 @@ impl Partners {
     }
 
     /// Tells the agent how its call ended. Whether the reply fits.
-    fn end(&self, call: &Call, result: Result<Datum, CallError>, machine: &mut Machine) -> bool {
+    fn end(
+        &self,
+        call: &PartnerCall,
+        result: Result<Datum, CallError>,
+        machine: &mut Machine,
+    ) -> bool {
         let asked = &self.asked[call.asked];
         let outcome = match &result {
             Ok(answer) => {
@@ -258,7 +264,7 @@ impl Partners {
 
     fn call(
         &mut self,
-        sent: &Sent,
+        sent: &SentMessage,
         data: &Value,
         waits: bool,
         machine: &Machine,
@@ -281,7 +287,7 @@ impl Partners {
             return;
         }
         let call = cycle.call(asked.handle, argument);
-        let made = Call {
+        let made = PartnerCall {
             message: sent.id,
             from: sent.from.clone(),
             waits,
@@ -306,7 +312,7 @@ fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value,
 }
 
 /// What a message says; one that says nothing is true, so that it can be told from none.
-fn said(datum: &Datum, shape: &Shape, program: &Program) -> Option<Value> {
+fn said(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
     let is_empty = matches!(datum, Datum::Record(fields) if fields.is_empty());
     if is_empty || *datum == Datum::Null {
         return Some(Value::Bool(true));

@@ -10,10 +10,10 @@ use asmotion_datum::Datum;
 /// The operations that monitored functions are bound to.
 #[derive(Default)]
 pub(crate) struct Requests {
-    served: Vec<Served>,
+    served: Vec<RequestInput>,
 }
 
-struct Served {
+struct RequestInput {
     service: String,
     operation: String,
     handle: Provided<Dynamic>,
@@ -28,7 +28,7 @@ struct Served {
 }
 
 /// Somebody who asked, and waits.
-pub(crate) type Caller = (Provided<Dynamic>, RequestId);
+pub(crate) type WaitingCaller = (Provided<Dynamic>, RequestId);
 
 impl Requests {
     /// Declares the operations.
@@ -52,7 +52,7 @@ impl Requests {
                 operation: operation.clone(),
             })?;
             let doc = "heard by the specification";
-            requests.served.push(Served {
+            requests.served.push(RequestInput {
                 service: service.clone(),
                 operation: operation.clone(),
                 handle: interface.serve_of(service, kind, operation, doc),
@@ -67,7 +67,7 @@ impl Requests {
 
     /// The place of an operation.
     pub fn position(&self, service: &str, operation: &str) -> Option<usize> {
-        let is = |served: &Served| served.service == service && served.operation == operation;
+        let is = |served: &RequestInput| served.service == service && served.operation == operation;
         self.served.iter().position(is)
     }
 
@@ -101,7 +101,7 @@ impl Requests {
 
     /// Who asked a service in this cycle, and is now answered for by a call. A step makes one call for all, with what
     /// was asked last: of several only the last one is meant.
-    pub fn claim(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<Caller> {
+    pub fn claim(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<WaitingCaller> {
         let mut served = self.served.iter_mut();
         let served = served.find(|served| served.service == service)?;
         let last = served.open.pop()?;

@@ -12,7 +12,7 @@ use asmotion_coordinator::{
     Monitored, Out, Receive, STEP_REPORT, Source, StepRecord,
 };
 use asmotion_datum::{Datum, Schema};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Event, Run, Simulation, System};
 
 asmotion_datum::message! {
@@ -67,7 +67,7 @@ default init s0:
 
 /// A coordinator that is told events, and calls somebody who does not answer.
 fn system(activity: Activity) -> System {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("worker.asm", WORKER);
     let specification = Arc::new(asmotion_lang::open("worker.asm", &files).unwrap());
     let named = |name: &str| Some(name.to_owned());

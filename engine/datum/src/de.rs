@@ -12,18 +12,18 @@ use serde::de::{
 use serde::forward_to_deserialize_any;
 
 use crate::codec::special_float;
-use crate::{Datum, DatumError, Name, Numbers, Problem};
+use crate::{Datum, DatumError, DatumProblem, FieldName, Numbers};
 
 /// The value of a type that a datum describes.
 pub(crate) fn value_of<T: DeserializeOwned>(datum: &Datum) -> Result<T, DatumError> {
-    T::deserialize(From(datum))
+    T::deserialize(DatumDeserializer(datum))
 }
 
 /// Reads one datum.
 #[derive(Clone, Copy)]
-struct From<'de>(&'de Datum);
+struct DatumDeserializer<'de>(&'de Datum);
 
-impl<'de> Deserializer<'de> for From<'de> {
+impl<'de> Deserializer<'de> for DatumDeserializer<'de> {
     type Error = DatumError;
 
     fn is_human_readable(&self) -> bool {
@@ -38,11 +38,11 @@ impl<'de> Deserializer<'de> for From<'de> {
             Datum::Float(value) => visitor.visit_f64(*value),
             Datum::Text(value) => visitor.visit_borrowed_str(value),
             Datum::Bytes(bytes) => visitor.visit_borrowed_bytes(bytes),
-            Datum::Numbers(_) | Datum::List(_) => visitor.visit_seq(Elements {
+            Datum::Numbers(_) | Datum::List(_) => visitor.visit_seq(ListAccess {
                 of: self.0,
                 next: 0,
             }),
-            Datum::Record(entries) => visitor.visit_map(Entries {
+            Datum::Record(entries) => visitor.visit_map(RecordAccess {
                 rest: entries.iter(),
                 value: None,
             }),
@@ -88,7 +88,7 @@ impl<'de> Deserializer<'de> for From<'de> {
             return visitor.visit_newtype_struct(self);
         };
         if name == WHOLE {
-            return visitor.visit_map(Carried(Some(numbers)));
+            return visitor.visit_map(PackedNumbersAccess(Some(numbers)));
         }
         if name == numbers.carrier() {
             let bytes = numbers.to_bytes();
@@ -100,7 +100,7 @@ impl<'de> Deserializer<'de> for From<'de> {
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DatumError> {
         if let Datum::Bytes(_) = self.0 {
             let next = 0;
-            return visitor.visit_seq(Elements { of: self.0, next });
+            return visitor.visit_seq(ListAccess { of: self.0, next });
         }
         self.deserialize_any(visitor)
     }
@@ -120,14 +120,16 @@ impl<'de> Deserializer<'de> for From<'de> {
         visitor: V,
     ) -> Result<V::Value, DatumError> {
         match self.0 {
-            Datum::Text(name) => visitor.visit_enum(Variant {
+            Datum::Text(name) => visitor.visit_enum(VariantDeserializer {
                 name,
                 content: None,
             }),
-            Datum::Record(entries) if entries.len() == 1 => visitor.visit_enum(Variant {
-                name: &entries[0].0,
-                content: Some(&entries[0].1),
-            }),
+            Datum::Record(entries) if entries.len() == 1 => {
+                visitor.visit_enum(VariantDeserializer {
+                    name: &entries[0].0,
+                    content: Some(&entries[0].1),
+                })
+            }
             other => Err(de::Error::invalid_type(
                 Unexpected::Other(other.kind()),
                 &"a variant's name, or a record of one variant",
@@ -142,12 +144,12 @@ impl<'de> Deserializer<'de> for From<'de> {
 }
 
 /// The elements of a list, of packed numbers or of bytes.
-struct Elements<'de> {
+struct ListAccess<'de> {
     of: &'de Datum,
     next: usize,
 }
 
-impl<'de> SeqAccess<'de> for Elements<'de> {
+impl<'de> SeqAccess<'de> for ListAccess<'de> {
     type Error = DatumError;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(
@@ -158,14 +160,14 @@ impl<'de> SeqAccess<'de> for Elements<'de> {
         self.next += 1;
         match self.of.element(index) {
             None => Ok(None),
-            Some(Cow::Borrowed(element)) => seed.deserialize(From(element)).map(Some),
+            Some(Cow::Borrowed(element)) => seed.deserialize(DatumDeserializer(element)).map(Some),
             Some(Cow::Owned(Datum::Int(value))) => {
                 seed.deserialize(value.into_deserializer()).map(Some)
             }
             Some(Cow::Owned(Datum::Float(value))) => {
                 seed.deserialize(value.into_deserializer()).map(Some)
             }
-            Some(Cow::Owned(other)) => Err(DatumError::new(Problem::Mismatch(format!(
+            Some(Cow::Owned(other)) => Err(DatumError::new(DatumProblem::Mismatch(format!(
                 "{} in packed numbers",
                 other.kind()
             )))),
@@ -179,13 +181,13 @@ impl<'de> SeqAccess<'de> for Elements<'de> {
 }
 
 /// The entries of a record.
-struct Entries<'de> {
-    rest: std::slice::Iter<'de, (Name, Datum)>,
+struct RecordAccess<'de> {
+    rest: std::slice::Iter<'de, (FieldName, Datum)>,
     /// The entry whose key was read last.
-    value: Option<&'de (Name, Datum)>,
+    value: Option<&'de (FieldName, Datum)>,
 }
 
-impl<'de> MapAccess<'de> for Entries<'de> {
+impl<'de> MapAccess<'de> for RecordAccess<'de> {
     type Error = DatumError;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(
@@ -207,7 +209,7 @@ impl<'de> MapAccess<'de> for Entries<'de> {
         let Some((name, value)) = self.value else {
             return Err(de::Error::custom("a value was asked for before its key"));
         };
-        seed.deserialize(From(value))
+        seed.deserialize(DatumDeserializer(value))
             .map_err(|error| error.within(name))
     }
 
@@ -217,12 +219,12 @@ impl<'de> MapAccess<'de> for Entries<'de> {
 }
 
 /// An enum value: a name, and content unless it is a bare name.
-struct Variant<'de> {
+struct VariantDeserializer<'de> {
     name: &'de str,
     content: Option<&'de Datum>,
 }
 
-impl<'de> EnumAccess<'de> for Variant<'de> {
+impl<'de> EnumAccess<'de> for VariantDeserializer<'de> {
     type Error = DatumError;
     type Variant = Self;
 
@@ -235,10 +237,10 @@ impl<'de> EnumAccess<'de> for Variant<'de> {
     }
 }
 
-impl<'de> Variant<'de> {
-    fn content(&self) -> Result<From<'de>, DatumError> {
-        self.content.map(From).ok_or_else(|| {
-            DatumError::new(Problem::Mismatch(format!(
+impl<'de> VariantDeserializer<'de> {
+    fn content(&self) -> Result<DatumDeserializer<'de>, DatumError> {
+        self.content.map(DatumDeserializer).ok_or_else(|| {
+            DatumError::new(DatumProblem::Mismatch(format!(
                 "variant `{}` has content, but only its name is here",
                 self.name
             )))
@@ -246,7 +248,7 @@ impl<'de> Variant<'de> {
     }
 }
 
-impl<'de> VariantAccess<'de> for Variant<'de> {
+impl<'de> VariantAccess<'de> for VariantDeserializer<'de> {
     type Error = DatumError;
 
     fn unit_variant(self) -> Result<(), DatumError> {
@@ -288,9 +290,9 @@ impl<'de> VariantAccess<'de> for Variant<'de> {
 const WHOLE: &str = "datum::Datum";
 
 /// Packed numbers on their way into a datum: an entry of the carrier's name and the bytes.
-struct Carried<'de>(Option<&'de Numbers>);
+struct PackedNumbersAccess<'de>(Option<&'de Numbers>);
 
-impl<'de> MapAccess<'de> for Carried<'de> {
+impl<'de> MapAccess<'de> for PackedNumbersAccess<'de> {
     type Error = DatumError;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(
@@ -316,13 +318,13 @@ impl<'de> MapAccess<'de> for Carried<'de> {
 /// A datum is read from whatever the data says it is.
 impl<'de> Deserialize<'de> for Datum {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_newtype_struct(WHOLE, Describing)
+        deserializer.deserialize_newtype_struct(WHOLE, DatumVisitor)
     }
 }
 
-struct Describing;
+struct DatumVisitor;
 
-impl<'de> Visitor<'de> for Describing {
+impl<'de> Visitor<'de> for DatumVisitor {
     type Value = Datum;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -340,7 +342,7 @@ impl<'de> Visitor<'de> for Describing {
     fn visit_u64<E: de::Error>(self, value: u64) -> Result<Datum, E> {
         i64::try_from(value)
             .map(Datum::Int)
-            .map_err(|_| E::custom(Problem::IntegerTooBig(value.to_string())))
+            .map_err(|_| E::custom(DatumProblem::IntegerTooBig(value.to_string())))
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<Datum, E> {

@@ -7,7 +7,7 @@ use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 
 use crate::numbers::Packed;
-use crate::ser::Raw;
+use crate::ser::RawBytes;
 use crate::{Datum, Schema, Shape};
 
 /// A type that may be a field of a message: it knows its schema, its initial value and its way through serde.
@@ -28,22 +28,22 @@ pub trait Described: Sized {
 
     /// Writes a run: element by element.
     fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(many.iter().map(Writing))
+        serializer.collect_seq(many.iter().map(SerializeDescribed))
     }
 
     /// Reads a run: element by element.
     fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
-        deserializer.deserialize_seq(Run(PhantomData))
+        deserializer.deserialize_seq(ListVisitor(PhantomData))
     }
 }
 
 /// The door through which [`message!`](crate::message!) sends each field: `#[serde(with = "datum::field")]`.
 pub mod field {
-    use super::{Datum, Described, Deserializer, Serializer, Writing};
+    use super::{Datum, Described, Deserializer, SerializeDescribed, Serializer};
 
     /// The initial value of a field as data; nothing, if it cannot be data.
     pub fn datum<T: Described>(value: &T) -> Datum {
-        Datum::of(&Writing(value)).unwrap_or_default()
+        Datum::of(&SerializeDescribed(value)).unwrap_or_default()
     }
 
     /// Writes a field.
@@ -114,11 +114,11 @@ macro_rules! packed {
                 if serializer.is_human_readable() {
                     return serializer.collect_seq(many);
                 }
-                serializer.serialize_newtype_struct(Self::NAME, &Raw(&Self::pack(many)))
+                serializer.serialize_newtype_struct(Self::NAME, &RawBytes(&Self::pack(many)))
             }
 
             fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
-                deserializer.deserialize_newtype_struct(Self::NAME, Pack(PhantomData))
+                deserializer.deserialize_newtype_struct(Self::NAME, PackedVisitor(PhantomData))
             }
         })+
     };
@@ -161,7 +161,7 @@ impl Described for u8 {
     }
 
     fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
-        deserializer.deserialize_byte_buf(Pack(PhantomData))
+        deserializer.deserialize_byte_buf(PackedVisitor(PhantomData))
     }
 }
 
@@ -216,28 +216,29 @@ impl<T: Described> Described for Option<T> {
     fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             None => serializer.serialize_none(),
-            Some(value) => serializer.serialize_some(&Writing(value)),
+            Some(value) => serializer.serialize_some(&SerializeDescribed(value)),
         }
     }
 
     fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Option::<Reading<T>>::deserialize(deserializer).map(|some| some.map(|reading| reading.0))
+        Option::<DeserializeDescribed<T>>::deserialize(deserializer)
+            .map(|some| some.map(|reading| reading.0))
     }
 }
 
 /// Lends a described value to serde.
-struct Writing<'a, T>(&'a T);
+struct SerializeDescribed<'a, T>(&'a T);
 
-impl<T: Described> Serialize for Writing<'_, T> {
+impl<T: Described> Serialize for SerializeDescribed<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.0.write(serializer)
     }
 }
 
 /// Takes a described value from serde.
-struct Reading<T>(T);
+struct DeserializeDescribed<T>(T);
 
-impl<'de, T: Described> Deserialize<'de> for Reading<T> {
+impl<'de, T: Described> Deserialize<'de> for DeserializeDescribed<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         T::read(deserializer).map(Self)
     }
@@ -248,16 +249,16 @@ const TRUSTED_CAPACITY: usize = 4096;
 
 fn read_all<'de, T: Described, A: SeqAccess<'de>>(mut from: A) -> Result<Vec<T>, A::Error> {
     let mut all = Vec::with_capacity(from.size_hint().unwrap_or(0).min(TRUSTED_CAPACITY));
-    while let Some(Reading(element)) = from.next_element()? {
+    while let Some(DeserializeDescribed(element)) = from.next_element()? {
         all.push(element);
     }
     Ok(all)
 }
 
 /// Reads a run element by element.
-struct Run<T>(PhantomData<T>);
+struct ListVisitor<T>(PhantomData<T>);
 
-impl<'de, T: Described> Visitor<'de> for Run<T> {
+impl<'de, T: Described> Visitor<'de> for ListVisitor<T> {
     type Value = Vec<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -270,9 +271,9 @@ impl<'de, T: Described> Visitor<'de> for Run<T> {
 }
 
 /// Reads a run of numbers, packed or one by one.
-struct Pack<T>(PhantomData<T>);
+struct PackedVisitor<T>(PhantomData<T>);
 
-impl<'de, T: Described + Packed> Visitor<'de> for Pack<T> {
+impl<'de, T: Described + Packed> Visitor<'de> for PackedVisitor<T> {
     type Value = Vec<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -4,17 +4,17 @@ use std::fmt;
 
 /// A datum that does not fit: the place, and the problem there.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{}{problem}", Place(path))]
+#[error("{}{problem}", PathPrefix(path))]
 pub struct DatumError {
     /// Path to the place, outermost first: `poses.3.x`. Empty for the whole.
     pub path: String,
     /// What is wrong there.
-    pub problem: Problem,
+    pub problem: DatumProblem,
 }
 
 /// One way in which data does not fit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Problem {
+pub enum DatumProblem {
     /// The type asked for wants another kind of data, or another value.
     #[error("{0}")]
     Mismatch(String),
@@ -47,7 +47,7 @@ pub enum Problem {
 
 impl DatumError {
     /// A problem of the whole datum; see [`DatumError::within`].
-    pub fn new(problem: Problem) -> Self {
+    pub fn new(problem: DatumProblem) -> Self {
         Self {
             path: String::new(),
             problem,
@@ -68,20 +68,20 @@ impl DatumError {
 
 impl serde::ser::Error for DatumError {
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new(Problem::Mismatch(message.to_string()))
+        Self::new(DatumProblem::Mismatch(message.to_string()))
     }
 }
 
 impl serde::de::Error for DatumError {
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new(Problem::Mismatch(message.to_string()))
+        Self::new(DatumProblem::Mismatch(message.to_string()))
     }
 }
 
 /// `poses.3.x: ` in front of a message, or nothing for the whole.
-struct Place<'a>(&'a str);
+struct PathPrefix<'a>(&'a str);
 
-impl fmt::Display for Place<'_> {
+impl fmt::Display for PathPrefix<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0.is_empty() {
             return Ok(());

@@ -1,7 +1,7 @@
 //! Whether a datum fits a schema, for those who let data in before anybody reads it as a type.
 
 use crate::codec::special_float;
-use crate::{Datum, DatumError, Field, Problem, Schema, Shape};
+use crate::{Datum, DatumError, DatumProblem, OutlineKey, Schema, Shape};
 
 impl Schema {
     /// Says where a datum does not fit. Fields may be left out, and stand in any order, as when a message is read; one
@@ -57,7 +57,7 @@ impl Schema {
         }
     }
 
-    fn field(&self, fields: &[Field], name: &str, value: &Datum) -> Result<(), DatumError> {
+    fn field(&self, fields: &[OutlineKey], name: &str, value: &Datum) -> Result<(), DatumError> {
         match fields.iter().find(|field| field.name == name) {
             Some(field) => (field.schema.accepts(value)).map_err(|error| error.within(name)),
             None => {
@@ -93,5 +93,5 @@ impl Schema {
 }
 
 fn mismatch(reason: String) -> DatumError {
-    DatumError::new(Problem::Mismatch(reason))
+    DatumError::new(DatumProblem::Mismatch(reason))
 }

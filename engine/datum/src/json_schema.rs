@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use crate::{Field, Schema, Shape};
+use crate::{OutlineKey, Schema, Shape};
 
 /// Definitions of what has a name, as they are met.
-pub struct Definitions {
+pub struct SchemaDefinitions {
     /// Where the document has them: `#/$defs`.
     place: &'static str,
     known: BTreeMap<String, Value>,
 }
 
-impl Definitions {
+impl SchemaDefinitions {
     /// None yet, for a document that has them at this place: `#/$defs`.
     pub fn at(place: &'static str) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl Definitions {
     }
 
     /// A field that is left out has the default of its type, so none is required.
-    fn record(&mut self, schema: &Schema, fields: &[Field]) -> Value {
+    fn record(&mut self, schema: &Schema, fields: &[OutlineKey]) -> Value {
         let properties: Map<String, Value> = fields
             .iter()
             .map(|field| {

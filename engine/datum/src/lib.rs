@@ -45,12 +45,12 @@ mod word;
 
 pub use codec::{Codec, cbor, cdr, json};
 pub use described::{Described, field};
-pub use error::{DatumError, Problem};
+pub use error::{DatumError, DatumProblem};
 pub use message::Message;
 pub use numbers::Numbers;
 pub use sample::Sample;
-pub use schema::{Difference, Field, Schema, Shape};
-pub use value::{Datum, Name};
+pub use schema::{OutlineKey, Schema, SchemaDifference, Shape};
+pub use value::{Datum, FieldName};
 pub use word::Word;
 
 /// The serde that [`message!`] derives with, so that its users need no other.

@@ -117,7 +117,7 @@ macro_rules! message {
                 fn schema() -> &'static $crate::Schema {
                     static SCHEMA: ::std::sync::OnceLock<$crate::Schema> = ::std::sync::OnceLock::new();
                     SCHEMA.get_or_init(|| {
-                        $crate::Schema::record($ros, ::std::vec![$($crate::Field {
+                        $crate::Schema::record($ros, ::std::vec![$($crate::OutlineKey {
                             name: ::std::borrow::Cow::Borrowed(stringify!($field)),
                             doc: ::std::borrow::Cow::Borrowed(concat!($($doc),*).trim_ascii()),
                             schema: <$type as $crate::Described>::describe(),

@@ -5,13 +5,13 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Datum, Name};
+use crate::{Datum, FieldName};
 
 /// What a type looks like.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Schema {
     /// The message type's name, `geometry_msgs/Twist`; empty for what has none.
-    pub name: Name,
+    pub name: FieldName,
     /// Its shape.
     pub shape: Shape,
 }
@@ -53,16 +53,16 @@ pub enum Shape {
     /// A fixed number of elements.
     Array(Box<Schema>, usize),
     /// Named fields in order.
-    Record(Vec<Field>),
+    Record(Vec<OutlineKey>),
 }
 
 /// A field of a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Field {
+pub struct OutlineKey {
     /// Its name.
-    pub name: Name,
+    pub name: FieldName,
     /// What it is, with its unit.
-    pub doc: Name,
+    pub doc: FieldName,
     /// Its schema.
     pub schema: Schema,
     /// What it is in a new message, where that is not its zero; else nothing.
@@ -72,8 +72,8 @@ pub struct Field {
 
 /// The first place where two schemas differ.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}{left} here, {right} there", Place(path))]
-pub struct Difference {
+#[error("{}{left} here, {right} there", DifferencePrefix(path))]
+pub struct SchemaDifference {
     /// Path of field names to the place; empty for the whole.
     pub path: String,
     /// What the one schema has there.
@@ -92,7 +92,7 @@ impl Schema {
     }
 
     /// A named message of some fields.
-    pub fn record(name: &'static str, fields: Vec<Field>) -> Self {
+    pub fn record(name: &'static str, fields: Vec<OutlineKey>) -> Self {
         Self {
             name: Cow::Borrowed(name),
             shape: Shape::Record(fields),
@@ -100,7 +100,7 @@ impl Schema {
     }
 
     /// What is known of a type by name only.
-    pub fn opaque(name: impl Into<Name>) -> Self {
+    pub fn opaque(name: impl Into<FieldName>) -> Self {
         Self {
             name: name.into(),
             shape: Shape::Any,
@@ -138,7 +138,7 @@ impl Schema {
     }
 
     /// Says where this schema and another part ways. Docs may differ; [`Shape::Any`] agrees with everything.
-    pub fn compare(&self, other: &Self) -> Result<(), Difference> {
+    pub fn compare(&self, other: &Self) -> Result<(), SchemaDifference> {
         if self.shape == Shape::Any || other.shape == Shape::Any {
             let named = !self.name.is_empty() && !other.name.is_empty();
             return self.agree(!named || self.name == other.name, other);
@@ -157,11 +157,11 @@ impl Schema {
         }
     }
 
-    fn agree(&self, agree: bool, other: &Self) -> Result<(), Difference> {
+    fn agree(&self, agree: bool, other: &Self) -> Result<(), SchemaDifference> {
         if agree {
             return Ok(());
         }
-        Err(Difference {
+        Err(SchemaDifference {
             path: String::new(),
             left: self.to_string(),
             right: other.to_string(),
@@ -169,9 +169,9 @@ impl Schema {
     }
 }
 
-impl Field {
+impl OutlineKey {
     /// A field that is zero in a new message.
-    pub fn new(name: impl Into<Name>, doc: impl Into<Name>, schema: Schema) -> Self {
+    pub fn new(name: impl Into<FieldName>, doc: impl Into<FieldName>, schema: Schema) -> Self {
         Self {
             name: name.into(),
             doc: doc.into(),
@@ -189,8 +189,8 @@ impl Field {
     }
 }
 
-fn compare_fields(left: &[Field], right: &[Field]) -> Result<(), Difference> {
-    let name = |field: Option<&Field>| match field {
+fn compare_fields(left: &[OutlineKey], right: &[OutlineKey]) -> Result<(), SchemaDifference> {
+    let name = |field: Option<&OutlineKey>| match field {
         Some(field) => format!("field `{}`", field.name),
         None => "no field".to_owned(),
     };
@@ -201,7 +201,7 @@ fn compare_fields(left: &[Field], right: &[Field]) -> Result<(), Difference> {
                 (a.schema.compare(&b.schema)).map_err(|difference| difference.within(&a.name))?;
             }
             (here, there) => {
-                return Err(Difference {
+                return Err(SchemaDifference {
                     path: String::new(),
                     left: name(here),
                     right: name(there),
@@ -212,7 +212,7 @@ fn compare_fields(left: &[Field], right: &[Field]) -> Result<(), Difference> {
     Ok(())
 }
 
-impl Difference {
+impl SchemaDifference {
     fn within(mut self, segment: &str) -> Self {
         self.path = if self.path.is_empty() {
             segment.to_owned()
@@ -259,7 +259,7 @@ impl fmt::Display for Shape {
     }
 }
 
-fn record(f: &mut fmt::Formatter<'_>, fields: &[Field]) -> fmt::Result {
+fn record(f: &mut fmt::Formatter<'_>, fields: &[OutlineKey]) -> fmt::Result {
     f.write_str("{")?;
     for (index, field) in fields.iter().enumerate() {
         let comma = if index == 0 { "" } else { ", " };
@@ -269,9 +269,9 @@ fn record(f: &mut fmt::Formatter<'_>, fields: &[Field]) -> fmt::Result {
 }
 
 /// `pose.position: ` in front of a difference, or nothing for the whole.
-struct Place<'a>(&'a str);
+struct DifferencePrefix<'a>(&'a str);
 
-impl fmt::Display for Place<'_> {
+impl fmt::Display for DifferencePrefix<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0.is_empty() {
             return Ok(());

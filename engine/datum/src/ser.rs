@@ -6,24 +6,24 @@ use serde::Serialize;
 use serde::ser::{self, Serializer};
 
 use crate::numbers::Numbers;
-use crate::{Datum, DatumError, Name, Problem};
+use crate::{Datum, DatumError, DatumProblem, FieldName};
 
 /// Builds the datum that describes a value.
 pub(crate) fn datum_of<T: Serialize + ?Sized>(value: &T) -> Result<Datum, DatumError> {
-    value.serialize(ToDatum)
+    value.serialize(DatumSerializer)
 }
 
-struct ToDatum;
+struct DatumSerializer;
 
-type Made = Result<Datum, DatumError>;
+type SerializeResult = Result<Datum, DatumError>;
 
-fn integer<N: Copy + ToString>(value: N) -> Made
+fn integer<N: Copy + ToString>(value: N) -> SerializeResult
 where
     i64: TryFrom<N>,
 {
     i64::try_from(value)
         .map(Datum::Int)
-        .map_err(|_| DatumError::new(Problem::IntegerTooBig(value.to_string())))
+        .map_err(|_| DatumError::new(DatumProblem::IntegerTooBig(value.to_string())))
 }
 
 /// How serde carries a variant with content: a record of one entry.
@@ -31,102 +31,107 @@ fn variant(name: &'static str, content: Datum) -> Datum {
     Datum::Record(vec![(Cow::Borrowed(name), content)])
 }
 
-impl Serializer for ToDatum {
+impl Serializer for DatumSerializer {
     type Ok = Datum;
     type Error = DatumError;
-    type SerializeSeq = Elements;
-    type SerializeTuple = Elements;
-    type SerializeTupleStruct = Elements;
-    type SerializeTupleVariant = Elements;
-    type SerializeMap = Entries;
-    type SerializeStruct = Entries;
-    type SerializeStructVariant = Entries;
+    type SerializeSeq = ListSerializer;
+    type SerializeTuple = ListSerializer;
+    type SerializeTupleStruct = ListSerializer;
+    type SerializeTupleVariant = ListSerializer;
+    type SerializeMap = RecordSerializer;
+    type SerializeStruct = RecordSerializer;
+    type SerializeStructVariant = RecordSerializer;
 
     fn is_human_readable(&self) -> bool {
         false
     }
 
-    fn serialize_bool(self, value: bool) -> Made {
+    fn serialize_bool(self, value: bool) -> SerializeResult {
         Ok(Datum::Bool(value))
     }
 
-    fn serialize_i8(self, value: i8) -> Made {
+    fn serialize_i8(self, value: i8) -> SerializeResult {
         Ok(Datum::Int(value.into()))
     }
 
-    fn serialize_i16(self, value: i16) -> Made {
+    fn serialize_i16(self, value: i16) -> SerializeResult {
         Ok(Datum::Int(value.into()))
     }
 
-    fn serialize_i32(self, value: i32) -> Made {
+    fn serialize_i32(self, value: i32) -> SerializeResult {
         Ok(Datum::Int(value.into()))
     }
 
-    fn serialize_i64(self, value: i64) -> Made {
+    fn serialize_i64(self, value: i64) -> SerializeResult {
         Ok(Datum::Int(value))
     }
 
-    fn serialize_i128(self, value: i128) -> Made {
+    fn serialize_i128(self, value: i128) -> SerializeResult {
         integer(value)
     }
 
-    fn serialize_u8(self, value: u8) -> Made {
+    fn serialize_u8(self, value: u8) -> SerializeResult {
         Ok(Datum::Int(value.into()))
     }
 
-    fn serialize_u16(self, value: u16) -> Made {
+    fn serialize_u16(self, value: u16) -> SerializeResult {
         Ok(Datum::Int(value.into()))
     }
 
-    fn serialize_u32(self, value: u32) -> Made {
+    fn serialize_u32(self, value: u32) -> SerializeResult {
         Ok(Datum::Int(value.into()))
     }
 
-    fn serialize_u64(self, value: u64) -> Made {
+    fn serialize_u64(self, value: u64) -> SerializeResult {
         integer(value)
     }
 
-    fn serialize_u128(self, value: u128) -> Made {
+    fn serialize_u128(self, value: u128) -> SerializeResult {
         integer(value)
     }
 
-    fn serialize_f32(self, value: f32) -> Made {
+    fn serialize_f32(self, value: f32) -> SerializeResult {
         Ok(Datum::Float(value.into()))
     }
 
-    fn serialize_f64(self, value: f64) -> Made {
+    fn serialize_f64(self, value: f64) -> SerializeResult {
         Ok(Datum::Float(value))
     }
 
-    fn serialize_char(self, value: char) -> Made {
+    fn serialize_char(self, value: char) -> SerializeResult {
         Ok(Datum::Text(value.into()))
     }
 
-    fn serialize_str(self, value: &str) -> Made {
+    fn serialize_str(self, value: &str) -> SerializeResult {
         Ok(Datum::Text(value.to_owned()))
     }
 
-    fn serialize_bytes(self, value: &[u8]) -> Made {
+    fn serialize_bytes(self, value: &[u8]) -> SerializeResult {
         Ok(Datum::Bytes(value.into()))
     }
 
-    fn serialize_none(self) -> Made {
+    fn serialize_none(self) -> SerializeResult {
         Ok(Datum::Null)
     }
 
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Made {
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> SerializeResult {
         value.serialize(self)
     }
 
-    fn serialize_unit(self) -> Made {
+    fn serialize_unit(self) -> SerializeResult {
         Ok(Datum::Null)
     }
 
-    fn serialize_unit_struct(self, _name: &'static str) -> Made {
+    fn serialize_unit_struct(self, _name: &'static str) -> SerializeResult {
         Ok(Datum::Record(Vec::new()))
     }
 
-    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Made {
+    fn serialize_unit_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        variant: &'static str,
+    ) -> SerializeResult {
         Ok(Datum::text(variant))
     }
 
@@ -134,7 +139,7 @@ impl Serializer for ToDatum {
         self,
         name: &'static str,
         value: &T,
-    ) -> Made {
+    ) -> SerializeResult {
         let content = value.serialize(self)?;
         if let Datum::Bytes(bytes) = &content
             && let Some(numbers) = Numbers::from_carrier(name, bytes)
@@ -150,22 +155,26 @@ impl Serializer for ToDatum {
         _: u32,
         name: &'static str,
         value: &T,
-    ) -> Made {
+    ) -> SerializeResult {
         Ok(variant(name, value.serialize(self)?))
     }
 
-    fn serialize_seq(self, len: Option<usize>) -> Result<Elements, DatumError> {
-        Ok(Elements {
+    fn serialize_seq(self, len: Option<usize>) -> Result<ListSerializer, DatumError> {
+        Ok(ListSerializer {
             variant: None,
             made: Vec::with_capacity(len.unwrap_or(0)),
         })
     }
 
-    fn serialize_tuple(self, len: usize) -> Result<Elements, DatumError> {
+    fn serialize_tuple(self, len: usize) -> Result<ListSerializer, DatumError> {
         self.serialize_seq(Some(len))
     }
 
-    fn serialize_tuple_struct(self, _: &'static str, len: usize) -> Result<Elements, DatumError> {
+    fn serialize_tuple_struct(
+        self,
+        _: &'static str,
+        len: usize,
+    ) -> Result<ListSerializer, DatumError> {
         self.serialize_seq(Some(len))
     }
 
@@ -175,22 +184,22 @@ impl Serializer for ToDatum {
         _: u32,
         variant: &'static str,
         len: usize,
-    ) -> Result<Elements, DatumError> {
-        Ok(Elements {
+    ) -> Result<ListSerializer, DatumError> {
+        Ok(ListSerializer {
             variant: Some(variant),
             made: Vec::with_capacity(len),
         })
     }
 
-    fn serialize_map(self, len: Option<usize>) -> Result<Entries, DatumError> {
-        Ok(Entries {
+    fn serialize_map(self, len: Option<usize>) -> Result<RecordSerializer, DatumError> {
+        Ok(RecordSerializer {
             variant: None,
             key: Cow::Borrowed(""),
             made: Vec::with_capacity(len.unwrap_or(0)),
         })
     }
 
-    fn serialize_struct(self, _: &'static str, len: usize) -> Result<Entries, DatumError> {
+    fn serialize_struct(self, _: &'static str, len: usize) -> Result<RecordSerializer, DatumError> {
         self.serialize_map(Some(len))
     }
 
@@ -200,8 +209,8 @@ impl Serializer for ToDatum {
         _: u32,
         variant: &'static str,
         len: usize,
-    ) -> Result<Entries, DatumError> {
-        Ok(Entries {
+    ) -> Result<RecordSerializer, DatumError> {
+        Ok(RecordSerializer {
             variant: Some(variant),
             key: Cow::Borrowed(""),
             made: Vec::with_capacity(len),
@@ -210,13 +219,13 @@ impl Serializer for ToDatum {
 }
 
 /// A list in the making.
-struct Elements {
+struct ListSerializer {
     /// The enum variant whose content this is.
     variant: Option<&'static str>,
     made: Vec<Datum>,
 }
 
-impl Elements {
+impl ListSerializer {
     fn push<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), DatumError> {
         let element = datum_of(value).map_err(|error| error.within(self.made.len()))?;
         self.made.push(element);
@@ -233,16 +242,20 @@ impl Elements {
 }
 
 /// A record in the making.
-struct Entries {
+struct RecordSerializer {
     /// The enum variant whose content this is.
     variant: Option<&'static str>,
     /// The key whose value comes next, of a map.
-    key: Name,
-    made: Vec<(Name, Datum)>,
+    key: FieldName,
+    made: Vec<(FieldName, Datum)>,
 }
 
-impl Entries {
-    fn push<T: Serialize + ?Sized>(&mut self, name: Name, value: &T) -> Result<(), DatumError> {
+impl RecordSerializer {
+    fn push<T: Serialize + ?Sized>(
+        &mut self,
+        name: FieldName,
+        value: &T,
+    ) -> Result<(), DatumError> {
         let entry = datum_of(value).map_err(|error| error.within(&name))?;
         self.made.push((name, entry));
         Ok(())
@@ -259,7 +272,7 @@ impl Entries {
 
 macro_rules! elements {
     ($($trait:ident $method:ident)+) => {
-        $(impl ser::$trait for Elements {
+        $(impl ser::$trait for ListSerializer {
             type Ok = Datum;
             type Error = DatumError;
 
@@ -267,7 +280,7 @@ macro_rules! elements {
                 self.push(value)
             }
 
-            fn end(self) -> Made {
+            fn end(self) -> SerializeResult {
                 Ok(self.finish())
             }
         })+
@@ -283,7 +296,7 @@ elements! {
 
 macro_rules! entries {
     ($($trait:ident)+) => {
-        $(impl ser::$trait for Entries {
+        $(impl ser::$trait for RecordSerializer {
             type Ok = Datum;
             type Error = DatumError;
 
@@ -295,7 +308,7 @@ macro_rules! entries {
                 self.push(Cow::Borrowed(name), value)
             }
 
-            fn end(self) -> Made {
+            fn end(self) -> SerializeResult {
                 Ok(self.finish())
             }
         })+
@@ -304,13 +317,13 @@ macro_rules! entries {
 
 entries! { SerializeStruct SerializeStructVariant }
 
-impl ser::SerializeMap for Entries {
+impl ser::SerializeMap for RecordSerializer {
     type Ok = Datum;
     type Error = DatumError;
 
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Result<(), DatumError> {
         let Datum::Text(key) = datum_of(key)? else {
-            return Err(DatumError::new(Problem::KeyNotText));
+            return Err(DatumError::new(DatumProblem::KeyNotText));
         };
         self.key = Cow::Owned(key);
         Ok(())
@@ -321,7 +334,7 @@ impl ser::SerializeMap for Entries {
         self.push(key, value)
     }
 
-    fn end(self) -> Made {
+    fn end(self) -> SerializeResult {
         Ok(self.finish())
     }
 }
@@ -344,7 +357,7 @@ impl Serialize for Datum {
             }
             Self::Numbers(numbers) => {
                 let bytes = numbers.to_bytes();
-                serializer.serialize_newtype_struct(numbers.carrier(), &Raw(&bytes))
+                serializer.serialize_newtype_struct(numbers.carrier(), &RawBytes(&bytes))
             }
             Self::List(elements) => serializer.collect_seq(elements),
             Self::Record(entries) => {
@@ -355,9 +368,9 @@ impl Serialize for Datum {
 }
 
 /// Bytes that serialise as bytes, not as a list of numbers.
-pub(crate) struct Raw<'a>(pub(crate) &'a [u8]);
+pub(crate) struct RawBytes<'a>(pub(crate) &'a [u8]);
 
-impl Serialize for Raw<'_> {
+impl Serialize for RawBytes<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_bytes(self.0)
     }

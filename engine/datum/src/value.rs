@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use crate::{DatumError, Numbers, de, ser};
 
 /// The name of a record's entry; borrowed where the program spells it, so naming costs nothing.
-pub type Name = Cow<'static, str>;
+pub type FieldName = Cow<'static, str>;
 
 /// Data of any message type. An enum value without content is [`Datum::Text`].
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -33,7 +33,7 @@ pub enum Datum {
     /// Elements in order.
     List(Vec<Datum>),
     /// Named entries in declaration order.
-    Record(Vec<(Name, Datum)>),
+    Record(Vec<(FieldName, Datum)>),
 }
 
 impl Datum {
@@ -48,7 +48,7 @@ impl Datum {
     }
 
     /// A record from its entries.
-    pub fn record<N: Into<Name>>(entries: impl IntoIterator<Item = (N, Datum)>) -> Self {
+    pub fn record<N: Into<FieldName>>(entries: impl IntoIterator<Item = (N, Datum)>) -> Self {
         Self::Record(
             entries
                 .into_iter()

@@ -1,7 +1,9 @@
 //! CDR: bytes worked out by hand from the rules of OMG and ROS 2, bytes of another implementation, and bytes of nobody.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
 
-use asmotion_datum::{Codec, Datum, Described, Field, Message, Problem, Schema, Shape, cdr};
+use asmotion_datum::{
+    Codec, Datum, DatumProblem, Described, Message, OutlineKey, Schema, Shape, cdr,
+};
 use byteorder::LittleEndian;
 use proptest::prelude::*;
 use serde::Serialize;
@@ -299,21 +301,21 @@ fn lengths_that_lie_are_refused_without_taking_memory() {
         let schema = Schema::many(element, None);
         let end = Codec::Cdr.decode(&many, &schema);
         assert!(
-            matches!(end.unwrap_err().problem, Problem::Malformed { .. }),
+            matches!(end.unwrap_err().problem, DatumProblem::Malformed { .. }),
             "{schema}"
         );
     }
     let text = Codec::Cdr.decode(&many, &String::describe());
     assert!(matches!(
         text.unwrap_err().problem,
-        Problem::Malformed { .. }
+        DatumProblem::Malformed { .. }
     ));
 }
 
 #[test]
 fn what_it_cannot_carry_is_said_with_its_place() {
     let said = |schema: &Schema| Codec::Cdr.carries(schema).unwrap_err().to_string();
-    let field = |name: &'static str, schema| Field::new(name, "", schema);
+    let field = |name: &'static str, schema| OutlineKey::new(name, "", schema);
     let inner = Schema::record("test/Inner", vec![field("what", Datum::describe())]);
     let outer = Schema::record("test/Outer", vec![field("all", Schema::many(inner, None))]);
     assert_eq!(
@@ -400,6 +402,6 @@ fn another_representation_is_refused() {
             .decode(&[], &Schema::plain(Shape::Bool))
             .unwrap_err()
             .problem,
-        Problem::Malformed { .. }
+        DatumProblem::Malformed { .. }
     ));
 }

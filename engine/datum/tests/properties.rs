@@ -1,7 +1,7 @@
 //! Codecs against arbitrary data.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use asmotion_datum::{Codec, Datum, DatumError, Message, Numbers, Problem, cbor, json};
+use asmotion_datum::{Codec, Datum, DatumError, DatumProblem, Message, Numbers, cbor, json};
 use proptest::prelude::*;
 
 /// Any float of all bit patterns but NaN, which is not equal to itself.
@@ -89,7 +89,7 @@ proptest! {
 fn what_nests_too_deep_is_refused() {
     let deep = vec![0x81; 100_000];
     let error = cbor::decode::<Datum>(&deep).unwrap_err();
-    assert_eq!(error, DatumError::new(Problem::TooDeep(64)));
+    assert_eq!(error, DatumError::new(DatumProblem::TooDeep(64)));
     let text = "[".repeat(100_000);
     assert!(json::decode::<Datum>(&text).is_err());
 }
@@ -145,7 +145,10 @@ fn what_a_datum_cannot_hold_is_an_error_with_its_place() {
         "`0.1`: the integer 18446744073709551615 does not fit 64 bits with a sign"
     );
     let keys = std::collections::BTreeMap::from([(1, 2)]);
-    assert_eq!(Datum::of(&keys).unwrap_err().problem, Problem::KeyNotText);
+    assert_eq!(
+        Datum::of(&keys).unwrap_err().problem,
+        DatumProblem::KeyNotText
+    );
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::picture::{Edge, Kind, Line, Node, Picture, Place, Port};
+use crate::picture::{
+    EdgeEnd, EdgeKind, Picture, PictureEdge, PictureNode, PictureNodeKind, PicturePort,
+};
 use crate::svg::{FILLS, TOPIC};
 
 pub(crate) fn write(picture: &Picture) -> String {
@@ -12,10 +14,10 @@ pub(crate) fn write(picture: &Picture) -> String {
     frame(picture, 0, 1, &mut out);
     for edge in &picture.edges {
         let style = match edge.kind {
-            Line::Call => "",
-            Line::Flow => " [style=dashed]",
+            EdgeKind::Call => "",
+            EdgeKind::Flow => " [style=dashed]",
         };
-        let Edge { from, to, .. } = edge;
+        let PictureEdge { from, to, .. } = edge;
         let _ = writeln!(
             out,
             "  {}:e -> {}:w{style};",
@@ -51,10 +53,10 @@ fn frame(picture: &Picture, index: usize, depth: usize, out: &mut String) {
     let _ = writeln!(out, "{space}}}");
 }
 
-fn look(node: &Node) -> String {
+fn look(node: &PictureNode) -> String {
     let name = quoted(&node.name);
     match node.kind {
-        Kind::Component => {
+        PictureNodeKind::Component => {
             let fill = node
                 .process
                 .map_or(FILLS[0], |process| FILLS[process % FILLS.len()]);
@@ -62,23 +64,23 @@ fn look(node: &Node) -> String {
             let label = format!("{left}|{{{name}|{}}}|{right}", quoted(&node.note));
             format!("shape=record, fillcolor=\"{fill}\", label=\"{label}\"")
         }
-        Kind::Topic => {
+        PictureNodeKind::Topic => {
             format!("shape=box, style=\"filled,rounded\", fillcolor=\"{TOPIC}\", label=\"{name}\"")
         }
-        Kind::OpenTopic => format!(
+        PictureNodeKind::OpenTopic => format!(
             "shape=box, style=\"filled,rounded\", peripheries=2, fillcolor=\"{TOPIC}\", label=\"{name}\""
         ),
-        Kind::Outside => format!("shape=cds, fillcolor=white, label=\"{name}\""),
+        PictureNodeKind::Outside => format!("shape=cds, fillcolor=white, label=\"{name}\""),
     }
 }
 
-fn ports(ports: &[Port], side: char) -> String {
+fn ports(ports: &[PicturePort], side: char) -> String {
     let ports = ports.iter().enumerate();
     let ports = ports.map(|(index, port)| format!("<{side}{index}> {}", quoted(&port.name)));
     format!("{{{}}}", ports.collect::<Vec<_>>().join("|"))
 }
 
-fn place(place: &Place, side: char) -> String {
+fn place(place: &EdgeEnd, side: char) -> String {
     match place.port {
         Some(port) => format!("n{}:{side}{port}", place.node),
         None => format!("n{}", place.node),

@@ -8,8 +8,8 @@ mod place;
 
 use std::collections::BTreeMap;
 
-use crate::picture::{Node, Picture, Place};
-use layer::{Layered, Link};
+use crate::picture::{EdgeEnd, Picture, PictureNode};
+use layer::{LayerEdge, Layered};
 
 /// The height of a line of text.
 pub(crate) const ROW: f64 = 18.0;
@@ -25,7 +25,7 @@ const MARGIN: f64 = 34.0;
 
 /// A rectangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Area {
+pub(crate) struct Rectangle {
     pub x: f64,
     pub y: f64,
     pub width: f64,
@@ -34,7 +34,7 @@ pub(crate) struct Area {
 
 /// A point of a line, and whether the line runs to the left there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Point {
+pub(crate) struct LinePoint {
     pub x: f64,
     pub y: f64,
     pub backwards: bool,
@@ -42,15 +42,15 @@ pub(crate) struct Point {
 
 /// Where everything is.
 #[derive(Default)]
-pub(crate) struct Layout {
-    pub nodes: BTreeMap<usize, Area>,
-    pub frames: BTreeMap<usize, Area>,
+pub(crate) struct PictureLayout {
+    pub nodes: BTreeMap<usize, Rectangle>,
+    pub frames: BTreeMap<usize, Rectangle>,
     /// The points that each line goes through, by the number of the edge.
-    pub lines: BTreeMap<usize, Vec<Point>>,
+    pub lines: BTreeMap<usize, Vec<LinePoint>>,
 }
 
 /// Lays out a picture.
-pub(crate) fn layout(picture: &Picture) -> Layout {
+pub(crate) fn layout(picture: &Picture) -> PictureLayout {
     let laid = frame(picture, 0);
     let mut lines = laid.lines;
     // the pieces of a line, outside in and inside out, are in the order of the edge
@@ -61,7 +61,7 @@ pub(crate) fn layout(picture: &Picture) -> Layout {
         let points = pieces.into_iter().flat_map(|(_, points)| points);
         (edge, points.collect())
     });
-    Layout {
+    PictureLayout {
         nodes: laid.nodes,
         frames: laid.frames,
         lines: lines.collect(),
@@ -74,8 +74,8 @@ pub(crate) fn text_width(text: &str, size: f64) -> f64 {
 }
 
 /// How large a box is.
-pub(crate) fn size(node: &Node) -> (f64, f64) {
-    let widest = |ports: &[crate::picture::Port]| {
+pub(crate) fn size(node: &PictureNode) -> (f64, f64) {
+    let widest = |ports: &[crate::picture::PicturePort]| {
         let widths = ports.iter().map(|port| text_width(&port.name, 11.0));
         widths.fold(0.0, f64::max)
     };
@@ -91,7 +91,7 @@ pub(crate) fn size(node: &Node) -> (f64, f64) {
 }
 
 /// Where a port is, from the top of its box.
-pub(crate) fn port_y(node: &Node, port: Option<usize>) -> f64 {
+pub(crate) fn port_y(node: &PictureNode, port: Option<usize>) -> f64 {
     match port {
         Some(port) => HEAD + (port as f64 + 0.5) * ROW,
         None => size(node).1 / 2.0,
@@ -99,39 +99,42 @@ pub(crate) fn port_y(node: &Node, port: Option<usize>) -> f64 {
 }
 
 /// The pieces of a line, each with its place among them.
-type Pieces = Vec<(i32, Vec<Point>)>;
+type LinePieces = Vec<(i32, Vec<LinePoint>)>;
 
 /// A frame laid out, with its corner at the origin.
 #[derive(Default)]
-struct Laid {
+struct FrameLayout {
     width: f64,
     height: f64,
-    nodes: BTreeMap<usize, Area>,
-    frames: BTreeMap<usize, Area>,
-    lines: BTreeMap<usize, Pieces>,
+    nodes: BTreeMap<usize, Rectangle>,
+    frames: BTreeMap<usize, Rectangle>,
+    lines: BTreeMap<usize, LinePieces>,
     /// Where lines cross the border, by edge: into it at the left, out of it at the right.
     enters: BTreeMap<usize, f64>,
     leaves: BTreeMap<usize, f64>,
 }
 
 /// What stands side by side in a frame.
-enum Thing {
+enum FrameItem {
     Node(usize),
-    Frame(usize, Box<Laid>),
+    Frame(usize, Box<FrameLayout>),
     /// Where a line enters the frame, or leaves it.
     Border,
 }
 
-fn frame(picture: &Picture, index: usize) -> Laid {
-    let mut things: Vec<Thing> = Vec::new();
+fn frame(picture: &Picture, index: usize) -> FrameLayout {
+    let mut things: Vec<FrameItem> = Vec::new();
     for (number, node) in picture.nodes.iter().enumerate() {
         if node.frame == index {
-            things.push(Thing::Node(number));
+            things.push(FrameItem::Node(number));
         }
     }
     for (inner, frame) in picture.frames.iter().enumerate() {
         if frame.parent == Some(index) {
-            things.push(Thing::Frame(inner, Box::new(self::frame(picture, inner))));
+            things.push(FrameItem::Frame(
+                inner,
+                Box::new(self::frame(picture, inner)),
+            ));
         }
     }
     let mut links = Vec::new();
@@ -144,24 +147,24 @@ fn frame(picture: &Picture, index: usize) -> Laid {
         let (from, to) = match ends {
             // inside of one of the nested frames
             (Some(from), Some(to))
-                if from == to && matches!(things.get(from), Some(Thing::Frame(..))) =>
+                if from == to && matches!(things.get(from), Some(FrameItem::Frame(..))) =>
             {
                 continue;
             }
             (Some(from), Some(to)) => (from, to),
             (None, Some(to)) => {
-                things.push(Thing::Border);
+                things.push(FrameItem::Border);
                 left.push(things.len() - 1);
                 (things.len() - 1, to)
             }
             (Some(from), None) => {
-                things.push(Thing::Border);
+                things.push(FrameItem::Border);
                 right.push(things.len() - 1);
                 (from, things.len() - 1)
             }
             (None, None) => continue,
         };
-        links.push(Link {
+        links.push(LayerEdge {
             edge: number,
             from,
             to,
@@ -176,37 +179,43 @@ fn frame(picture: &Picture, index: usize) -> Laid {
 }
 
 /// Which of the things a place belongs to.
-fn end(picture: &Picture, things: &[Thing], place: Place) -> Option<usize> {
+fn end(picture: &Picture, things: &[FrameItem], place: EdgeEnd) -> Option<usize> {
     things.iter().position(|thing| match thing {
-        Thing::Node(node) => *node == place.node,
-        Thing::Frame(frame, _) => {
+        FrameItem::Node(node) => *node == place.node,
+        FrameItem::Frame(frame, _) => {
             let node = picture.nodes.get(place.node);
             node.is_some_and(|node| picture.is_in(node.frame, *frame))
         }
-        Thing::Border => false,
+        FrameItem::Border => false,
     })
 }
 
-fn extent(picture: &Picture, thing: &Thing) -> (f64, f64) {
+fn extent(picture: &Picture, thing: &FrameItem) -> (f64, f64) {
     match thing {
-        Thing::Node(node) => picture.nodes.get(*node).map_or((0.0, 0.0), size),
-        Thing::Frame(_, laid) => (laid.width, laid.height),
-        Thing::Border => (0.0, 4.0),
+        FrameItem::Node(node) => picture.nodes.get(*node).map_or((0.0, 0.0), size),
+        FrameItem::Frame(_, laid) => (laid.width, laid.height),
+        FrameItem::Border => (0.0, 4.0),
     }
 }
 
 /// Where a line meets a thing, from its top.
-fn side(picture: &Picture, thing: Option<&Thing>, edge: usize, place: Place, leaves: bool) -> f64 {
+fn side(
+    picture: &Picture,
+    thing: Option<&FrameItem>,
+    edge: usize,
+    place: EdgeEnd,
+    leaves: bool,
+) -> f64 {
     match thing {
-        Some(Thing::Node(node)) => {
+        Some(FrameItem::Node(node)) => {
             let node = picture.nodes.get(*node);
             node.map_or(0.0, |node| port_y(node, place.port))
         }
-        Some(Thing::Frame(_, laid)) => {
+        Some(FrameItem::Frame(_, laid)) => {
             let borders = if leaves { &laid.leaves } else { &laid.enters };
             borders.get(&edge).copied().unwrap_or(laid.height / 2.0)
         }
-        Some(Thing::Border) | None => 2.0,
+        Some(FrameItem::Border) | None => 2.0,
     }
 }
 
@@ -214,15 +223,15 @@ fn side(picture: &Picture, thing: Option<&Thing>, edge: usize, place: Place, lea
 fn assemble(
     picture: &Picture,
     index: usize,
-    things: Vec<Thing>,
+    things: Vec<FrameItem>,
     sizes: &[(f64, f64)],
     layered: &Layered,
-    placed: &place::Placed,
-) -> Laid {
-    let mut laid = Laid {
+    placed: &place::Coordinates,
+) -> FrameLayout {
+    let mut laid = FrameLayout {
         width: placed.width + 2.0 * MARGIN,
         height: placed.height + MARGIN + TITLE,
-        ..Laid::default()
+        ..FrameLayout::default()
     };
     let title = picture
         .frames
@@ -230,19 +239,20 @@ fn assemble(
         .map_or(0.0, |it| text_width(&it.name, 13.0));
     laid.width = laid.width.max(title + 2.0 * MARGIN);
     let (dx, dy) = (MARGIN, TITLE);
-    let moved = |point: &Point| Point {
+    let moved = |point: &LinePoint| LinePoint {
         x: point.x + dx,
         y: point.y + dy,
         backwards: point.backwards,
     };
     for (link, points) in layered.links.iter().zip(&placed.lines) {
-        let mut points: Vec<Point> = points.iter().map(moved).collect();
+        let mut points: Vec<LinePoint> = points.iter().map(moved).collect();
         // a line that crosses the border does so at the border
-        if let (Some(Thing::Border), Some(first)) = (things.get(link.from), points.first_mut()) {
+        if let (Some(FrameItem::Border), Some(first)) = (things.get(link.from), points.first_mut())
+        {
             first.x = 0.0;
             laid.enters.insert(link.edge, first.y);
         }
-        if let (Some(Thing::Border), Some(last)) = (things.get(link.to), points.last_mut()) {
+        if let (Some(FrameItem::Border), Some(last)) = (things.get(link.to), points.last_mut()) {
             last.x = laid.width;
             laid.leaves.insert(link.edge, last.y);
         }
@@ -251,25 +261,25 @@ fn assemble(
     for (number, thing) in things.into_iter().enumerate() {
         let corner = placed.corners.get(number).copied().unwrap_or_default();
         let (width, height) = sizes.get(number).copied().unwrap_or_default();
-        let area = Area {
+        let area = Rectangle {
             x: corner.0 + dx,
             y: corner.1 + dy,
             width,
             height,
         };
         match thing {
-            Thing::Node(node) => {
+            FrameItem::Node(node) => {
                 laid.nodes.insert(node, area);
             }
-            Thing::Frame(_, inner) => nest(picture, &mut laid, *inner, area),
-            Thing::Border => {}
+            FrameItem::Frame(_, inner) => nest(picture, &mut laid, *inner, area),
+            FrameItem::Border => {}
         }
     }
     let (width, height) = (laid.width, laid.height);
-    let whole = Area {
+    let whole = Rectangle {
         width,
         height,
-        ..Area::default()
+        ..Rectangle::default()
     };
     laid.frames.insert(index, whole);
     laid
@@ -277,8 +287,8 @@ fn assemble(
 
 /// Moves what a nested frame has to its place. A piece inside of it comes before the others if the line
 /// begins there, else behind them.
-fn nest(picture: &Picture, laid: &mut Laid, inner: Laid, area: Area) {
-    let shift = |it: Area| Area {
+fn nest(picture: &Picture, laid: &mut FrameLayout, inner: FrameLayout, area: Rectangle) {
+    let shift = |it: Rectangle| Rectangle {
         x: it.x + area.x,
         y: it.y + area.y,
         ..it
@@ -299,7 +309,7 @@ fn nest(picture: &Picture, laid: &mut Laid, inner: Laid, area: Area) {
         let stage = if begins { -1 } else { 1 };
         let lines = laid.lines.entry(edge).or_default();
         for (within, points) in pieces {
-            let points = points.into_iter().map(|point| Point {
+            let points = points.into_iter().map(|point| LinePoint {
                 x: point.x + area.x,
                 y: point.y + area.y,
                 ..point

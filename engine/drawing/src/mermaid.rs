@@ -2,15 +2,17 @@
 
 use std::fmt::Write;
 
-use crate::picture::{Edge, Kind, Line, Node, Picture, Place, Port};
+use crate::picture::{
+    EdgeEnd, EdgeKind, Picture, PictureEdge, PictureNode, PictureNodeKind, PicturePort,
+};
 use crate::svg::{FILLS, TOPIC};
 
 pub(crate) fn write(picture: &Picture) -> String {
     let mut out = String::from("flowchart LR\n");
     frame(picture, 0, 1, &mut out);
     for edge in &picture.edges {
-        let Edge { from, to, kind } = edge;
-        let name = |place: &Place, side: fn(&Node) -> &Vec<Port>| {
+        let PictureEdge { from, to, kind } = edge;
+        let name = |place: &EdgeEnd, side: fn(&PictureNode) -> &Vec<PicturePort>| {
             let node = picture.nodes.get(place.node);
             let port = node.and_then(|node| side(node).get(place.port?));
             port.map(|port| quoted(&port.name))
@@ -22,8 +24,8 @@ pub(crate) fn write(picture: &Picture) -> String {
             (None, None) => String::new(),
         };
         let arrow = match kind {
-            Line::Call => "-->",
-            Line::Flow => "-.->",
+            EdgeKind::Call => "-->",
+            EdgeKind::Flow => "-.->",
         };
         let _ = writeln!(out, "  n{} {arrow}{label} n{}", from.node, to.node);
     }
@@ -55,18 +57,18 @@ fn frame(picture: &Picture, index: usize, depth: usize, out: &mut String) {
     let _ = writeln!(out, "{space}end");
 }
 
-fn look(node: &Node) -> String {
+fn look(node: &PictureNode) -> String {
     let name = quoted(&node.name);
     match node.kind {
-        Kind::Component => {
+        PictureNodeKind::Component => {
             let class = node
                 .process
                 .map_or(String::new(), |it| format!(":::process{it}"));
             format!("[\"<b>{name}</b><br/>{}\"]{class}", quoted(&node.note))
         }
-        Kind::Topic => format!("([\"{name}\"]):::topic"),
-        Kind::OpenTopic => format!("[[\"{name}\"]]:::topic"),
-        Kind::Outside => format!(">\"{name}\"]"),
+        PictureNodeKind::Topic => format!("([\"{name}\"]):::topic"),
+        PictureNodeKind::OpenTopic => format!("[[\"{name}\"]]:::topic"),
+        PictureNodeKind::Outside => format!(">\"{name}\"]"),
     }
 }
 

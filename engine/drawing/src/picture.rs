@@ -8,37 +8,37 @@ use asmotion_assembly::plan::{Component, End, Implementation, Terminal};
 /// A picture, before anybody knows where things are.
 pub(crate) struct Picture {
     /// The composite and those nested in it; the first is the outermost.
-    pub frames: Vec<Frame>,
-    pub nodes: Vec<Node>,
-    pub edges: Vec<Edge>,
+    pub frames: Vec<CompositeFrame>,
+    pub nodes: Vec<PictureNode>,
+    pub edges: Vec<PictureEdge>,
     /// The processes, if there are several.
     pub processes: Vec<String>,
 }
 
 /// A composite.
-pub(crate) struct Frame {
+pub(crate) struct CompositeFrame {
     pub name: String,
     /// The frame around it.
     pub parent: Option<usize>,
 }
 
 /// A box.
-pub(crate) struct Node {
+pub(crate) struct PictureNode {
     pub frame: usize,
-    pub kind: Kind,
+    pub kind: PictureNodeKind,
     pub name: String,
     /// What a component is made of.
     pub note: String,
     pub process: Option<usize>,
     /// What others reach it by: services, input ports.
-    pub left: Vec<Port>,
+    pub left: Vec<PicturePort>,
     /// What it reaches others by: references, output ports.
-    pub right: Vec<Port>,
+    pub right: Vec<PicturePort>,
 }
 
 /// What a box is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum PictureNodeKind {
     Component,
     Topic,
     /// A topic that the outside may publish and subscribe.
@@ -48,29 +48,29 @@ pub(crate) enum Kind {
 }
 
 /// A place at the side of a box.
-pub(crate) struct Port {
+pub(crate) struct PicturePort {
     pub name: String,
     /// Whether it is called rather than read.
     pub service: bool,
 }
 
 /// From the right side of a box to the left side of one.
-pub(crate) struct Edge {
-    pub from: Place,
-    pub to: Place,
-    pub kind: Line,
+pub(crate) struct PictureEdge {
+    pub from: EdgeEnd,
+    pub to: EdgeEnd,
+    pub kind: EdgeKind,
 }
 
 /// A box, and which of its ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct EdgeEnd {
     pub node: usize,
     pub port: Option<usize>,
 }
 
 /// What goes along a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Line {
+pub(crate) enum EdgeKind {
     /// Calls.
     Call,
     /// Messages.
@@ -82,9 +82,9 @@ impl Picture {
     pub(crate) fn of(plan: &Plan) -> Self {
         let several = plan.processes.len() > 1;
         let processes = plan.processes.iter().filter(|_| several);
-        let mut draft = Draft {
+        let mut draft = PictureBuilder {
             picture: Self {
-                frames: vec![Frame {
+                frames: vec![CompositeFrame {
                     name: plan.name.clone(),
                     parent: None,
                 }],
@@ -131,7 +131,7 @@ fn note(component: &Component) -> String {
     }
 }
 
-struct Draft<'d> {
+struct PictureBuilder<'d> {
     picture: Picture,
     plan: &'d Plan,
     /// Frames by the names around them: `Driver/`.
@@ -140,14 +140,14 @@ struct Draft<'d> {
     topics: BTreeMap<&'d str, usize>,
 }
 
-impl<'d> Draft<'d> {
+impl<'d> PictureBuilder<'d> {
     fn nodes(&mut self) {
         let plan = self.plan;
         for component in &plan.components {
             let (frame, name) = self.within(&component.name);
             let mut processes = plan.processes.iter().filter(|_| plan.processes.len() > 1);
             let process = processes.position(|it| it.components.contains(&component.name));
-            let port = |name: &String, service: bool| Port {
+            let port = |name: &String, service: bool| PicturePort {
                 name: name.clone(),
                 service,
             };
@@ -171,9 +171,9 @@ impl<'d> Draft<'d> {
             );
             self.components
                 .insert(&component.name, self.picture.nodes.len());
-            self.picture.nodes.push(Node {
+            self.picture.nodes.push(PictureNode {
                 frame,
-                kind: Kind::Component,
+                kind: PictureNodeKind::Component,
                 name,
                 note: note(component),
                 process,
@@ -184,9 +184,9 @@ impl<'d> Draft<'d> {
         for topic in &plan.topics {
             let (frame, name) = self.known(&topic.name);
             let kind = if topic.promoted {
-                Kind::OpenTopic
+                PictureNodeKind::OpenTopic
             } else {
-                Kind::Topic
+                PictureNodeKind::Topic
             };
             self.topics.insert(&topic.name, self.picture.nodes.len());
             self.picture.nodes.push(plain(frame, kind, name));
@@ -201,7 +201,7 @@ impl<'d> Draft<'d> {
             let end = start + slash;
             let known = self.frames.get(&name[..end]).copied();
             frame = known.unwrap_or_else(|| {
-                self.picture.frames.push(Frame {
+                self.picture.frames.push(CompositeFrame {
                     name: name[start..end].to_owned(),
                     parent: Some(frame),
                 });
@@ -243,7 +243,7 @@ impl<'d> Draft<'d> {
         for wire in &plan.wires {
             for service in &wire.services {
                 let ends = (self.right(&wire.reference), self.left(service));
-                self.edge(ends, Line::Call);
+                self.edge(ends, EdgeKind::Call);
             }
         }
         for connection in &plan.connections {
@@ -260,49 +260,55 @@ impl<'d> Draft<'d> {
                 // nothing is only passed on
                 (Terminal::Mqueue(_), Terminal::Mqueue(_)) => continue,
             };
-            self.edge(ends, Line::Flow);
+            self.edge(ends, EdgeKind::Flow);
         }
         for topic in &plan.topics {
             let node = self.topics.get(topic.name.as_str());
-            let here = node.map(|node| Place {
+            let here = node.map(|node| EdgeEnd {
                 node: *node,
                 port: None,
             });
             for from in &topic.publishers {
-                self.edge((self.right(from), here), Line::Flow);
+                self.edge((self.right(from), here), EdgeKind::Flow);
             }
             for to in &topic.subscribers {
-                self.edge((here, self.left(to)), Line::Flow);
+                self.edge((here, self.left(to)), EdgeKind::Flow);
             }
         }
     }
 
-    fn edge(&mut self, ends: (Option<Place>, Option<Place>), kind: Line) {
+    fn edge(&mut self, ends: (Option<EdgeEnd>, Option<EdgeEnd>), kind: EdgeKind) {
         if let (Some(from), Some(to)) = ends {
-            self.picture.edges.push(Edge { from, to, kind });
+            self.picture.edges.push(PictureEdge { from, to, kind });
         }
     }
 
     /// Somebody outside of the composite.
-    fn outside(&mut self, name: String) -> Option<Place> {
+    fn outside(&mut self, name: String) -> Option<EdgeEnd> {
         let node = self.picture.nodes.len();
-        self.picture.nodes.push(plain(0, Kind::Outside, name));
-        Some(Place { node, port: None })
+        self.picture
+            .nodes
+            .push(plain(0, PictureNodeKind::Outside, name));
+        Some(EdgeEnd { node, port: None })
     }
 
-    fn left(&self, end: &End) -> Option<Place> {
+    fn left(&self, end: &End) -> Option<EdgeEnd> {
         self.place(end, |node| &node.left)
     }
 
-    fn right(&self, end: &End) -> Option<Place> {
+    fn right(&self, end: &End) -> Option<EdgeEnd> {
         self.place(end, |node| &node.right)
     }
 
-    fn place(&self, end: &End, side: impl Fn(&Node) -> &Vec<Port>) -> Option<Place> {
+    fn place(
+        &self,
+        end: &End,
+        side: impl Fn(&PictureNode) -> &Vec<PicturePort>,
+    ) -> Option<EdgeEnd> {
         let node = *self.components.get(end.component.as_str())?;
         let ports = side(self.picture.nodes.get(node)?);
         let port = ports.iter().position(|port| port.name == end.name);
-        Some(Place { node, port })
+        Some(EdgeEnd { node, port })
     }
 
     /// Services, references and ports that the outside sees.
@@ -316,10 +322,10 @@ impl<'d> Draft<'d> {
                 name: name.to_owned(),
             };
             let kind = match promoted.what {
-                "service" | "reference" => Line::Call,
-                _ => Line::Flow,
+                "service" | "reference" => EdgeKind::Call,
+                _ => EdgeKind::Flow,
             };
-            let has = |place: Option<Place>| place.filter(|place| place.port.is_some());
+            let has = |place: Option<EdgeEnd>| place.filter(|place| place.port.is_some());
             let (left, right) = (has(self.left(&end)), has(self.right(&end)));
             if left.is_none() && right.is_none() {
                 continue;
@@ -336,8 +342,8 @@ impl<'d> Draft<'d> {
 }
 
 /// A box without ports.
-fn plain(frame: usize, kind: Kind, name: String) -> Node {
-    Node {
+fn plain(frame: usize, kind: PictureNodeKind, name: String) -> PictureNode {
+    PictureNode {
         frame,
         kind,
         name,

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::layout::{self, Area, HEAD, Layout, Point, ROW, text_width};
-use crate::picture::{Kind, Line, Node, Picture, Port};
+use crate::layout::{self, HEAD, LinePoint, PictureLayout, ROW, Rectangle, text_width};
+use crate::picture::{EdgeKind, Picture, PictureNode, PictureNodeKind, PicturePort};
 
 /// The colours of processes.
 pub(crate) const FILLS: [&str; 6] = [
@@ -54,7 +54,7 @@ pub(crate) fn write(picture: &Picture) -> String {
     out
 }
 
-fn frames(picture: &Picture, layout: &Layout, out: &mut String) {
+fn frames(picture: &Picture, layout: &PictureLayout, out: &mut String) {
     for (index, frame) in picture.frames.iter().enumerate() {
         let Some(area) = layout.frames.get(&index) else {
             continue;
@@ -73,14 +73,14 @@ fn frames(picture: &Picture, layout: &Layout, out: &mut String) {
     }
 }
 
-fn lines(picture: &Picture, layout: &Layout, out: &mut String) {
+fn lines(picture: &Picture, layout: &PictureLayout, out: &mut String) {
     for (index, edge) in picture.edges.iter().enumerate() {
         let Some(points) = layout.lines.get(&index) else {
             continue;
         };
         let (colour, dashes) = match edge.kind {
-            Line::Call => (CALL, ""),
-            Line::Flow => (FLOW, ""),
+            EdgeKind::Call => (CALL, ""),
+            EdgeKind::Flow => (FLOW, ""),
         };
         let _ = writeln!(
             out,
@@ -88,7 +88,7 @@ fn lines(picture: &Picture, layout: &Layout, out: &mut String) {
             path(points)
         );
         if let Some(tip) = points.last() {
-            let Point { x, y, .. } = tip;
+            let LinePoint { x, y, .. } = tip;
             let _ = writeln!(
                 out,
                 "<path d=\"M{} {}l-7 -3.6v7.2z\" fill=\"{colour}\"/>",
@@ -105,11 +105,11 @@ fn back(port: bool) -> f64 {
 }
 
 /// A curve through the points, level at each of them.
-fn path(points: &[Point]) -> String {
+fn path(points: &[LinePoint]) -> String {
     let mut path = String::new();
-    let mut previous: Option<Point> = None;
+    let mut previous: Option<LinePoint> = None;
     for point in points {
-        let Point { x, y, backwards } = *point;
+        let LinePoint { x, y, backwards } = *point;
         let Some(last) = previous.replace(*point) else {
             let _ = write!(path, "M{x} {y}");
             continue;
@@ -126,7 +126,7 @@ fn path(points: &[Point]) -> String {
             true => turn(last.y, y),
             false => ((x - last.x).abs() / 2.0).max(12.0),
         };
-        let control = |point: Point, leaves: bool| {
+        let control = |point: LinePoint, leaves: bool| {
             let right = leaves != point.backwards;
             if right {
                 point.x + reach
@@ -145,13 +145,13 @@ fn turn(from: f64, to: f64) -> f64 {
     16.0 + ((to - from).abs() * 0.12).min(22.0)
 }
 
-fn node(node: &Node, area: Area, out: &mut String) {
+fn node(node: &PictureNode, area: Rectangle, out: &mut String) {
     match node.kind {
-        Kind::Component => component(node, area, out),
-        Kind::Topic | Kind::OpenTopic => {
+        PictureNodeKind::Component => component(node, area, out),
+        PictureNodeKind::Topic | PictureNodeKind::OpenTopic => {
             rect(area, 5.0, TOPIC, "#5f9a5f", out);
-            if node.kind == Kind::OpenTopic {
-                let inner = Area {
+            if node.kind == PictureNodeKind::OpenTopic {
+                let inner = Rectangle {
                     x: area.x + 3.0,
                     y: area.y + 3.0,
                     width: area.width - 6.0,
@@ -169,8 +169,8 @@ fn node(node: &Node, area: Area, out: &mut String) {
                 out,
             );
         }
-        Kind::Outside => {
-            let Area {
+        PictureNodeKind::Outside => {
+            let Rectangle {
                 x,
                 y,
                 width,
@@ -196,7 +196,7 @@ fn node(node: &Node, area: Area, out: &mut String) {
     }
 }
 
-fn component(node: &Node, area: Area, out: &mut String) {
+fn component(node: &PictureNode, area: Rectangle, out: &mut String) {
     let fill = node
         .process
         .map_or(FILLS[0], |process| FILLS[process % FILLS.len()]);
@@ -222,7 +222,7 @@ fn component(node: &Node, area: Area, out: &mut String) {
 }
 
 /// A service is a green chevron, a reference a purple one; a port is a square.
-fn sign(x: f64, y: f64, port: &Port, left: bool, out: &mut String) {
+fn sign(x: f64, y: f64, port: &PicturePort, left: bool, out: &mut String) {
     let _ = match (port.service, left) {
         (true, left) => {
             let fill = if left { "#7fbf7b" } else { "#b39ad0" };
@@ -248,7 +248,7 @@ fn legend(picture: &Picture, y: f64) -> (String, f64) {
     let mut out = String::new();
     let mut x = 4.0;
     for (index, process) in picture.processes.iter().enumerate() {
-        let area = Area {
+        let area = Rectangle {
             x,
             y: y - 8.0,
             width: 16.0,
@@ -265,12 +265,12 @@ fn legend(picture: &Picture, y: f64) -> (String, f64) {
         (false, false, "output"),
     ];
     for (service, left, name) in signs {
-        let has = |node: &Node| {
+        let has = |node: &PictureNode| {
             let side = if left { &node.left } else { &node.right };
             side.iter().any(|port| port.service == service)
         };
         if picture.nodes.iter().any(has) {
-            let port = Port {
+            let port = PicturePort {
                 name: String::new(),
                 service,
             };
@@ -278,15 +278,18 @@ fn legend(picture: &Picture, y: f64) -> (String, f64) {
             x = caption(x + 18.0, y, name, &mut out);
         }
     }
-    for (kind, name) in [(Kind::Topic, "topic"), (Kind::OpenTopic, "topic, promoted")] {
+    for (kind, name) in [
+        (PictureNodeKind::Topic, "topic"),
+        (PictureNodeKind::OpenTopic, "topic, promoted"),
+    ] {
         if picture.nodes.iter().any(|node| node.kind == kind) {
-            let area = Area {
+            let area = Rectangle {
                 x,
                 y: y - 8.0,
                 width: 22.0,
                 height: 16.0,
             };
-            let sample = Node {
+            let sample = PictureNode {
                 frame: 0,
                 kind,
                 name: String::new(),
@@ -307,8 +310,8 @@ fn caption(x: f64, y: f64, name: &str, out: &mut String) -> f64 {
     x + text_width(name, 11.0) + 22.0
 }
 
-fn rect(area: Area, radius: f64, fill: &str, stroke: &str, out: &mut String) {
-    let Area {
+fn rect(area: Rectangle, radius: f64, fill: &str, stroke: &str, out: &mut String) {
+    let Rectangle {
         x,
         y,
         width,
@@ -328,7 +331,15 @@ fn text(x: f64, y: f64, size: f64, fill: &str, weight: &str, words: &str, out: &
     );
 }
 
-fn centred(area: Area, y: f64, size: f64, fill: &str, weight: &str, words: &str, out: &mut String) {
+fn centred(
+    area: Rectangle,
+    y: f64,
+    size: f64,
+    fill: &str,
+    weight: &str,
+    words: &str,
+    out: &mut String,
+) {
     let words = escaped(words);
     let _ = writeln!(
         out,

@@ -17,8 +17,8 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
 
-use crate::Service;
-use crate::reception::Reception;
+use crate::GatewayService;
+use crate::handler::RequestHandler;
 
 /// How long calls under way may take to end when the gateway closes.
 const DRAIN: Duration = Duration::from_secs(2);
@@ -27,7 +27,7 @@ const REST: Duration = Duration::from_millis(50);
 
 /// Where a gateway listens, and what it bears.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Settings {
+pub struct GatewaySettings {
     /// Where; port 0 is a free one.
     pub listen: SocketAddr,
     /// How many may be connected at once; more wait until one leaves.
@@ -38,7 +38,7 @@ pub struct Settings {
     pub patience: Duration,
 }
 
-impl Settings {
+impl GatewaySettings {
     /// The usual ones: 64 callers, arguments of a megabyte, ten seconds.
     pub fn at(listen: SocketAddr) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Settings {
 
 /// Why a gateway cannot open.
 #[derive(Debug, thiserror::Error)]
-pub enum GatewayError {
+pub enum GatewayCheckError {
     /// Nothing can listen there.
     #[error("nothing can listen at {at}: {reason}")]
     Listen {
@@ -80,24 +80,24 @@ impl Gateway {
     /// # Errors
     /// Nothing can listen there.
     pub fn open(
-        settings: Settings,
-        services: Vec<Service>,
+        settings: GatewaySettings,
+        services: Vec<GatewayService>,
         bus: Arc<dyn Bus>,
-    ) -> Result<Self, GatewayError> {
+    ) -> Result<Self, GatewayCheckError> {
         let at = settings.listen;
-        let listen = |reason| GatewayError::Listen { at, reason };
+        let listen = |reason| GatewayCheckError::Listen { at, reason };
         let listener = std::net::TcpListener::bind(at).map_err(listen)?;
         listener.set_nonblocking(true).map_err(listen)?;
         let address = listener.local_addr().map_err(listen)?;
         let runtime = Builder::new_current_thread()
             .enable_all()
             .build()
-            .map_err(GatewayError::Thread)?;
+            .map_err(GatewayCheckError::Thread)?;
         let listener = {
             let _inside = runtime.enter();
             TcpListener::from_std(listener).map_err(listen)?
         };
-        let reception = Arc::new(Reception {
+        let reception = Arc::new(RequestHandler {
             services,
             bus,
             settings,
@@ -106,7 +106,7 @@ impl Gateway {
         let thread = std::thread::Builder::new()
             .name("http".to_owned())
             .spawn(move || runtime.block_on(listen_until(ended, listener, reception)))
-            .map_err(GatewayError::Thread)?;
+            .map_err(GatewayCheckError::Thread)?;
         Ok(Self {
             address,
             end,
@@ -134,7 +134,7 @@ impl Drop for Gateway {
 async fn listen_until(
     mut ended: watch::Receiver<bool>,
     listener: TcpListener,
-    reception: Arc<Reception>,
+    reception: Arc<RequestHandler>,
 ) {
     let places = Arc::new(Semaphore::new(reception.settings.max_connections.max(1)));
     let mut callers = JoinSet::new();
@@ -160,16 +160,16 @@ async fn listen_until(
 }
 
 /// Who is connected, and has a place.
-struct Caller {
+struct HttpConnection {
     stream: TcpStream,
     from: SocketAddr,
     _place: OwnedSemaphorePermit,
 }
 
-async fn next(listener: &TcpListener, places: &Arc<Semaphore>) -> Option<Caller> {
+async fn next(listener: &TcpListener, places: &Arc<Semaphore>) -> Option<HttpConnection> {
     let place = Arc::clone(places).acquire_owned().await.ok()?;
     let (stream, from) = listener.accept().await.ok()?;
-    Some(Caller {
+    Some(HttpConnection {
         stream,
         from,
         _place: place,
@@ -177,7 +177,11 @@ async fn next(listener: &TcpListener, places: &Arc<Semaphore>) -> Option<Caller>
 }
 
 /// Answers a caller until it leaves. One that leaves has taken its call back: the future of its answer is dropped.
-async fn serve(caller: Caller, reception: Arc<Reception>, mut ended: watch::Receiver<bool>) {
+async fn serve(
+    caller: HttpConnection,
+    reception: Arc<RequestHandler>,
+    mut ended: watch::Receiver<bool>,
+) {
     let (from, patience) = (caller.from, reception.settings.patience);
     let service = service_fn(|asked| {
         let reception = Arc::clone(&reception);

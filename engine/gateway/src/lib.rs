@@ -4,14 +4,14 @@
 //! and its typed end; who hangs up has taken the call back. What can be called it says itself, with the JSON Schema of
 //! everything (`GET /services`). `docs/wire.md` describes all of it for callers.
 
-mod answer;
 mod call;
 mod gateway;
+mod handler;
+mod listing;
+mod parameters;
 mod problem;
-mod question;
-mod reception;
+mod response;
 mod service;
-mod shown;
 
-pub use gateway::{Gateway, GatewayError, Settings};
-pub use service::{Operation, Service};
+pub use gateway::{Gateway, GatewayCheckError, GatewaySettings};
+pub use service::{GatewayOperation, GatewayService};

@@ -8,7 +8,7 @@ use asmotion_datum::DatumError;
 use hyper::{StatusCode, header};
 use serde_json::json;
 
-use crate::answer::{self, Answer};
+use crate::response::{self, HttpResponse};
 
 /// Why a request has no result.
 #[derive(Debug, PartialEq, thiserror::Error)]
@@ -128,7 +128,7 @@ impl Problem {
     }
 
     /// As it is sent.
-    pub(crate) fn response(&self) -> Answer {
+    pub(crate) fn response(&self) -> HttpResponse {
         let status = self.status();
         let mut details = json!({
             "status": status.as_u16(),
@@ -139,7 +139,7 @@ impl Problem {
         if let Some(help) = self.help() {
             details["help"] = help.into();
         }
-        let mut response = answer::json(status, details.to_string());
+        let mut response = response::json(status, details.to_string());
         let kind = header::HeaderValue::from_static("application/problem+json");
         response.headers_mut().insert(header::CONTENT_TYPE, kind);
         if let Self::Method { allowed } = self {

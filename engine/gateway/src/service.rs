@@ -6,7 +6,7 @@ use asmotion_datum::Schema;
 
 /// A service that can be called through a gateway.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Service {
+pub struct GatewayService {
     /// Its name, outside and on the bus: operation `getMap` of `maps` is served at the address `maps.getMap`.
     pub name: String,
     /// Its interface: `nav/MapService`.
@@ -14,12 +14,12 @@ pub struct Service {
     /// How long a call may take whose caller does not say.
     pub timeout: Duration,
     /// Its operations.
-    pub operations: Vec<Operation>,
+    pub operations: Vec<GatewayOperation>,
 }
 
 /// An operation of a service.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Operation {
+pub struct GatewayOperation {
     /// Its name.
     pub name: String,
     /// What is asked.

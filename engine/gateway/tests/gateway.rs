@@ -10,9 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use asmotion_bus::{Bus, Call, Local, Notifier, Payload, Refusal};
+use asmotion_bus::{Bus, IncomingCall, LocalBus, Notifier, Payload, Refusal};
 use asmotion_datum::{Datum, Message, Schema, Shape};
-use asmotion_gateway::{Gateway, Operation, Service, Settings};
+use asmotion_gateway::{Gateway, GatewayOperation, GatewayService, GatewaySettings};
 use client::{Client, Said};
 use serde_json::json;
 
@@ -52,10 +52,10 @@ struct Open {
 
 impl Open {
     fn new(
-        change: impl FnOnce(&mut Settings),
-        mut take: impl FnMut(Call) + Send + 'static,
+        change: impl FnOnce(&mut GatewaySettings),
+        mut take: impl FnMut(IncomingCall) + Send + 'static,
     ) -> Self {
-        let bus = Local::new();
+        let bus = LocalBus::new();
         let notifier = Arc::new(Notifier::new());
         let serving = ["get", "tell", "any"].map(|operation| {
             let address = format!("maps.{operation}");
@@ -67,12 +67,12 @@ impl Open {
             while !end.load(Ordering::Relaxed) {
                 serving
                     .iter()
-                    .filter_map(asmotion_bus::Serving::try_next)
+                    .filter_map(asmotion_bus::ServedAddress::try_next)
                     .for_each(&mut take);
                 notifier.wait(Duration::from_millis(5));
             }
         });
-        let mut settings = Settings::at("127.0.0.1:0".parse().unwrap());
+        let mut settings = GatewaySettings::at("127.0.0.1:0".parse().unwrap());
         change(&mut settings);
         let gateway = Gateway::open(settings, vec![maps(), empty()], Arc::new(bus)).unwrap();
         Self {
@@ -95,14 +95,14 @@ impl Drop for Open {
     }
 }
 
-fn maps() -> Service {
-    let operation = |name: &str, request: Schema, one_way| Operation {
+fn maps() -> GatewayService {
+    let operation = |name: &str, request: Schema, one_way| GatewayOperation {
         name: name.to_owned(),
         request,
         response: Reply::schema().clone(),
         one_way,
     };
-    Service {
+    GatewayService {
         name: "maps".to_owned(),
         interface: "test/Maps".to_owned(),
         timeout: 20 * SECOND,
@@ -115,15 +115,15 @@ fn maps() -> Service {
 }
 
 /// Nobody serves it.
-fn empty() -> Service {
-    Service {
+fn empty() -> GatewayService {
+    GatewayService {
         name: "plans".to_owned(),
         ..maps()
     }
 }
 
 /// Answers with what was asked.
-fn echo(call: Call) {
+fn echo(call: IncomingCall) {
     let asked: Result<Question, _> = call.argument.read();
     call.reply(match asked {
         Ok(asked) => Ok(Payload::of(Reply {
@@ -138,7 +138,7 @@ fn echo(call: Call) {
 }
 
 /// Keeps its callers waiting.
-fn silent() -> impl FnMut(Call) + Send {
+fn silent() -> impl FnMut(IncomingCall) + Send {
     let mut kept = Vec::new();
     move |call| kept.push(call)
 }
@@ -378,7 +378,7 @@ fn it_says_what_can_be_called_and_with_what() {
 
 #[test]
 fn it_bears_no_more_than_it_was_told_to() {
-    let limits = |settings: &mut Settings| {
+    let limits = |settings: &mut GatewaySettings| {
         settings.max_body = 100;
         settings.max_connections = 1;
         settings.patience = Duration::from_millis(300);

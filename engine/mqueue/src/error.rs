@@ -2,9 +2,9 @@
 
 /// Why a type has no form in this transport.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum LayoutError {
+pub enum UnsupportedTypeError {
     /// Something that is written as a pointer, or not at all.
-    #[error("{}{what} has no form in a message queue", Place(path))]
+    #[error("{}{what} has no form in a message queue", FieldPathPrefix(path))]
     NoForm {
         /// Path of field names to it.
         path: String,
@@ -12,7 +12,10 @@ pub enum LayoutError {
         what: String,
     },
     /// Many of what has no bytes: how many could not be checked.
-    #[error("{}many of {what} take no bytes, however many there are", Place(path))]
+    #[error(
+        "{}many of {what} take no bytes, however many there are",
+        FieldPathPrefix(path)
+    )]
     Nothing {
         /// Path of field names to it.
         path: String,
@@ -23,7 +26,7 @@ pub enum LayoutError {
 
 /// Why a queue cannot be opened.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum QueueError {
+pub enum QueueCheckError {
     /// No name of a queue.
     #[error("`{name}` is no name of a queue; one is a `/` and up to 255 characters that are none")]
     Name {
@@ -120,9 +123,9 @@ pub enum QueueError {
 }
 
 /// `pose.name: ` in front of a problem, or nothing for the whole.
-struct Place<'a>(&'a str);
+struct FieldPathPrefix<'a>(&'a str);
 
-impl std::fmt::Display for Place<'_> {
+impl std::fmt::Display for FieldPathPrefix<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.0 {
             "" => Ok(()),

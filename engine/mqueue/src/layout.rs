@@ -2,24 +2,24 @@
 
 use asmotion_datum::{Schema, Shape};
 
-use crate::LayoutError;
+use crate::UnsupportedTypeError;
 
 /// A type that passes through a queue. Scalars are raw, in this machine's width and byte order; a list is a count of 64
 /// bits and its elements; an array is its elements; a record is one field after the other, without padding.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
+pub struct QueueLayout {
     schema: Schema,
     /// Bytes with all lists empty.
     least: usize,
     has_lists: bool,
 }
 
-impl Layout {
+impl QueueLayout {
     /// The layout of a type.
     ///
     /// # Errors
     /// It has none: text, options and what is known at run time only are not written.
-    pub fn of(schema: &Schema) -> Result<Self, LayoutError> {
+    pub fn of(schema: &Schema) -> Result<Self, UnsupportedTypeError> {
         examine(schema, "")?;
         Ok(Self {
             least: least(&schema.shape),
@@ -45,16 +45,16 @@ impl Layout {
 }
 
 /// Finds what has no form.
-fn examine(schema: &Schema, path: &str) -> Result<(), LayoutError> {
+fn examine(schema: &Schema, path: &str) -> Result<(), UnsupportedTypeError> {
     match &schema.shape {
-        Shape::Any | Shape::Text | Shape::Option(_) => Err(LayoutError::NoForm {
+        Shape::Any | Shape::Text | Shape::Option(_) => Err(UnsupportedTypeError::NoForm {
             path: path.to_owned(),
             what: schema.to_string(),
         }),
         Shape::List(element) | Shape::Array(element, _) => {
             examine(element, path)?;
             match least(&element.shape) {
-                0 => Err(LayoutError::Nothing {
+                0 => Err(UnsupportedTypeError::Nothing {
                     path: path.to_owned(),
                     what: element.to_string(),
                 }),

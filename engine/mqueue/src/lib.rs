@@ -31,8 +31,8 @@ mod reader;
 mod wire;
 mod writer;
 
-pub use error::{LayoutError, QueueError};
-pub use layout::Layout;
-pub use name::Name;
-pub use reader::{First, Reader};
-pub use writer::{Keep, Room, Writer};
+pub use error::{QueueCheckError, UnsupportedTypeError};
+pub use layout::QueueLayout;
+pub use name::QueueName;
+pub use reader::{FirstMessage, QueueReader};
+pub use writer::{FullQueuePolicy, QueueCapacity, QueueWriter};

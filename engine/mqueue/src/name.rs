@@ -2,21 +2,21 @@
 
 use std::fmt;
 
-use crate::QueueError;
+use crate::QueueCheckError;
 
 /// The name of a queue, `/jointStatus`: a slash, and something without slashes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Name(String);
+pub struct QueueName(String);
 
 /// What the kernel takes, the slash left out.
 const LONGEST: usize = 255;
 
-impl Name {
+impl QueueName {
     /// A name.
     ///
     /// # Errors
     /// It is none.
-    pub fn new(name: &str) -> Result<Self, QueueError> {
+    pub fn new(name: &str) -> Result<Self, QueueCheckError> {
         match name.strip_prefix('/') {
             Some(rest)
                 if !rest.is_empty()
@@ -27,7 +27,7 @@ impl Name {
             {
                 Ok(Self(name.to_owned()))
             }
-            _ => Err(QueueError::Name {
+            _ => Err(QueueCheckError::Name {
                 name: name.to_owned(),
             }),
         }
@@ -40,7 +40,7 @@ impl Name {
 }
 
 /// As it is written in a composite: `mqueue:/jointStatus`.
-impl fmt::Display for Name {
+impl fmt::Display for QueueName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "mqueue:{}", self.0)
     }
@@ -48,14 +48,14 @@ impl fmt::Display for Name {
 
 #[cfg(test)]
 mod tests {
-    use super::Name;
+    use super::QueueName;
 
     #[test]
     fn a_name_is_a_slash_and_something_without() {
-        assert!(Name::new("/jointStatus").is_ok());
+        assert!(QueueName::new("/jointStatus").is_ok());
         for wrong in ["", "/", "jointStatus", "/a/b", "//", "/..", "/a\0b"] {
-            assert!(Name::new(wrong).is_err(), "{wrong:?}");
+            assert!(QueueName::new(wrong).is_err(), "{wrong:?}");
         }
-        assert!(Name::new(&format!("/{}", "a".repeat(256))).is_err());
+        assert!(QueueName::new(&format!("/{}", "a".repeat(256))).is_err());
     }
 }

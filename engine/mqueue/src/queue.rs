@@ -1,4 +1,4 @@
-//! Queues of the Linux kernel. Nothing here waits, but [`Queue::wait`].
+//! Queues of the Linux kernel. Nothing here waits, but [`KernelQueue::wait`].
 
 use std::os::fd::AsFd;
 use std::time::Duration;
@@ -12,11 +12,11 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, getrlimit};
 use nix::sys::stat::{Mode, fstat};
 
-use crate::{Name, QueueError, Room};
+use crate::{QueueCapacity, QueueCheckError, QueueName};
 
 /// An open queue; closed when it is dropped.
-pub(crate) struct Queue {
-    name: Name,
+pub(crate) struct KernelQueue {
+    name: QueueName,
     /// Absent only while it is being closed.
     descriptor: Option<MqdT>,
     /// The largest message it takes, in bytes.
@@ -25,14 +25,14 @@ pub(crate) struct Queue {
 
 /// What became of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pushed {
+pub(crate) enum SendOutcome {
     Stored,
     Full,
 }
 
-impl Queue {
+impl KernelQueue {
     /// Opens a queue to write to it, and makes it if there is none. Who writes may read, too: to take out the oldest.
-    pub(crate) fn create(name: &Name, room: Room) -> Result<Self, QueueError> {
+    pub(crate) fn create(name: &QueueName, room: QueueCapacity) -> Result<Self, QueueCheckError> {
         let member =
             |number: usize| mq_attr_member_t::try_from(number).unwrap_or(mq_attr_member_t::MAX);
         let attributes = MqAttr::new(0, member(room.messages), member(room.size), 0);
@@ -41,18 +41,18 @@ impl Queue {
     }
 
     /// Opens a queue to read from it; `None` as long as there is none.
-    pub(crate) fn find(name: &Name) -> Result<Option<Self>, QueueError> {
+    pub(crate) fn find(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
         match Self::open(name, MQ_OFlag::O_RDONLY, None) {
             Ok(queue) => Ok(Some(queue)),
             Err(Errno::ENOENT) => Ok(None),
-            Err(Errno::EACCES) => Err(QueueError::Denied {
+            Err(Errno::EACCES) => Err(QueueCheckError::Denied {
                 queue: name.to_string(),
             }),
             Err(errno) => Err(system(name, errno)),
         }
     }
 
-    fn open(name: &Name, flags: MQ_OFlag, attributes: Option<&MqAttr>) -> Result<Self, Errno> {
+    fn open(name: &QueueName, flags: MQ_OFlag, attributes: Option<&MqAttr>) -> Result<Self, Errno> {
         let flags = flags | MQ_OFlag::O_NONBLOCK | MQ_OFlag::O_CLOEXEC;
         let descriptor = mq_open(
             name.as_str(),
@@ -80,11 +80,11 @@ impl Queue {
     }
 
     /// Puts a message in, if there is room.
-    pub(crate) fn push(&self, message: &[u8]) -> Result<Pushed, QueueError> {
+    pub(crate) fn push(&self, message: &[u8]) -> Result<SendOutcome, QueueCheckError> {
         match self.descriptor().and_then(|open| mq_send(open, message, 0)) {
-            Ok(()) => Ok(Pushed::Stored),
-            Err(Errno::EAGAIN) => Ok(Pushed::Full),
-            Err(Errno::EMSGSIZE) => Err(QueueError::Smaller {
+            Ok(()) => Ok(SendOutcome::Stored),
+            Err(Errno::EAGAIN) => Ok(SendOutcome::Full),
+            Err(Errno::EMSGSIZE) => Err(QueueCheckError::Smaller {
                 queue: self.name.to_string(),
                 takes: self.size,
                 size: message.len(),
@@ -94,7 +94,7 @@ impl Queue {
     }
 
     /// Takes the oldest message out, if there is one; says how many bytes it has.
-    pub(crate) fn pop(&self, buffer: &mut [u8]) -> Result<Option<usize>, QueueError> {
+    pub(crate) fn pop(&self, buffer: &mut [u8]) -> Result<Option<usize>, QueueCheckError> {
         let mut priority = 0;
         let received = (self.descriptor()).and_then(|open| mq_receive(open, buffer, &mut priority));
         match received {
@@ -126,7 +126,7 @@ impl Queue {
     }
 }
 
-impl Drop for Queue {
+impl Drop for KernelQueue {
     fn drop(&mut self) {
         if let Some(descriptor) = self.descriptor.take() {
             // nothing to be done about one that does not close
@@ -135,31 +135,31 @@ impl Drop for Queue {
     }
 }
 
-fn system(name: &Name, errno: Errno) -> QueueError {
-    QueueError::System {
+fn system(name: &QueueName, errno: Errno) -> QueueCheckError {
+    QueueCheckError::System {
         queue: name.to_string(),
         reason: errno.desc().to_lowercase(),
     }
 }
 
 /// Why a queue was not made: the kernel says little, so its limits are looked up.
-fn refusal(name: &Name, room: Room, errno: Errno) -> QueueError {
+fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckError {
     let queue = name.to_string();
     let limit = |which: &str| -> Option<usize> {
         let text = std::fs::read_to_string(format!("/proc/sys/fs/mqueue/{which}")).ok()?;
         text.trim().parse().ok()
     };
     match errno {
-        Errno::EACCES => QueueError::Denied { queue },
-        Errno::ENOSPC => QueueError::NoMore { queue },
+        Errno::EACCES => QueueCheckError::Denied { queue },
+        Errno::ENOSPC => QueueCheckError::NoMore { queue },
         Errno::EINVAL | Errno::ENOMEM | Errno::EOVERFLOW => {
             match (limit("msg_max"), limit("msgsize_max")) {
-                (Some(limit), _) if room.messages > limit => QueueError::TooMany {
+                (Some(limit), _) if room.messages > limit => QueueCheckError::TooMany {
                     queue,
                     asked: room.messages,
                     limit,
                 },
-                (_, Some(limit)) if room.size > limit => QueueError::TooLarge {
+                (_, Some(limit)) if room.size > limit => QueueCheckError::TooLarge {
                     queue,
                     asked: room.size,
                     limit,
@@ -170,7 +170,7 @@ fn refusal(name: &Name, room: Room, errno: Errno) -> QueueError {
         // this is how the kernel says that the user's queues are too large
         Errno::EMFILE => match getrlimit(Resource::RLIMIT_MSGQUEUE) {
             Ok((limit, _)) if room.messages.saturating_mul(room.size) as u64 > limit / 2 => {
-                QueueError::NoRoom {
+                QueueCheckError::NoRoom {
                     queue,
                     asked: room.messages.saturating_mul(room.size),
                     limit,

@@ -7,13 +7,13 @@ use std::time::Duration;
 use asmotion_datum::{Datum, DatumError, Sample};
 use asmotion_runtime::Source;
 
-use crate::queue::Queue;
+use crate::queue::KernelQueue;
 use crate::writer::told;
-use crate::{Layout, Name};
+use crate::{QueueLayout, QueueName};
 
 /// What the first message of a queue is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum First {
+pub enum FirstMessage {
     /// A sample that shows the reader what samples are like, as RTT sends it: no data.
     Shape,
     /// Data, like those after it.
@@ -21,17 +21,17 @@ pub enum First {
 }
 
 /// Reads messages. The writer makes the queue; as long as there is none, and when it was removed, one is looked for.
-pub struct Reader {
-    name: Name,
-    layout: Layout,
-    first: First,
-    queue: Option<Open>,
+pub struct QueueReader {
+    name: QueueName,
+    layout: QueueLayout,
+    first: FirstMessage,
+    queue: Option<OpenQueue>,
     /// What was wrong the last time a queue was looked for, so that it is told once.
     problem: Option<DatumError>,
 }
 
-struct Open {
-    queue: Queue,
+struct OpenQueue {
+    queue: KernelQueue,
     buffer: Vec<u8>,
     /// Whether nothing was read from it.
     fresh: bool,
@@ -40,9 +40,9 @@ struct Open {
 /// How often a queue is looked for.
 const SEARCH: Duration = Duration::from_millis(50);
 
-impl Reader {
+impl QueueReader {
     /// A reader of a queue that need not be there yet.
-    pub fn new(name: Name, layout: Layout, first: First) -> Self {
+    pub fn new(name: QueueName, layout: QueueLayout, first: FirstMessage) -> Self {
         Self {
             name,
             layout,
@@ -67,7 +67,7 @@ impl Reader {
                 let fresh = std::mem::replace(&mut open.fresh, false);
                 let message = self.layout.decode(open.buffer.get(..bytes).unwrap_or(&[]));
                 match (message, self.first) {
-                    (Ok(_), First::Shape) if fresh => None,
+                    (Ok(_), FirstMessage::Shape) if fresh => None,
                     (message, _) => Some(message),
                 }
             }
@@ -86,10 +86,10 @@ impl Reader {
 
     /// Looks for the queue; a problem that is new is told.
     fn search(&mut self, at_most: Duration) -> Option<DatumError> {
-        match Queue::find(&self.name) {
+        match KernelQueue::find(&self.name) {
             Ok(Some(queue)) => {
                 self.problem = None;
-                self.queue = Some(Open {
+                self.queue = Some(OpenQueue {
                     buffer: vec![0; queue.size()],
                     queue,
                     fresh: true,
@@ -110,19 +110,19 @@ impl Reader {
     }
 }
 
-impl Open {
+impl OpenQueue {
     fn read(&mut self) -> Result<Option<usize>, DatumError> {
         self.queue.pop(&mut self.buffer).map_err(told)
     }
 }
 
-impl Source for Reader {
+impl Source for QueueReader {
     fn name(&self) -> String {
         self.name.to_string()
     }
 
     fn next(&mut self, at_most: Duration) -> Option<Result<Arc<dyn Sample>, DatumError>> {
-        let message = Reader::next(self, at_most)?;
+        let message = QueueReader::next(self, at_most)?;
         Some(message.map(|datum| Arc::new(datum) as Arc<dyn Sample>))
     }
 }

@@ -1,11 +1,11 @@
 //! Messages as bytes, and back.
 
-use asmotion_datum::{Datum, DatumError, Numbers, Problem, Schema, Shape};
+use asmotion_datum::{Datum, DatumError, DatumProblem, Numbers, Schema, Shape};
 
-use crate::Layout;
+use crate::QueueLayout;
 use crate::layout::least;
 
-impl Layout {
+impl QueueLayout {
     /// Writes a message after what is there. Fields that are left out are zero, false, empty.
     ///
     /// # Errors
@@ -40,12 +40,12 @@ impl Layout {
 
 fn malformed(reason: String) -> DatumError {
     let codec = "message queue data";
-    DatumError::new(Problem::Malformed { codec, reason })
+    DatumError::new(DatumProblem::Malformed { codec, reason })
 }
 
 fn mismatch(schema: &Schema, datum: &Datum) -> DatumError {
     let problem = format!("{schema} is wanted, and this is {}", datum.kind());
-    DatumError::new(Problem::Mismatch(problem))
+    DatumError::new(DatumProblem::Mismatch(problem))
 }
 
 fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), DatumError> {
@@ -56,7 +56,7 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
                 Some(datum) => datum.as_int().ok_or_else(|| mismatch(schema, datum))?,
             };
             let value = <$type>::try_from(value).map_err(|_| {
-                DatumError::new(Problem::Mismatch(format!("{value} is no {schema}")))
+                DatumError::new(DatumProblem::Mismatch(format!("{value} is no {schema}")))
             })?;
             out.extend(value.to_ne_bytes());
         }};
@@ -107,7 +107,7 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
                 Some(given) if given == *count => put_all(element, datum, given, out)?,
                 Some(given) => {
                     let problem = format!("{schema} is wanted, and these are {given}");
-                    return Err(DatumError::new(Problem::Mismatch(problem)));
+                    return Err(DatumError::new(DatumProblem::Mismatch(problem)));
                 }
             },
         },
@@ -185,7 +185,7 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
             let value = <$type>::from_ne_bytes(chunk(schema, rest)?);
             i64::try_from(value)
                 .map(Datum::Int)
-                .map_err(|_| DatumError::new(Problem::IntegerTooBig(value.to_string())))
+                .map_err(|_| DatumError::new(DatumProblem::IntegerTooBig(value.to_string())))
         }};
     }
     match &schema.shape {
@@ -305,7 +305,7 @@ mod tests {
 
     fn encode(datum: &Datum) -> Result<Vec<u8>, DatumError> {
         let mut out = Vec::new();
-        Layout::of(Outer::schema())
+        QueueLayout::of(Outer::schema())
             .unwrap()
             .encode(datum, &mut out)?;
         Ok(out)
@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn text_has_no_form() {
-        let refused = Layout::of(Named::schema()).unwrap_err().to_string();
+        let refused = QueueLayout::of(Named::schema()).unwrap_err().to_string();
         assert!(
             refused.starts_with("`inner.name`: string has no form"),
             "{refused}"
@@ -366,7 +366,7 @@ mod tests {
 
     #[test]
     fn a_count_beyond_the_message_takes_no_memory() {
-        let layout = Layout::of(&Schema::many(Schema::plain(Shape::F64), None)).unwrap();
+        let layout = QueueLayout::of(&Schema::many(Schema::plain(Shape::F64), None)).unwrap();
         let problem = layout.decode(&u64::MAX.to_ne_bytes()).unwrap_err();
         assert!(
             problem.to_string().contains("0 bytes are left"),
@@ -390,13 +390,13 @@ mod tests {
             let inner = inner.into_iter().map(|(flag, small, big)| Inner { flag, small, big }).collect();
             let written = Outer { ready, level, position, errors, bytes, inner, limits };
             let bytes = encode(&Datum::of(&written).unwrap()).unwrap();
-            let read = Layout::of(Outer::schema()).unwrap().decode(&bytes).unwrap();
+            let read = QueueLayout::of(Outer::schema()).unwrap().decode(&bytes).unwrap();
             prop_assert_eq!(read.to::<Outer>().unwrap(), written);
         }
 
         #[test]
         fn no_bytes_are_too_strange(bytes: Vec<u8>) {
-            let _ = Layout::of(Outer::schema()).unwrap().decode(&bytes);
+            let _ = QueueLayout::of(Outer::schema()).unwrap().decode(&bytes);
         }
     }
 }

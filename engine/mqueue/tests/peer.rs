@@ -7,8 +7,11 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use asmotion_datum::{Datum, DatumError, Message};
-use asmotion_mqueue::{First, Keep, Layout, Name, QueueError, Reader, Room, Writer};
-use asmotion_runtime::Delivery;
+use asmotion_mqueue::{
+    FirstMessage, FullQueuePolicy, QueueCapacity, QueueCheckError, QueueLayout, QueueName,
+    QueueReader, QueueWriter,
+};
+use asmotion_runtime::PushOutcome;
 
 asmotion_datum::message! {
     /// What the peer speaks.
@@ -25,20 +28,20 @@ asmotion_datum::message! {
 const SIZE: usize = 128;
 
 /// A name of this run alone.
-fn name(what: &str) -> Name {
-    Name::new(&format!("/asmotion-{}-{what}", std::process::id())).unwrap()
+fn name(what: &str) -> QueueName {
+    QueueName::new(&format!("/asmotion-{}-{what}", std::process::id())).unwrap()
 }
 
-fn layout() -> Layout {
-    Layout::of(Joints::schema()).unwrap()
+fn layout() -> QueueLayout {
+    QueueLayout::of(Joints::schema()).unwrap()
 }
 
-fn writer(name: &Name, messages: usize, keep: Keep) -> Writer {
-    let room = Room {
+fn writer(name: &QueueName, messages: usize, keep: FullQueuePolicy) -> QueueWriter {
+    let room = QueueCapacity {
         messages,
         size: SIZE,
     };
-    Writer::open(name.clone(), layout(), room, keep).unwrap()
+    QueueWriter::open(name.clone(), layout(), room, keep).unwrap()
 }
 
 fn joints(number: u16) -> Joints {
@@ -65,7 +68,7 @@ fn peer(arguments: &[&str]) -> Option<Child> {
 }
 
 /// What comes within five seconds.
-fn next(reader: &mut Reader) -> Option<Result<Datum, DatumError>> {
+fn next(reader: &mut QueueReader) -> Option<Result<Datum, DatumError>> {
     let until = Instant::now() + Duration::from_secs(5);
     while Instant::now() < until {
         let message = reader.next(Duration::from_millis(100));
@@ -79,7 +82,7 @@ fn next(reader: &mut Reader) -> Option<Result<Datum, DatumError>> {
 #[test]
 fn o17_a_peer_reads_what_ours_writes_the_first_message_at_once() {
     let name = name("out");
-    let mut writer = writer(&name, 10, Keep::Oldest);
+    let mut writer = writer(&name, 10, FullQueuePolicy::Oldest);
     let Some(mut peer) = peer(&["read", name.as_str(), "3"]) else {
         return;
     };
@@ -90,7 +93,7 @@ fn o17_a_peer_reads_what_ours_writes_the_first_message_at_once() {
         r#"initial {"flag": false, "errors": [0, 0, 0], "position": []}"#
     );
     for number in 0..3 {
-        assert_eq!(writer.send(&joints(number)), Ok(Delivery::Stored));
+        assert_eq!(writer.send(&joints(number)), Ok(PushOutcome::Stored));
     }
     assert_eq!(
         line(),
@@ -111,7 +114,7 @@ fn o17_a_peer_reads_what_ours_writes_the_first_message_at_once() {
 fn o17_ours_reads_what_a_peer_writes_and_its_first_message_is_no_data() {
     let name = name("in");
     // it waits for the queue, which is the writer's to make
-    let mut reader = Reader::new(name.clone(), layout(), First::Shape);
+    let mut reader = QueueReader::new(name.clone(), layout(), FirstMessage::Shape);
     let Some(mut peer) = peer(&["write", name.as_str(), "3"]) else {
         return;
     };
@@ -134,8 +137,8 @@ fn o17_ours_reads_what_a_peer_writes_and_its_first_message_is_no_data() {
 #[test]
 fn the_first_message_is_data_where_that_is_wanted() {
     let name = name("first");
-    let _writer = writer(&name, 10, Keep::Oldest);
-    let mut reader = Reader::new(name, layout(), First::Data);
+    let _writer = writer(&name, 10, FullQueuePolicy::Oldest);
+    let mut reader = QueueReader::new(name, layout(), FirstMessage::Data);
     let message = next(&mut reader).unwrap().unwrap();
     assert_eq!(message.to::<Joints>().unwrap(), Joints::default());
 }
@@ -143,18 +146,18 @@ fn the_first_message_is_data_where_that_is_wanted() {
 #[test]
 fn a_reader_that_is_not_there_never_holds_the_writer() {
     for (keep, full, kept) in [
-        (Keep::Oldest, Delivery::DroppedNewest, [1, 2]),
-        (Keep::Newest, Delivery::DroppedOldest, [4, 5]),
-        (Keep::Last, Delivery::Stored, [4, 5]),
+        (FullQueuePolicy::Oldest, PushOutcome::DroppedNewest, [1, 2]),
+        (FullQueuePolicy::Newest, PushOutcome::DroppedOldest, [4, 5]),
+        (FullQueuePolicy::Last, PushOutcome::Stored, [4, 5]),
     ] {
         let name = name(&format!("{keep:?}"));
         let mut writer = writer(&name, 3, keep);
         let sent: Vec<_> = (1..6)
             .map(|number| writer.send(&joints(number)).unwrap())
             .collect();
-        assert_eq!(sent[..2], [Delivery::Stored; 2], "{keep:?}");
+        assert_eq!(sent[..2], [PushOutcome::Stored; 2], "{keep:?}");
         assert_eq!(sent[2..], [full; 3], "{keep:?}");
-        let mut reader = Reader::new(name, layout(), First::Shape);
+        let mut reader = QueueReader::new(name, layout(), FirstMessage::Shape);
         // what came first shows the shape, whatever it is
         let left: Vec<_> = (0..2)
             .map(|_| next(&mut reader).unwrap().unwrap())
@@ -166,34 +169,34 @@ fn a_reader_that_is_not_there_never_holds_the_writer() {
 
 #[test]
 fn a_message_that_is_too_large_is_told() {
-    let mut writer = writer(&name("large"), 3, Keep::Last);
+    let mut writer = writer(&name("large"), 3, FullQueuePolicy::Last);
     let problem = writer.send(&joints(100)).unwrap_err().to_string();
     assert!(
         problem.contains("takes messages of 128 bytes, and these have 815"),
         "{problem}"
     );
-    assert_eq!(writer.send(&joints(1)), Ok(Delivery::Stored));
+    assert_eq!(writer.send(&joints(1)), Ok(PushOutcome::Stored));
 }
 
 #[test]
 fn what_a_writer_before_has_left_is_no_data() {
     let name = name("left");
-    let first = writer(&name, 3, Keep::Oldest);
-    let mut second = writer(&name, 3, Keep::Oldest);
+    let first = writer(&name, 3, FullQueuePolicy::Oldest);
+    let mut second = writer(&name, 3, FullQueuePolicy::Oldest);
     second.send(&joints(7)).unwrap();
-    let mut reader = Reader::new(name.clone(), layout(), First::Shape);
+    let mut reader = QueueReader::new(name.clone(), layout(), FirstMessage::Shape);
     let message = next(&mut reader).unwrap().unwrap();
     assert_eq!(message.to::<Joints>().unwrap(), joints(7));
-    let small = Room {
+    let small = QueueCapacity {
         messages: 3,
         size: 2 * SIZE,
     };
-    let refused = Writer::open(name.clone(), layout(), small, Keep::Last)
+    let refused = QueueWriter::open(name.clone(), layout(), small, FullQueuePolicy::Last)
         .err()
         .unwrap();
     assert_eq!(
         refused,
-        QueueError::Smaller {
+        QueueCheckError::Smaller {
             queue: name.to_string(),
             takes: SIZE,
             size: 2 * SIZE
@@ -205,8 +208,9 @@ fn what_a_writer_before_has_left_is_no_data() {
 #[test]
 fn limits_are_named_with_the_way_to_raise_them() {
     let open = |messages, size| {
-        let room = Room { messages, size };
-        let refused = Writer::open(name("limits"), layout(), room, Keep::Last).err();
+        let room = QueueCapacity { messages, size };
+        let refused =
+            QueueWriter::open(name("limits"), layout(), room, FullQueuePolicy::Last).err();
         refused
             .map(|refused| refused.to_string())
             .unwrap_or_default()

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asmotion_bus::Sending;
+use asmotion_bus::PublishOptions;
 use asmotion_runtime::ComponentEnd;
 
 use crate::remote::RemoteRoute;
@@ -13,9 +13,9 @@ pub(crate) struct RemoteEnds {
     /// The buses of the components, where there are several: by position in the system.
     pub homes: BTreeMap<usize, String>,
     /// How topics are sent; the default for those not named.
-    pub sending: BTreeMap<String, Sending>,
+    pub sending: BTreeMap<String, PublishOptions>,
     /// Outputs that inputs of other processes are connected to.
-    pub exposed: Vec<(ComponentEnd, Sending)>,
+    pub exposed: Vec<(ComponentEnd, PublishOptions)>,
     /// Services that other processes may call.
     pub offered: Vec<OfferedService>,
     /// Services of other processes.

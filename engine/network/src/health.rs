@@ -1,6 +1,6 @@
 //! Tells components how their bus is.
 
-use asmotion_bus::{Health, Link};
+use asmotion_bus::{Health, LinkState};
 use asmotion_component::BusHealth;
 use asmotion_port::Time;
 use asmotion_runtime::{Effects, HealthTopic, InjectionPorts, SystemTopic};
@@ -36,9 +36,9 @@ impl HealthPublisher {
             return;
         }
         let (state, reason) = match &health.link {
-            Link::Up => (BusHealth::UP, ""),
-            Link::Blocked { reason } => (BusHealth::BLOCKED, &**reason),
-            Link::Down { reason } => (BusHealth::DOWN, &**reason),
+            LinkState::Up => (BusHealth::UP, ""),
+            LinkState::Blocked { reason } => (BusHealth::BLOCKED, &**reason),
+            LinkState::Down { reason } => (BusHealth::DOWN, &**reason),
         };
         self.topic.publish(state, reason, ports, now, effects);
         self.published = Some(health);

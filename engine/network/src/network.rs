@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use asmotion_bus::{Bus, BusError, Sending};
+use asmotion_bus::{Bus, BusError, PublishOptions};
 use asmotion_component::Wire;
 use asmotion_runtime::{BuildError, ComponentId, RequestQueue, System};
 
@@ -44,7 +44,7 @@ impl Network {
 
     /// Says how a topic is sent: how sure its messages are to arrive, and what becomes of them while the bus is away.
     /// Nothing changes inside the system.
-    pub fn set_sending(&mut self, topic: &str, sending: Sending) {
+    pub fn set_sending(&mut self, topic: &str, sending: PublishOptions) {
         self.ends.sending.insert(topic.to_owned(), sending);
     }
 
@@ -56,7 +56,7 @@ impl Network {
         &mut self,
         system: &System,
         from: &str,
-        sending: Sending,
+        sending: PublishOptions,
     ) -> Result<(), BuildError> {
         let from = system.output(from)?;
         if self.ends.exposed.iter().all(|(known, _)| *known != from) {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-use asmotion_bus::{BusError, Call, Payload, Refusal, Serving};
+use asmotion_bus::{BusError, IncomingCall, Payload, Refusal, ServedAddress};
 use asmotion_component::CallError;
 use asmotion_datum::{Sample, Schema};
 use asmotion_port::Time;
@@ -35,7 +35,7 @@ struct OfferedOperation {
     operation: usize,
     /// The type of its argument.
     argument: Schema,
-    serving: Serving,
+    serving: ServedAddress,
 }
 
 impl OfferedOperations {
@@ -82,7 +82,7 @@ impl OfferedOperations {
 }
 
 impl OfferedOperation {
-    fn take(&self, call: Call, number: u64, now: Time, effects: &mut dyn Effects) {
+    fn take(&self, call: IncomingCall, number: u64, now: Time, effects: &mut dyn Effects) {
         let argument = match call.argument.to_sample(&self.argument) {
             Ok(argument) => argument,
             Err(error) => {
@@ -115,7 +115,7 @@ impl OfferedOperation {
 }
 
 /// A caller on the bus.
-struct BusCaller(Call);
+struct BusCaller(IncomingCall);
 
 impl RemoteCaller for BusCaller {
     fn is_awaited(&self) -> bool {

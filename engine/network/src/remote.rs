@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_bus::{CallFailure, Origin, Payload, Pending, Request, Spans};
+use asmotion_bus::{CallFailure, Payload, PendingCall, Request, SenderId, SpanGenerator};
 use asmotion_component::{CallError, ServiceFault};
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_port::Time;
@@ -37,7 +37,7 @@ pub(crate) struct RemoteService {
 struct RemoteCall {
     key: CallKey,
     origin: CallOrigin,
-    pending: Pending,
+    pending: PendingCall,
 }
 
 /// Where the end of a call goes.
@@ -87,11 +87,11 @@ impl RemoteService {
         let BusIdentity { bus, notifier, .. } = &*self.identity;
         let left = asked.deadline.map(|deadline| deadline.since(now));
         let request = Request::new(
-            Origin::new(Arc::clone(&asked.caller), self.identity.incarnation),
+            SenderId::new(Arc::clone(&asked.caller), self.identity.incarnation),
             Payload::Sample(asked.argument),
             left.unwrap_or(self.route.timeout),
         );
-        let spans = Spans::new(&asked.caller, self.identity.incarnation, &address);
+        let spans = SpanGenerator::new(&asked.caller, self.identity.incarnation, &address);
         let request = request.within(spans.of(asked.key.number, asked.trace));
         let notifier = Arc::clone(notifier);
         let (sent, origin) = match asked.reply_to {

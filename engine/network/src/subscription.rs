@@ -6,9 +6,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
 
-use asmotion_bus::{BusError, Notifier, Overflow, Pattern, Queue, Subscription};
+use asmotion_bus::{BusError, Notifier, Overflow, Pattern, QueuePolicy, Subscription};
 use asmotion_datum::Schema;
-use asmotion_port::{Kind, Policy, Time};
+use asmotion_port::{BufferKind, Policy, Time};
 use asmotion_runtime::{ComponentEnd, CycleCause, Effects, InjectionPort, LiveContext, System};
 
 use crate::identity::BusIdentity;
@@ -176,10 +176,10 @@ impl TopicRoute {
 }
 
 /// The bus's queue for a port: the newest message, if the port's connection keeps only that.
-fn queue(kind: Kind) -> Queue {
+fn queue(kind: BufferKind) -> QueuePolicy {
     match kind {
-        Kind::Data => Queue::Latest,
-        Kind::Buffer(size) | Kind::Circular(size) => Queue::All {
+        BufferKind::Data => QueuePolicy::Latest,
+        BufferKind::Buffer(size) | BufferKind::Circular(size) => QueuePolicy::All {
             size: size.max(WAITING),
             overflow: Overflow::DropOldest,
         },

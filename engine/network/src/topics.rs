@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use asmotion_bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
+use asmotion_bus::{Bus, BusError, Payload, PublishOptions, Publisher, SenderId};
 use asmotion_component::HEALTH_TOPIC;
-use asmotion_datum::{DatumError, Problem, Sample};
-use asmotion_port::{AnySender, Delivery, Time};
+use asmotion_datum::{DatumError, DatumProblem, Sample};
+use asmotion_port::{AnySender, PushOutcome, Time};
 use asmotion_runtime::{
     ComponentEnd, CycleCause, Effects, InjectionPorts, LiveContext, System, SystemTopic,
 };
@@ -31,8 +31,8 @@ impl BusTopics {
     pub(crate) fn new<'e>(
         system: &mut System,
         topics: &[SystemTopic],
-        sending: &BTreeMap<String, Sending>,
-        exposed: impl Iterator<Item = &'e (ComponentEnd, Sending)>,
+        sending: &BTreeMap<String, PublishOptions>,
+        exposed: impl Iterator<Item = &'e (ComponentEnd, PublishOptions)>,
         identity: &BusIdentity,
     ) -> Result<Self, BusError> {
         for topic in topics {
@@ -88,10 +88,10 @@ fn publish(
     system: &mut System,
     end: &ComponentEnd,
     topic: &str,
-    sending: Sending,
+    sending: PublishOptions,
     identity: &BusIdentity,
 ) -> Result<(), BusError> {
-    let origin = Origin::new(system.component_of(end), identity.incarnation);
+    let origin = SenderId::new(system.component_of(end), identity.incarnation);
     let cause = system.cause_of(end);
     let schema = system.output_schema(end);
     let publisher = (identity.bus).publisher(topic, &origin, schema, sending)?;
@@ -117,12 +117,12 @@ impl AnySender for BusSender {
         sample: Arc<dyn Sample>,
         at: Time,
         _: u64,
-    ) -> Result<Delivery, DatumError> {
+    ) -> Result<PushOutcome, DatumError> {
         let payload = Payload::Sample(sample);
         let cause = self.cause.present();
         match (self.publisher).publish_within(at.nanos(), payload, cause) {
-            Ok(()) => Ok(Delivery::Stored),
-            Err(error) => Err(DatumError::new(Problem::Mismatch(error.to_string()))),
+            Ok(()) => Ok(PushOutcome::Stored),
+            Err(error) => Err(DatumError::new(DatumProblem::Mismatch(error.to_string()))),
         }
     }
 }

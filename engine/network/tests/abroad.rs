@@ -7,7 +7,9 @@ mod common;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion_bus::{Bus, CallFailure, Local, Notifier, Origin, Pattern, Payload, Queue, Sending};
+use asmotion_bus::{
+    Bus, CallFailure, LocalBus, Notifier, Pattern, Payload, PublishOptions, QueuePolicy, SenderId,
+};
 use asmotion_component::{
     Activity, CallError, Component, Interface, Policy, Reply, ServiceFault, Span, Time, Wire,
 };
@@ -59,7 +61,7 @@ fn provider(
 }
 
 /// A system that calls what is elsewhere.
-fn calling(bus: &Local, replies: &Replies, wire: Wire) -> (System, Log) {
+fn calling(bus: &LocalBus, replies: &Replies, wire: Wire) -> (System, Log) {
     let (mut system, log) = (System::new(), Log::new());
     system.observe(log.clone());
     system
@@ -75,7 +77,7 @@ fn calling(bus: &Local, replies: &Replies, wire: Wire) -> (System, Log) {
 
 /// A system that offers a service.
 fn offering(
-    bus: &Local,
+    bus: &LocalBus,
     construct: impl FnOnce(&mut Interface) -> Box<dyn Component>,
 ) -> (System, Log) {
     let (mut system, log) = (System::new(), Log::new());
@@ -106,7 +108,7 @@ fn ends_with(
     construct: impl FnOnce(&mut Interface) -> Box<dyn Component>,
     wire: Wire,
 ) -> Vec<Result<i64, CallError>> {
-    let (bus, replies) = (Local::new(), Replies::default());
+    let (bus, replies) = (LocalBus::new(), Replies::default());
     let there = offering(&bus, construct).0.live();
     let mut here = calling(&bus, &replies, wire).0.live();
     until_reported(&mut here, "replied");
@@ -141,7 +143,7 @@ fn silence_is_a_timeout() {
 
 #[test]
 fn where_nobody_is_a_call_ends_unavailable() {
-    let (bus, replies) = (Local::new(), Replies::default());
+    let (bus, replies) = (LocalBus::new(), Replies::default());
     let (system, _) = calling(&bus, &replies, Wire::default());
     system.simulate().run_for(1.s());
     assert_eq!(*replies.lock().unwrap(), [Err(CallError::Unavailable)]);
@@ -149,7 +151,7 @@ fn where_nobody_is_a_call_ends_unavailable() {
 
 #[test]
 fn a_service_that_stops_is_unavailable() {
-    let (bus, replies) = (Local::new(), Replies::default());
+    let (bus, replies) = (LocalBus::new(), Replies::default());
     let mut there = offering(&bus, provider(|_| None)).0.live();
     let mut here = calling(&bus, &replies, Wire::timeout(20.s())).0.live();
     until_reported(&mut there, "asked");
@@ -160,11 +162,11 @@ fn a_service_that_stops_is_unavailable() {
 
 #[test]
 fn a_provider_learns_that_nobody_waits() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let (system, log) = offering(&bus, provider(|_| None));
     let mut run = system.simulate();
     let request =
-        asmotion_bus::Request::new(Origin::new("Tool", 9), Payload::of(number(1)), 20.s());
+        asmotion_bus::Request::new(SenderId::new("Tool", 9), Payload::of(number(1)), 20.s());
     let pending = bus
         .call("Provider.sums.double", request, Arc::new(Notifier::new()))
         .unwrap();
@@ -181,7 +183,7 @@ fn a_provider_learns_that_nobody_waits() {
 
 #[test]
 fn a_one_way_call_arrives_or_is_counted() {
-    let (bus, replies) = (Local::new(), Replies::default());
+    let (bus, replies) = (LocalBus::new(), Replies::default());
     let (system, log) = calling(&bus, &replies, Wire::one_way());
     system.simulate().run_for(1.s());
     let dropped = log.lines_with("dropped");
@@ -197,7 +199,7 @@ fn a_one_way_call_arrives_or_is_counted() {
 #[test]
 fn one_system_reaches_itself_over_the_bus_the_same_way_each_time() {
     let lines = || {
-        let (bus, replies) = (Local::new(), Replies::default());
+        let (bus, replies) = (LocalBus::new(), Replies::default());
         let (mut system, log) = (System::new(), Log::new());
         system.observe(log.clone());
         system
@@ -234,7 +236,7 @@ fn listening() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
 
 #[test]
 fn y10_a_callback_reaches_listeners_inside_and_beyond_the_bus() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let replies = Replies::default();
     let (mut there, log_there) = (System::new(), Log::new());
     there.observe(log_there.clone());
@@ -285,13 +287,13 @@ fn teller() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
 
 #[test]
 fn a_port_is_connected_to_one_of_another_system() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let mut there = System::new();
     there
         .add("Counter", Activity::periodic(10.ms()), counter())
         .unwrap();
     let mut network = Network::new();
-    (network.expose(&there, "Counter.n", Sending::state())).unwrap();
+    (network.expose(&there, "Counter.n", PublishOptions::state())).unwrap();
     network
         .attach(&mut there, Arc::new(bus.clone()), 1)
         .unwrap();
@@ -307,12 +309,12 @@ fn a_port_is_connected_to_one_of_another_system() {
 
 #[test]
 fn topics_left_to_the_bus_reach_those_inside_by_it_and_only_once() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let tool = bus
         .subscribe(
             "Tester",
             &asmotion_bus::Pattern::new("numbers"),
-            Queue::Latest,
+            QueuePolicy::Latest,
             Arc::new(Notifier::new()),
         )
         .unwrap();
@@ -338,9 +340,9 @@ fn topics_left_to_the_bus_reach_those_inside_by_it_and_only_once() {
 }
 
 /// The result of `double` at an address.
-fn doubled(bus: &Local, address: &str, n: i64) -> Result<Payload, CallFailure> {
+fn doubled(bus: &LocalBus, address: &str, n: i64) -> Result<Payload, CallFailure> {
     let request =
-        asmotion_bus::Request::new(Origin::new("Tool", 9), Payload::of(number(n)), 20.s());
+        asmotion_bus::Request::new(SenderId::new("Tool", 9), Payload::of(number(n)), 20.s());
     bus.call(address, request, Arc::new(Notifier::new()))
         .unwrap()
         .wait()
@@ -349,10 +351,10 @@ fn doubled(bus: &Local, address: &str, n: i64) -> Result<Payload, CallFailure> {
 #[test]
 fn a_service_is_served_on_a_bus_that_carries_nothing_else() {
     for is_on_a_bus in [false, true] {
-        let (own, counter_of) = (Local::new(), Local::new());
+        let (own, counter_of) = (LocalBus::new(), LocalBus::new());
         let heard = Pattern::new("#");
         let notifier = Arc::new(Notifier::new());
-        let heard = counter_of.subscribe("ear", &heard, Queue::Latest, notifier);
+        let heard = counter_of.subscribe("ear", &heard, QueuePolicy::Latest, notifier);
         let heard = heard.unwrap();
         let mut system = System::new();
         system.add("Doubler", Activity::event(), doubler()).unwrap();

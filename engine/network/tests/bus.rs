@@ -8,7 +8,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_bus::{
-    Bus, Local, Notifier, Origin, Overflow, Pattern, Payload, Queue, Sending, Subscription,
+    Bus, LocalBus, Notifier, Overflow, Pattern, Payload, PublishOptions, QueuePolicy, SenderId,
+    Subscription,
 };
 use asmotion_component::{Activity, Component, Interface, OnStale, Policy, Span, Time};
 use asmotion_datum::{Codec, Datum, Message};
@@ -16,8 +17,8 @@ use asmotion_network::Network;
 use asmotion_runtime::{Event, Log, Run, System};
 use common::{Number, Words, behaviour, counter, number};
 
-fn all(bus: &Local, pattern: &str) -> Subscription {
-    let queue = Queue::All {
+fn all(bus: &LocalBus, pattern: &str) -> Subscription {
+    let queue = QueuePolicy::All {
         size: 64,
         overflow: Overflow::DropOldest,
     };
@@ -45,7 +46,7 @@ fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
 }
 
 /// A counter and a reader on topic `numbers`, and a bus.
-fn attached(incarnation: u64, bus: &Local) -> (System, Log) {
+fn attached(incarnation: u64, bus: &LocalBus) -> (System, Log) {
     let log = Log::new();
     let mut system = System::new();
     system.observe(log.clone());
@@ -65,7 +66,7 @@ fn attached(incarnation: u64, bus: &Local) -> (System, Log) {
 
 #[test]
 fn a_tool_hears_every_topic_without_being_declared() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let tool = all(&bus, "#");
     let (system, _) = attached(7, &bus);
     system.simulate().run_until(Time::ZERO + 20.ms());
@@ -85,7 +86,7 @@ fn a_tool_hears_every_topic_without_being_declared() {
 
 #[test]
 fn what_is_published_inside_is_heard_once() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let (system, log) = attached(7, &bus);
     let mut run = system.simulate();
     run.run_until(Time::ZERO + 20.ms());
@@ -94,7 +95,7 @@ fn what_is_published_inside_is_heard_once() {
 
 #[test]
 fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counted() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let (system, log) = attached(7, &bus);
     let mut run = system.simulate();
     run.transition("Counter", asmotion_component::Transition::Stop)
@@ -102,9 +103,9 @@ fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counte
     let mut elsewhere = bus
         .publisher(
             "numbers",
-            &Origin::new("Elsewhere", 8),
+            &SenderId::new("Elsewhere", 8),
             Number::schema(),
-            Sending::default(),
+            PublishOptions::default(),
         )
         .unwrap();
     let encoded = |value: Datum| Payload::Bytes {
@@ -141,7 +142,7 @@ fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counte
 
 #[test]
 fn what_is_lost_on_its_way_in_is_seen() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let (system, log) = attached(7, &bus);
     let mut run = system.simulate();
     run.transition("Counter", asmotion_component::Transition::Stop)
@@ -149,9 +150,9 @@ fn what_is_lost_on_its_way_in_is_seen() {
     let mut elsewhere = bus
         .publisher(
             "numbers",
-            &Origin::new("Elsewhere", 8),
+            &SenderId::new("Elsewhere", 8),
             Number::schema(),
-            Sending::default(),
+            PublishOptions::default(),
         )
         .unwrap();
     for n in 0..300 {
@@ -166,7 +167,7 @@ fn what_is_lost_on_its_way_in_is_seen() {
 
 #[test]
 fn what_comes_in_is_kept_by_the_subscribers_policy() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let log = Log::new();
     let mut system = System::new();
     system.observe(log.clone());
@@ -182,9 +183,9 @@ fn what_comes_in_is_kept_by_the_subscribers_policy() {
     let mut elsewhere = bus
         .publisher(
             "numbers",
-            &Origin::new("Elsewhere", 8),
+            &SenderId::new("Elsewhere", 8),
             Number::schema(),
-            Sending::default(),
+            PublishOptions::default(),
         )
         .unwrap();
     for n in 1..=3 {
@@ -199,7 +200,7 @@ fn what_comes_in_is_kept_by_the_subscribers_policy() {
 
 #[test]
 fn two_live_systems_talk_over_a_bus() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let (one, _) = attached(7, &bus);
     let mut other = System::new();
     other.add("Teller", Activity::event(), telling()).unwrap();
@@ -222,7 +223,7 @@ fn two_live_systems_talk_over_a_bus() {
 
 #[test]
 fn what_follows_from_a_message_is_in_its_trace() {
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let mut system = System::new();
     let relay = behaviour(|interface| {
         let from = interface.input::<Number>("from", "");
@@ -242,20 +243,20 @@ fn what_follows_from_a_message_is_in_its_trace() {
         .unwrap();
     let mut run = system.simulate();
     let told = all(&bus, "told");
-    let origin = Origin::new("Elsewhere", 8);
+    let origin = SenderId::new("Elsewhere", 8);
     let schema = Number::schema();
     let mut elsewhere = bus
-        .publisher("asked", &origin, schema, Sending::default())
+        .publisher("asked", &origin, schema, PublishOptions::default())
         .unwrap();
     let mut spans = Vec::new();
     for cause in 1..=2 {
-        let cause = asmotion_bus::Trace { id: cause, span: 9 };
+        let cause = asmotion_bus::TraceContext { id: cause, span: 9 };
         (elsewhere.publish_within(0, Payload::of(number(1)), Some(cause))).unwrap();
         run.run_for(1.ms());
         let trace = told.try_next().unwrap().trace.unwrap();
         assert_eq!(trace.id, cause.id);
         spans.push(trace.span);
     }
-    let relay = asmotion_bus::Spans::new("Relay", 7, "told");
+    let relay = asmotion_bus::SpanGenerator::new("Relay", 7, "told");
     assert_eq!(spans, [1, 2].map(|number| relay.of(number, None).span));
 }

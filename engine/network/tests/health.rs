@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion_bus::{
-    Bus, BusError, Health, Link, Local, Notifier, Origin, Pattern, Pending, Publisher, Queue,
-    Request, Sending, Serving, Subscription,
+    Bus, BusError, Health, LinkState, LocalBus, Notifier, Pattern, PendingCall, PublishOptions,
+    Publisher, QueuePolicy, Request, SenderId, ServedAddress, Subscription,
 };
 use asmotion_component::{
     Activity, BusHealth, Component, HEALTH_TOPIC, Interface, Policy, Span, Time,
@@ -66,12 +66,12 @@ fn heard(mut system: System) -> Vec<String> {
 fn a_system_is_told_once_that_its_bus_is_up_and_so_is_one_without() {
     assert_eq!(heard(watched().0), ["UP "]);
     let (mut system, _) = watched();
-    let bus = Local::new();
+    let bus = LocalBus::new();
     let tool = bus
         .subscribe(
             "Tester",
             &Pattern::new("#"),
-            Queue::Latest,
+            QueuePolicy::Latest,
             Arc::new(Notifier::new()),
         )
         .unwrap();
@@ -85,13 +85,13 @@ fn a_system_is_told_once_that_its_bus_is_up_and_so_is_one_without() {
 /// A bus of which the test says how it is.
 #[derive(Clone)]
 struct Moody {
-    bus: Local,
+    bus: LocalBus,
     health: Arc<Mutex<Health>>,
     notifier: Arc<Mutex<Option<Arc<Notifier>>>>,
 }
 
 impl Moody {
-    fn set(&self, link: Link) {
+    fn set(&self, link: LinkState) {
         *self.health.lock().unwrap() = Health::now(link);
         self.notifier.lock().unwrap().as_ref().unwrap().notify();
     }
@@ -101,9 +101,9 @@ impl Bus for Moody {
     fn publisher(
         &self,
         topic: &str,
-        origin: &Origin,
+        origin: &SenderId,
         schema: &asmotion_datum::Schema,
-        sending: Sending,
+        sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError> {
         self.bus.publisher(topic, origin, schema, sending)
     }
@@ -112,7 +112,7 @@ impl Bus for Moody {
         &self,
         reader: &str,
         pattern: &Pattern,
-        queue: Queue,
+        queue: QueuePolicy,
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
         self.bus.subscribe(reader, pattern, queue, notifier)
@@ -123,7 +123,7 @@ impl Bus for Moody {
         address: &str,
         size: usize,
         notifier: Arc<Notifier>,
-    ) -> Result<Serving, BusError> {
+    ) -> Result<ServedAddress, BusError> {
         self.bus.serve(address, size, notifier)
     }
 
@@ -132,7 +132,7 @@ impl Bus for Moody {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         self.bus.call(address, request, notifier)
     }
 
@@ -141,7 +141,7 @@ impl Bus for Moody {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         self.bus.tell(address, request, notifier)
     }
 
@@ -165,8 +165,8 @@ impl Bus for Moody {
 #[test]
 fn every_change_is_told_with_its_reason() {
     let bus = Moody {
-        bus: Local::new(),
-        health: Arc::new(Mutex::new(Health::now(Link::Up))),
+        bus: LocalBus::new(),
+        health: Arc::new(Mutex::new(Health::now(LinkState::Up))),
         notifier: Arc::default(),
     };
     let (mut system, _) = watched();
@@ -179,15 +179,15 @@ fn every_change_is_told_with_its_reason() {
         let limit = live.now() + Duration::from_secs(20);
         assert!(live.run_until_event(limit, &mut seen), "{expected}");
     };
-    bus.set(Link::Down {
+    bus.set(LinkState::Down {
         reason: "reset".into(),
     });
     told("DOWN reset");
-    bus.set(Link::Blocked {
+    bus.set(LinkState::Blocked {
         reason: "memory".into(),
     });
     told("BLOCKED memory");
-    bus.set(Link::Up);
+    bus.set(LinkState::Up);
     told("UP ");
 }
 

@@ -14,7 +14,7 @@ mod policy;
 mod sender;
 mod time;
 
-pub use asmotion_connection::{Delivery, Kind, Notifier};
+pub use asmotion_connection::{BufferKind, Notifier, PushOutcome};
 pub use channel::{ChannelOpener, OpenError, ReadingEnd, SharedQueue};
 pub use connection_id::ConnectionId;
 pub use flow::Flow;

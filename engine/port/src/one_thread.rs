@@ -1,10 +1,10 @@
 //! Connections without any guard, for components that share a thread.
 #![allow(unsafe_code, reason = "the promise of one thread; argued below")]
 
-use asmotion_connection::{Kind, Pool};
+use asmotion_connection::{BufferKind, Pool};
 
 /// A queue whose ends are all in one thread.
-pub(crate) fn pool<T>(kind: Kind) -> Pool<T> {
+pub(crate) fn pool<T>(kind: BufferKind) -> Pool<T> {
     // SAFETY: the ends lie in the ports of components, and nowhere else: injection ports, and writers and readers outside
     // of the system, have connections with a lock or lock-free ones (`Policy::for_outsider`). The runtime's
     // `ConnectionTable::admit` lets an unsynchronised connection be made only between components that are in one thread,

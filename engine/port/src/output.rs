@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
 
-use asmotion_connection::{Delivery, Notifier};
+use asmotion_connection::{Notifier, PushOutcome};
 use asmotion_datum::{DatumError, Message, Sample, Schema};
 
 use crate::connection_id::ConnectionId;
@@ -170,14 +170,17 @@ impl OutputLink {
     /// Draws the consequences of a delivery.
     fn settle(
         &self,
-        delivery: &Result<Delivery, DatumError>,
+        delivery: &Result<PushOutcome, DatumError>,
         effects: &mut dyn PortEffects,
     ) -> Result<(), Undelivered> {
-        let stored = matches!(delivery, Ok(Delivery::Stored | Delivery::DroppedOldest));
+        let stored = matches!(
+            delivery,
+            Ok(PushOutcome::Stored | PushOutcome::DroppedOldest)
+        );
         if stored {
             self.notify(&mut |component| effects.trigger(component));
         }
-        if *delivery == Ok(Delivery::Stored) {
+        if *delivery == Ok(PushOutcome::Stored) {
             return Ok(());
         }
         let total = self.dropped.fetch_add(1, Ordering::Relaxed) + 1;
@@ -236,7 +239,7 @@ impl<T: Message> AnyOutput for OutputPort<T> {
             |link: &OutputLink| (link.readers.iter()).any(|reader| reader.connection == connection);
         let link = self.links.iter_mut().find(|(_, link)| new(link));
         if let (Some((sender, link)), Some(last)) = (link, &self.last)
-            && sender.send(last) == Ok(Delivery::Stored)
+            && sender.send(last) == Ok(PushOutcome::Stored)
         {
             link.notify(trigger);
         }

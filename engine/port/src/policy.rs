@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use asmotion_connection::Kind;
+use asmotion_connection::BufferKind;
 use asmotion_derive::Word;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Policy {
     /// What is kept for the reader.
-    pub kind: Kind,
+    pub kind: BufferKind,
     /// What keeps writers and readers apart.
     pub lock: Lock,
     /// Which connections have the queue in common.
@@ -78,7 +78,7 @@ pub enum OnStale {
 }
 
 impl Policy {
-    fn new(kind: Kind) -> Self {
+    fn new(kind: BufferKind) -> Self {
         Self {
             kind,
             lock: Lock::LockFree,
@@ -96,17 +96,17 @@ impl Policy {
 
     /// The newest sample.
     pub fn data() -> Self {
-        Self::new(Kind::Data)
+        Self::new(BufferKind::Data)
     }
 
     /// Every sample, so many; when full, the new one is dropped.
     pub fn buffer(size: usize) -> Self {
-        Self::new(Kind::Buffer(size))
+        Self::new(BufferKind::Buffer(size))
     }
 
     /// Every sample, so many; when full, the oldest is dropped.
     pub fn circular(size: usize) -> Self {
-        Self::new(Kind::Circular(size))
+        Self::new(BufferKind::Circular(size))
     }
 
     /// With this to keep writers and readers apart.

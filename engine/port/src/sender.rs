@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use asmotion_connection::{Delivery, Sender};
+use asmotion_connection::{PushOutcome, Sender};
 use asmotion_datum::{DatumError, Message, Sample};
 
 use crate::time::Time;
@@ -36,7 +36,7 @@ pub trait AnySender: Any + Send {
         sample: Arc<dyn Sample>,
         at: Time,
         order: u64,
-    ) -> Result<Delivery, DatumError>;
+    ) -> Result<PushOutcome, DatumError>;
 }
 
 impl<T: Message> AnySender for Sender<Stamped<T>> {
@@ -49,7 +49,7 @@ impl<T: Message> AnySender for Sender<Stamped<T>> {
         sample: Arc<dyn Sample>,
         at: Time,
         order: u64,
-    ) -> Result<Delivery, DatumError> {
+    ) -> Result<PushOutcome, DatumError> {
         let value = sample.read()?;
         Ok(self.send(Stamped { at, order, value }))
     }
@@ -68,7 +68,7 @@ impl AnySender for PulledSender {
         value: Arc<dyn Sample>,
         at: Time,
         order: u64,
-    ) -> Result<Delivery, DatumError> {
+    ) -> Result<PushOutcome, DatumError> {
         Ok(self.0.send(Stamped { at, order, value }))
     }
 }
@@ -96,7 +96,7 @@ impl<T: Message> PortSender<T> {
     ///
     /// # Errors
     /// The reader's type does not fit the sample.
-    pub fn send(&mut self, sample: &Stamped<T>) -> Result<Delivery, DatumError> {
+    pub fn send(&mut self, sample: &Stamped<T>) -> Result<PushOutcome, DatumError> {
         match self {
             Self::Same(sender) => Ok(sender.send(sample.clone())),
             Self::Shared(sender) => {
@@ -109,7 +109,7 @@ impl<T: Message> PortSender<T> {
     ///
     /// # Errors
     /// The reader's type does not fit the sample.
-    pub fn hand_over(&mut self, sample: Stamped<T>) -> Result<Delivery, DatumError> {
+    pub fn hand_over(&mut self, sample: Stamped<T>) -> Result<PushOutcome, DatumError> {
         match self {
             Self::Same(sender) => Ok(sender.send(sample)),
             Self::Shared(sender) => {

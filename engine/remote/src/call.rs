@@ -1,6 +1,6 @@
 //! Operations called from outside: sent, and collected when they are done.
 
-use asmotion_bus::{CallFailure, Payload, Pending};
+use asmotion_bus::{CallFailure, Payload, PendingCall};
 use asmotion_component::{CallError, SendStatus, ServiceFault};
 use asmotion_datum::Datum;
 use asmotion_network::call_error;
@@ -8,15 +8,15 @@ use asmotion_network::call_error;
 use crate::{Remote, RemoteError};
 
 /// A call under way (RTT `SendHandle`). Dropping it gives the call up.
-pub struct Sent {
+pub struct SendHandle {
     remote: Remote,
     operation: String,
-    pending: Pending,
+    pending: PendingCall,
     collected: bool,
 }
 
-impl Sent {
-    pub(crate) fn new(remote: Remote, operation: &str, pending: Pending) -> Self {
+impl SendHandle {
+    pub(crate) fn new(remote: Remote, operation: &str, pending: PendingCall) -> Self {
         Self {
             remote,
             operation: operation.to_owned(),

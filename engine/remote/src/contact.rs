@@ -5,33 +5,33 @@ use std::sync::Arc;
 
 use asmotion_assembly::{Part, Plan};
 use asmotion_bus::{
-    Bus, BusError, Call, Notifier, Origin, Overflow, Pattern, Payload, Queue, Refusal, Sending,
-    Serving, Subscription,
+    Bus, BusError, IncomingCall, Notifier, Overflow, Pattern, Payload, PublishOptions, QueuePolicy,
+    Refusal, SenderId, ServedAddress, Subscription,
 };
 use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Asked, Run};
 
-use crate::herald::Herald;
-use crate::{Begun, Newest, Order, Reason, control_address, presence_topic};
+use crate::presence_publisher::PresencePublisher;
+use crate::{LastSamples, Order, OrderErrorCode, OrderOutcome, control_address, presence_topic};
 
 /// How many orders may wait.
 const WAITING: usize = 16;
 
 /// The contact of a process over a bus: attended to again and again while the system runs.
-pub struct Contact<'p> {
-    origin: Origin,
-    herald: Herald<'p>,
+pub struct ProcessContact<'p> {
+    origin: SenderId,
+    herald: PresencePublisher<'p>,
     bus: &'p dyn Bus,
-    orders: Serving,
+    orders: ServedAddress,
     /// Orders that components have not carried out yet.
-    begun: Vec<(Call, Asked)>,
-    newest: Newest,
+    begun: Vec<(IncomingCall, Asked)>,
+    newest: LastSamples,
     presences: Subscription,
     /// The lives of processes that were heard.
     known: BTreeSet<(Arc<str>, u64)>,
 }
 
-impl<'p> Contact<'p> {
+impl<'p> ProcessContact<'p> {
     /// A contact. What leaves the outputs is seen by `newest`, an observer of the system that no other contact has.
     ///
     /// # Errors
@@ -42,18 +42,18 @@ impl<'p> Contact<'p> {
         process: &str,
         bus: &'p dyn Bus,
         incarnation: u64,
-        newest: Newest,
+        newest: LastSamples,
     ) -> Result<Self, BusError> {
         let notifier = Arc::new(Notifier::new());
         let everyone = Pattern::new(presence_topic("*"));
-        let queue = Queue::All {
+        let queue = QueuePolicy::All {
             size: 256,
             overflow: Overflow::DropOldest,
         };
         Ok(Self {
-            origin: Origin::new(process, incarnation),
+            origin: SenderId::new(process, incarnation),
             presences: bus.subscribe(process, &everyone, queue, Arc::clone(&notifier))?,
-            herald: Herald::new(plan, part, process, bus, incarnation)?,
+            herald: PresencePublisher::new(plan, part, process, bus, incarnation)?,
             bus,
             orders: bus.serve(&control_address(process), WAITING, notifier)?,
             begun: Vec::new(),
@@ -66,9 +66,9 @@ impl<'p> Contact<'p> {
     pub fn attend(&mut self, run: &mut dyn Run) {
         while let Some(call) = self.orders.try_next() {
             match self.begin(&call, run) {
-                Ok(Begun::Asked(asked)) => self.begun.push((call, asked)),
-                Ok(Begun::Done(answer)) => call.reply(Ok(Payload::of(answer))),
-                Ok(Begun::Watched(port, schema)) => call.reply(self.watch(&port, &schema)),
+                Ok(OrderOutcome::Asked(asked)) => self.begun.push((call, asked)),
+                Ok(OrderOutcome::Done(answer)) => call.reply(Ok(Payload::of(answer))),
+                Ok(OrderOutcome::Watched(port, schema)) => call.reply(self.watch(&port, &schema)),
                 Err(refusal) => call.reply(Err(refusal)),
             }
         }
@@ -82,7 +82,7 @@ impl<'p> Contact<'p> {
         for (call, asked) in std::mem::take(&mut self.begun) {
             match asked.try_take() {
                 Some(done) => {
-                    let done = done.map_err(|error| Reason::Refused.refusal(error));
+                    let done = done.map_err(|error| OrderErrorCode::Refused.refusal(error));
                     call.reply(done.map(|()| Payload::of(Datum::Null)));
                     self.herald.hurry();
                 }
@@ -108,11 +108,11 @@ impl<'p> Contact<'p> {
         self.herald.leave();
     }
 
-    fn begin(&self, call: &Call, run: &mut dyn Run) -> Result<Begun, Refusal> {
+    fn begin(&self, call: &IncomingCall, run: &mut dyn Run) -> Result<OrderOutcome, Refusal> {
         let order = call.argument.to_datum();
         let order: Order = order
             .and_then(|order| order.to())
-            .map_err(|error| Reason::BadRequest.refusal(error))?;
+            .map_err(|error| OrderErrorCode::BadRequest.refusal(error))?;
         let begun = order.begin(run, &self.newest);
         begun.map_err(|error| error.reason().refusal(error))
     }
@@ -120,9 +120,10 @@ impl<'p> Contact<'p> {
     /// Has an output published for a while; says on which topic.
     fn watch(&self, port: &str, schema: &Schema) -> Result<Payload, Refusal> {
         let topic = watch_topic(port);
-        let publisher = || (self.bus).publisher(&topic, &self.origin, schema, Sending::state());
+        let publisher =
+            || (self.bus).publisher(&topic, &self.origin, schema, PublishOptions::state());
         let watched = self.newest.watch(port, publisher);
-        watched.map_err(|error| Reason::Refused.refusal(error))?;
+        watched.map_err(|error| OrderErrorCode::Refused.refusal(error))?;
         Ok(Payload::of(Datum::text(topic)))
     }
 }

@@ -6,7 +6,7 @@ use asmotion_bus::{BusError, Refusal};
 use asmotion_component::CallError;
 use asmotion_datum::DatumError;
 
-use crate::Reason;
+use crate::OrderErrorCode;
 
 /// What cannot be done from outside.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,7 +40,7 @@ pub enum RemoteError {
     #[error("{detail}")]
     Refused {
         /// Why, for programs.
-        reason: Reason,
+        reason: OrderErrorCode,
         /// For people.
         detail: String,
     },
@@ -71,7 +71,7 @@ pub enum RemoteError {
 impl From<Refusal> for RemoteError {
     fn from(refusal: Refusal) -> Self {
         Self::Refused {
-            reason: Reason::of(&refusal.code),
+            reason: OrderErrorCode::of(&refusal.code),
             detail: refusal.detail,
         }
     }

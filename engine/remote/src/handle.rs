@@ -8,25 +8,27 @@ use asmotion_diagnostics::similar;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::roster::Found;
-use crate::{Present, PresentService, Remote, RemoteError, Sent, Watch, Wish, key};
+use crate::roster::ComponentLocation;
+use crate::{
+    OrderKind, OutputWatch, PresentComponent, PresentService, Remote, RemoteError, SendHandle, key,
+};
 
 /// A component of a running system. It stays the same component when its process is started again.
 #[derive(Clone)]
-pub struct Component {
+pub struct RemoteComponent {
     remote: Remote,
-    found: Found,
+    found: ComponentLocation,
 }
 
 /// A service of a component.
 #[derive(Clone)]
-pub struct Service {
-    component: Component,
+pub struct RemoteServiceHandle {
+    component: RemoteComponent,
     present: PresentService,
 }
 
-impl Component {
-    pub(crate) fn new(remote: Remote, found: Found) -> Self {
+impl RemoteComponent {
+    pub(crate) fn new(remote: Remote, found: ComponentLocation) -> Self {
         Self { remote, found }
     }
 
@@ -51,7 +53,7 @@ impl Component {
     }
 
     /// What it was when it was looked up: ports, services, references, properties, state, rates.
-    pub fn present(&self) -> &Present {
+    pub fn present(&self) -> &PresentComponent {
         &self.found.present
     }
 
@@ -59,8 +61,8 @@ impl Component {
     ///
     /// # Errors
     /// Its process does not answer.
-    pub fn look(&self) -> Result<Present, RemoteError> {
-        let mut present: Present = self.order(Wish::Look)?.to()?;
+    pub fn look(&self) -> Result<PresentComponent, RemoteError> {
+        let mut present: PresentComponent = self.order(OrderKind::Look)?.to()?;
         present.rate_hz = self.present().rate_hz;
         Ok(present)
     }
@@ -84,7 +86,7 @@ impl Component {
     /// # Errors
     /// Its process does not answer.
     pub fn declaration(&self) -> Result<Declaration, RemoteError> {
-        Ok(self.order(Wish::Describe)?.to()?)
+        Ok(self.order(OrderKind::Describe)?.to()?)
     }
 
     /// Takes it through a transition of its life cycle.
@@ -93,12 +95,12 @@ impl Component {
     /// RTT's guards refuse it, or its hook fails.
     pub fn transition(&self, transition: Transition) -> Result<(), RemoteError> {
         let wish = match transition {
-            Transition::Configure => Wish::Configure,
-            Transition::Start => Wish::Start,
-            Transition::Stop => Wish::Stop,
-            Transition::Cleanup => Wish::Cleanup,
-            Transition::Recover => Wish::Recover,
-            Transition::ResetException => Wish::Reset,
+            Transition::Configure => OrderKind::Configure,
+            Transition::Start => OrderKind::Start,
+            Transition::Stop => OrderKind::Stop,
+            Transition::Cleanup => OrderKind::Cleanup,
+            Transition::Recover => OrderKind::Recover,
+            Transition::ResetException => OrderKind::Reset,
         };
         self.order(wish).map(drop)
     }
@@ -139,7 +141,7 @@ impl Component {
     /// # Errors
     /// It has not all of these properties, or one takes no such value.
     pub fn set_all(&self, values: Vec<(String, Datum)>) -> Result<(), RemoteError> {
-        self.order(Wish::Set(values)).map(drop)
+        self.order(OrderKind::Set(values)).map(drop)
     }
 
     /// What left an output last.
@@ -147,7 +149,7 @@ impl Component {
     /// # Errors
     /// It has no such output, nothing has left it yet, or it is of another type.
     pub fn read<T: DeserializeOwned>(&self, port: &str) -> Result<T, RemoteError> {
-        Ok(self.order(Wish::Read(port.to_owned()))?.to()?)
+        Ok(self.order(OrderKind::Read(port.to_owned()))?.to()?)
     }
 
     /// Gives a message to an input, checked against its type.
@@ -155,7 +157,7 @@ impl Component {
     /// # Errors
     /// It has no such input, or that takes another type.
     pub fn write(&self, port: &str, message: impl Serialize) -> Result<(), RemoteError> {
-        let wish = Wish::Write(port.to_owned(), Datum::of(&message)?);
+        let wish = OrderKind::Write(port.to_owned(), Datum::of(&message)?);
         self.order(wish).map(drop)
     }
 
@@ -163,15 +165,15 @@ impl Component {
     ///
     /// # Errors
     /// It has no such output.
-    pub fn watch(&self, port: &str) -> Result<Watch, RemoteError> {
-        Watch::new(&self.remote, &self.found, port)
+    pub fn watch(&self, port: &str) -> Result<OutputWatch, RemoteError> {
+        OutputWatch::new(&self.remote, &self.found, port)
     }
 
     /// A service.
     ///
     /// # Errors
     /// It has none of that name.
-    pub fn service(&self, name: &str) -> Result<Service, RemoteError> {
+    pub fn service(&self, name: &str) -> Result<RemoteServiceHandle, RemoteError> {
         let services = &self.found.present.services;
         let known = services.iter().find(|service| service.name == name);
         let present = known.ok_or_else(|| RemoteError::Unknown {
@@ -179,18 +181,18 @@ impl Component {
             name: format!("{}.{name}", self.name()),
             nearest: similar(name, services.iter().map(|service| &service.name)).cloned(),
         })?;
-        Ok(Service {
+        Ok(RemoteServiceHandle {
             component: self.clone(),
             present: present.clone(),
         })
     }
 
-    fn order(&self, wish: Wish) -> Result<Datum, RemoteError> {
+    fn order(&self, wish: OrderKind) -> Result<Datum, RemoteError> {
         self.remote.order(&self.found, wish)
     }
 }
 
-impl Service {
+impl RemoteServiceHandle {
     /// What it is: name, interface, operations.
     pub fn present(&self) -> &PresentService {
         &self.present
@@ -218,7 +220,7 @@ impl Service {
         operation: &str,
         argument: Datum,
         patience: Duration,
-    ) -> Result<Sent, RemoteError> {
+    ) -> Result<SendHandle, RemoteError> {
         let Self { component, present } = self;
         let address = format!("{}.{}.{operation}", component.name(), present.name);
         let address = key(component.robot(), &address);

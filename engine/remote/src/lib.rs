@@ -1,7 +1,7 @@
 //! A running system seen and driven from outside, over any bus.
 //!
 //! Both ends of the contact are here. The system's: what it says of itself ([`Presence`]), what may be done to it
-//! ([`Order`]), and who does both ([`Contact`]). The outside's: [`Remote`] finds [`Component`]s, whose life cycle,
+//! ([`Order`]), and who does both ([`ProcessContact`]). The outside's: [`Remote`] finds [`RemoteComponent`]s, whose life cycle,
 //! properties, ports and services are at hand as if they were here. `docs/wire.md` says what goes over the wire.
 //!
 //! With the feature `amqp`, of a broker by its address:
@@ -26,25 +26,25 @@ mod call;
 mod contact;
 mod error;
 mod handle;
-mod herald;
-mod newest;
+mod last_samples;
 mod order;
+mod order_error;
 mod presence;
-mod refusal;
+mod presence_publisher;
 mod remote;
 mod roster;
 mod watch;
 
-pub use self::call::Sent;
-pub use self::contact::Contact;
+pub use self::call::SendHandle;
+pub use self::contact::ProcessContact;
 pub use self::error::RemoteError;
-pub use self::handle::{Component, Service};
-pub use self::newest::Newest;
-pub use self::order::{Begun, Order, Wish, control_address};
+pub use self::handle::{RemoteComponent, RemoteServiceHandle};
+pub use self::last_samples::LastSamples;
+pub use self::order::{Order, OrderKind, OrderOutcome, control_address};
+pub use self::order_error::{OrderError, OrderErrorCode};
 pub use self::presence::{
-    Joined, PRESENCE, Presence, Present, PresentOperation, PresentService, PresentTopic, Typed,
-    Word, key, presence_topic,
+    PRESENCE, Presence, PresentComponent, PresentConnection, PresentEndpoint, PresentOperation,
+    PresentService, PresentTopic, RobotPresence, key, presence_topic,
 };
-pub use self::refusal::{OrderError, Reason};
 pub use self::remote::{Remote, listen};
-pub use self::watch::Watch;
+pub use self::watch::OutputWatch;

@@ -8,7 +8,7 @@ use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Asked, Run, RunError};
 use serde::{Deserialize, Serialize};
 
-use crate::{Newest, OrderError, Present};
+use crate::{LastSamples, OrderError, PresentComponent};
 
 /// Where a process takes orders: `control.onboard`.
 pub fn control_address(process: &str) -> String {
@@ -21,13 +21,13 @@ pub struct Order {
     /// Which.
     pub component: String,
     /// What.
-    pub wish: Wish,
+    pub wish: OrderKind,
 }
 
 /// What is wanted of a component.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Wish {
+pub enum OrderKind {
     /// To read its properties, and to get ready.
     Configure,
     /// To cycle.
@@ -42,7 +42,7 @@ pub enum Wish {
     Reset,
     /// To have these properties from its next cycle on: all of them, or none.
     Set(Vec<(String, Datum)>),
-    /// To say how it is: its [`Present`], as of now.
+    /// To say how it is: its [`PresentComponent`], as of now.
     Look,
     /// To say what it declares: its [`Declaration`].
     Describe,
@@ -55,7 +55,7 @@ pub enum Wish {
 }
 
 /// What became of an order.
-pub enum Begun {
+pub enum OrderOutcome {
     /// The component does it when its present cycle has ended.
     Asked(Asked),
     /// It is done, and this is the answer.
@@ -69,41 +69,45 @@ impl Order {
     ///
     /// # Errors
     /// There is no such component or port, the port goes the other way, takes another type, or has no data.
-    pub fn begin(&self, run: &mut dyn Run, newest: &Newest) -> Result<Begun, OrderError> {
+    pub fn begin(
+        &self,
+        run: &mut dyn Run,
+        newest: &LastSamples,
+    ) -> Result<OrderOutcome, OrderError> {
         let mut go = |transition| {
             let asked = run.begin_transition(&self.component, transition)?;
-            Ok(Begun::Asked(asked))
+            Ok(OrderOutcome::Asked(asked))
         };
         match &self.wish {
-            Wish::Configure => go(Transition::Configure),
-            Wish::Start => go(Transition::Start),
-            Wish::Stop => go(Transition::Stop),
-            Wish::Cleanup => go(Transition::Cleanup),
-            Wish::Recover => go(Transition::Recover),
-            Wish::Reset => go(Transition::ResetException),
-            Wish::Set(values) => {
+            OrderKind::Configure => go(Transition::Configure),
+            OrderKind::Start => go(Transition::Start),
+            OrderKind::Stop => go(Transition::Stop),
+            OrderKind::Cleanup => go(Transition::Cleanup),
+            OrderKind::Recover => go(Transition::Recover),
+            OrderKind::Reset => go(Transition::ResetException),
+            OrderKind::Set(values) => {
                 let asked = run.begin_set_properties(&self.component, values)?;
-                Ok(Begun::Asked(asked))
+                Ok(OrderOutcome::Asked(asked))
             }
-            Wish::Look => {
+            OrderKind::Look => {
                 self.declared(run)?;
-                let present = Present::of(&self.component, run);
-                Ok(Begun::Done(Datum::of(&present)?))
+                let present = PresentComponent::of(&self.component, run);
+                Ok(OrderOutcome::Done(Datum::of(&present)?))
             }
-            Wish::Describe => Ok(Begun::Done(Datum::of(&self.declared(run)?)?)),
-            Wish::Read(port) => self.read(port, run, newest).map(Begun::Done),
-            Wish::Watch(port) => {
+            OrderKind::Describe => Ok(OrderOutcome::Done(Datum::of(&self.declared(run)?)?)),
+            OrderKind::Read(port) => self.read(port, run, newest).map(OrderOutcome::Done),
+            OrderKind::Watch(port) => {
                 let output = self.output(port, run)?;
-                Ok(Begun::Watched(self.whole(port), output.schema))
+                Ok(OrderOutcome::Watched(self.whole(port), output.schema))
             }
-            Wish::Write(port, value) => {
+            OrderKind::Write(port, value) => {
                 self.write(port, value, run)?;
-                Ok(Begun::Done(Datum::Null))
+                Ok(OrderOutcome::Done(Datum::Null))
             }
         }
     }
 
-    fn read(&self, port: &str, run: &dyn Run, newest: &Newest) -> Result<Datum, OrderError> {
+    fn read(&self, port: &str, run: &dyn Run, newest: &LastSamples) -> Result<Datum, OrderError> {
         self.output(port, run)?;
         let port = self.whole(port);
         let sample = newest.of(&port).ok_or(OrderError::NoData { port })?;

@@ -20,14 +20,14 @@ pub fn presence_topic(process: &str) -> String {
 
 /// What a process said, and on whose behalf.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Word {
+pub struct RobotPresence {
     /// The robot, which its topics are below; empty if it has no name.
     pub robot: String,
     /// What was said.
     pub presence: Presence,
 }
 
-impl Word {
+impl RobotPresence {
     /// The word in a message; none if it is another one.
     pub fn of(envelope: &Envelope) -> Option<Self> {
         let presence = envelope.payload.to_datum().ok()?.to::<Presence>().ok()?;
@@ -64,17 +64,17 @@ pub struct Presence {
     /// Whether this is its last word.
     pub leaves: bool,
     /// Its components, in the order of the composite.
-    pub components: Vec<Present>,
+    pub components: Vec<PresentComponent>,
     /// The topics that its components are on.
     pub topics: Vec<PresentTopic>,
     /// What joins its components to each other, and to those of other processes.
-    pub joined: Vec<Joined>,
+    pub joined: Vec<PresentConnection>,
 }
 
 /// A writer and its reader, or a caller and its service.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Joined {
+pub struct PresentConnection {
     /// `Component.port`, or `Component.reference`.
     pub from: String,
     /// `Component.port`, or `Component.service`.
@@ -84,7 +84,7 @@ pub struct Joined {
 /// A component.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Present {
+pub struct PresentComponent {
     /// Its name.
     pub name: String,
     /// Its state in its life cycle: `Running`.
@@ -108,13 +108,13 @@ pub struct Present {
     /// How many it has left out, because they did not fit.
     pub misfits: u64,
     /// Input ports.
-    pub inputs: Vec<Typed>,
+    pub inputs: Vec<PresentEndpoint>,
     /// Output ports.
-    pub outputs: Vec<Typed>,
+    pub outputs: Vec<PresentEndpoint>,
     /// Services.
     pub services: Vec<PresentService>,
     /// References.
-    pub references: Vec<Typed>,
+    pub references: Vec<PresentEndpoint>,
     /// Properties, as they are.
     pub properties: Vec<(String, Datum)>,
 }
@@ -122,7 +122,7 @@ pub struct Present {
 /// A port and its message type, or a reference and its interface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Typed {
+pub struct PresentEndpoint {
     /// Its name.
     pub name: String,
     /// Its type.
@@ -177,7 +177,10 @@ impl Presence {
             composite: plan.name.clone(),
             process: process.to_owned(),
             leaves: false,
-            components: names.iter().map(|name| Present::of(name, run)).collect(),
+            components: names
+                .iter()
+                .map(|name| PresentComponent::of(name, run))
+                .collect(),
             topics: topics(plan, part),
             joined: joined(plan, part),
         }
@@ -205,10 +208,10 @@ impl Presence {
     }
 }
 
-fn joined(plan: &Plan, part: &Part) -> Vec<Joined> {
+fn joined(plan: &Plan, part: &Part) -> Vec<PresentConnection> {
     let ways = plan.ways().into_iter();
     let here = ways.filter(|way| way.ends().any(|end| part.has(&end.component)));
-    let joined = here.map(|way| Joined {
+    let joined = here.map(|way| PresentConnection {
         from: way.from.to_string(),
         to: way.to.to_string(),
     });
@@ -232,12 +235,12 @@ fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
         .collect()
 }
 
-impl Present {
+impl PresentComponent {
     /// What there is to say of a component.
     pub(crate) fn of(name: &str, run: &mut dyn Run) -> Self {
         let declared = run.declaration(name).unwrap_or_default();
         let typed = |ports: &[asmotion_component::declaration::PortDeclaration]| {
-            let typed = ports.iter().map(|port| Typed {
+            let typed = ports.iter().map(|port| PresentEndpoint {
                 name: port.name.clone(),
                 kind: port.schema.name.to_string(),
             });
@@ -264,7 +267,7 @@ impl Present {
             outputs: typed(&declared.outputs),
             services: declared.services.iter().map(PresentService::of).collect(),
             references: (declared.references.iter())
-                .map(|reference| Typed {
+                .map(|reference| PresentEndpoint {
                     name: reference.name.clone(),
                     kind: reference.interface.clone(),
                 })

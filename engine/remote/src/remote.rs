@@ -4,17 +4,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 #[cfg(feature = "amqp")]
-use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_amqp::{AmqpBus, AmqpSettings};
 use asmotion_bus::{
-    Bus, BusError, CallFailure, Notifier, Origin, Overflow, Pattern, Payload, Queue, Request,
-    Subscription,
+    Bus, BusError, CallFailure, Notifier, Overflow, Pattern, Payload, QueuePolicy, Request,
+    SenderId, Subscription,
 };
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_network::call_error;
 
-use crate::roster::{Found, Roster, WORDS, named};
-use crate::{Component, Order, RemoteError, Sent, Wish, Word, control_address, key};
+use crate::roster::{ComponentLocation, Roster, WORDS, named};
+use crate::{
+    Order, OrderKind, RemoteComponent, RemoteError, RobotPresence, SendHandle, control_address, key,
+};
 
 /// How long to wait for a broker.
 #[cfg(feature = "amqp")]
@@ -28,9 +30,9 @@ const TOOL: &str = "asmotion-tool";
 
 /// The systems on a bus, or one of them. Clones are the same; there may be any number, on any buses.
 #[derive(Clone)]
-pub struct Remote(Arc<Contacted>);
+pub struct Remote(Arc<RemoteState>);
 
-struct Contacted {
+struct RemoteState {
     bus: Arc<dyn Bus>,
     /// Of several robots on the bus, the one that is meant.
     robot: Option<String>,
@@ -46,7 +48,7 @@ impl Remote {
     /// The address is none, or the broker is not there or does not let us.
     #[cfg(feature = "amqp")]
     pub fn connect(url: &str, robot: Option<&str>) -> Result<Self, RemoteError> {
-        let mut settings = Settings::parse(url)?;
+        let mut settings = AmqpSettings::parse(url)?;
         settings.process = TOOL.to_owned();
         Self::over(Arc::new(AmqpBus::connect(settings, CONNECT)?), robot)
     }
@@ -57,7 +59,7 @@ impl Remote {
     /// The bus does not let us.
     pub fn over(bus: Arc<dyn Bus>, robot: Option<&str>) -> Result<Self, RemoteError> {
         let words = listen(&*bus, WORDS)?;
-        Ok(Self(Arc::new(Contacted {
+        Ok(Self(Arc::new(RemoteState {
             bus,
             robot: robot.map(str::to_owned),
             roster: Mutex::new(Roster::new(words)),
@@ -80,14 +82,14 @@ impl Remote {
 
     /// The processes that are there, as they last spoke. The first time it listens until everybody has spoken, for a
     /// second and a half.
-    pub fn processes(&self) -> Vec<Word> {
+    pub fn processes(&self) -> Vec<RobotPresence> {
         self.settled_roster().words(self.robot())
     }
 
     /// All components that are there.
-    pub fn components(&self) -> Vec<Component> {
+    pub fn components(&self) -> Vec<RemoteComponent> {
         let found = self.settled_roster().components(self.robot());
-        let component = |found| Component::new(self.clone(), found);
+        let component = |found| RemoteComponent::new(self.clone(), found);
         found.into_iter().map(component).collect()
     }
 
@@ -95,8 +97,9 @@ impl Remote {
     ///
     /// # Errors
     /// There is none of that name, or several.
-    pub fn component(&self, name: &str) -> Result<Component, RemoteError> {
-        self.find(name).map(|it| Component::new(self.clone(), it))
+    pub fn component(&self, name: &str) -> Result<RemoteComponent, RemoteError> {
+        self.find(name)
+            .map(|it| RemoteComponent::new(self.clone(), it))
     }
 
     /// Calls an operation, `navigation.MapServer.maps.getMap`, and waits for the answer.
@@ -121,14 +124,18 @@ impl Remote {
         operation: &str,
         argument: Datum,
         patience: Duration,
-    ) -> Result<Sent, RemoteError> {
+    ) -> Result<SendHandle, RemoteError> {
         let request = request(argument, patience);
         let pending = (self.0.bus).call(operation, request, Arc::new(Notifier::new()))?;
-        Ok(Sent::new(self.clone(), operation, pending))
+        Ok(SendHandle::new(self.clone(), operation, pending))
     }
 
     /// Has a component's process carry out an order, and says what it answers.
-    pub(crate) fn order(&self, of: &Found, wish: Wish) -> Result<Datum, RemoteError> {
+    pub(crate) fn order(
+        &self,
+        of: &ComponentLocation,
+        wish: OrderKind,
+    ) -> Result<Datum, RemoteError> {
         let (address, order) = envelope(of, wish)?;
         let request = request(order, PATIENCE);
         let pending = (self.0.bus).call(&address, request, Arc::new(Notifier::new()))?;
@@ -143,7 +150,7 @@ impl Remote {
     }
 
     /// The same, and nobody waits for the answer.
-    pub(crate) fn tell(&self, of: &Found, wish: Wish) -> Result<(), RemoteError> {
+    pub(crate) fn tell(&self, of: &ComponentLocation, wish: OrderKind) -> Result<(), RemoteError> {
         let (address, order) = envelope(of, wish)?;
         let request = request(order, PATIENCE);
         drop((self.0.bus).tell(&address, request, Arc::new(Notifier::new()))?);
@@ -151,7 +158,7 @@ impl Remote {
     }
 
     /// Where a component is; as soon as it is known.
-    pub(crate) fn find(&self, name: &str) -> Result<Found, RemoteError> {
+    pub(crate) fn find(&self, name: &str) -> Result<ComponentLocation, RemoteError> {
         let mut roster = self.roster();
         loop {
             roster.listen(Duration::ZERO);
@@ -159,7 +166,7 @@ impl Remote {
             let found = named(name, &all);
             let left = self.0.settled.saturating_duration_since(Instant::now());
             // another robot may have one of that name
-            let is_sure = |it: &Found| self.robot().is_some() || it.whole() == name;
+            let is_sure = |it: &ComponentLocation| self.robot().is_some() || it.whole() == name;
             if left.is_zero() || found.as_ref().is_ok_and(is_sure) {
                 return found;
             }
@@ -211,7 +218,7 @@ impl Remote {
 /// # Errors
 /// The bus does not let us.
 pub fn listen(bus: &dyn Bus, pattern: &str) -> Result<Subscription, BusError> {
-    let queue = Queue::All {
+    let queue = QueuePolicy::All {
         size: 4096,
         overflow: Overflow::DropOldest,
     };
@@ -220,11 +227,11 @@ pub fn listen(bus: &dyn Bus, pattern: &str) -> Result<Subscription, BusError> {
 }
 
 fn request(argument: Datum, patience: Duration) -> Request {
-    Request::new(Origin::new(TOOL, 0), Payload::of(argument), patience)
+    Request::new(SenderId::new(TOOL, 0), Payload::of(argument), patience)
 }
 
 /// Where an order goes, and what it says.
-fn envelope(of: &Found, wish: Wish) -> Result<(String, Datum), RemoteError> {
+fn envelope(of: &ComponentLocation, wish: OrderKind) -> Result<(String, Datum), RemoteError> {
     let component = of.present.name.clone();
     let order = Datum::of(&Order { component, wish })?;
     Ok((key(&of.robot, &control_address(&of.process)), order))

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use asmotion_bus::Subscription;
 use asmotion_diagnostics::similar;
 
-use crate::{Presence, Present, RemoteError, Word};
+use crate::{Presence, PresentComponent, RemoteError, RobotPresence};
 
 /// A process speaks once a second; one that has been silent for so long is not counted.
 const SILENT: Duration = Duration::from_millis(2500);
@@ -22,13 +22,13 @@ pub(crate) struct Roster {
 
 /// A component and where it is.
 #[derive(Clone)]
-pub(crate) struct Found {
+pub(crate) struct ComponentLocation {
     pub robot: String,
     pub process: String,
-    pub present: Present,
+    pub present: PresentComponent,
 }
 
-impl Found {
+impl ComponentLocation {
     /// Its name with its robot's before it.
     pub(crate) fn whole(&self) -> String {
         crate::key(&self.robot, &self.present.name)
@@ -47,7 +47,7 @@ impl Roster {
     pub(crate) fn listen(&mut self, at_most: Duration) {
         let mut next = (self.words.try_next()).or_else(|| self.words.next_within(at_most));
         while let Some(envelope) = next {
-            if let Some(word) = Word::of(&envelope) {
+            if let Some(word) = RobotPresence::of(&envelope) {
                 let process = (word.robot, word.presence.process.clone());
                 match word.presence.leaves {
                     true => self.known.remove(&process),
@@ -59,23 +59,25 @@ impl Roster {
     }
 
     /// The processes of a robot, or all.
-    pub(crate) fn words(&self, robot: Option<&str>) -> Vec<Word> {
+    pub(crate) fn words(&self, robot: Option<&str>) -> Vec<RobotPresence> {
         let here = self.known.iter().filter(|((of, _), (heard, _))| {
             heard.elapsed() < SILENT && robot.is_none_or(|robot| robot == of)
         });
-        let word = |((robot, _), (_, presence)): (&(String, String), &(Instant, Presence))| Word {
-            robot: robot.clone(),
-            presence: presence.clone(),
+        let word = |((robot, _), (_, presence)): (&(String, String), &(Instant, Presence))| {
+            RobotPresence {
+                robot: robot.clone(),
+                presence: presence.clone(),
+            }
         };
         here.map(word).collect()
     }
 
     /// The components of a robot, or all.
-    pub(crate) fn components(&self, robot: Option<&str>) -> Vec<Found> {
-        let of = |Word { robot, presence }: Word| {
+    pub(crate) fn components(&self, robot: Option<&str>) -> Vec<ComponentLocation> {
+        let of = |RobotPresence { robot, presence }: RobotPresence| {
             let process = presence.process;
             let components = presence.components.into_iter();
-            components.map(move |present| Found {
+            components.map(move |present| ComponentLocation {
                 robot: robot.clone(),
                 process: process.clone(),
                 present,
@@ -86,9 +88,12 @@ impl Roster {
 }
 
 /// The component of a name; before it may stand its robot, `rover1.RoverDriver`.
-pub(crate) fn named(name: &str, all: &[Found]) -> Result<Found, RemoteError> {
-    let is_it = |it: &&Found| it.present.name == name || it.whole() == name;
-    let named: Vec<&Found> = all.iter().filter(is_it).collect();
+pub(crate) fn named(
+    name: &str,
+    all: &[ComponentLocation],
+) -> Result<ComponentLocation, RemoteError> {
+    let is_it = |it: &&ComponentLocation| it.present.name == name || it.whole() == name;
+    let named: Vec<&ComponentLocation> = all.iter().filter(is_it).collect();
     match named.as_slice() {
         [one] => Ok((*one).clone()),
         [] => Err(RemoteError::Unknown {

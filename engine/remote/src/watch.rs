@@ -6,27 +6,31 @@ use asmotion_bus::Subscription;
 use asmotion_datum::{Datum, DatumError};
 
 use crate::contact::watch_topic;
-use crate::roster::Found;
-use crate::{Remote, RemoteError, Wish, key};
+use crate::roster::ComponentLocation;
+use crate::{OrderKind, Remote, RemoteError, key};
 
 /// How often to ask again.
 const AGAIN: Duration = Duration::from_secs(5);
 
 /// All that leaves an output. Whoever does not look for some seconds misses what comes then.
-pub struct Watch {
+pub struct OutputWatch {
     remote: Remote,
-    of: Found,
+    of: ComponentLocation,
     port: String,
     samples: Subscription,
     asked: Instant,
 }
 
-impl Watch {
-    pub(crate) fn new(remote: &Remote, of: &Found, port: &str) -> Result<Self, RemoteError> {
+impl OutputWatch {
+    pub(crate) fn new(
+        remote: &Remote,
+        of: &ComponentLocation,
+        port: &str,
+    ) -> Result<Self, RemoteError> {
         let topic = watch_topic(&format!("{}.{port}", of.present.name));
         // first the ear, then the word
         let samples = remote.listen(&key(&of.robot, &topic))?;
-        remote.order(of, Wish::Watch(port.to_owned()))?;
+        remote.order(of, OrderKind::Watch(port.to_owned()))?;
         Ok(Self {
             remote: remote.clone(),
             of: of.clone(),
@@ -43,7 +47,9 @@ impl Watch {
             if self.asked.elapsed() >= AGAIN {
                 self.asked = Instant::now();
                 // What does not get through is asked again.
-                let _ = self.remote.tell(&self.of, Wish::Watch(self.port.clone()));
+                let _ = self
+                    .remote
+                    .tell(&self.of, OrderKind::Watch(self.port.clone()));
             }
             let left = until.saturating_duration_since(Instant::now());
             let next = self.samples.next_within(left.min(AGAIN));

@@ -2,7 +2,7 @@
 
 use asmotion_component::declaration::DeclarationError;
 use asmotion_component::{PropertyError, suggestion};
-use asmotion_datum::{DatumError, Difference, Schema};
+use asmotion_datum::{DatumError, Schema, SchemaDifference};
 
 /// Why a system cannot be built as asked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -97,7 +97,7 @@ pub enum BuildError {
         /// The reading end, or the service.
         to: String,
         /// The first difference.
-        difference: Box<Difference>,
+        difference: Box<SchemaDifference>,
     },
     /// Two ends of different interfaces.
     #[error("`{from}` requires {required}, `{to}` provides {provided}")]

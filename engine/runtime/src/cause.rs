@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asmotion_bus::Trace;
+use asmotion_bus::TraceContext;
 use crossbeam_queue::ArrayQueue;
 
 /// What a component's cycle follows from. Never locks.
@@ -11,7 +11,7 @@ use crossbeam_queue::ArrayQueue;
 /// thread.
 pub struct CycleCause {
     /// The newest trace that came over a bus since the last cycle. A queue of one, since a trace is wider than an atomic.
-    arrived: ArrayQueue<Trace>,
+    arrived: ArrayQueue<TraceContext>,
     /// The present cycle's trace: both halves of the id, and the span; zeros for none. Written and read by the component's
     /// own thread alone, so `Relaxed` is enough; atomics only make it shareable.
     present: [AtomicU64; 3],
@@ -26,7 +26,7 @@ impl CycleCause {
     }
 
     /// A message of a trace comes in; the next cycle follows from it, unless a newer one comes before.
-    pub fn arrive(&self, trace: Trace) {
+    pub fn arrive(&self, trace: TraceContext) {
         self.arrived.force_push(trace);
     }
 
@@ -36,21 +36,21 @@ impl CycleCause {
     }
 
     /// The present cycle has taken something of this trace.
-    pub(crate) fn take(&self, trace: Option<Trace>) {
+    pub(crate) fn take(&self, trace: Option<TraceContext>) {
         if trace.is_some() {
             self.set(trace);
         }
     }
 
     /// What the present cycle follows from.
-    pub fn present(&self) -> Option<Trace> {
+    pub fn present(&self) -> Option<TraceContext> {
         let [high, low, span] = (self.present.each_ref()).map(|part| part.load(Ordering::Relaxed));
         let id = (u128::from(high) << 64) | u128::from(low);
-        (id != 0).then_some(Trace { id, span })
+        (id != 0).then_some(TraceContext { id, span })
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "the halves of an id")]
-    fn set(&self, trace: Option<Trace>) {
+    fn set(&self, trace: Option<TraceContext>) {
         let (id, span) = trace.map_or((0, 0), |trace| (trace.id, trace.span));
         for (part, value) in (self.present.iter()).zip([(id >> 64) as u64, id as u64, span]) {
             part.store(value, Ordering::Relaxed);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use asmotion_port::{
-    AnySender, ChannelOpener, ConnectionId, Kind, LinkReader, Lock, Notification, OpenError,
+    AnySender, BufferKind, ChannelOpener, ConnectionId, LinkReader, Lock, Notification, OpenError,
     OutputLink, Policy, ReadingEnd, SharedQueue, Sharing,
 };
 
@@ -185,7 +185,7 @@ impl ConnectionTable {
         policy: &Policy,
     ) -> Result<Option<usize>, BuildError> {
         let owner = match (policy.sharing, policy.kind) {
-            (Sharing::PerConnection, _) | (_, Kind::Data) => return Ok(None),
+            (Sharing::PerConnection, _) | (_, BufferKind::Data) => return Ok(None),
             (Sharing::PerInput, _) => QueueOwner::Input(to.clone()),
             (Sharing::PerOutput, _) => QueueOwner::Output(from.clone()),
             (Sharing::Shared, _) => QueueOwner::Named(policy.queue.clone()),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use asmotion_component::suggestion_among;
 use asmotion_datum::{DatumError, Sample};
-use asmotion_port::{AnySender, ConnectionId, Delivery, Policy, Time};
+use asmotion_port::{AnySender, ConnectionId, Policy, PushOutcome, Time};
 
 use crate::connections::ConnectionTable;
 use crate::effects::Effects;
@@ -219,10 +219,15 @@ impl InjectionPort {
     fn put(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
         let order = effects.next_order();
         let delivery = self.sender.send_sample(Arc::clone(sample), now, order);
-        if self.trigger && matches!(delivery, Ok(Delivery::Stored | Delivery::DroppedOldest)) {
+        if self.trigger
+            && matches!(
+                delivery,
+                Ok(PushOutcome::Stored | PushOutcome::DroppedOldest)
+            )
+        {
             effects.trigger(self.component);
         }
-        if delivery != Ok(Delivery::Stored) {
+        if delivery != Ok(PushOutcome::Stored) {
             self.count_dropped(1, delivery.as_ref().err(), now, effects);
         }
     }

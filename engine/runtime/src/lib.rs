@@ -29,7 +29,7 @@ mod topic;
 mod unit;
 
 pub use adapter::Adapter;
-pub use asmotion_port::Delivery;
+pub use asmotion_port::PushOutcome;
 pub use build_error::BuildError;
 pub use cause::CycleCause;
 pub use context::LiveContext;

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use asmotion_datum::{DatumError, Sample};
-use asmotion_port::{AnySender, Delivery, Time};
+use asmotion_port::{AnySender, PushOutcome, Time};
 
 use crate::context::LiveContext;
 use crate::injection::InjectionPort;
@@ -20,7 +20,7 @@ pub trait Sink: Send + 'static {
     ///
     /// # Errors
     /// The sample cannot be sent at all.
-    fn send(&mut self, sample: Arc<dyn Sample>) -> Result<Delivery, DatumError>;
+    fn send(&mut self, sample: Arc<dyn Sample>) -> Result<PushOutcome, DatumError>;
 }
 
 /// Where the samples of an input come from.
@@ -45,7 +45,7 @@ impl AnySender for SinkSender {
         sample: Arc<dyn Sample>,
         _: Time,
         _: u64,
-    ) -> Result<Delivery, DatumError> {
+    ) -> Result<PushOutcome, DatumError> {
         self.0.send(sample)
     }
 }

@@ -7,7 +7,7 @@ use asmotion_assembly::At;
 use asmotion_assembly::tree::{Branch, Entry, Node, Table};
 use asmotion_diagnostics::{Finding, Report, Sources, Span};
 
-use crate::xml::{self, Element};
+use crate::xml::{self, XmlElement};
 
 /// A file of properties that was read.
 pub struct Cpf {
@@ -39,7 +39,7 @@ pub fn cpf(path: &str, text: &str) -> Cpf {
 }
 
 /// The elements in another one, by name.
-fn table(outer: &Element, report: &mut Report) -> Table {
+fn table(outer: &XmlElement, report: &mut Report) -> Table {
     let named = outer.children.iter().filter_map(|element| {
         let (name, value) = (name(element), value(element, report)?);
         let Some(key) = name else {
@@ -63,7 +63,7 @@ fn table(outer: &Element, report: &mut Report) -> Table {
 }
 
 /// What an element holds; nothing for what is no property, as a description.
-fn value(element: &Element, report: &mut Report) -> Option<Branch> {
+fn value(element: &XmlElement, report: &mut Report) -> Option<Branch> {
     let kind = attribute(element, "type").map_or("", |kind| &kind.value);
     match (element.name.value.as_str(), kind) {
         ("simple", kind) => simple(element, kind, report),
@@ -90,7 +90,7 @@ fn value(element: &Element, report: &mut Report) -> Option<Branch> {
     }
 }
 
-fn simple(element: &Element, kind: &str, report: &mut Report) -> Option<Branch> {
+fn simple(element: &XmlElement, kind: &str, report: &mut Report) -> Option<Branch> {
     let written = written(element);
     let (value, wanted) = match kind {
         "boolean" => {
@@ -124,24 +124,24 @@ fn simple(element: &Element, kind: &str, report: &mut Report) -> Option<Branch> 
     value
 }
 
-fn name(element: &Element) -> Option<At<String>> {
+fn name(element: &XmlElement) -> Option<At<String>> {
     attribute(element, "name").cloned()
 }
 
-fn attribute<'e>(element: &'e Element, name: &str) -> Option<&'e At<String>> {
+fn attribute<'e>(element: &'e XmlElement, name: &str) -> Option<&'e At<String>> {
     let mut attributes = element.attributes.iter();
     attributes.find(|it| it.name == name).map(|it| &it.value)
 }
 
 /// The text of the value in an element.
-fn written(element: &Element) -> &str {
+fn written(element: &XmlElement) -> &str {
     let mut children = element.children.iter();
     let value = children.find(|child| child.name.value == "value");
     value.map_or("", |value| &value.text.value)
 }
 
 /// Where the value of an element stands.
-fn place(element: &Element) -> Span {
+fn place(element: &XmlElement) -> Span {
     let mut children = element.children.iter();
     let value = children.find(|child| child.name.value == "value");
     value.map_or(element.span, |value| value.text.span)

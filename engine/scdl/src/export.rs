@@ -8,8 +8,11 @@ use asmotion_assembly::model::{self as here, Amount, Piece, Promoted, Template, 
 use asmotion_assembly::tree::Node;
 use asmotion_diagnostics::{Finding, Report, Span};
 
-use crate::model::{Binding, Bound, Composite, Contract, Multiplicity, Property, Target};
-use crate::tca::Time;
+use crate::model::{
+    ScdlBinding, ScdlComposite, ScdlContract, ScdlMultiplicity, ScdlProperty, ScdlTarget,
+    ScdlTransport,
+};
+use crate::tca::TcaTime;
 use crate::toml::TIMEOUT_MS;
 use crate::{gateway, value, write};
 
@@ -52,7 +55,7 @@ impl Exporter<'_> {
         self.report.push(NoScdlForm { what, of, at }.diagnostic());
     }
 
-    fn composite(&mut self) -> Composite {
+    fn composite(&mut self) -> ScdlComposite {
         let composite = self.composite;
         let components = composite.components.iter();
         let components = components.map(|it| self.component(it)).collect();
@@ -71,7 +74,7 @@ impl Exporter<'_> {
         let properties = composite.properties.iter();
         let properties = properties.map(|it| self.property(it)).collect();
         self.of_the_engine();
-        Composite {
+        ScdlComposite {
             name: composite.name(),
             namespace: composite.head.namespace.clone(),
             doc: composite.head.doc.as_ref().map(|doc| doc.value.clone()),
@@ -142,7 +145,7 @@ impl Exporter<'_> {
         }
     }
 
-    fn property(&mut self, property: &here::Property) -> Property {
+    fn property(&mut self, property: &here::Property) -> ScdlProperty {
         let name = &property.name;
         if property.min.is_some() || property.max.is_some() {
             self.unsayable("the range", name, name.span);
@@ -163,7 +166,7 @@ impl Exporter<'_> {
             .default
             .as_ref()
             .map_or(name.span, |node| node.span);
-        Property {
+        ScdlProperty {
             name: name.clone(),
             kind: Some(At::new(
                 value::xml_type(property.kind.scalar).to_owned(),
@@ -177,9 +180,9 @@ impl Exporter<'_> {
         }
     }
 
-    fn promotion(&mut self, promotion: &here::Promotion, inside: &here::End) -> Contract {
+    fn promotion(&mut self, promotion: &here::Promotion, inside: &here::End) -> ScdlContract {
         self.profiles(&promotion.profiles, &promotion.name);
-        let multiplicity = Multiplicity {
+        let multiplicity = ScdlMultiplicity {
             optional: promotion.optional,
             many: false,
         };
@@ -191,7 +194,7 @@ impl Exporter<'_> {
         let bindings = promotion.bindings.iter();
         // what has one alone that is local, is not said to have it
         let bindings = bindings.filter(|it| several || it.value != Transport::Local);
-        Contract {
+        ScdlContract {
             bindings: bindings
                 .filter_map(|it| self.bound(it, promotion))
                 .collect(),
@@ -201,24 +204,30 @@ impl Exporter<'_> {
     }
 
     /// A way to what is promoted.
-    fn bound(&mut self, binding: &At<Transport>, promotion: &here::Promotion) -> Option<Bound> {
+    fn bound(
+        &mut self,
+        binding: &At<Transport>,
+        promotion: &here::Promotion,
+    ) -> Option<ScdlBinding> {
         let over = self.binding(binding, &promotion.name)?;
         let gateway = promotion.gateway.as_ref();
         let mut gateways = self.composite.gateways.iter();
         let gateway = gateways.find(|it| gateway.is_none_or(|name| name.value == it.name.value));
-        let uri = gateway.filter(|_| over == Binding::Http).map(|gateway| {
-            let listen = written(&gateway.listen.value.0);
-            let uri = gateway::uri(&listen, &promotion.name);
-            At::new(uri, gateway.listen.span)
-        });
-        Some(Bound { over, uri })
+        let uri = gateway
+            .filter(|_| over == ScdlTransport::Http)
+            .map(|gateway| {
+                let listen = written(&gateway.listen.value.0);
+                let uri = gateway::uri(&listen, &promotion.name);
+                At::new(uri, gateway.listen.span)
+            });
+        Some(ScdlBinding { over, uri })
     }
 
-    fn binding(&mut self, binding: &At<Transport>, of: &str) -> Option<Binding> {
+    fn binding(&mut self, binding: &At<Transport>, of: &str) -> Option<ScdlTransport> {
         match binding.value {
-            Transport::Local => Some(Binding::Sca),
-            Transport::Amqp => Some(Binding::Jms),
-            Transport::Http => Some(Binding::Http),
+            Transport::Local => Some(ScdlTransport::Sca),
+            Transport::Amqp => Some(ScdlTransport::Jms),
+            Transport::Http => Some(ScdlTransport::Http),
             Transport::Ros => {
                 self.unsayable("the binding to ROS", of, binding.span);
                 None
@@ -233,17 +242,19 @@ impl Exporter<'_> {
     }
 
     /// A time that SCDL can say; nothing is 0.
-    fn time(&mut self, time: Option<&At<Amount>>, of: &str) -> Time {
+    fn time(&mut self, time: Option<&At<Amount>>, of: &str) -> TcaTime {
         let Some(time) = time else {
-            return Time::Milliseconds(0);
+            return TcaTime::Milliseconds(0);
         };
         match &time.value {
-            Amount::Number(number) => Time::Milliseconds((*number).try_into().unwrap_or(i64::MAX)),
+            Amount::Number(number) => {
+                TcaTime::Milliseconds((*number).try_into().unwrap_or(i64::MAX))
+            }
             Amount::Template(template) => match template.pieces.as_slice() {
-                [Piece::Property { name, span }] => Time::Property(At::new(name.clone(), *span)),
+                [Piece::Property { name, span }] => TcaTime::Property(At::new(name.clone(), *span)),
                 _ => {
                     self.unsayable("the time", of, time.span);
-                    Time::Milliseconds(0)
+                    TcaTime::Milliseconds(0)
                 }
             },
         }
@@ -251,8 +262,8 @@ impl Exporter<'_> {
 }
 
 /// A service or a reference that says nothing but its name.
-fn contract(name: At<String>, multiplicity: Multiplicity) -> Contract {
-    Contract {
+fn contract(name: At<String>, multiplicity: ScdlMultiplicity) -> ScdlContract {
+    ScdlContract {
         name,
         interface: None,
         bindings: Vec::new(),
@@ -264,8 +275,8 @@ fn contract(name: At<String>, multiplicity: Multiplicity) -> Contract {
     }
 }
 
-fn target(end: &here::End) -> Target {
-    Target {
+fn target(end: &here::End) -> ScdlTarget {
+    ScdlTarget {
         component: end.component.clone(),
         name: Some(end.name.clone()),
     }

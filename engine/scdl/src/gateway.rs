@@ -1,6 +1,6 @@
 //! Where a service is called over HTTP: a `uri` there, a gateway and a name here.
 
-use crate::model::Bound;
+use crate::model::ScdlBinding;
 
 /// Where a gateway listens of which nobody says it.
 const USUAL: &str = "127.0.0.1:8080";
@@ -11,7 +11,7 @@ pub(crate) fn uri(listen: &str, name: &str) -> String {
 }
 
 /// Where a gateway has to listen for what is called so.
-pub(crate) fn listen_for(called: &Bound) -> String {
+pub(crate) fn listen_for(called: &ScdlBinding) -> String {
     let listen = called.uri.as_ref().and_then(|uri| listen(uri));
     listen.unwrap_or_else(|| USUAL.to_owned())
 }

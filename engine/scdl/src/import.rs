@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use asmotion_assembly::Catalogue;
 use asmotion_diagnostics::{Finding, Report, Sources};
 
-use crate::model::{Composite, Implementation};
-use crate::{name, read, resolve, settle, toml};
+use crate::model::{ScdlComposite, ScdlImplementation};
+use crate::{finish, name, read, resolve, toml};
 
 /// What was imported.
 pub struct Imported {
@@ -38,7 +38,7 @@ pub fn import(files: &[(String, String)], catalogue: &dyn Catalogue) -> Imported
             known.insert(composite.name.value.clone(), (composite, found));
         }
     }
-    let mut visit = Visit {
+    let mut visit = ImportVisit {
         known,
         catalogue,
         report,
@@ -48,7 +48,7 @@ pub fn import(files: &[(String, String)], catalogue: &dyn Catalogue) -> Imported
     if let Some(main) = main {
         visit.composite(main);
     }
-    settle::settle(&mut visit.done, &visit.order, &mut visit.report);
+    finish::settle(&mut visit.done, &visit.order, &mut visit.report);
     let mut files = visit.files();
     files.reverse();
     Imported {
@@ -58,23 +58,23 @@ pub fn import(files: &[(String, String)], catalogue: &dyn Catalogue) -> Imported
     }
 }
 
-struct Visit<'v> {
+struct ImportVisit<'v> {
     /// Composites by name, with what was found in them; each is taken once.
-    known: BTreeMap<String, (Composite, Report)>,
+    known: BTreeMap<String, (ScdlComposite, Report)>,
     catalogue: &'v dyn Catalogue,
     report: Report,
     /// Composites that are resolved.
-    done: BTreeMap<String, Composite>,
+    done: BTreeMap<String, ScdlComposite>,
     /// Their names, nested ones before those that nest them.
     order: Vec<String>,
 }
 
-impl Visit<'_> {
+impl ImportVisit<'_> {
     /// The nested ones first, since they say what can be wired to them.
-    fn composite(&mut self, mut composite: Composite) {
+    fn composite(&mut self, mut composite: ScdlComposite) {
         self.include(&mut composite);
         for component in &composite.components {
-            if let Some(Implementation::Composite(name)) = &component.implementation
+            if let Some(ScdlImplementation::Composite(name)) = &component.implementation
                 && let Some(nested) = self.take(&name.value)
             {
                 self.composite(nested);
@@ -99,14 +99,14 @@ impl Visit<'_> {
     }
 
     /// A composite that is read for the first time.
-    fn take(&mut self, name: &str) -> Option<Composite> {
+    fn take(&mut self, name: &str) -> Option<ScdlComposite> {
         let (composite, report) = self.known.remove(name)?;
         self.report.extend(report);
         Some(composite)
     }
 
     /// Puts what is included in its place.
-    fn include(&mut self, composite: &mut Composite) {
+    fn include(&mut self, composite: &mut ScdlComposite) {
         let mut open = std::mem::take(&mut composite.includes);
         while let Some(name) = open.pop() {
             let Some(included) = self.take(&name.value) else {

@@ -4,13 +4,13 @@
 mod codes;
 mod cpf;
 mod export;
+mod finish;
 mod gateway;
 mod import;
 mod model;
 mod name;
 mod read;
 mod resolve;
-mod settle;
 mod tca;
 mod toml;
 mod value;

@@ -4,7 +4,7 @@ use asmotion_assembly::At;
 
 /// A `<composite>`.
 #[derive(Clone, Debug)]
-pub(crate) struct Composite {
+pub(crate) struct ScdlComposite {
     /// Its name.
     pub name: At<String>,
     /// `targetNamespace`.
@@ -16,22 +16,22 @@ pub(crate) struct Composite {
     /// `<include name>`.
     pub includes: Vec<At<String>>,
     /// `<property>`.
-    pub properties: Vec<Property>,
+    pub properties: Vec<ScdlProperty>,
     /// `<component>`.
-    pub components: Vec<Component>,
+    pub components: Vec<ScdlComponent>,
     /// `<service promote>`.
-    pub services: Vec<Contract>,
+    pub services: Vec<ScdlContract>,
     /// `<reference promote>`.
-    pub references: Vec<Contract>,
+    pub references: Vec<ScdlContract>,
     /// `<wire>`, and the targets of references.
-    pub wires: Vec<Wire>,
+    pub wires: Vec<ScdlWire>,
     /// What has no counterpart, as it is written.
     pub notes: Vec<String>,
 }
 
 /// A `<component>`.
 #[derive(Clone, Debug)]
-pub(crate) struct Component {
+pub(crate) struct ScdlComponent {
     /// Its name.
     pub name: At<String>,
     /// `<documentation>`.
@@ -39,20 +39,20 @@ pub(crate) struct Component {
     /// Whether its references find their services by themselves, where it says so.
     pub autowire: Option<bool>,
     /// What it is made of.
-    pub implementation: Option<Implementation>,
+    pub implementation: Option<ScdlImplementation>,
     /// `<service>`.
-    pub services: Vec<Contract>,
+    pub services: Vec<ScdlContract>,
     /// `<reference>`.
-    pub references: Vec<Contract>,
+    pub references: Vec<ScdlContract>,
     /// `<property>`.
-    pub properties: Vec<Property>,
+    pub properties: Vec<ScdlProperty>,
     /// What has no counterpart, as it is written.
     pub notes: Vec<String>,
 }
 
 /// What a component is made of.
 #[derive(Clone, Debug)]
-pub(crate) enum Implementation {
+pub(crate) enum ScdlImplementation {
     /// `<implementation.java class>`.
     Java(At<String>),
     /// `<implementation.composite name>`, without the prefix.
@@ -65,19 +65,19 @@ pub(crate) enum Implementation {
 
 /// A `<service>` or `<reference>`, of a component or of the composite.
 #[derive(Clone, Debug)]
-pub(crate) struct Contract {
+pub(crate) struct ScdlContract {
     /// Its name.
     pub name: At<String>,
     /// Its interface, where it is said.
-    pub interface: Option<Interface>,
+    pub interface: Option<ScdlInterface>,
     /// How others reach it, or it reaches others.
-    pub bindings: Vec<Bound>,
+    pub bindings: Vec<ScdlBinding>,
     /// `promote`: what of the components it is.
-    pub promote: Vec<Target>,
+    pub promote: Vec<ScdlTarget>,
     /// `target`: who answers.
-    pub targets: Vec<Target>,
+    pub targets: Vec<ScdlTarget>,
     /// `multiplicity`.
-    pub multiplicity: Multiplicity,
+    pub multiplicity: ScdlMultiplicity,
     /// Whether it finds its service by itself, where it says so.
     pub autowire: Option<bool>,
     /// What has no counterpart, as it is written.
@@ -86,7 +86,7 @@ pub(crate) struct Contract {
 
 /// An interface and the one that is called back.
 #[derive(Clone, Debug)]
-pub(crate) struct Interface {
+pub(crate) struct ScdlInterface {
     /// Its name as composites have it: `nav/MapService`.
     pub name: At<String>,
     /// The interface that is called back.
@@ -95,16 +95,16 @@ pub(crate) struct Interface {
 
 /// A way to a service.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Bound {
+pub(crate) struct ScdlBinding {
     /// What it goes over.
-    pub over: Binding,
+    pub over: ScdlTransport,
     /// `uri`: where it is called over HTTP, where it says.
     pub uri: Option<At<String>>,
 }
 
 /// What messages of a service go over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Binding {
+pub(crate) enum ScdlTransport {
     /// `binding.sca`: whatever the runtime has.
     Sca,
     /// `binding.ws`, and others over HTTP.
@@ -117,14 +117,14 @@ pub(crate) enum Binding {
 
 /// How many services a reference takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Multiplicity {
+pub(crate) struct ScdlMultiplicity {
     /// It can do without.
     pub optional: bool,
     /// It takes several.
     pub many: bool,
 }
 
-impl Multiplicity {
+impl ScdlMultiplicity {
     /// As SCDL writes it.
     pub(crate) fn word(self) -> &'static str {
         match (self.optional, self.many) {
@@ -138,7 +138,7 @@ impl Multiplicity {
 
 /// A `<property>`: declared by a composite, or set for a component.
 #[derive(Clone, Debug)]
-pub(crate) struct Property {
+pub(crate) struct ScdlProperty {
     /// Its name.
     pub name: At<String>,
     /// Its type, without the prefix.
@@ -157,23 +157,23 @@ pub(crate) struct Property {
 
 /// A wire from a reference to a service.
 #[derive(Clone, Debug)]
-pub(crate) struct Wire {
+pub(crate) struct ScdlWire {
     /// The reference.
-    pub source: Target,
+    pub source: ScdlTarget,
     /// The service.
-    pub target: Target,
+    pub target: ScdlTarget,
 }
 
 /// `Component/name`, or a component alone.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Target {
+pub(crate) struct ScdlTarget {
     /// The component.
     pub component: At<String>,
     /// Its service or reference, where it is said.
     pub name: Option<At<String>>,
 }
 
-impl std::fmt::Display for Target {
+impl std::fmt::Display for ScdlTarget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match &self.name {
             Some(name) => write!(f, "{}/{}", self.component.value, name.value),

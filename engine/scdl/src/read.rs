@@ -1,4 +1,4 @@
-//! XML → [`Composite`]. Whatever is not asked for is a finding, and kept as it is written.
+//! XML → [`ScdlComposite`]. Whatever is not asked for is a finding, and kept as it is written.
 
 use crate::codes::x002::NotScdl;
 use crate::codes::x003::MissingAttribute;
@@ -9,10 +9,10 @@ use asmotion_assembly::At;
 use asmotion_diagnostics::{FileId, Finding, Report};
 
 use crate::model::{
-    Binding, Bound, Component, Composite, Contract, Implementation, Interface, Multiplicity,
-    Property, Target, Wire,
+    ScdlBinding, ScdlComponent, ScdlComposite, ScdlContract, ScdlImplementation, ScdlInterface,
+    ScdlMultiplicity, ScdlProperty, ScdlTarget, ScdlTransport, ScdlWire,
 };
-use crate::xml::{self, Element};
+use crate::xml::{self, XmlElement};
 use crate::{name, value};
 
 /// The namespaces of the Service Component Architecture, first to last.
@@ -23,7 +23,7 @@ const NAMESPACES: &[&str] = &[
 ];
 
 /// Reads a composite; `None` where the text is none.
-pub(crate) fn composite(file: FileId, text: &str, report: &mut Report) -> Option<Composite> {
+pub(crate) fn composite(file: FileId, text: &str, report: &mut Report) -> Option<ScdlComposite> {
     let root = match xml::parse(file, text) {
         Ok(root) => root,
         Err(error) => {
@@ -37,16 +37,16 @@ pub(crate) fn composite(file: FileId, text: &str, report: &mut Report) -> Option
         report.push(NotScdl { name, at }.diagnostic());
         return None;
     }
-    Some(read(&mut Asked::new(&root, report)))
+    Some(read(&mut ElementReader::new(&root, report)))
 }
 
-fn read(asked: &mut Asked<'_, '_>) -> Composite {
+fn read(asked: &mut ElementReader<'_, '_>) -> ScdlComposite {
     let name = asked.name();
     let namespace = asked.attribute("targetNamespace");
     let autowire = asked.flag("autowire").unwrap_or(false);
     // a composite of one process is the only kind that there is here
     asked.attribute("local");
-    Composite {
+    ScdlComposite {
         name,
         namespace,
         doc: asked.doc(),
@@ -61,8 +61,8 @@ fn read(asked: &mut Asked<'_, '_>) -> Composite {
     }
 }
 
-fn component(asked: &mut Asked<'_, '_>) -> Component {
-    Component {
+fn component(asked: &mut ElementReader<'_, '_>) -> ScdlComponent {
+    ScdlComponent {
         name: asked.name(),
         doc: asked.doc(),
         autowire: asked.flag("autowire"),
@@ -80,24 +80,24 @@ fn simple(name: At<String>) -> At<String> {
     At::new(short, name.span)
 }
 
-fn implementation(asked: &mut Asked<'_, '_>) -> Option<Implementation> {
+fn implementation(asked: &mut ElementReader<'_, '_>) -> Option<ScdlImplementation> {
     let java = asked.each("implementation.java", |asked| {
-        Implementation::Java(asked.needed("class"))
+        ScdlImplementation::Java(asked.needed("class"))
     });
     let composite = asked.each("implementation.composite", |asked| {
-        Implementation::Composite(simple(asked.needed("name")))
+        ScdlImplementation::Composite(simple(asked.needed("name")))
     });
     let asm = asked.each("implementation.asm", |asked| {
-        Implementation::Asm(asked.needed("location"))
+        ScdlImplementation::Asm(asked.needed("location"))
     });
     let python = asked.each("implementation.python", |asked| {
-        Implementation::Python(asked.needed("script"))
+        ScdlImplementation::Python(asked.needed("script"))
     });
     let all = java.into_iter().chain(composite).chain(asm).chain(python);
     all.into_iter().next()
 }
 
-fn contract(asked: &mut Asked<'_, '_>) -> Contract {
+fn contract(asked: &mut ElementReader<'_, '_>) -> ScdlContract {
     let name = asked.name();
     let (promote, targets) = (asked.targets("promote"), asked.targets("target"));
     let multiplicity = multiplicity(asked);
@@ -109,7 +109,7 @@ fn contract(asked: &mut Asked<'_, '_>) -> Contract {
         // it says over what is called back; that is the wire's business here
         asked.note("callback");
     }
-    Contract {
+    ScdlContract {
         name,
         interface: java.into_iter().chain(wsdl).next(),
         bindings: bindings(asked, !promote.is_empty()),
@@ -121,18 +121,18 @@ fn contract(asked: &mut Asked<'_, '_>) -> Contract {
     }
 }
 
-fn java_interface(asked: &mut Asked<'_, '_>) -> Interface {
+fn java_interface(asked: &mut ElementReader<'_, '_>) -> ScdlInterface {
     let here = |java: At<String>| java.map(|java| name::interface(&java));
     // said by annotations of the interface, which is somebody else's file
     asked.attribute("remotable");
-    Interface {
+    ScdlInterface {
         name: here(asked.needed("interface")),
         callback: asked.attribute("callbackInterface").map(here),
     }
 }
 
 /// `http://maps.example#wsdl.interface(MapService)`.
-fn wsdl_interface(asked: &mut Asked<'_, '_>) -> Interface {
+fn wsdl_interface(asked: &mut ElementReader<'_, '_>) -> ScdlInterface {
     let here = |wsdl: At<String>| {
         let name = wsdl.rsplit(['(', '#']).next().unwrap_or("");
         let name = format!("wsdl/{}", name.trim_end_matches(')'));
@@ -143,7 +143,7 @@ fn wsdl_interface(asked: &mut Asked<'_, '_>) -> Interface {
         &format!("interface.wsdl interface=\"{}\"", interface.value),
         interface.span,
     );
-    Interface {
+    ScdlInterface {
         name: here(interface),
         callback: asked.attribute("callbackInterface").map(here),
     }
@@ -151,14 +151,14 @@ fn wsdl_interface(asked: &mut Asked<'_, '_>) -> Interface {
 
 /// The ways to a service, each once. What is promoted keeps all of them, and a gateway says where it is called; a wire goes
 /// over one, and leaves HTTP to those outside.
-fn bindings(asked: &mut Asked<'_, '_>, promoted: bool) -> Vec<Bound> {
-    const BINDINGS: &[(&str, Binding)] = &[
-        ("binding.sca", Binding::Sca),
-        ("binding.ws", Binding::Http),
-        ("binding.rest", Binding::Http),
-        ("binding.jsonrpc", Binding::Http),
-        ("binding.jms", Binding::Jms),
-        ("binding.rmi", Binding::Rmi),
+fn bindings(asked: &mut ElementReader<'_, '_>, promoted: bool) -> Vec<ScdlBinding> {
+    const BINDINGS: &[(&str, ScdlTransport)] = &[
+        ("binding.sca", ScdlTransport::Sca),
+        ("binding.ws", ScdlTransport::Http),
+        ("binding.rest", ScdlTransport::Http),
+        ("binding.jsonrpc", ScdlTransport::Http),
+        ("binding.jms", ScdlTransport::Jms),
+        ("binding.rmi", ScdlTransport::Rmi),
     ];
     let known = asked.element.children.iter().filter_map(|child| {
         let mut known = BINDINGS.iter();
@@ -167,41 +167,43 @@ fn bindings(asked: &mut Asked<'_, '_>, promoted: bool) -> Vec<Bound> {
     });
     let mut known: Vec<_> = known.collect();
     if !promoted {
-        known.sort_by_key(|(_, _, over)| *over == Binding::Http);
+        known.sort_by_key(|(_, _, over)| *over == ScdlTransport::Http);
         known.truncate(1);
     }
     let is_called = promoted && asked.element.name.value == "service";
-    let mut bindings: Vec<Bound> = Vec::new();
+    let mut bindings: Vec<ScdlBinding> = Vec::new();
     for (child, word, over) in known {
         if bindings.iter().any(|bound| bound.over == over) {
             continue;
         }
         asked.children.push((word, 1));
-        let mut inner = Asked::new(child, asked.report);
+        let mut inner = ElementReader::new(child, asked.report);
         let uri = match over {
-            Binding::Http if is_called => inner.attribute("uri"),
-            Binding::Http | Binding::Sca | Binding::Jms | Binding::Rmi => None,
+            ScdlTransport::Http if is_called => inner.attribute("uri"),
+            ScdlTransport::Http | ScdlTransport::Sca | ScdlTransport::Jms | ScdlTransport::Rmi => {
+                None
+            }
         };
         asked.notes.extend(inner.rest());
-        bindings.push(Bound { over, uri });
+        bindings.push(ScdlBinding { over, uri });
     }
     bindings
 }
 
-fn multiplicity(asked: &mut Asked<'_, '_>) -> Multiplicity {
+fn multiplicity(asked: &mut ElementReader<'_, '_>) -> ScdlMultiplicity {
     let all = [(false, false), (false, true), (true, false), (true, true)];
-    let all = all.map(|(optional, many)| Multiplicity { optional, many });
+    let all = all.map(|(optional, many)| ScdlMultiplicity { optional, many });
     let Some(word) = asked.attribute("multiplicity") else {
-        return Multiplicity::default();
+        return ScdlMultiplicity::default();
     };
     let known = all.into_iter().find(|known| known.word() == word.value);
     known.unwrap_or_else(|| {
         asked.wrong("multiplicity", &word, "0..1, 1..1, 0..n or 1..n");
-        Multiplicity::default()
+        ScdlMultiplicity::default()
     })
 }
 
-fn property(asked: &mut Asked<'_, '_>) -> Property {
+fn property(asked: &mut ElementReader<'_, '_>) -> ScdlProperty {
     let name = asked.name();
     let kind = asked
         .attribute("type")
@@ -215,7 +217,7 @@ fn property(asked: &mut Asked<'_, '_>) -> Property {
     if values.is_empty() {
         values.extend(value.or_else(|| (!text.value.is_empty()).then(|| text.clone())));
     }
-    Property {
+    ScdlProperty {
         name,
         kind,
         values,
@@ -227,7 +229,7 @@ fn property(asked: &mut Asked<'_, '_>) -> Property {
 }
 
 /// A simple type of XML Schema; others have no counterpart.
-fn simple_type(asked: &mut Asked<'_, '_>, kind: At<String>) -> Option<At<String>> {
+fn simple_type(asked: &mut ElementReader<'_, '_>, kind: At<String>) -> Option<At<String>> {
     let simple = simple(kind.clone());
     if value::scalar(&simple).is_none() {
         asked.keep(&format!("type=\"{}\"", kind.value), kind.span);
@@ -237,7 +239,7 @@ fn simple_type(asked: &mut Asked<'_, '_>, kind: At<String>) -> Option<At<String>
 }
 
 /// `$place`; a path into a structured property has no counterpart.
-fn dollar(asked: &mut Asked<'_, '_>, source: At<String>) -> Option<At<String>> {
+fn dollar(asked: &mut ElementReader<'_, '_>, source: At<String>) -> Option<At<String>> {
     match source.strip_prefix('$') {
         Some(name) if !name.contains('/') => Some(At::new(name.to_owned(), source.span)),
         _ => {
@@ -247,15 +249,15 @@ fn dollar(asked: &mut Asked<'_, '_>, source: At<String>) -> Option<At<String>> {
     }
 }
 
-fn wire(asked: &mut Asked<'_, '_>) -> Option<Wire> {
+fn wire(asked: &mut ElementReader<'_, '_>) -> Option<ScdlWire> {
     let source = target(asked.needed("source"));
     let target = target(asked.needed("target"));
     asked.rest();
-    Some(Wire { source, target })
+    Some(ScdlWire { source, target })
 }
 
 /// `Component/service`; SCA 1.1 may name a binding behind that, which has no counterpart.
-fn target(text: At<String>) -> Target {
+fn target(text: At<String>) -> ScdlTarget {
     let mut parts = text.split('/');
     let at = |part: &str| {
         let start = text.find(part).unwrap_or(0);
@@ -271,12 +273,12 @@ fn target(text: At<String>) -> Target {
         found.span.end = found.span.start + name.len() as u32;
         found
     });
-    Target { component, name }
+    ScdlTarget { component, name }
 }
 
 /// An element being read: what was asked for is what is known.
-struct Asked<'e, 'r> {
-    element: &'e Element,
+struct ElementReader<'e, 'r> {
+    element: &'e XmlElement,
     report: &'r mut Report,
     attributes: Vec<&'static str>,
     /// Names of children, and how many of them are known.
@@ -286,8 +288,8 @@ struct Asked<'e, 'r> {
     done: bool,
 }
 
-impl<'e, 'r> Asked<'e, 'r> {
-    fn new(element: &'e Element, report: &'r mut Report) -> Self {
+impl<'e, 'r> ElementReader<'e, 'r> {
+    fn new(element: &'e XmlElement, report: &'r mut Report) -> Self {
         Self {
             element,
             report,
@@ -348,7 +350,7 @@ impl<'e, 'r> Asked<'e, 'r> {
     }
 
     /// Names with space in between: `Component/service`.
-    fn targets(&mut self, name: &'static str) -> Vec<Target> {
+    fn targets(&mut self, name: &'static str) -> Vec<ScdlTarget> {
         let Some(text) = self.attribute(name) else {
             return Vec::new();
         };
@@ -375,12 +377,12 @@ impl<'e, 'r> Asked<'e, 'r> {
     fn each<T>(
         &mut self,
         name: &'static str,
-        mut read: impl FnMut(&mut Asked<'_, '_>) -> T,
+        mut read: impl FnMut(&mut ElementReader<'_, '_>) -> T,
     ) -> Vec<T> {
         let children = self.element.children.iter();
         let children = children.filter(|child| child.name.value == name);
         let read = children.map(|child| {
-            let mut asked = Asked::new(child, self.report);
+            let mut asked = ElementReader::new(child, self.report);
             let read = read(&mut asked);
             self.notes.extend(asked.rest());
             read

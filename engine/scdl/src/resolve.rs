@@ -9,14 +9,15 @@ use asmotion_assembly::{At, Catalogue};
 use asmotion_diagnostics::{Finding, Report, similar};
 
 use crate::model::{
-    Component, Composite, Contract, Implementation, Interface, Multiplicity, Target, Wire,
+    ScdlComponent, ScdlComposite, ScdlContract, ScdlImplementation, ScdlInterface,
+    ScdlMultiplicity, ScdlTarget, ScdlWire,
 };
 use crate::name;
 
 /// Finds out what a composite leaves open. `nested` are those that were resolved before.
 pub(crate) fn resolve(
-    composite: &mut Composite,
-    nested: &BTreeMap<String, Composite>,
+    composite: &mut ScdlComposite,
+    nested: &BTreeMap<String, ScdlComposite>,
     catalogue: &dyn Catalogue,
     report: &mut Report,
 ) {
@@ -34,14 +35,14 @@ pub(crate) fn resolve(
 }
 
 /// A service or reference that is named nowhere but where it is used.
-pub(crate) fn contract(name: At<String>, interface: Option<Interface>) -> Contract {
-    Contract {
+pub(crate) fn contract(name: At<String>, interface: Option<ScdlInterface>) -> ScdlContract {
+    ScdlContract {
         name,
         interface,
         bindings: Vec::new(),
         promote: Vec::new(),
         targets: Vec::new(),
-        multiplicity: Multiplicity::default(),
+        multiplicity: ScdlMultiplicity::default(),
         autowire: None,
         notes: Vec::new(),
     }
@@ -49,20 +50,20 @@ pub(crate) fn contract(name: At<String>, interface: Option<Interface>) -> Contra
 
 /// What the implementation says of itself: a component of the build, or a composite.
 fn declared(
-    component: &mut Component,
-    nested: &BTreeMap<String, Composite>,
+    component: &mut ScdlComponent,
+    nested: &BTreeMap<String, ScdlComposite>,
     catalogue: &dyn Catalogue,
 ) {
     let at = component.name.span;
     let named = |name: &str, interface: &str| {
-        let interface = Interface {
+        let interface = ScdlInterface {
             name: At::new(interface.to_owned(), at),
             callback: None,
         };
         contract(At::new(name.to_owned(), at), Some(interface))
     };
     let (services, references) = match &component.implementation {
-        Some(Implementation::Java(class)) => {
+        Some(ScdlImplementation::Java(class)) => {
             let Some(declaration) = catalogue.declaration(&name::component(class)) else {
                 return;
             };
@@ -75,18 +76,18 @@ fn declared(
             let services = services.map(|it| named(&it.name, &it.interface));
             (services.collect(), references.collect())
         }
-        Some(Implementation::Composite(name)) => match nested.get(&name.value) {
+        Some(ScdlImplementation::Composite(name)) => match nested.get(&name.value) {
             Some(nested) => (nested.services.clone(), nested.references.clone()),
             None => return,
         },
-        Some(Implementation::Asm(_) | Implementation::Python(_)) | None => return,
+        Some(ScdlImplementation::Asm(_) | ScdlImplementation::Python(_)) | None => return,
     };
     complete(&mut component.services, services);
     complete(&mut component.references, references);
 }
 
 /// Adds what is declared to what is listed. Says whether that was news.
-pub(crate) fn complete(listed: &mut Vec<Contract>, declared: Vec<Contract>) -> bool {
+pub(crate) fn complete(listed: &mut Vec<ScdlContract>, declared: Vec<ScdlContract>) -> bool {
     let mut news = false;
     for declared in declared {
         match listed
@@ -99,7 +100,7 @@ pub(crate) fn complete(listed: &mut Vec<Contract>, declared: Vec<Contract>) -> b
             }
             None => {
                 news = true;
-                listed.push(Contract {
+                listed.push(ScdlContract {
                     promote: Vec::new(),
                     bindings: Vec::new(),
                     ..declared
@@ -111,16 +112,16 @@ pub(crate) fn complete(listed: &mut Vec<Contract>, declared: Vec<Contract>) -> b
 }
 
 /// The wires that stand at references.
-fn targets(composite: &mut Composite) -> Vec<Wire> {
+fn targets(composite: &mut ScdlComposite) -> Vec<ScdlWire> {
     let mut wires = Vec::new();
     for component in &mut composite.components {
         for reference in &mut component.references {
             for target in std::mem::take(&mut reference.targets) {
-                let source = Target {
+                let source = ScdlTarget {
                     component: component.name.clone(),
                     name: Some(reference.name.clone()),
                 };
-                wires.push(Wire { source, target });
+                wires.push(ScdlWire { source, target });
             }
         }
     }
@@ -128,12 +129,12 @@ fn targets(composite: &mut Composite) -> Vec<Wire> {
 }
 
 /// Wires the references that find their service by themselves: the one with their interface.
-fn autowire(composite: &mut Composite, report: &mut Report) {
+fn autowire(composite: &mut ScdlComposite, report: &mut Report) {
     let mut wires = Vec::new();
     for component in &composite.components {
         for reference in &component.references {
             let wanted = reference.autowire.or(component.autowire);
-            let is_end = |end: &Target| {
+            let is_end = |end: &ScdlTarget| {
                 let name = end.name.as_ref().map(|name| &name.value);
                 end.component.value == component.name.value
                     && name.is_none_or(|name| *name == reference.name.value)
@@ -147,12 +148,12 @@ fn autowire(composite: &mut Composite, report: &mut Report) {
             if !wanted.unwrap_or(composite.autowire) || wired || promoted {
                 continue;
             }
-            let source = Target {
+            let source = ScdlTarget {
                 component: component.name.clone(),
                 name: Some(reference.name.clone()),
             };
             match answering(composite, component, reference).as_slice() {
-                [target] => wires.push(Wire {
+                [target] => wires.push(ScdlWire {
                     source,
                     target: target.clone(),
                 }),
@@ -160,7 +161,7 @@ fn autowire(composite: &mut Composite, report: &mut Report) {
                 several => {
                     let finding = AmbiguousAutowire {
                         reference: source.to_string(),
-                        services: several.iter().map(Target::to_string).collect(),
+                        services: several.iter().map(ScdlTarget::to_string).collect(),
                         at: reference.name.span,
                     };
                     report.push(finding.diagnostic());
@@ -172,7 +173,11 @@ fn autowire(composite: &mut Composite, report: &mut Report) {
 }
 
 /// The services of others that have the interface of a reference.
-fn answering(composite: &Composite, of: &Component, reference: &Contract) -> Vec<Target> {
+fn answering(
+    composite: &ScdlComposite,
+    of: &ScdlComponent,
+    reference: &ScdlContract,
+) -> Vec<ScdlTarget> {
     let wanted = reference.interface.as_ref().map(|it| &it.name.value);
     let others = composite.components.iter();
     let others = others.filter(|other| other.name.value != of.name.value);
@@ -181,7 +186,7 @@ fn answering(composite: &Composite, of: &Component, reference: &Contract) -> Vec
         let interface = service.interface.as_ref().map(|it| &it.name.value);
         wanted.is_some() && interface == wanted
     });
-    same.map(|(other, service)| Target {
+    same.map(|(other, service)| ScdlTarget {
         component: other.name.clone(),
         name: Some(service.name.clone()),
     })
@@ -190,27 +195,27 @@ fn answering(composite: &Composite, of: &Component, reference: &Contract) -> Vec
 
 /// Which of the two lists of a component is meant.
 #[derive(Clone, Copy)]
-pub(crate) enum Side {
+pub(crate) enum ContractSide {
     Service,
     Reference,
 }
 
-impl Side {
-    pub(crate) fn of(self, component: &Component) -> &Vec<Contract> {
+impl ContractSide {
+    pub(crate) fn of(self, component: &ScdlComponent) -> &Vec<ScdlContract> {
         match self {
             Self::Service => &component.services,
             Self::Reference => &component.references,
         }
     }
 
-    pub(crate) fn promoted(self, composite: &mut Composite) -> &mut Vec<Contract> {
+    pub(crate) fn promoted(self, composite: &mut ScdlComposite) -> &mut Vec<ScdlContract> {
         match self {
             Self::Service => &mut composite.services,
             Self::Reference => &mut composite.references,
         }
     }
 
-    fn of_mut(self, component: &mut Component) -> &mut Vec<Contract> {
+    fn of_mut(self, component: &mut ScdlComponent) -> &mut Vec<ScdlContract> {
         match self {
             Self::Service => &mut component.services,
             Self::Reference => &mut component.references,
@@ -219,22 +224,40 @@ impl Side {
 }
 
 /// Says which service and reference a wire means; `false` where a component is not there.
-fn wire(composite: &mut Composite, wire: &mut Wire, report: &mut Report) -> bool {
-    let source = end(composite, &mut wire.source, Side::Reference, None, report);
+fn wire(composite: &mut ScdlComposite, wire: &mut ScdlWire, report: &mut Report) -> bool {
+    let source = end(
+        composite,
+        &mut wire.source,
+        ContractSide::Reference,
+        None,
+        report,
+    );
     let like = wire.source.name.clone();
     let like = like.as_ref().and_then(|name| {
-        let found = find(composite, &wire.source.component, Side::Reference, name);
+        let found = find(
+            composite,
+            &wire.source.component,
+            ContractSide::Reference,
+            name,
+        );
         found.map(|reference| (name.clone(), reference.interface.clone()))
     });
-    source && end(composite, &mut wire.target, Side::Service, like, report)
+    source
+        && end(
+            composite,
+            &mut wire.target,
+            ContractSide::Service,
+            like,
+            report,
+        )
 }
 
 fn find<'c>(
-    composite: &'c Composite,
+    composite: &'c ScdlComposite,
     component: &str,
-    side: Side,
+    side: ContractSide,
     name: &str,
-) -> Option<&'c Contract> {
+) -> Option<&'c ScdlContract> {
     let component = composite
         .components
         .iter()
@@ -245,10 +268,10 @@ fn find<'c>(
 /// Names the end where only its component is named, and lists it with its component. `like` is the
 /// reference that is to be answered.
 fn end(
-    composite: &mut Composite,
-    end: &mut Target,
-    side: Side,
-    like: Option<(At<String>, Option<Interface>)>,
+    composite: &mut ScdlComposite,
+    end: &mut ScdlTarget,
+    side: ContractSide,
+    like: Option<(At<String>, Option<ScdlInterface>)>,
     report: &mut Report,
 ) -> bool {
     let mut components = composite.components.iter_mut();
@@ -286,10 +309,10 @@ fn end(
 /// Which of the listed ones is meant where none is named: the only one, the one with the interface, or
 /// the one that Java would name after the interface.
 fn meant(
-    listed: &[Contract],
-    like: Option<(At<String>, Option<Interface>)>,
+    listed: &[ScdlContract],
+    like: Option<(At<String>, Option<ScdlInterface>)>,
     component: &At<String>,
-) -> (At<String>, Option<Interface>) {
+) -> (At<String>, Option<ScdlInterface>) {
     if let [only] = listed {
         return (only.name.clone(), None);
     }
@@ -311,8 +334,8 @@ fn meant(
 }
 
 /// Says which services and references are promoted; a promotion of nothing goes.
-fn promote(composite: &mut Composite, report: &mut Report) {
-    for side in [Side::Service, Side::Reference] {
+fn promote(composite: &mut ScdlComposite, report: &mut Report) {
+    for side in [ContractSide::Service, ContractSide::Reference] {
         let mut promotions = std::mem::take(side.promoted(composite));
         for promotion in &mut promotions {
             let like = (promotion.name.clone(), promotion.interface.clone());
@@ -325,17 +348,17 @@ fn promote(composite: &mut Composite, report: &mut Report) {
 }
 
 /// Whatever is joined has one interface: who says it tells the others, until nobody hears anything new.
-pub(crate) fn interfaces(composite: &mut Composite) {
+pub(crate) fn interfaces(composite: &mut ScdlComposite) {
     loop {
         let mut news = false;
         for wire in composite.wires.clone() {
             let ends = [
-                (&wire.source, Side::Reference),
-                (&wire.target, Side::Service),
+                (&wire.source, ContractSide::Reference),
+                (&wire.target, ContractSide::Service),
             ];
             news |= agree(composite, &ends);
         }
-        for side in [Side::Service, Side::Reference] {
+        for side in [ContractSide::Service, ContractSide::Reference] {
             for promotion in side.promoted(composite).clone() {
                 for target in &promotion.promote {
                     tell(
@@ -363,7 +386,10 @@ pub(crate) fn interfaces(composite: &mut Composite) {
     }
 }
 
-pub(crate) fn interface(composite: &Composite, (end, side): (&Target, Side)) -> Option<Interface> {
+pub(crate) fn interface(
+    composite: &ScdlComposite,
+    (end, side): (&ScdlTarget, ContractSide),
+) -> Option<ScdlInterface> {
     let name = end.name.as_ref()?;
     find(composite, &end.component, side, name)?
         .interface
@@ -371,7 +397,7 @@ pub(crate) fn interface(composite: &Composite, (end, side): (&Target, Side)) -> 
 }
 
 /// Tells each end what the other one knows.
-fn agree(composite: &mut Composite, ends: &[(&Target, Side); 2]) -> bool {
+fn agree(composite: &mut ScdlComposite, ends: &[(&ScdlTarget, ContractSide); 2]) -> bool {
     let mut news = false;
     let [one, other] = *ends;
     for (from, to) in [(one, other), (other, one)] {
@@ -382,9 +408,9 @@ fn agree(composite: &mut Composite, ends: &[(&Target, Side); 2]) -> bool {
 }
 
 fn tell(
-    composite: &mut Composite,
-    (end, side): (&Target, Side),
-    known: Option<&Interface>,
+    composite: &mut ScdlComposite,
+    (end, side): (&ScdlTarget, ContractSide),
+    known: Option<&ScdlInterface>,
     news: &mut bool,
 ) {
     let Some(known) = known else {

@@ -8,7 +8,7 @@ use crate::codes::x007::WrongAttributeValue;
 use asmotion_assembly::At;
 use asmotion_diagnostics::{Finding, Report, Span};
 
-use crate::model::{Component, Property};
+use crate::model::{ScdlComponent, ScdlProperty};
 use crate::name;
 use crate::value::names_variable;
 
@@ -27,17 +27,17 @@ pub(crate) const BROKER: &str = "${ASMOTION_BUS:-amqp://guest:guest@127.0.0.1:56
 
 /// A time: so many milliseconds, or as a property of the composite says.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Time {
+pub(crate) enum TcaTime {
     Milliseconds(i64),
     Property(At<String>),
 }
 
 /// What the ten properties say.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Task {
+pub(crate) struct TcaTask {
     pub id: String,
-    pub period: Time,
-    pub delay: Time,
+    pub period: TcaTime,
+    pub delay: TcaTime,
     pub run_on_startup: bool,
     pub may_interrupt_if_running: bool,
     /// The address of the broker as composites write it, where the task has one.
@@ -47,7 +47,7 @@ pub(crate) struct Task {
 }
 
 /// Takes the ten properties out of a component that has the required ones.
-pub(crate) fn take(component: &mut Component, report: &mut Report) -> Option<Task> {
+pub(crate) fn take(component: &mut ScdlComponent, report: &mut Report) -> Option<TcaTask> {
     let has = |name: &&str| {
         component
             .properties
@@ -57,13 +57,13 @@ pub(crate) fn take(component: &mut Component, report: &mut Report) -> Option<Tas
     if !REQUIRED.iter().all(has) {
         return None;
     }
-    let mut ten = Ten { component, report };
+    let mut ten = TcaProperties { component, report };
     let id = ten.text("id").map_or_else(String::new, |id| id.value);
     let (period, delay) = (ten.time("period"), ten.time("delay"));
     let (run_on_startup, may_interrupt_if_running) =
         (ten.flag("runOnStartup"), ten.flag("mayInterruptIfRunning"));
     let uses_broker = ten.flag("useJMS");
-    Some(Task {
+    Some(TcaTask {
         id,
         period,
         delay,
@@ -75,13 +75,13 @@ pub(crate) fn take(component: &mut Component, report: &mut Report) -> Option<Tas
     })
 }
 
-struct Ten<'t> {
-    component: &'t mut Component,
+struct TcaProperties<'t> {
+    component: &'t mut ScdlComponent,
     report: &'t mut Report,
 }
 
-impl Ten<'_> {
-    fn take(&mut self, name: &str) -> Option<Property> {
+impl TcaProperties<'_> {
+    fn take(&mut self, name: &str) -> Option<ScdlProperty> {
         let properties = &mut self.component.properties;
         let index = properties.iter().position(|it| it.name.value == name)?;
         Some(properties.remove(index))
@@ -93,19 +93,19 @@ impl Ten<'_> {
         values.next().filter(|value| !value.is_empty())
     }
 
-    fn time(&mut self, name: &str) -> Time {
+    fn time(&mut self, name: &str) -> TcaTime {
         let Some(mut property) = self.take(name) else {
-            return Time::Milliseconds(0);
+            return TcaTime::Milliseconds(0);
         };
         if let Some(source) = property.source {
-            return Time::Property(source);
+            return TcaTime::Property(source);
         }
         let Some(text) = property.values.pop() else {
-            return Time::Milliseconds(0);
+            return TcaTime::Milliseconds(0);
         };
         let number = text.parse().ok().filter(|number| *number >= 0);
         let wanted = "a number of milliseconds";
-        Time::Milliseconds(number.unwrap_or_else(|| self.wrong(name, &text, wanted)))
+        TcaTime::Milliseconds(number.unwrap_or_else(|| self.wrong(name, &text, wanted)))
     }
 
     fn flag(&mut self, name: &str) -> bool {
@@ -243,11 +243,11 @@ pub(crate) fn has_password(address: &str) -> bool {
 }
 
 /// The ten properties that say this, in the order of the paper.
-pub(crate) fn properties(task: &Task, at: Span) -> Vec<Property> {
+pub(crate) fn properties(task: &TcaTask, at: Span) -> Vec<ScdlProperty> {
     let one = |name: &str, value: &str| property(name, vec![value.to_owned()], at);
-    let time = |name: &str, time: &Time| match time {
-        Time::Milliseconds(number) => one(name, &number.to_string()),
-        Time::Property(source) => Property {
+    let time = |name: &str, time: &TcaTime| match time {
+        TcaTime::Milliseconds(number) => one(name, &number.to_string()),
+        TcaTime::Property(source) => ScdlProperty {
             source: Some(source.clone()),
             ..property(name, Vec::new(), at)
         },
@@ -268,7 +268,7 @@ pub(crate) fn properties(task: &Task, at: Span) -> Vec<Property> {
     if !task.rename.is_empty() {
         let pairs = task.rename.iter();
         let pairs = pairs.map(|(from, to)| format!("{from}={to}")).collect();
-        properties.push(Property {
+        properties.push(ScdlProperty {
             many: true,
             ..property("topicRename", pairs, at)
         });
@@ -276,8 +276,8 @@ pub(crate) fn properties(task: &Task, at: Span) -> Vec<Property> {
     properties
 }
 
-fn property(name: &str, values: Vec<String>, at: Span) -> Property {
-    Property {
+fn property(name: &str, values: Vec<String>, at: Span) -> ScdlProperty {
+    ScdlProperty {
         name: At::new(name.to_owned(), at),
         kind: None,
         values: values.into_iter().map(|value| At::new(value, at)).collect(),

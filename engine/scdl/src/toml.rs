@@ -1,6 +1,6 @@
 //! A completed composite as the text of a composite file.
 
-mod doors;
+mod promotions;
 
 use crate::codes::x005::PasswordInScdl;
 use crate::codes::x006::UnknownScdlName;
@@ -14,9 +14,12 @@ use asmotion_assembly::{At, Catalogue};
 use asmotion_diagnostics::{Finding, Report};
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value as item};
 
-use self::doors::{listening, word};
-use crate::model::{Binding, Component, Composite, Contract, Implementation, Property, Target};
-use crate::tca::{self, Task, Time};
+use self::promotions::{listening, word};
+use crate::model::{
+    ScdlComponent, ScdlComposite, ScdlContract, ScdlImplementation, ScdlProperty, ScdlTarget,
+    ScdlTransport,
+};
+use crate::tca::{self, TcaTask, TcaTime};
 use crate::{name, value};
 
 /// How long a call waits where SCDL, which knows no deadlines, says nothing.
@@ -24,12 +27,12 @@ pub(crate) const TIMEOUT_MS: u64 = 1000;
 
 /// The text of a composite. `nested` are those that were completed before.
 pub(crate) fn document(
-    composite: &Composite,
-    nested: &BTreeMap<String, Composite>,
+    composite: &ScdlComposite,
+    nested: &BTreeMap<String, ScdlComposite>,
     catalogue: &dyn Catalogue,
     report: &mut Report,
 ) -> String {
-    let mut writer = Writer {
+    let mut writer = TomlWriter {
         composite,
         nested,
         catalogue,
@@ -68,7 +71,7 @@ pub(crate) fn document(
     document.to_string()
 }
 
-fn head(composite: &Composite) -> Table {
+fn head(composite: &ScdlComposite) -> Table {
     let mut head = table(&composite.notes);
     head.insert("name", item(&composite.name.value));
     if let Some(namespace) = &composite.namespace {
@@ -125,14 +128,14 @@ fn inline(entries: impl IntoIterator<Item = (String, Value)>) -> Item {
 }
 
 /// `Component.name`.
-fn end(target: &Target) -> String {
+fn end(target: &ScdlTarget) -> String {
     let name = target.name.as_ref().map_or("", |name| name.value.as_str());
     format!("{}.{name}", target.component.value)
 }
 
-struct Writer<'w> {
-    composite: &'w Composite,
-    nested: &'w BTreeMap<String, Composite>,
+struct TomlWriter<'w> {
+    composite: &'w ScdlComposite,
+    nested: &'w BTreeMap<String, ScdlComposite>,
     catalogue: &'w dyn Catalogue,
     report: &'w mut Report,
     /// The addresses of brokers.
@@ -141,8 +144,8 @@ struct Writer<'w> {
     gateways: Vec<String>,
 }
 
-impl Writer<'_> {
-    fn component(&mut self, mut component: Component) -> Table {
+impl TomlWriter<'_> {
+    fn component(&mut self, mut component: ScdlComponent) -> Table {
         let task = tca::take(&mut component, self.report);
         let contracts = component.services.iter().chain(&component.references);
         let inner = contracts.map(|it| &it.notes);
@@ -160,7 +163,10 @@ impl Writer<'_> {
             self.task(&component, task, &mut table);
         }
         // a nested composite says this in its own file
-        if !matches!(component.implementation, Some(Implementation::Composite(_))) {
+        if !matches!(
+            component.implementation,
+            Some(ScdlImplementation::Composite(_))
+        ) {
             contracts_item("services", &component.services, &mut table);
             contracts_item("references", &component.references, &mut table);
         }
@@ -174,7 +180,7 @@ impl Writer<'_> {
         table
     }
 
-    fn task(&mut self, component: &Component, task: Task, table: &mut Table) {
+    fn task(&mut self, component: &ScdlComponent, task: TcaTask, table: &mut Table) {
         let mut keys = vec![
             ("id".to_owned(), Value::from(task.id)),
             ("period_ms".to_owned(), self.time(&task.period)),
@@ -197,17 +203,22 @@ impl Writer<'_> {
         table.insert("rename", inline(rename.map(|(from, to)| (from, to.into()))));
     }
 
-    fn time(&mut self, time: &Time) -> Value {
+    fn time(&mut self, time: &TcaTime) -> Value {
         match time {
-            Time::Milliseconds(number) => (*number).into(),
-            Time::Property(source) => self.source(source),
+            TcaTime::Milliseconds(number) => (*number).into(),
+            TcaTime::Property(source) => self.source(source),
         }
     }
 
     /// Which way topics go, and what is on them, only the implementation knows.
-    fn topics(&mut self, component: &Component, rename: &[(String, String)], table: &mut Table) {
+    fn topics(
+        &mut self,
+        component: &ScdlComponent,
+        rename: &[(String, String)],
+        table: &mut Table,
+    ) {
         let declaration = match &component.implementation {
-            Some(Implementation::Java(class)) => {
+            Some(ScdlImplementation::Java(class)) => {
                 self.catalogue.declaration(&name::component(class))
             }
             _ => None,
@@ -242,7 +253,11 @@ impl Writer<'_> {
         }))
     }
 
-    fn setting(&mut self, component: &Component, property: &Property) -> Option<(String, Value)> {
+    fn setting(
+        &mut self,
+        component: &ScdlComponent,
+        property: &ScdlProperty,
+    ) -> Option<(String, Value)> {
         let name = property.name.value.clone();
         if let Some(source) = &property.source {
             return Some((name, self.source(source)));
@@ -282,11 +297,11 @@ impl Writer<'_> {
     }
 
     /// The type of a component's property, as far as anybody says.
-    fn kind(&self, component: &Component, property: &Property) -> Option<Scalar> {
+    fn kind(&self, component: &ScdlComponent, property: &ScdlProperty) -> Option<Scalar> {
         if let Some(kind) = &property.kind {
             return value::scalar(kind);
         }
-        let Some(Implementation::Composite(name)) = &component.implementation else {
+        let Some(ScdlImplementation::Composite(name)) = &component.implementation else {
             return None;
         };
         let mut declared = self.nested.get(&name.value)?.properties.iter();
@@ -297,7 +312,7 @@ impl Writer<'_> {
     fn value(
         &mut self,
         owner: &str,
-        property: &Property,
+        property: &ScdlProperty,
         kind: Option<Scalar>,
         text: &At<String>,
     ) -> Value {
@@ -356,7 +371,7 @@ impl Writer<'_> {
 
     fn wires(&mut self) -> ArrayOfTables {
         let mut wires = ArrayOfTables::new();
-        let mut done: Vec<&Target> = Vec::new();
+        let mut done: Vec<&ScdlTarget> = Vec::new();
         for wire in &self.composite.wires {
             if done.contains(&&wire.source) {
                 continue;
@@ -395,7 +410,7 @@ impl Writer<'_> {
     }
 
     /// What an end of a wire is bound to, if it says.
-    fn binding(&self, end: &Target, calls: bool) -> Option<Binding> {
+    fn binding(&self, end: &ScdlTarget, calls: bool) -> Option<ScdlTransport> {
         let mut components = self.composite.components.iter();
         let component = components.find(|it| it.name.value == end.component.value)?;
         let listed = if calls {
@@ -455,13 +470,13 @@ fn is_secret(property: &str) -> bool {
         .any(|word| name.contains(word))
 }
 
-fn implementation_item(implementation: &Implementation) -> Item {
+fn implementation_item(implementation: &ScdlImplementation) -> Item {
     let one = |key: &str, value: String| inline([(key.to_owned(), Value::from(value))]);
     match implementation {
-        Implementation::Java(class) => one("rust", name::component(class)),
-        Implementation::Composite(composite) => one("composite", name::file(composite)),
-        Implementation::Asm(file) => one("asm", file.value.clone()),
-        Implementation::Python(script) => {
+        ScdlImplementation::Java(class) => one("rust", name::component(class)),
+        ScdlImplementation::Composite(composite) => one("composite", name::file(composite)),
+        ScdlImplementation::Asm(file) => one("asm", file.value.clone()),
+        ScdlImplementation::Python(script) => {
             let arguments = value::list([script.value.as_str().into()]);
             inline([
                 ("process".to_owned(), "python3".into()),
@@ -471,7 +486,7 @@ fn implementation_item(implementation: &Implementation) -> Item {
     }
 }
 
-fn contracts_item(key: &str, contracts: &[Contract], table: &mut Table) {
+fn contracts_item(key: &str, contracts: &[ScdlContract], table: &mut Table) {
     if contracts.is_empty() {
         return;
     }

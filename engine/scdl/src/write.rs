@@ -1,11 +1,14 @@
-//! [`Composite`] → XML.
+//! [`ScdlComposite`] → XML.
 
 use std::io;
 
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};
 use quick_xml::writer::Writer;
 
-use crate::model::{Binding, Component, Composite, Contract, Implementation, Property, Target};
+use crate::model::{
+    ScdlComponent, ScdlComposite, ScdlContract, ScdlImplementation, ScdlProperty, ScdlTarget,
+    ScdlTransport,
+};
 use crate::name;
 
 /// The namespace of SCA 1.1.
@@ -15,8 +18,8 @@ const SCA: &str = "http://docs.oasis-open.org/ns/opencsa/sca/200912";
 const XSD: &str = "http://www.w3.org/2001/XMLSchema";
 
 /// The text of a composite.
-pub(crate) fn write(composite: &Composite) -> io::Result<String> {
-    let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
+pub(crate) fn write(composite: &ScdlComposite) -> io::Result<String> {
+    let mut xml = XmlWriter(Writer::new_with_indent(Vec::new(), b' ', 2));
     xml.0
         .write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     let namespace = composite.namespace.as_ref().map(|it| it.value.clone());
@@ -59,9 +62,9 @@ pub(crate) fn write(composite: &Composite) -> io::Result<String> {
 /// Attributes, those that there are.
 type Attributes<'a> = [(&'a str, Option<String>)];
 
-struct Xml(Writer<Vec<u8>>);
+struct XmlWriter(Writer<Vec<u8>>);
 
-impl Xml {
+impl XmlWriter {
     fn start<'n>(name: &'n str, attributes: &Attributes<'_>) -> BytesStart<'n> {
         let mut start = BytesStart::new(name);
         for (name, value) in attributes {
@@ -110,7 +113,7 @@ impl Xml {
         Ok(())
     }
 
-    fn component(&mut self, component: &Component, prefixed: bool) -> io::Result<()> {
+    fn component(&mut self, component: &ScdlComponent, prefixed: bool) -> io::Result<()> {
         let name = [("name", Some(component.name.value.clone()))];
         self.element("component", &name, |xml| {
             xml.doc(component.doc.as_deref())?;
@@ -130,23 +133,23 @@ impl Xml {
         })
     }
 
-    fn implementation(&mut self, made_of: &Implementation, prefixed: bool) -> io::Result<()> {
+    fn implementation(&mut self, made_of: &ScdlImplementation, prefixed: bool) -> io::Result<()> {
         let (element, attribute, value) = match made_of {
-            Implementation::Java(class) => ("java", "class", class.value.clone()),
-            Implementation::Composite(name) if prefixed => {
+            ScdlImplementation::Java(class) => ("java", "class", class.value.clone()),
+            ScdlImplementation::Composite(name) if prefixed => {
                 ("composite", "name", format!("own:{}", name.value))
             }
-            Implementation::Composite(name) => ("composite", "name", name.value.clone()),
-            Implementation::Asm(file) => ("asm", "location", file.value.clone()),
-            Implementation::Python(script) => ("python", "script", script.value.clone()),
+            ScdlImplementation::Composite(name) => ("composite", "name", name.value.clone()),
+            ScdlImplementation::Asm(file) => ("asm", "location", file.value.clone()),
+            ScdlImplementation::Python(script) => ("python", "script", script.value.clone()),
         };
         let element = format!("implementation.{element}");
         self.empty(&element, &[(attribute, Some(value))])
     }
 
-    fn contract(&mut self, kind: &str, contract: &Contract) -> io::Result<()> {
-        let list = |targets: &[Target]| {
-            let targets: Vec<String> = targets.iter().map(Target::to_string).collect();
+    fn contract(&mut self, kind: &str, contract: &ScdlContract) -> io::Result<()> {
+        let list = |targets: &[ScdlTarget]| {
+            let targets: Vec<String> = targets.iter().map(ScdlTarget::to_string).collect();
             (!targets.is_empty()).then(|| targets.join(" "))
         };
         let multiplicity = contract.multiplicity;
@@ -178,10 +181,10 @@ impl Xml {
             }
             for bound in &contract.bindings {
                 let word = match bound.over {
-                    Binding::Sca => "binding.sca",
-                    Binding::Http => "binding.ws",
-                    Binding::Jms => "binding.jms",
-                    Binding::Rmi => "binding.rmi",
+                    ScdlTransport::Sca => "binding.sca",
+                    ScdlTransport::Http => "binding.ws",
+                    ScdlTransport::Jms => "binding.jms",
+                    ScdlTransport::Rmi => "binding.rmi",
                 };
                 let uri = bound.uri.as_ref().map(|uri| uri.value.clone());
                 xml.empty(word, &[("uri", uri)])?;
@@ -190,7 +193,7 @@ impl Xml {
         })
     }
 
-    fn property(&mut self, property: &Property) -> io::Result<()> {
+    fn property(&mut self, property: &ScdlProperty) -> io::Result<()> {
         let kind = property
             .kind
             .as_ref()

@@ -17,15 +17,15 @@ const MAX_DEPTH: usize = 64;
 
 /// An element.
 #[derive(Clone, Debug)]
-pub(crate) struct Element {
+pub(crate) struct XmlElement {
     /// Its name without the prefix, at its place.
     pub name: At<String>,
     /// The namespace it is in; empty for none.
     pub namespace: String,
     /// Its attributes, those that declare namespaces left out.
-    pub attributes: Vec<Attribute>,
+    pub attributes: Vec<XmlAttribute>,
     /// The elements in it.
-    pub children: Vec<Element>,
+    pub children: Vec<XmlElement>,
     /// The text in it, without the space around it, and its place.
     pub text: At<String>,
     /// The place of its start tag.
@@ -34,14 +34,14 @@ pub(crate) struct Element {
 
 /// An attribute.
 #[derive(Clone, Debug)]
-pub(crate) struct Attribute {
+pub(crate) struct XmlAttribute {
     /// Its name, with its prefix.
     pub name: String,
     /// Its value, at its place.
     pub value: At<String>,
 }
 
-impl Element {
+impl XmlElement {
     /// The start tag as people write it.
     pub(crate) fn shown(&self) -> String {
         let attributes = self.attributes.iter();
@@ -51,7 +51,7 @@ impl Element {
 }
 
 /// Reads the tree of a text.
-pub(crate) fn parse(file: FileId, text: &str) -> Result<Element, InvalidXml> {
+pub(crate) fn parse(file: FileId, text: &str) -> Result<XmlElement, InvalidXml> {
     let syntax = |reason: String, start: usize| InvalidXml {
         reason,
         at: Span::new(file, start, start),
@@ -61,7 +61,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> Result<Element, InvalidXml> {
         return Err(syntax(reason, 0));
     }
     let mut reader = NsReader::from_str(text);
-    let mut tree = Tree {
+    let mut tree = XmlTree {
         open: Vec::new(),
         root: None,
     };
@@ -123,13 +123,13 @@ pub(crate) fn parse(file: FileId, text: &str) -> Result<Element, InvalidXml> {
 }
 
 /// What was read so far: the elements that are open, outermost first.
-struct Tree {
-    open: Vec<Element>,
-    root: Option<Element>,
+struct XmlTree {
+    open: Vec<XmlElement>,
+    root: Option<XmlElement>,
 }
 
-impl Tree {
-    fn open(&mut self, element: Element) {
+impl XmlTree {
+    fn open(&mut self, element: XmlElement) {
         self.open.push(element);
     }
 
@@ -162,7 +162,7 @@ fn element(
     span: Span,
     tag: &BytesStart<'_>,
     namespace: String,
-) -> Result<Element, String> {
+) -> Result<XmlElement, String> {
     let name = tag.local_name().into_inner().to_owned();
     let raw = text.get(span.range()).unwrap_or("");
     let start = span.start as usize;
@@ -188,13 +188,13 @@ fn element(
         position = end;
         if key != "xmlns" && !key.starts_with("xmlns:") {
             let at = Span::new(span.file, start + quote + 1, start + end);
-            attributes.push(Attribute {
+            attributes.push(XmlAttribute {
                 name: key.to_owned(),
                 value: At::new(value, at),
             });
         }
     }
-    Ok(Element {
+    Ok(XmlElement {
         name: At::new(name, at),
         namespace,
         attributes,

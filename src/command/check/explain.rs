@@ -2,10 +2,10 @@
 
 use crate::codes::all;
 use crate::exit::Exit;
-use crate::terminal::{NAME, Terminal};
+use crate::terminal::{NAME, TerminalOutput};
 
 /// Prints the page of a code, or a list of all codes.
-pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
+pub fn explain(name: Option<&str>, terminal: &mut TerminalOutput) -> Exit {
     let Some(name) = name else {
         for code in all() {
             terminal.result(format_args!("{NAME}{code}{NAME:#}  {}", code.title));

@@ -2,11 +2,11 @@
 
 use crate::build;
 use crate::command::test::snapshot;
-use asmotion_lang::{Loader, Options, Report, Sources, scenario};
+use asmotion_lang::{Loader, ReadOptions, Report, Sources, scenario};
 use std::path::Path;
 
 /// Returns the findings in one file and in the files it names.
-pub fn findings(path: &str, options: &Options, loader: &dyn Loader) -> (Report, Sources) {
+pub fn findings(path: &str, options: &ReadOptions, loader: &dyn Loader) -> (Report, Sources) {
     if snapshot::is_script(Path::new(path)) {
         return match snapshot::open(path, loader) {
             Ok((specification, _)) => (Report::new(), specification.sources),
@@ -32,7 +32,7 @@ fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
 }
 
 /// Checks a specification, including its initial state.
-fn specification(path: &str, options: &Options, loader: &dyn Loader) -> (Report, Sources) {
+fn specification(path: &str, options: &ReadOptions, loader: &dyn Loader) -> (Report, Sources) {
     match asmotion_lang::open_with(path, loader, options) {
         Ok(mut specification) => {
             if let Ok(machine) = specification.machine() {

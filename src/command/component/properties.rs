@@ -2,10 +2,10 @@
 
 use crate::exit::Exit;
 use crate::feature::LeftOut;
-use crate::files::{Disk, reason};
-use crate::terminal::{Terminal, count};
+use crate::files::{DiskLoader, reason};
+use crate::terminal::{TerminalOutput, count};
 use asmotion_assembly::declaration::Declaration;
-use asmotion_assembly::property_file::{self, Read};
+use asmotion_assembly::property_file::{self, PropertyFile};
 use asmotion_lang::Loader;
 use asmotion_remote::Remote;
 use clap::Subcommand;
@@ -13,7 +13,7 @@ use std::error::Error;
 
 /// Subcommands for property files.
 #[derive(Subcommand)]
-pub(super) enum Properties {
+pub(super) enum PropertiesCommand {
     /// Writes the properties of a component to a file
     Save {
         /// Name of the component
@@ -40,11 +40,11 @@ pub(super) enum Properties {
     },
 }
 
-impl Properties {
+impl PropertiesCommand {
     pub(super) fn run(
         self,
         remote: &Remote,
-        terminal: &mut Terminal,
+        terminal: &mut TerminalOutput,
     ) -> Result<Exit, Box<dyn Error>> {
         match self {
             Self::Save { name, file } => save(&remote.component(&name)?, &file),
@@ -55,7 +55,7 @@ impl Properties {
 }
 
 /// Writes the properties to a file, each with its description as a comment.
-fn save(component: &asmotion_remote::Component, file: &str) -> Result<Exit, Box<dyn Error>> {
+fn save(component: &asmotion_remote::RemoteComponent, file: &str) -> Result<Exit, Box<dyn Error>> {
     let text = property_file::write(&component.declaration()?, &component.properties()?);
     let written = std::fs::write(file, text);
     written.map_err(|error| format!("cannot write `{file}`: {}", reason(&error)))?;
@@ -64,9 +64,9 @@ fn save(component: &asmotion_remote::Component, file: &str) -> Result<Exit, Box<
 
 /// Sets all properties of the file, or none; other properties keep their values.
 fn load(
-    component: &asmotion_remote::Component,
+    component: &asmotion_remote::RemoteComponent,
     file: &str,
-    terminal: &mut Terminal,
+    terminal: &mut TerminalOutput,
 ) -> Result<Exit, Box<dyn Error>> {
     let Some(read) = read(component, file, terminal)? else {
         return Ok(Exit::Findings);
@@ -81,9 +81,9 @@ fn load(
 
 /// Prints the differences between file and component.
 fn diff(
-    component: &asmotion_remote::Component,
+    component: &asmotion_remote::RemoteComponent,
     file: &str,
-    terminal: &mut Terminal,
+    terminal: &mut TerminalOutput,
 ) -> Result<Exit, Box<dyn Error>> {
     let Some(read) = read(component, file, terminal)? else {
         return Ok(Exit::Findings);
@@ -109,11 +109,11 @@ fn of_rtt(
     text: &str,
     component: &str,
     declared: &Declaration,
-) -> Result<Read, LeftOut> {
+) -> Result<PropertyFile, LeftOut> {
     let cpf = asmotion_scdl::cpf(file, text);
     let mut read = property_file::of_tree(&cpf.properties, component, declared);
     read.report.extend(cpf.report);
-    Ok(Read {
+    Ok(PropertyFile {
         sources: cpf.sources,
         ..read
     })
@@ -121,17 +121,17 @@ fn of_rtt(
 
 /// Fails: CPF files are read by the reader of SCDL.
 #[cfg(not(feature = "scdl"))]
-fn of_rtt(_: &str, _: &str, _: &str, _: &Declaration) -> Result<Read, LeftOut> {
+fn of_rtt(_: &str, _: &str, _: &str, _: &Declaration) -> Result<PropertyFile, LeftOut> {
     Err(LeftOut::new::<crate::feature::Scdl>())
 }
 
 /// Reads the file and checks it against the declaration; prints errors and returns `None` if there are any.
 fn read(
-    component: &asmotion_remote::Component,
+    component: &asmotion_remote::RemoteComponent,
     file: &str,
-    terminal: &mut Terminal,
-) -> Result<Option<Read>, Box<dyn Error>> {
-    let text = Disk.read(file);
+    terminal: &mut TerminalOutput,
+) -> Result<Option<PropertyFile>, Box<dyn Error>> {
+    let text = DiskLoader.read(file);
     let text = text.map_err(|error| format!("cannot read `{file}`: {}", error.reason))?;
     let (name, declared) = (component.name(), component.declaration()?);
     let read = match file.ends_with(".cpf") || file.ends_with(".xml") {

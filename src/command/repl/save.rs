@@ -1,13 +1,13 @@
 //! Writes the session as a scenario that sets the inputs and checks the updates.
 
-use asmotion_lang::{Event, History, Machine, Session, Value, simulate};
+use asmotion_lang::{History, HistoryEvent, Machine, Session, Value, simulate};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
 /// Returns the scenario of all events so far, to be stored at `path`.
 pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> String {
-    let mut scenario = Scenario::default();
+    let mut scenario = ScenarioWriter::default();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let is_letter = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     let name: String = name
@@ -36,31 +36,31 @@ fn load(path: &Path, spec: &Path) -> String {
 }
 
 #[derive(Default)]
-struct Scenario {
+struct ScenarioWriter {
     text: String,
     /// Inputs as set by the scenario so far.
     inputs: BTreeMap<String, String>,
 }
 
-impl Scenario {
-    fn event(&mut self, event: &Event, session: &Session) {
+impl ScenarioWriter {
+    fn event(&mut self, event: &HistoryEvent, session: &Session) {
         let machine = &session.machine;
         match event {
-            Event::Step => {
+            HistoryEvent::Step => {
                 self.set_inputs(machine);
                 self.line("step");
                 self.check_updates(machine);
             }
-            Event::Fire(rule) => self.line(&format!("exec {};", rule.trim_end_matches(';'))),
+            HistoryEvent::Fire(rule) => self.line(&format!("exec {};", rule.trim_end_matches(';'))),
             // a monitored location is set in the scenario when a step reads it
-            Event::Set(function, arguments, value) => {
+            HistoryEvent::Set(function, arguments, value) => {
                 let kind = machine.program().functions[function.0 as usize].kind;
                 if kind != asmotion_lang::ir::FunctionKind::Monitored {
                     let location = simulate::applied(machine, *function, arguments);
                     self.fact("exec", &location, ":=", &shown(machine, value));
                 }
             }
-            Event::Release(..) => {}
+            HistoryEvent::Release(..) => {}
         }
     }
 

@@ -6,11 +6,11 @@ use crate::command::component::{list, show};
 use crate::command::run::property_value;
 use crate::prompt;
 use crate::table;
-use crate::terminal::{FAINT, Terminal};
+use crate::terminal::{FAINT, TerminalOutput};
 use asmotion_component::Transition;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
-use asmotion_remote::{Component, Remote};
+use asmotion_remote::{Remote, RemoteComponent};
 use std::time::Duration;
 
 /// Time limit of a call.
@@ -42,7 +42,7 @@ impl Browser {
     }
 
     /// Prints the greeting.
-    pub fn greet(&self, terminal: &mut Terminal) {
+    pub fn greet(&self, terminal: &mut TerminalOutput) {
         let count = self.remote.components().len();
         terminal.say(format_args!(
             "{FAINT}{count} components; `ls` shows them, `cd COMPONENT` enters one, `help` tells the rest{FAINT:#}"
@@ -69,7 +69,7 @@ impl Browser {
     }
 
     /// Executes one line. Returns `false` at the end of the session.
-    pub fn answer(&mut self, line: &str, terminal: &mut Terminal) -> bool {
+    pub fn answer(&mut self, line: &str, terminal: &mut TerminalOutput) -> bool {
         let line = line.trim();
         if line.is_empty() {
             return true;
@@ -103,7 +103,7 @@ impl Browser {
         true
     }
 
-    fn list(&self, terminal: &mut Terminal) -> Answered {
+    fn list(&self, terminal: &mut TerminalOutput) -> Answered {
         match &self.here {
             None => list(&self.remote.components(), terminal),
             Some(here) => {
@@ -122,7 +122,7 @@ impl Browser {
         Ok(())
     }
 
-    fn peers(&self, name: &str, terminal: &mut Terminal) -> Answered {
+    fn peers(&self, name: &str, terminal: &mut TerminalOutput) -> Answered {
         let component = self.component(name)?;
         let peers = peers(&component, &self.remote.processes()).into_iter();
         let rows = peers.map(|(peer, joint)| vec![peer, joint]);
@@ -132,7 +132,7 @@ impl Browser {
         Ok(())
     }
 
-    fn call(&self, written: &str, terminal: &mut Terminal) -> Answered {
+    fn call(&self, written: &str, terminal: &mut TerminalOutput) -> Answered {
         let (path, argument) = called(written);
         let argument: Datum = asmotion_datum::json::decode(argument)
             .map_err(|error| format!("`{argument}` is no JSON: {error}"))?;
@@ -152,7 +152,7 @@ impl Browser {
         Ok(())
     }
 
-    fn get(&self, path: &str, terminal: &mut Terminal) -> Answered {
+    fn get(&self, path: &str, terminal: &mut TerminalOutput) -> Answered {
         if path.is_empty() {
             for (property, value) in self.component("")?.properties()? {
                 terminal.result(format_args!("{property} = {value}"));
@@ -172,7 +172,7 @@ impl Browser {
         Ok(())
     }
 
-    fn read(&self, path: &str, terminal: &mut Terminal) -> Answered {
+    fn read(&self, path: &str, terminal: &mut TerminalOutput) -> Answered {
         let (component, port) = self.locate(path)?;
         let read: Datum = component.read(port)?;
         terminal.result(asmotion_datum::json::encode(&read)?);
@@ -189,7 +189,7 @@ impl Browser {
         Ok(())
     }
 
-    fn watch(&self, written: &str, terminal: &mut Terminal) -> Answered {
+    fn watch(&self, written: &str, terminal: &mut TerminalOutput) -> Answered {
         let (path, count) = written
             .split_once(char::is_whitespace)
             .unwrap_or((written, ""));
@@ -216,7 +216,7 @@ impl Browser {
     }
 
     /// Returns the component with this name; an empty name is the entered component.
-    fn component(&self, name: &str) -> Result<Component, Box<dyn std::error::Error>> {
+    fn component(&self, name: &str) -> Result<RemoteComponent, Box<dyn std::error::Error>> {
         match (name, &self.here) {
             ("", None) => Err("which component? Name it, or `cd` into it".into()),
             ("", Some(here)) => Ok(self.remote.component(here)?),
@@ -228,7 +228,7 @@ impl Browser {
     fn locate<'p>(
         &self,
         path: &'p str,
-    ) -> Result<(Component, &'p str), Box<dyn std::error::Error>> {
+    ) -> Result<(RemoteComponent, &'p str), Box<dyn std::error::Error>> {
         for component in self.remote.components() {
             for name in [component.whole_name(), component.name().to_owned()] {
                 let after = path.strip_prefix(&name).and_then(|it| it.strip_prefix('.'));
@@ -279,7 +279,7 @@ fn called(written: &str) -> (&str, &str) {
 }
 
 /// The operations of a component, as pairs of service and operation.
-fn operations(component: &Component) -> Vec<(String, String)> {
+fn operations(component: &RemoteComponent) -> Vec<(String, String)> {
     let services = component.present().services.iter();
     let of_service = services.flat_map(|service| {
         let operations = service.operations.iter();
@@ -289,7 +289,7 @@ fn operations(component: &Component) -> Vec<(String, String)> {
 }
 
 /// The names of ports, properties and operations of a component.
-fn parts(component: &Component) -> Vec<String> {
+fn parts(component: &RemoteComponent) -> Vec<String> {
     let present = component.present();
     let ports = present.inputs.iter().chain(&present.outputs);
     let ports = ports.map(|port| port.name.clone());

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use asmotion_remote::{Component, Word};
+use asmotion_remote::{RemoteComponent, RobotPresence};
 
 /// Returns the peers of a component: name and connection, for example `odom → path` or `path ← plan`.
-pub fn peers(of: &Component, words: &[Word]) -> BTreeSet<(String, String)> {
+pub fn peers(of: &RemoteComponent, words: &[RobotPresence]) -> BTreeSet<(String, String)> {
     let robot = words.iter().filter(|word| word.robot == of.robot());
     let joined = robot.flat_map(|word| &word.presence.joined);
     let mut peers = BTreeSet::new();

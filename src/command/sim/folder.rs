@@ -1,18 +1,18 @@
 //! Simulates all specifications of a folder and prints a line for each.
 
-use super::{Sim, Unbegun, comment};
+use super::{Sim, SimStartError, comment};
 use crate::exit::Exit;
 use crate::files::{reason, specifications};
-use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
-use asmotion_lang::simulate::{Stopped, Trace};
-use asmotion_lang::{Diagnostic, Failure, Fault, Severity, Specification};
+use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
+use asmotion_lang::simulate::{SimulationError, Trace};
+use asmotion_lang::{Diagnostic, OpenFailure, Severity, Specification, StepFault};
 use rayon::prelude::*;
 use serde_json::json;
 use std::fmt;
 use std::path::Path;
 
 /// Result for one specification.
-enum Outcome {
+enum SpecificationOutcome {
     /// Ran for this many steps.
     Ran(u64),
     /// A module, which has no main rule.
@@ -26,7 +26,7 @@ enum Outcome {
 }
 
 impl Sim {
-    pub(super) fn folder(&self, folder: &Path, terminal: &mut Terminal) -> Exit {
+    pub(super) fn folder(&self, folder: &Path, terminal: &mut TerminalOutput) -> Exit {
         if self.env.is_some() {
             terminal.error("`--env` gives inputs by name, so it is for one specification");
             return Exit::Usage;
@@ -39,11 +39,11 @@ impl Sim {
                 return Exit::Usage;
             }
         };
-        let outcomes: Vec<Outcome> = files
+        let outcomes: Vec<SpecificationOutcome> = files
             .par_iter()
             .map(|file| self.outcome(folder, file))
             .collect();
-        let mut tally = Tally::default();
+        let mut tally = FolderSummary::default();
         for (file, outcome) in files.iter().zip(&outcomes) {
             tally.count(outcome);
             if !self.quiet {
@@ -56,14 +56,14 @@ impl Sim {
     }
 
     /// Opens, checks and runs one specification.
-    fn outcome(&self, folder: &Path, file: &Path) -> Outcome {
+    fn outcome(&self, folder: &Path, file: &Path) -> SpecificationOutcome {
         let name = file.strip_prefix(folder).unwrap_or(file);
         let mut specification = match self.open(&file.to_string_lossy()) {
             Ok(specification) => specification,
             Err(failure) => return rejected(&failure),
         };
         if specification.program.main.is_none() {
-            return Outcome::Module;
+            return SpecificationOutcome::Module;
         }
         let beside = |other: &String| Path::new(other).join(name).with_extension("trace");
         let recorded = self.replay_inputs.as_ref().map(beside);
@@ -74,7 +74,9 @@ impl Sim {
         match (self.trace.as_ref().map(beside), trace) {
             (Some(path), Some(trace)) => match write(&path, &trace) {
                 Ok(()) => outcome,
-                Err(error) => Outcome::Unusable(format!("{}: {error}", path.display())),
+                Err(error) => {
+                    SpecificationOutcome::Unusable(format!("{}: {error}", path.display()))
+                }
             },
             _ => outcome,
         }
@@ -85,43 +87,49 @@ impl Sim {
         specification: &mut Specification,
         recorded: Option<&str>,
         name: &Path,
-    ) -> (Outcome, Option<String>) {
+    ) -> (SpecificationOutcome, Option<String>) {
         let comment = comment(&name.to_string_lossy());
         let mut simulation = match self.begin(specification, recorded) {
             Ok(simulation) if self.trace.is_some() => simulation.traced(&comment),
             Ok(simulation) => simulation,
-            Err(Unbegun::Fault(fault)) => {
+            Err(SimStartError::Fault(fault)) => {
                 let trace = Trace::stillborn(&specification.program, &fault, &comment);
                 return (failed(specification, &fault), Some(trace));
             }
-            Err(Unbegun::Inputs(report)) => {
+            Err(SimStartError::Inputs(report)) => {
                 let reason = report.diagnostics.first();
                 let reason = reason.map(|finding| finding.message.clone());
-                return (Outcome::Unusable(reason.unwrap_or_default()), None);
+                return (
+                    SpecificationOutcome::Unusable(reason.unwrap_or_default()),
+                    None,
+                );
             }
         };
         let steps = self.steps(&simulation);
         let stopped = (0..steps).find_map(|_| simulation.step().err());
         let (outcome, fault) = match stopped {
-            None => (Outcome::Ran(steps), None),
-            Some(Stopped::Fault(fault)) => {
+            None => (SpecificationOutcome::Ran(steps), None),
+            Some(SimulationError::Fault(fault)) => {
                 let finding = specification.explain_in(&fault, simulation.machine());
-                (Outcome::Fault(fault.step, in_a_line(&finding)), Some(fault))
+                (
+                    SpecificationOutcome::Fault(fault.step, in_a_line(&finding)),
+                    Some(fault),
+                )
             }
-            Some(reason @ Stopped::Unreadable { .. }) => {
-                (Outcome::Unusable(reason.to_string()), None)
+            Some(reason @ SimulationError::Unreadable { .. }) => {
+                (SpecificationOutcome::Unusable(reason.to_string()), None)
             }
         };
         (outcome, simulation.into_trace(fault.as_deref()))
     }
 
-    fn tell(&self, name: &str, outcome: &Outcome, terminal: &mut Terminal) {
+    fn tell(&self, name: &str, outcome: &SpecificationOutcome, terminal: &mut TerminalOutput) {
         let (word, steps, what) = match outcome {
-            Outcome::Ran(steps) => ("ok", *steps, String::new()),
-            Outcome::Module => ("module", 0, String::new()),
-            Outcome::Rejected(first) => ("rejected", 0, first.clone()),
-            Outcome::Fault(step, what) => ("fault", *step, what.clone()),
-            Outcome::Unusable(what) => ("unusable", 0, what.clone()),
+            SpecificationOutcome::Ran(steps) => ("ok", *steps, String::new()),
+            SpecificationOutcome::Module => ("module", 0, String::new()),
+            SpecificationOutcome::Rejected(first) => ("rejected", 0, first.clone()),
+            SpecificationOutcome::Fault(step, what) => ("fault", *step, what.clone()),
+            SpecificationOutcome::Unusable(what) => ("unusable", 0, what.clone()),
         };
         if self.json {
             return terminal.result(json!({
@@ -129,10 +137,10 @@ impl Sim {
             }));
         }
         let colour = match outcome {
-            Outcome::Ran(_) => GOOD,
-            Outcome::Module => FAINT,
-            Outcome::Fault(..) => NOTE,
-            Outcome::Rejected(..) | Outcome::Unusable(_) => BAD,
+            SpecificationOutcome::Ran(_) => GOOD,
+            SpecificationOutcome::Module => FAINT,
+            SpecificationOutcome::Fault(..) => NOTE,
+            SpecificationOutcome::Rejected(..) | SpecificationOutcome::Unusable(_) => BAD,
         };
         let what = if what.is_empty() {
             what
@@ -143,14 +151,14 @@ impl Sim {
     }
 }
 
-fn rejected(failure: &Failure) -> Outcome {
+fn rejected(failure: &OpenFailure) -> SpecificationOutcome {
     let mut findings = failure.report.diagnostics.iter();
     let first = findings.find(|finding| finding.severity == Severity::Error);
-    Outcome::Rejected(first.map(in_a_line).unwrap_or_default())
+    SpecificationOutcome::Rejected(first.map(in_a_line).unwrap_or_default())
 }
 
-fn failed(specification: &Specification, fault: &Fault) -> Outcome {
-    Outcome::Fault(fault.step, in_a_line(&specification.explain(fault)))
+fn failed(specification: &Specification, fault: &StepFault) -> SpecificationOutcome {
+    SpecificationOutcome::Fault(fault.step, in_a_line(&specification.explain(fault)))
 }
 
 /// The message of a finding on one line; it can quote an invariant with line breaks.
@@ -168,7 +176,7 @@ fn write(path: &Path, text: &str) -> std::io::Result<()> {
 
 /// Numbers of specifications by result.
 #[derive(Default)]
-struct Tally {
+struct FolderSummary {
     ran: usize,
     steps: u64,
     modules: usize,
@@ -177,20 +185,20 @@ struct Tally {
     unusable: usize,
 }
 
-impl Tally {
-    fn count(&mut self, outcome: &Outcome) {
+impl FolderSummary {
+    fn count(&mut self, outcome: &SpecificationOutcome) {
         match outcome {
-            Outcome::Ran(steps) => {
+            SpecificationOutcome::Ran(steps) => {
                 self.ran += 1;
                 self.steps += steps;
             }
-            Outcome::Module => self.modules += 1,
-            Outcome::Rejected(..) => self.rejected += 1,
-            Outcome::Fault(steps, _) => {
+            SpecificationOutcome::Module => self.modules += 1,
+            SpecificationOutcome::Rejected(..) => self.rejected += 1,
+            SpecificationOutcome::Fault(steps, _) => {
                 self.faults += 1;
                 self.steps += steps;
             }
-            Outcome::Unusable(_) => self.unusable += 1,
+            SpecificationOutcome::Unusable(_) => self.unusable += 1,
         }
     }
 
@@ -204,7 +212,7 @@ impl Tally {
     }
 }
 
-impl fmt::Display for Tally {
+impl fmt::Display for FolderSummary {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let files = self.ran + self.modules + self.rejected + self.faults + self.unusable;
         write!(

@@ -1,16 +1,16 @@
 //! Simulates one specification.
 
-use super::{Sim, Unbegun, comment};
+use super::{Sim, SimStartError, comment};
 use crate::exit::Exit;
 use crate::show;
-use crate::terminal::{FAINT, NAME, Terminal, count};
+use crate::terminal::{FAINT, NAME, TerminalOutput, count};
 use asmotion_lang::machine::Machine;
-use asmotion_lang::simulate::{self, Stopped, Trace};
+use asmotion_lang::simulate::{self, SimulationError, Trace};
 use asmotion_lang::{Diagnostic, Report, Severity, Specification};
 use serde_json::{Map, Value, json};
 
 impl Sim {
-    pub(super) fn single(&self, terminal: &mut Terminal) -> Exit {
+    pub(super) fn single(&self, terminal: &mut TerminalOutput) -> Exit {
         let mut specification = match self.open(&self.spec) {
             Ok(specification) => specification,
             Err(failure) => {
@@ -25,11 +25,11 @@ impl Sim {
         let comment = comment(&self.spec);
         let mut simulation = match self.begin(&mut specification, self.replay_inputs.as_deref()) {
             Ok(simulation) => simulation,
-            Err(Unbegun::Inputs(report)) => {
+            Err(SimStartError::Inputs(report)) => {
                 terminal.report(&report, &specification.sources);
                 return Exit::Usage;
             }
-            Err(Unbegun::Fault(fault)) => {
+            Err(SimStartError::Fault(fault)) => {
                 let trace = Trace::stillborn(&specification.program, &fault, &comment);
                 let exit = self.fault(specification.explain(&fault), 0, &specification, terminal);
                 return exit.max(self.write(Some(trace), terminal));
@@ -57,15 +57,15 @@ impl Sim {
         }
         let exit = match &stopped {
             None => Exit::Ok,
-            Some(Stopped::Fault(fault)) => {
+            Some(SimulationError::Fault(fault)) => {
                 let finding = specification.explain_in(fault, simulation.machine());
                 self.fault(finding, fault.step, &specification, terminal)
             }
-            Some(Stopped::Unreadable { .. }) => Exit::Usage,
+            Some(SimulationError::Unreadable { .. }) => Exit::Usage,
         };
         let fault = match stopped {
-            Some(Stopped::Fault(fault)) => Some(fault),
-            Some(reason @ Stopped::Unreadable { .. }) => {
+            Some(SimulationError::Fault(fault)) => Some(fault),
+            Some(reason @ SimulationError::Unreadable { .. }) => {
                 terminal.error(reason);
                 None
             }
@@ -76,7 +76,7 @@ impl Sim {
     }
 
     /// Writes the trace if it was requested.
-    fn write(&self, trace: Option<String>, terminal: &mut Terminal) -> Exit {
+    fn write(&self, trace: Option<String>, terminal: &mut TerminalOutput) -> Exit {
         let (Some(path), Some(trace)) = (&self.trace, trace) else {
             return Exit::Ok;
         };
@@ -89,7 +89,7 @@ impl Sim {
         }
     }
 
-    fn step(&self, machine: &Machine, terminal: &mut Terminal) {
+    fn step(&self, machine: &Machine, terminal: &mut TerminalOutput) {
         let step = machine.last_step();
         if self.json {
             return terminal.result(show::step_json(machine, &step));
@@ -119,7 +119,7 @@ impl Sim {
         }
     }
 
-    fn state(&self, machine: &Machine, terminal: &mut Terminal) {
+    fn state(&self, machine: &Machine, terminal: &mut TerminalOutput) {
         let state = show::state(machine);
         if self.json {
             let state: Map<String, Value> = state
@@ -144,7 +144,7 @@ impl Sim {
         finding: Diagnostic,
         step: u64,
         specification: &Specification,
-        terminal: &mut Terminal,
+        terminal: &mut TerminalOutput,
     ) -> Exit {
         if self.json {
             terminal.result(json!({

@@ -1,15 +1,15 @@
 //! Coverage: a table of rules, sources with counts in the margin, and LCOV.
 
-use crate::terminal::{BAD, FAINT, GOOD, NAME, Terminal};
-use asmotion_lang::coverage::{Coverage, Covered, CoveredRule};
-use asmotion_lang::ir::Part;
+use crate::terminal::{BAD, FAINT, GOOD, NAME, TerminalOutput};
+use asmotion_lang::coverage::{Coverage, FileCoverage, RuleCoverage};
+use asmotion_lang::ir::CoveragePoint;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Detail of the coverage report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Shown {
+pub enum CoverageFormat {
     /// A table with a line for each rule
     Table,
     /// Also the sources with counts in the margin
@@ -17,18 +17,18 @@ pub enum Shown {
 }
 
 /// Prints the coverage.
-pub fn tell(coverage: &Coverage, shown: Shown, terminal: &mut Terminal) {
+pub fn tell(coverage: &Coverage, shown: CoverageFormat, terminal: &mut TerminalOutput) {
     for (path, file) in &coverage.files {
         terminal.result(format_args!("\n{NAME}{path}{NAME:#}"));
         table(file, terminal);
-        if shown == Shown::Lines {
+        if shown == CoverageFormat::Lines {
             terminal.result("");
             lines(file, terminal);
         }
     }
 }
 
-fn table(file: &Covered, terminal: &mut Terminal) {
+fn table(file: &FileCoverage, terminal: &mut TerminalOutput) {
     let widest = file.rules.values().map(|rule| rule.name.len()).max();
     let width = widest.unwrap_or(0).max("rule".len());
     terminal.result(format_args!(
@@ -49,7 +49,7 @@ fn table(file: &Covered, terminal: &mut Terminal) {
 }
 
 /// Returns `true` if every part of the rule ran.
-fn is_covered(rule: &CoveredRule) -> bool {
+fn is_covered(rule: &RuleCoverage) -> bool {
     let all = |(ran, all): (usize, usize)| ran == all;
     rule.calls > 0 && all(rule.branches()) && all(rule.updates())
 }
@@ -61,7 +61,7 @@ fn share((ran, all): (usize, usize)) -> String {
     }
 }
 
-fn rounds(rule: &CoveredRule) -> String {
+fn rounds(rule: &RuleCoverage) -> String {
     let ([none, one, many], all) = rule.rounds();
     match all {
         0 => "-".to_owned(),
@@ -72,7 +72,7 @@ fn rounds(rule: &CoveredRule) -> String {
 /// Prints the source lines with counts of the constructs that begin on them: a number for rules and updates, `T`
 /// and `F` for the branches of `if`, `0`, `1` and `*` for the rounds of `forall`; `!` marks constructs that did
 /// not run.
-fn lines(file: &Covered, terminal: &mut Terminal) {
+fn lines(file: &FileCoverage, terminal: &mut TerminalOutput) {
     let margins = margins(file);
     for (index, text) in file.text.lines().enumerate() {
         let (margin, is_missed) = margins.get(&(index + 1)).cloned().unwrap_or_default();
@@ -86,7 +86,7 @@ fn lines(file: &Covered, terminal: &mut Terminal) {
 }
 
 /// For each line: the text in the margin, and whether a construct did not run.
-fn margins(file: &Covered) -> BTreeMap<usize, (String, bool)> {
+fn margins(file: &FileCoverage) -> BTreeMap<usize, (String, bool)> {
     let mut margins: BTreeMap<usize, (String, bool)> = BTreeMap::new();
     let mut note = |line: usize, text: String, is_missed: bool| {
         let margin = margins.entry(line).or_default();
@@ -101,17 +101,20 @@ fn margins(file: &Covered) -> BTreeMap<usize, (String, bool)> {
         for ((_, part), covered) in &rule.parts {
             let count = covered.count;
             let text = match part {
-                Part::Rule | Part::Round => continue,
-                Part::Update => count.to_string(),
-                Part::Then | Part::Found => format!("T{count}"),
-                Part::Else | Part::NotFound => format!("F{count}"),
-                Part::Case(_) => format!("C{count}"),
-                Part::Otherwise => format!("O{count}"),
-                Part::None => format!("0:{count}"),
-                Part::One => format!("1:{count}"),
-                Part::Many => format!("*:{count}"),
+                CoveragePoint::Rule | CoveragePoint::Round => continue,
+                CoveragePoint::Update => count.to_string(),
+                CoveragePoint::Then | CoveragePoint::Found => format!("T{count}"),
+                CoveragePoint::Else | CoveragePoint::NotFound => format!("F{count}"),
+                CoveragePoint::Case(_) => format!("C{count}"),
+                CoveragePoint::Otherwise => format!("O{count}"),
+                CoveragePoint::None => format!("0:{count}"),
+                CoveragePoint::One => format!("1:{count}"),
+                CoveragePoint::Many => format!("*:{count}"),
             };
-            let is_round = matches!(part, Part::None | Part::One | Part::Many);
+            let is_round = matches!(
+                part,
+                CoveragePoint::None | CoveragePoint::One | CoveragePoint::Many
+            );
             note(covered.line, text, count == 0 && !is_round);
         }
     }
@@ -132,7 +135,7 @@ pub fn lcov(coverage: &Coverage) -> String {
         for rule in file.rules.values() {
             lines.insert(rule.line, rule.calls);
             for (branch, ((place, part), covered)) in rule.parts.iter().enumerate() {
-                if *part == Part::Update {
+                if *part == CoveragePoint::Update {
                     *lines.entry(covered.line).or_default() += covered.count;
                 } else if is_branch(*part) {
                     let (line, count) = (covered.line, covered.count);
@@ -148,14 +151,19 @@ pub fn lcov(coverage: &Coverage) -> String {
     text
 }
 
-fn is_branch(part: Part) -> bool {
+fn is_branch(part: CoveragePoint) -> bool {
     match part {
-        Part::Then
-        | Part::Else
-        | Part::Case(_)
-        | Part::Otherwise
-        | Part::Found
-        | Part::NotFound => true,
-        Part::Rule | Part::Update | Part::Round | Part::None | Part::One | Part::Many => false,
+        CoveragePoint::Then
+        | CoveragePoint::Else
+        | CoveragePoint::Case(_)
+        | CoveragePoint::Otherwise
+        | CoveragePoint::Found
+        | CoveragePoint::NotFound => true,
+        CoveragePoint::Rule
+        | CoveragePoint::Update
+        | CoveragePoint::Round
+        | CoveragePoint::None
+        | CoveragePoint::One
+        | CoveragePoint::Many => false,
     }
 }

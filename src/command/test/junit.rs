@@ -6,13 +6,13 @@ use std::path::Path;
 use asmotion_lang::simulate::scenario::Verdict;
 use asmotion_lang::{Style, render_all};
 
-use super::{End, Ended};
+use super::{TestEnd, TestResult};
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 
 /// Writes the report: a suite, a case a scenario.
-pub fn write(file: &Path, ended: &[Ended], terminal: &mut Terminal) -> Exit {
-    match std::fs::write(file, Report(ended).to_string()) {
+pub fn write(file: &Path, ended: &[TestResult], terminal: &mut TerminalOutput) -> Exit {
+    match std::fs::write(file, JunitReport(ended).to_string()) {
         Ok(()) => Exit::Ok,
         Err(error) => {
             terminal.error(format_args!("cannot write `{}`: {error}", file.display()));
@@ -21,18 +21,18 @@ pub fn write(file: &Path, ended: &[Ended], terminal: &mut Terminal) -> Exit {
     }
 }
 
-struct Report<'a>(&'a [Ended]);
+struct JunitReport<'a>(&'a [TestResult]);
 
 /// The element of a case that went wrong; none of one that went well.
-fn trouble(end: &End) -> Option<&'static str> {
+fn trouble(end: &TestEnd) -> Option<&'static str> {
     match end {
-        End::Ran(Verdict::Pass) => None,
-        End::Ran(Verdict::Fail | Verdict::Invariant) => Some("failure"),
-        End::Ran(Verdict::Fault) | End::Unusable => Some("error"),
+        TestEnd::Ran(Verdict::Pass) => None,
+        TestEnd::Ran(Verdict::Fail | Verdict::Invariant) => Some("failure"),
+        TestEnd::Ran(Verdict::Fault) | TestEnd::Unusable => Some("error"),
     }
 }
 
-impl Display for Report<'_> {
+impl Display for JunitReport<'_> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let tests = self.0.len();
         let count = |kind| {
@@ -50,7 +50,7 @@ impl Display for Report<'_> {
     }
 }
 
-fn case(one: &Ended, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+fn case(one: &TestResult, to: &mut fmt::Formatter<'_>) -> fmt::Result {
     let path = one.path.display().to_string();
     let name = match &*one.name {
         "" => &path,

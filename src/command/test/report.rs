@@ -1,22 +1,22 @@
 //! Prints results of scenarios, as text or JSON.
 
-use super::{End, Ended};
+use super::{TestEnd, TestResult};
 use crate::exit::Exit;
-use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
+use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 use asmotion_lang::Severity;
 use asmotion_lang::simulate::scenario::Verdict;
 use serde_json::json;
 use std::time::Duration;
 
 /// Prints the result of one scenario with its findings.
-pub fn tell(one: &Ended, as_json: bool, terminal: &mut Terminal) {
+pub fn tell(one: &TestResult, as_json: bool, terminal: &mut TerminalOutput) {
     if as_json {
         return terminal.result(json(one));
     }
     let colour = match one.end {
-        End::Ran(Verdict::Pass) => GOOD,
-        End::Ran(Verdict::Fail | Verdict::Invariant | Verdict::Fault) => BAD,
-        End::Unusable => NOTE,
+        TestEnd::Ran(Verdict::Pass) => GOOD,
+        TestEnd::Ran(Verdict::Fail | Verdict::Invariant | Verdict::Fault) => BAD,
+        TestEnd::Unusable => NOTE,
     };
     let steps = plural(one.steps, "step");
     let checks = plural(one.checks, "check");
@@ -31,7 +31,7 @@ pub fn tell(one: &Ended, as_json: bool, terminal: &mut Terminal) {
     }
 }
 
-fn json(one: &Ended) -> serde_json::Value {
+fn json(one: &TestResult) -> serde_json::Value {
     let findings: Vec<serde_json::Value> = one
         .report
         .diagnostics
@@ -57,7 +57,7 @@ fn json(one: &Ended) -> serde_json::Value {
 }
 
 /// Prints the numbers of results.
-pub fn sum_up(ended: &[Ended], took: Duration, terminal: &mut Terminal) {
+pub fn sum_up(ended: &[TestResult], took: Duration, terminal: &mut TerminalOutput) {
     let count = |exit| ended.iter().filter(|one| one.end.exit() == exit).count() as u64;
     let mut parts = vec![format!("{} passed", count(Exit::Ok))];
     for (exit, word) in [(Exit::Findings, "failed"), (Exit::Usage, "cannot be run")] {

@@ -1,8 +1,8 @@
 //! Accepts differences of snapshots, all at once or one by one.
 
-use super::Ended;
+use super::TestResult;
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use asmotion_lang::Report;
 use asmotion_lang::simulate::scenario::Verdict;
 use std::io::BufRead;
@@ -13,7 +13,7 @@ pub fn is_automatic() -> bool {
 }
 
 /// Accepts every difference.
-pub fn accept(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
+pub fn accept(ended: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
     let mut exit = Exit::Ok;
     for one in ended {
         exit = exit.max(take(one, terminal));
@@ -22,7 +22,7 @@ pub fn accept(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
 }
 
 /// Shows every difference and asks whether to accept it.
-pub fn review(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
+pub fn review(ended: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
     let mut exit = Exit::Ok;
     let mut answers = std::io::stdin().lock().lines();
     for one in ended {
@@ -45,14 +45,14 @@ pub fn review(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
     exit
 }
 
-fn take(one: &mut Ended, terminal: &mut Terminal) -> Exit {
+fn take(one: &mut TestResult, terminal: &mut TerminalOutput) -> Exit {
     let Some(difference) = one.difference.take() else {
         return Exit::Ok;
     };
     match difference.accept() {
         Ok(()) => {
             terminal.status("Accepted", difference.path.display());
-            one.end = super::End::Ran(Verdict::Pass);
+            one.end = super::TestEnd::Ran(Verdict::Pass);
             one.report = Report::new();
             Exit::Ok
         }

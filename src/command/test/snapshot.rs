@@ -3,18 +3,18 @@
 //! `patrol.corridor.env.toml` runs `patrol.asm` in the same folder for as many steps as the script has; the expected
 //! inputs, updates and output are in `patrol.corridor.snap`.
 
-use super::{End, Ended};
+use super::{TestEnd, TestResult};
 use crate::codes::s000::UnreadableScript;
 use crate::codes::v030::NoSnapshot;
 use crate::codes::v031::SnapshotDiffers;
 use crate::diff::unified;
-use crate::files::Disk;
+use crate::files::DiskLoader;
 use asmotion_diagnostics::Finding;
 use asmotion_lang::coverage::Coverage;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::scenario::Verdict;
-use asmotion_lang::simulate::{self, Causes, Script, Simulation, Stopped};
-use asmotion_lang::{Diagnostic, Failure, Loader, Report, Specification};
+use asmotion_lang::simulate::{self, Causes, Script, Simulation, SimulationError};
+use asmotion_lang::{Diagnostic, Loader, OpenFailure, Report, Specification};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -28,7 +28,7 @@ pub fn is_script(path: &Path) -> bool {
 }
 
 /// A run that differs from its snapshot.
-pub struct Difference {
+pub struct SnapshotDifference {
     /// Path of the snapshot.
     pub path: PathBuf,
     /// Accepted text, if there is a snapshot.
@@ -37,7 +37,7 @@ pub struct Difference {
     actual: String,
 }
 
-impl Difference {
+impl SnapshotDifference {
     /// The changes from the accepted text to that of the run.
     pub fn diff(&self) -> String {
         let accepted = self.accepted.as_deref().unwrap_or("");
@@ -51,33 +51,33 @@ impl Difference {
 }
 
 /// Runs the scenario of a script, with coverage if `covers` is set.
-pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> Ended {
+pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> TestResult {
     let begun = Instant::now();
-    let mut ended = Ended::unusable(path.clone());
+    let mut ended = TestResult::unusable(path.clone());
     match carry_out(&path, seed, covers) {
         Ok(run) => {
             let (verdict, difference) = compare(&path, run.text);
-            ended.end = End::Ran(verdict);
+            ended.end = TestEnd::Ran(verdict);
             ended.steps = run.steps;
             ended.coverage = run.coverage;
             ended.sources = run.specification.sources;
             ended.report.extend(difference.iter().map(said).collect());
             ended.difference = difference;
         }
-        Err(Failure { report, sources }) => (ended.report, ended.sources) = (report, sources),
+        Err(OpenFailure { report, sources }) => (ended.report, ended.sources) = (report, sources),
     }
     ended.took = begun.elapsed();
     ended
 }
 
-fn compare(script: &Path, actual: String) -> (Verdict, Option<Difference>) {
+fn compare(script: &Path, actual: String) -> (Verdict, Option<SnapshotDifference>) {
     let path = PathBuf::from(script.to_string_lossy().replace(SCRIPT, ".snap"));
     // an unreadable snapshot counts as missing
     let accepted = std::fs::read_to_string(&path).ok();
     if accepted.as_deref() == Some(&actual) {
         return (Verdict::Pass, None);
     }
-    let difference = Difference {
+    let difference = SnapshotDifference {
         path,
         accepted,
         actual,
@@ -85,7 +85,7 @@ fn compare(script: &Path, actual: String) -> (Verdict, Option<Difference>) {
     (Verdict::Fail, Some(difference))
 }
 
-fn said(difference: &Difference) -> Diagnostic {
+fn said(difference: &SnapshotDifference) -> Diagnostic {
     let path = difference.path.display().to_string();
     match difference.accepted {
         None => NoSnapshot { path }.diagnostic(),
@@ -94,19 +94,19 @@ fn said(difference: &Difference) -> Diagnostic {
 }
 
 /// Opens the specification of a script and reads the script.
-pub fn open(script: &str, loader: &dyn Loader) -> Result<(Specification, Script), Failure> {
+pub fn open(script: &str, loader: &dyn Loader) -> Result<(Specification, Script), OpenFailure> {
     let mut specification = asmotion_lang::open(&specification(Path::new(script)), loader)?;
     match read(script, &mut specification, loader) {
         Ok(script) => Ok((specification, script)),
         Err(report) => {
             let sources = specification.sources;
-            Err(Failure { report, sources })
+            Err(OpenFailure { report, sources })
         }
     }
 }
 
 /// A completed run.
-struct Run {
+struct SnapshotRun {
     specification: Specification,
     /// Number of steps.
     steps: u64,
@@ -115,11 +115,11 @@ struct Run {
     coverage: Option<Coverage>,
 }
 
-fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<Run, Failure> {
-    let (mut specification, script) = open(&path.to_string_lossy(), &Disk)?;
+fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<SnapshotRun, OpenFailure> {
+    let (mut specification, script) = open(&path.to_string_lossy(), &DiskLoader)?;
     if covers && let Err(report) = specification.lower_covered() {
         let sources = specification.sources;
-        return Err(Failure { report, sources });
+        return Err(OpenFailure { report, sources });
     }
     let mut text = String::new();
     let (mut steps, mut coverage) = (0, None);
@@ -134,7 +134,7 @@ fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<Run, Failure> {
         }
         Err(fault) => fault_line(&mut text, &specification.explain(&fault)),
     }
-    Ok(Run {
+    Ok(SnapshotRun {
         specification,
         steps,
         text,
@@ -152,12 +152,12 @@ fn simulated(
     for _ in 0..steps {
         match simulation.step() {
             Ok(()) => step(text, simulation.machine()),
-            Err(Stopped::Fault(fault)) => {
+            Err(SimulationError::Fault(fault)) => {
                 let finding = specification.explain_in(&fault, simulation.machine());
                 fault_line(text, &finding);
                 break;
             }
-            Err(stopped @ Stopped::Unreadable { .. }) => {
+            Err(stopped @ SimulationError::Unreadable { .. }) => {
                 line(text, format_args!("{stopped}"));
                 break;
             }

@@ -2,7 +2,7 @@
 
 use crate::build::BUILD;
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use asmotion_assembly::Catalogue;
 use asmotion_bus::Envelope;
 use asmotion_datum::{Datum, Message};
@@ -27,7 +27,7 @@ pub struct Echo {
 
 impl Echo {
     /// Prints each message as a JSON object on a line. Receiving none is a finding.
-    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
+    pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;
         let until = Instant::now() + Duration::from_secs(self.limit);
         let mut shown = 0;

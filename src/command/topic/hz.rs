@@ -1,7 +1,7 @@
 //! `asmotion topic hz`: measures the rate of a topic.
 
 use crate::exit::Exit;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use asmotion_remote::Remote;
 use clap::Args;
 use std::time::{Duration, Instant};
@@ -18,7 +18,7 @@ pub struct Hz {
 
 impl Hz {
     /// Counts messages. Receiving none is a finding.
-    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
+    pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let window = Duration::try_from_secs_f64(self.window).map_err(|error| error.to_string())?;
         let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;
         let until = Instant::now() + window;

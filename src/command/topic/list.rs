@@ -2,18 +2,18 @@
 
 use crate::exit::Exit;
 use crate::table;
-use crate::terminal::Terminal;
+use crate::terminal::TerminalOutput;
 use asmotion_remote::Remote;
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 #[derive(Args)]
-pub struct List {}
+pub struct TopicList {}
 
 /// The known facts about a topic.
 #[derive(Default)]
-struct Known {
+struct TopicInfo {
     kind: String,
     publishers: BTreeSet<String>,
     subscribers: BTreeSet<String>,
@@ -21,13 +21,13 @@ struct Known {
     count: u32,
 }
 
-impl List {
+impl TopicList {
     /// Collects descriptions and messages for a second and a half.
-    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
+    pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let everything = (remote.listen("#")).map_err(|error| error.to_string())?;
         let began = Instant::now();
         let words = remote.processes();
-        let mut topics: BTreeMap<String, Known> = BTreeMap::new();
+        let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
         while let Some(envelope) = everything.try_next() {
             let known = topics.entry(envelope.topic.to_string()).or_default();
             known.count += 1;

@@ -1,8 +1,8 @@
 //! `asmotion topic pub`: publishes a message.
 
 use crate::exit::Exit;
-use crate::terminal::Terminal;
-use asmotion_bus::{Origin, Payload, Sending};
+use crate::terminal::TerminalOutput;
+use asmotion_bus::{Payload, PublishOptions, SenderId};
 use asmotion_datum::{Codec, Datum, Schema};
 use asmotion_remote::Remote;
 use clap::Args;
@@ -33,13 +33,13 @@ pub struct Pub {
 
 impl Pub {
     /// Publishes the message. A topic without subscribers earns a warning, not a failure.
-    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
+    pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let message: Datum = asmotion_datum::json::decode(&self.message)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.message))?;
         let pause = Duration::try_from_secs_f64(1.0 / self.rate)
             .map_err(|_| format!("`--rate {}`: a number above zero is wanted", self.rate))?;
-        let origin = Origin::new("asmotion-tool", 0);
-        let sending = Sending::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
+        let origin = SenderId::new("asmotion-tool", 0);
+        let sending = PublishOptions::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
         let kind = Schema::opaque(self.kind);
         let bus = remote.bus();
         let mut publisher = (bus.publisher(&self.topic, &origin, &kind, sending))

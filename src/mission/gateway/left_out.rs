@@ -4,7 +4,7 @@ use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_network::Network;
 use asmotion_runtime::System;
 
-use super::Gateways;
+use super::MissionGateways;
 use crate::feature::{Http, LeftOut};
 use crate::mission::{Mission, MissionError};
 
@@ -23,11 +23,13 @@ impl Mission {
     ) -> Result<Vec<Gateway>, MissionError> {
         let first = plan.gateways_of(part).into_iter().next();
         match (&self.gateways, first) {
-            (Gateways::Open { .. }, Some((gateway, _))) => Err(MissionError::WithoutGateway {
-                name: gateway.name.clone(),
-                reason: LeftOut::new::<Http>(),
-            }),
-            (Gateways::Open { .. }, None) | (Gateways::Closed, _) => Ok(Vec::new()),
+            (MissionGateways::Open { .. }, Some((gateway, _))) => {
+                Err(MissionError::WithoutGateway {
+                    name: gateway.name.clone(),
+                    reason: LeftOut::new::<Http>(),
+                })
+            }
+            (MissionGateways::Open { .. }, None) | (MissionGateways::Closed, _) => Ok(Vec::new()),
         }
     }
 }

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_assembly::{Opened, Part, Plan, plan};
-use asmotion_bus::Local;
-use asmotion_gateway::{Gateway, Operation, Service, Settings};
+use asmotion_bus::LocalBus;
+use asmotion_gateway::{Gateway, GatewayOperation, GatewayService, GatewaySettings};
 use asmotion_network::{Network, NetworkError};
 use asmotion_runtime::System;
 
-use super::Gateways;
-use crate::describe::{self, Served};
+use super::MissionGateways;
+use crate::describe::{self, ServedOperation};
 use crate::mission::{Mission, MissionError};
 
 impl Mission {
@@ -24,13 +24,13 @@ impl Mission {
         plan: &Plan,
         part: &Part,
     ) -> Result<Vec<Gateway>, MissionError> {
-        let Gateways::Open { elsewhere, told } = &self.gateways else {
+        let MissionGateways::Open { elsewhere, told } = &self.gateways else {
             return Ok(Vec::new());
         };
         let gateways = plan.gateways_of(part);
         let served = gateways.iter().flat_map(|(_, promoted)| promoted);
         let served: Vec<(&str, &str)> = served.map(|it| (&*it.inside, &*it.name)).collect();
-        let bus = Arc::new(Local::new());
+        let bus = Arc::new(LocalBus::new());
         let launch = |error: NetworkError| MissionError::Launch(error.to_string());
         let serving = network.serve_on(system, bus.clone(), &served);
         serving.map_err(launch)?;
@@ -53,30 +53,30 @@ impl Mission {
     }
 }
 
-fn settings(gateway: &plan::Gateway, listen: SocketAddr) -> Settings {
+fn settings(gateway: &plan::Gateway, listen: SocketAddr) -> GatewaySettings {
     let count = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
-    Settings {
+    GatewaySettings {
         max_connections: count(gateway.max_connections),
         max_body: count(gateway.max_body_kb.saturating_mul(1000)),
-        ..Settings::at(listen)
+        ..GatewaySettings::at(listen)
     }
 }
 
 /// The interface of a promoted service for HTTP clients.
-fn service(promoted: &plan::Promoted, operations: &[Served]) -> Service {
+fn service(promoted: &plan::Promoted, operations: &[ServedOperation]) -> GatewayService {
     let own = operations.iter();
-    let own: Vec<&Served> = own
+    let own: Vec<&ServedOperation> = own
         .filter(|it| it.service.to_string() == promoted.inside)
         .collect();
     let interface = own.first().map_or("", |served| &*served.interface);
-    let operations = own.iter().map(|served| Operation {
+    let operations = own.iter().map(|served| GatewayOperation {
         name: served.operation.name.clone(),
         request: served.operation.request.clone(),
         response: served.operation.response.clone(),
         one_way: served.one_way,
     });
     let timeout_ms = promoted.timeout_ms.unwrap_or(plan::DEFAULT_TIMEOUT_MS);
-    Service {
+    GatewayService {
         name: promoted.name.clone(),
         interface: interface.to_owned(),
         timeout: Duration::from_millis(timeout_ms),

@@ -1,8 +1,8 @@
 //! Our run of what the reference ran: with the inputs it read, on a clock like its own.
 
-use asmotion_lang::simulate::{Inputs, Recorded, Recording, Trace};
+use asmotion_lang::simulate::{RecordedInputs, RecordedStep, Recording, Trace};
 use asmotion_lang::{
-    Environment, Fault, FaultKind, First, Loader, Machine, Options, ir, value::Value,
+    Environment, FaultKind, FirstChoice, Loader, Machine, ReadOptions, StepFault, ir, value::Value,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ pub fn ours(
     path: &Path,
     reference: &str,
     loader: &dyn Loader,
-    options: &Options,
+    options: &ReadOptions,
 ) -> Option<String> {
     let specification = asmotion_lang::open_with(&path.to_string_lossy(), loader, options).ok()?;
     let mut machine = match specification.machine() {
@@ -27,13 +27,13 @@ pub fn ours(
         }
     };
     let mut trace = Trace::begin(&machine, "");
-    let mut stopped: Option<Box<Fault>> = None;
+    let mut stopped: Option<Box<StepFault>> = None;
     let mut clock = Clock::default();
     for step in Recording::read(reference).steps() {
         clock.is_read = false;
         let is_silent = reference.contains("# reader none");
         let mut inputs = Reference::of(step, &machine, &mut clock, is_silent);
-        match machine.step(&mut inputs, &mut First, 0).map(|_| ()) {
+        match machine.step(&mut inputs, &mut FirstChoice, 0).map(|_| ()) {
             Ok(()) => trace.step(&machine),
             Err(fault) => {
                 trace.fault(&machine, &fault);
@@ -66,14 +66,14 @@ impl Clock {
 /// What the reference read in a step. What it did not read, because it looks at enumerations in
 /// another order, is undef.
 struct Reference<'a> {
-    inputs: Inputs,
+    inputs: RecordedInputs,
     clock: &'a mut Clock,
     program: Arc<ir::Program>,
     is_silent: bool,
 }
 
 impl<'a> Reference<'a> {
-    fn of(step: &Recorded, machine: &Machine, clock: &'a mut Clock, is_silent: bool) -> Self {
+    fn of(step: &RecordedStep, machine: &Machine, clock: &'a mut Clock, is_silent: bool) -> Self {
         Self {
             inputs: step.inputs(machine).unwrap(),
             clock,

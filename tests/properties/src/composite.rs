@@ -5,7 +5,7 @@ use asmotion_assembly::{
 };
 use asmotion_component::{Declaration, Interface};
 use asmotion_diagnostics::{Report, Sources, Style, render_all};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 
 const BUILD: Tables = Tables {
     components: asmotion_components::COMPONENTS,
@@ -48,7 +48,7 @@ fn profiles(opened: &Opened) -> Vec<Option<&str>> {
 }
 
 fn open(text: &str) -> Opened {
-    let mut files = Files::new();
+    let mut files = MemoryFiles::new();
     files.add("fuzz.toml", text);
     files.add(
         "machine.asm",

@@ -2,7 +2,7 @@
 
 use asmotion_components::MESSAGES;
 use asmotion_datum::{Codec, Schema};
-use asmotion_mqueue::Layout;
+use asmotion_mqueue::QueueLayout;
 
 /// What CBOR gives can be encoded, and is decoded from there unchanged.
 pub fn cbor(bytes: &[u8]) {
@@ -43,7 +43,7 @@ fn round_trip(codec: Codec, schema: &Schema, bytes: &[u8]) {
 /// The same of message queues, for every type of message that has a layout.
 pub fn queue(bytes: &[u8]) {
     for (_, schema) in MESSAGES {
-        let Ok(layout) = Layout::of(schema()) else {
+        let Ok(layout) = QueueLayout::of(schema()) else {
             continue;
         };
         let Ok(datum) = layout.decode(bytes) else {

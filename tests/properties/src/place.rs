@@ -1,6 +1,6 @@
 //! Extracts of OpenStreetMap.
 
-use asmotion_map::{Memory, Settings, load};
+use asmotion_map::{FilesInMemory, MapSettings, load};
 
 /// Small, so that a hostile size is refused instead of filled.
 const MAX_CELLS: u64 = 1_000_000;
@@ -16,12 +16,12 @@ pub fn osm_pbf(bytes: &[u8]) {
 }
 
 fn map(name: &str, bytes: &[u8]) {
-    let settings = Settings {
+    let settings = MapSettings {
         max_cells: MAX_CELLS,
         max_bytes: 4 << 20,
-        ..Settings::default()
+        ..MapSettings::default()
     };
-    match load(&Memory::new([(name, bytes)]), name, &settings) {
+    match load(&FilesInMemory::new([(name, bytes)]), name, &settings) {
         Ok(map) => {
             let cells = map.grid.cells().len();
             assert!(cells as u64 <= MAX_CELLS, "{cells} cells");

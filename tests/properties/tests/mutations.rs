@@ -11,7 +11,7 @@ use asmotion_datum::{Codec, Datum, Message, Schema};
 use asmotion_messages::{
     JointStatus, LaserScan, OccupancyGrid, Odometry, Path, PoseStamped, Twist,
 };
-use asmotion_mqueue::Layout;
+use asmotion_mqueue::QueueLayout;
 use asmotion_robustness::{
     cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, scdl,
 };
@@ -241,7 +241,7 @@ fn cdr_is_read() {
 #[test]
 fn messages_of_queues_are_read() {
     let encode = |(datum, schema): (Datum, &Schema)| {
-        let layout = Layout::of(schema).ok()?;
+        let layout = QueueLayout::of(schema).ok()?;
         let mut bytes = Vec::new();
         layout.encode(&datum, &mut bytes).ok()?;
         Some(bytes)

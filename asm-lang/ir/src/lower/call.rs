@@ -1,9 +1,9 @@
 //! Calls: macro arguments that must be passed by name are built into a copy of the macro, all others
 //! are passed by value.
 
-use super::frame::{Binding, Closed, Frame, close};
+use super::frame::{Closed, LoweringFrame, VariableBinding, close};
 use super::{Lowering, facts};
-use crate::code::{Kind, Node, RuleNode, Term};
+use crate::code::{RuleNode, Term, TermNode, ValueKind};
 use crate::codes::a031::MacroGrows;
 use crate::codes::a032::NotALocation;
 use crate::program::{Local, Origin, RoutineId};
@@ -61,7 +61,7 @@ impl Lowering<'_> {
             self.grows(finding);
             return id;
         }
-        let mut frame = Frame::of_rule(rule);
+        let mut frame = LoweringFrame::of_rule(rule);
         let mut values = Vec::new();
         for (index, closed) in by_name.into_iter().enumerate() {
             let parameter = VarId(index as u32);
@@ -70,7 +70,7 @@ impl Lowering<'_> {
                     frame.bind(parameter);
                     values.push(parameter);
                 }
-                Some(closed) => frame.set(parameter, Binding::Term(closed)),
+                Some(closed) => frame.set(parameter, VariableBinding::Term(closed)),
             }
         }
         frame.locals += extras;
@@ -92,7 +92,7 @@ impl Lowering<'_> {
         body: &asmotion_hir::Body<asmotion_hir::RuleTerm>,
     ) -> RoutineId {
         let routine = self.reserve_routine_at(body.root.span, false);
-        let mut frame = Frame::of_rule(id);
+        let mut frame = LoweringFrame::of_rule(id);
         let code = self.rule(&body.root, &mut frame);
         let added = &mut self.program.routines[routine.0 as usize];
         added.locals = frame.locals;
@@ -101,7 +101,12 @@ impl Lowering<'_> {
     }
 
     /// A term passed by name, where its parameter stands.
-    pub(super) fn by_name(&mut self, closed: &Closed, frame: &mut Frame, origin: Origin) -> Term {
+    pub(super) fn by_name(
+        &mut self,
+        closed: &Closed,
+        frame: &mut LoweringFrame,
+        origin: Origin,
+    ) -> Term {
         self.expansions += 1;
         if self.nesting <= MAX_NESTING && self.expansions <= MAX_EXPANSIONS {
             frame.within(closed, |frame| self.term(&closed.term, frame))
@@ -127,14 +132,14 @@ impl Lowering<'_> {
         &mut self,
         rule: RuleId,
         arguments: &[asmotion_hir::Term],
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
         span: Span,
     ) -> RuleNode {
         let mut values = Vec::new();
         let mut by_name = Vec::new();
         let mut extras: Vec<Local> = Vec::new();
         let turbo = self.model.rule(rule).turbo;
-        let named: Vec<Option<(asmotion_hir::Term, Vec<Option<Binding>>)>> = arguments
+        let named: Vec<Option<(asmotion_hir::Term, Vec<Option<VariableBinding>>)>> = arguments
             .iter()
             .enumerate()
             .map(|(index, argument)| {
@@ -171,19 +176,23 @@ impl Lowering<'_> {
         let origin = self.origin(span);
         let extra_count = extras.len() as u32;
         values.extend(extras.into_iter().map(|local| Term {
-            node: Box::new(Node::Local(local)),
-            kind: Kind::Other,
+            node: Box::new(TermNode::Local(local)),
+            kind: ValueKind::Other,
             origin,
         }));
         RuleNode::Call(self.routine(rule, by_name, extra_count), values)
     }
 
     /// What a variable passed by name stands for, if the term is one.
-    fn variable_term(&self, term: &asmotion_hir::Term, frame: &Frame) -> Option<Rc<Closed>> {
+    fn variable_term(
+        &self,
+        term: &asmotion_hir::Term,
+        frame: &LoweringFrame,
+    ) -> Option<Rc<Closed>> {
         match &*term.kind {
             TermKind::Variable(variable) => match frame.binding(*variable) {
-                Some(Binding::Term(closed)) => Some(closed),
-                Some(Binding::Local(_) | Binding::State { .. }) | None => None,
+                Some(VariableBinding::Term(closed)) => Some(closed),
+                Some(VariableBinding::Local(_) | VariableBinding::State { .. }) | None => None,
             },
             _ => None,
         }
@@ -197,7 +206,7 @@ impl Lowering<'_> {
         rule: RuleId,
         parameter: usize,
         argument: &asmotion_hir::Term,
-        bindings: &[Option<Binding>],
+        bindings: &[Option<VariableBinding>],
     ) -> bool {
         let parameter = VarId(parameter as u32);
         let holds_name = || {
@@ -206,7 +215,9 @@ impl Lowering<'_> {
                 if let TermKind::Variable(variable) = &*term.kind {
                     found |= matches!(
                         bindings.get(variable.0 as usize),
-                        Some(Some(Binding::Term(_) | Binding::State { .. }))
+                        Some(Some(
+                            VariableBinding::Term(_) | VariableBinding::State { .. }
+                        ))
                     );
                 }
             });
@@ -238,12 +249,12 @@ impl Lowering<'_> {
 fn is_location(
     model: &asmotion_hir::Model,
     term: &asmotion_hir::Term,
-    bindings: &[Option<Binding>],
+    bindings: &[Option<VariableBinding>],
 ) -> bool {
     match &*term.kind {
         TermKind::Variable(variable) => matches!(
             bindings.get(variable.0 as usize),
-            Some(Some(Binding::State { .. }))
+            Some(Some(VariableBinding::State { .. }))
         ),
         TermKind::Apply(function, _) | TermKind::Spread(function, _) => matches!(
             model.function(*function).kind,

@@ -1,8 +1,8 @@
 //! Domains: their elements, as far as they are known before the machine runs.
 
 use super::Lowering;
-use crate::code::Range;
-use crate::program::{Domain, DomainId, Elements, Shape};
+use crate::code::BinderRange;
+use crate::program::{Domain, DomainElements, DomainId, ValueShape};
 use asmotion_hir::{DomainKind, Meaning, Term, TermKind, Type, TypeId};
 use asmotion_value::{Atom, Value};
 
@@ -37,22 +37,22 @@ impl Lowering<'_> {
         }
     }
 
-    fn elements(&mut self, domain: asmotion_hir::DomainId) -> Elements {
+    fn elements(&mut self, domain: asmotion_hir::DomainId) -> DomainElements {
         let declared = self.model.domain(domain);
         match declared.kind {
-            DomainKind::Any | DomainKind::Basic => Elements::Open,
-            DomainKind::Enum { first, count } => Elements::Atoms { first, count },
+            DomainKind::Any | DomainKind::Basic => DomainElements::Open,
+            DomainKind::Enum { first, count } => DomainElements::Atoms { first, count },
             DomainKind::Abstract => self.constants(domain),
             DomainKind::Concrete { base } => match &declared.definition {
                 Some(definition) => match self.interval(&definition.root) {
-                    Some((low, high)) => Elements::Ints { low, high },
+                    Some((low, high)) => DomainElements::Ints { low, high },
                     None => {
                         let body = self.reserve_body(declared.span, definition);
-                        Elements::Computed(body)
+                        DomainElements::Computed(body)
                     }
                 },
                 None if self.is_abstract(base) => self.constants(domain),
-                None => Elements::Undefined,
+                None => DomainElements::Undefined,
             },
         }
     }
@@ -66,7 +66,7 @@ impl Lowering<'_> {
     }
 
     /// The constants of an abstract domain and of those it contains; they stand side by side.
-    fn constants(&self, domain: asmotion_hir::DomainId) -> Elements {
+    fn constants(&self, domain: asmotion_hir::DomainId) -> DomainElements {
         let contains = |mut inner: asmotion_hir::DomainId| {
             for _ in 0..=self.model.domains.len() {
                 if inner == domain {
@@ -91,7 +91,7 @@ impl Lowering<'_> {
         let mut indices = atoms.map(|(index, _)| index as u32);
         let first = indices.next();
         let count = first.map_or(0, |_| 1 + indices.count() as u32);
-        Elements::Atoms {
+        DomainElements::Atoms {
             first: Atom(first.unwrap_or(0)),
             count,
         }
@@ -156,27 +156,29 @@ impl Lowering<'_> {
     }
 
     /// The shape of the values of a type.
-    pub(super) fn shape(&self, ty: TypeId) -> Shape {
+    pub(super) fn shape(&self, ty: TypeId) -> ValueShape {
         let boxed = |item: TypeId| Box::new(self.shape(item));
         match self.model.types.get(ty) {
-            Type::Invalid | Type::Undef => Shape::Any,
-            Type::Boolean => Shape::Bool,
-            Type::Integer => Shape::Int,
-            Type::Natural => Shape::Natural,
-            Type::Real => Shape::Real,
-            Type::Complex => Shape::Complex,
-            Type::Char => Shape::Char,
-            Type::String => Shape::Text,
-            Type::Rule => Shape::Rule,
+            Type::Invalid | Type::Undef => ValueShape::Any,
+            Type::Boolean => ValueShape::Bool,
+            Type::Integer => ValueShape::Int,
+            Type::Natural => ValueShape::Natural,
+            Type::Real => ValueShape::Real,
+            Type::Complex => ValueShape::Complex,
+            Type::Char => ValueShape::Char,
+            Type::String => ValueShape::Text,
+            Type::Rule => ValueShape::Rule,
             Type::Domain(domain) if self.model.domain(*domain).kind == DomainKind::Any => {
-                Shape::Any
+                ValueShape::Any
             }
-            Type::Domain(domain) => Shape::Domain(id(*domain)),
-            Type::Prod(items) => Shape::Tuple(items.iter().map(|&item| self.shape(item)).collect()),
-            Type::Seq(item) => Shape::Seq(boxed(*item)),
-            Type::Powerset(item) => Shape::Set(boxed(*item)),
-            Type::Bag(item) => Shape::Bag(boxed(*item)),
-            Type::Map(key, value) => Shape::Map(boxed(*key), boxed(*value)),
+            Type::Domain(domain) => ValueShape::Domain(id(*domain)),
+            Type::Prod(items) => {
+                ValueShape::Tuple(items.iter().map(|&item| self.shape(item)).collect())
+            }
+            Type::Seq(item) => ValueShape::Seq(boxed(*item)),
+            Type::Powerset(item) => ValueShape::Set(boxed(*item)),
+            Type::Bag(item) => ValueShape::Bag(boxed(*item)),
+            Type::Map(key, value) => ValueShape::Map(boxed(*key), boxed(*value)),
         }
     }
 
@@ -231,16 +233,16 @@ impl Lowering<'_> {
     }
 
     /// The elements of a domain as a range, where nothing has to be computed for it.
-    pub(super) fn range(&self, domain: asmotion_hir::DomainId) -> Range {
+    pub(super) fn range(&self, domain: asmotion_hir::DomainId) -> BinderRange {
         match (
             &self.program.domains[domain.0 as usize].elements,
             &self.model.domain(domain).kind,
         ) {
-            (Elements::Ints { low, high }, _) => Range::Ints(*low, *high),
-            (Elements::Atoms { first, count }, DomainKind::Enum { .. }) => {
-                Range::Atoms(first.0, *count)
+            (DomainElements::Ints { low, high }, _) => BinderRange::Ints(*low, *high),
+            (DomainElements::Atoms { first, count }, DomainKind::Enum { .. }) => {
+                BinderRange::Atoms(first.0, *count)
             }
-            _ => Range::Domain(id(domain)),
+            _ => BinderRange::Domain(id(domain)),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::needs::recursive;
 use asmotion_hir::{
-    Body, DomainKind, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm,
-    Target, Term, TermKind, Type, TypeId, VarId,
+    Body, DomainKind, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Term,
+    TermKind, Type, TypeId, UpdateTarget, VarId,
 };
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;
@@ -253,13 +253,13 @@ impl Facts {
         });
     }
 
-    fn target(&mut self, model: &Model, rule: RuleId, target: &Target) {
+    fn target(&mut self, model: &Model, rule: RuleId, target: &UpdateTarget) {
         match target {
-            Target::Variable(variable) => drop(self.assigned.insert((rule, *variable))),
-            Target::Location(function, _) if model.reserved.result == Some(*function) => {
+            UpdateTarget::Variable(variable) => drop(self.assigned.insert((rule, *variable))),
+            UpdateTarget::Location(function, _) if model.reserved.result == Some(*function) => {
                 self.returning.insert(rule);
             }
-            Target::Location(..) => {}
+            UpdateTarget::Location(..) => {}
         }
     }
 
@@ -347,13 +347,13 @@ fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
     let mut all = |terms: &[Term]| terms.iter().for_each(&mut *see);
     match &*rule.kind {
         RuleKind::Update(target, value) => {
-            if let Target::Location(_, arguments) = target {
+            if let UpdateTarget::Location(_, arguments) = target {
                 all(arguments);
             }
             see(value);
         }
         RuleKind::Assign(target, _, arguments) => {
-            if let Target::Location(_, places) = target {
+            if let UpdateTarget::Location(_, places) = target {
                 all(places);
             }
             all(arguments);

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 /// What a variable stands for.
 #[derive(Clone, Debug)]
-pub(super) enum Binding {
+pub(super) enum VariableBinding {
     /// A local of the frame.
     Local(Local),
     /// A term passed by name.
@@ -27,22 +27,22 @@ pub(super) enum Binding {
 #[derive(Debug)]
 pub(super) struct Closed {
     pub term: asmotion_hir::Term,
-    pub bindings: Vec<Option<Binding>>,
+    pub bindings: Vec<Option<VariableBinding>>,
     /// Equal keys, equal terms.
     pub key: String,
 }
 
 /// The variables of a body while it is lowered.
 #[derive(Debug)]
-pub(super) struct Frame {
-    bindings: Vec<Option<Binding>>,
+pub(super) struct LoweringFrame {
+    bindings: Vec<Option<VariableBinding>>,
     /// How many locals are in use.
     pub locals: u32,
     /// The rule whose variables these are.
     pub rule: Option<RuleId>,
 }
 
-impl Frame {
+impl LoweringFrame {
     /// A frame without variables, for the body of a rule.
     pub fn of_rule(rule: RuleId) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl Frame {
     /// A frame whose first variables are its arguments.
     pub fn of(arguments: usize, variables: usize) -> Self {
         let bindings = (0..variables)
-            .map(|index| (index < arguments).then_some(Binding::Local(index as Local)))
+            .map(|index| (index < arguments).then_some(VariableBinding::Local(index as Local)))
             .collect();
         Self {
             bindings,
@@ -64,7 +64,7 @@ impl Frame {
         }
     }
 
-    pub fn binding(&self, variable: VarId) -> Option<Binding> {
+    pub fn binding(&self, variable: VarId) -> Option<VariableBinding> {
         self.bindings.get(variable.0 as usize).cloned().flatten()
     }
 
@@ -77,12 +77,12 @@ impl Frame {
     /// Gives a variable a local.
     pub fn bind(&mut self, variable: VarId) -> Local {
         let local = self.fresh();
-        self.set(variable, Binding::Local(local));
+        self.set(variable, VariableBinding::Local(local));
         local
     }
 
     /// Says what a variable stands for.
-    pub fn set(&mut self, variable: VarId, binding: Binding) {
+    pub fn set(&mut self, variable: VarId, binding: VariableBinding) {
         let index = variable.0 as usize;
         if self.bindings.len() <= index {
             self.bindings.resize(index + 1, None);
@@ -91,7 +91,7 @@ impl Frame {
     }
 
     /// What all variables stand for.
-    pub fn bindings(&self) -> &[Option<Binding>] {
+    pub fn bindings(&self) -> &[Option<VariableBinding>] {
         &self.bindings
     }
 
@@ -108,7 +108,7 @@ impl Frame {
 /// macro, numbered from `base` on.
 pub(super) fn close(
     term: &asmotion_hir::Term,
-    bindings: &[Option<Binding>],
+    bindings: &[Option<VariableBinding>],
     extras: &mut Vec<Local>,
     base: u32,
 ) -> Closed {
@@ -118,35 +118,35 @@ pub(super) fn close(
             variables.insert(variable.0 as usize);
         }
     });
-    let mut closed: Vec<Option<Binding>> = vec![None; bindings.len()];
+    let mut closed: Vec<Option<VariableBinding>> = vec![None; bindings.len()];
     let mut key = format!("{:?}", term.span);
     for index in variables {
         let Some(Some(binding)) = bindings.get(index) else {
             continue;
         };
         let rebound = match binding {
-            Binding::Local(local) => {
+            VariableBinding::Local(local) => {
                 extras.push(*local);
                 let local = base + extras.len() as u32 - 1;
                 key.push_str(&format!(" {index}={local}"));
-                Binding::Local(local)
+                VariableBinding::Local(local)
             }
-            Binding::State {
+            VariableBinding::State {
                 run,
                 index: variable,
             } => {
                 extras.push(*run);
                 let run = base + extras.len() as u32 - 1;
                 key.push_str(&format!(" {index}={run}.{variable}"));
-                Binding::State {
+                VariableBinding::State {
                     run,
                     index: *variable,
                 }
             }
-            Binding::Term(inner) => {
+            VariableBinding::Term(inner) => {
                 let inner = close(&inner.term, &inner.bindings, extras, base);
                 key.push_str(&format!(" {index}=({})", inner.key));
-                Binding::Term(Rc::new(inner))
+                VariableBinding::Term(Rc::new(inner))
             }
         };
         closed[index] = Some(rebound);

@@ -1,9 +1,11 @@
 //! Which slots the locations of the functions are.
 
 use super::{Lowering, domain, order, reach};
-use crate::program::{Axis, AxisRange, Elements, Function, FunctionId, FunctionKind, Storage};
+use crate::program::{
+    AxisRange, DomainElements, Function, FunctionId, FunctionKind, SlotAxis, Storage,
+};
 use asmotion_hir::{Meaning, Type, TypeId};
-use asmotion_stdlib::Mail;
+use asmotion_stdlib::MessageQuery;
 
 impl Lowering<'_> {
     /// Gives every function its storage, in order of declaration.
@@ -70,11 +72,11 @@ impl Lowering<'_> {
         let base = self.program.slots;
         self.program.slots += count as u32;
         let mut stride = 1;
-        let mut axes: Vec<Axis> = ranges
+        let mut axes: Vec<SlotAxis> = ranges
             .into_iter()
             .rev()
             .map(|over| {
-                let axis = Axis { over, stride };
+                let axis = SlotAxis { over, stride };
                 stride *= over.count();
                 axis
             })
@@ -128,21 +130,21 @@ impl Lowering<'_> {
             Type::Boolean => Some(AxisRange::Bool),
             Type::Domain(declared) => {
                 match &self.program.domains[domain::id(*declared).0 as usize].elements {
-                    Elements::Ints { low, high } => {
+                    DomainElements::Ints { low, high } => {
                         let count = u32::try_from(high.checked_sub(*low)?.checked_add(1)?).ok()?;
                         Some(AxisRange::Ints { low: *low, count })
                     }
-                    Elements::Atoms { first, count } => Some(AxisRange::Atoms {
+                    DomainElements::Atoms { first, count } => Some(AxisRange::Atoms {
                         first: first.0,
                         count: *count,
                     }),
-                    Elements::Computed(_) | Elements::Undefined => {
+                    DomainElements::Computed(_) | DomainElements::Undefined => {
                         match self.model.domain(*declared).kind {
                             asmotion_hir::DomainKind::Concrete { base } => self.axis(base),
                             _ => None,
                         }
                     }
-                    Elements::Open => None,
+                    DomainElements::Open => None,
                 }
             }
             _ => None,
@@ -177,9 +179,9 @@ fn kind(kind: asmotion_hir::FunctionKind) -> FunctionKind {
 }
 
 /// What a function asks about messages.
-fn mail(function: &asmotion_hir::Function) -> Option<Mail> {
+fn mail(function: &asmotion_hir::Function) -> Option<MessageQuery> {
     match function.library {
-        true => Mail::named(&function.name),
-        false => function.is_client.then_some(Mail::Client),
+        true => MessageQuery::named(&function.name),
+        false => function.is_client.then_some(MessageQuery::Client),
     }
 }

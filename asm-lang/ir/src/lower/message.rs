@@ -13,7 +13,7 @@ use asmotion_value::{Atom, Value};
 #[derive(Clone, Copy, Debug)]
 pub struct MessageUse<'a> {
     /// What it does.
-    pub role: Role,
+    pub role: MessageRole,
     /// The partner.
     pub partner: &'a Term,
     /// The operation, as it is spelt.
@@ -28,7 +28,7 @@ pub struct MessageUse<'a> {
 
 /// What a rule of the library does with a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum MessageRole {
     /// `r_wsend`, `r_wcall`, `r_wsendreceive`, `r_wcancel`: the partner has the operation.
     Ask,
     /// `r_wreceive`, `r_wreply`: the agent itself has it.
@@ -57,14 +57,14 @@ fn message_use<'a>(rule: &str, arguments: &'a [Term]) -> Option<MessageUse<'a>> 
         return None;
     };
     let (role, data, reply) = match (rule, rest) {
-        ("r_wsend", rest) => (Role::Ask, rest.first(), None),
-        ("r_wcancel", _) => (Role::Ask, None, None),
+        ("r_wsend", rest) => (MessageRole::Ask, rest.first(), None),
+        ("r_wcancel", _) => (MessageRole::Ask, None, None),
         ("r_wcall", [data, _, reply]) | ("r_wsendreceive", [data, reply]) => {
-            (Role::Ask, Some(data), Some(reply))
+            (MessageRole::Ask, Some(data), Some(reply))
         }
-        ("r_wsendreceive", [reply]) => (Role::Ask, None, Some(reply)),
+        ("r_wsendreceive", [reply]) => (MessageRole::Ask, None, Some(reply)),
         // what an agent is asked and answers, it knows from itself
-        ("r_wreceive" | "r_wreply" | "r_wreplay", _) => (Role::Serve, None, None),
+        ("r_wreceive" | "r_wreply" | "r_wreplay", _) => (MessageRole::Serve, None, None),
         _ => return None,
     };
     let TermKind::Value(Value::Text(text)) = &*operation.kind else {
@@ -83,23 +83,23 @@ fn message_use<'a>(rule: &str, arguments: &'a [Term]) -> Option<MessageUse<'a>> 
 /// Operations that partners do not have, and data that these do not take.
 pub(super) fn check(model: &Model, report: &mut Report) {
     for used in message_uses(model) {
-        if used.role == Role::Serve {
+        if used.role == MessageRole::Serve {
             continue;
         }
-        if let Some(interface) = Interface::of(model, used.partner.ty) {
+        if let Some(interface) = AgentInterface::of(model, used.partner.ty) {
             interface.check(&used, report);
         }
     }
 }
 
 /// What a domain of agents can do: the out functions that are declared where it is, for an agent each.
-struct Interface<'a> {
+struct AgentInterface<'a> {
     model: &'a Model,
     domain: &'a Domain,
     operations: Vec<&'a Function>,
 }
 
-impl<'a> Interface<'a> {
+impl<'a> AgentInterface<'a> {
     fn of(model: &'a Model, partner: TypeId) -> Option<Self> {
         let Type::Domain(id) = model.types.get(partner) else {
             return None;

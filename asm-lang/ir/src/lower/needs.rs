@@ -3,7 +3,8 @@
 
 use super::facts::{Facts, subterms, visit, walk};
 use asmotion_hir::{
-    Binder, Body, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Target, Term, TermKind, VarId,
+    Binder, Body, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Term, TermKind, UpdateTarget,
+    VarId,
 };
 use asmotion_value::RuleId;
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +87,7 @@ impl Facts {
         };
         match &*rule.kind {
             RuleKind::Update(target, value) => {
-                if let Target::Location(_, arguments) = target {
+                if let UpdateTarget::Location(_, arguments) = target {
                     arguments
                         .iter()
                         .for_each(|term| needed_by(model, term, &mut needed));
@@ -94,7 +95,7 @@ impl Facts {
                 needed_by(model, value, &mut needed);
             }
             RuleKind::Assign(target, _, arguments) => {
-                if let Target::Location(_, places) = target {
+                if let UpdateTarget::Location(_, places) = target {
                     places
                         .iter()
                         .for_each(|term| needed_by(model, term, &mut needed));

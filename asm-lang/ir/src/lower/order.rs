@@ -2,13 +2,13 @@
 
 use super::facts::{definition, visit};
 use super::{domain, function_id};
-use crate::program::{Elements, Initial, Program};
+use crate::program::{DomainElements, Initial, Program};
 use asmotion_hir::{Body, DomainId, FunctionId, Model, Term, TermKind, Type};
 use std::collections::BTreeSet;
 
 /// The order, and the domains for which there is none.
 #[derive(Debug, Default)]
-pub(super) struct Order {
+pub(super) struct InitialOrder {
     /// Functions with initial values, and domains that must be computed.
     pub steps: Vec<Initial>,
     /// Domains whose definitions lead back to them.
@@ -17,19 +17,19 @@ pub(super) struct Order {
 
 /// Functions whose initial values depend on each other stand in order of declaration: their values
 /// are computed one by one when they are wanted.
-pub(super) fn initial(model: &Model, program: &Program) -> Order {
-    let mut search = Search {
+pub(super) fn initial(model: &Model, program: &Program) -> InitialOrder {
+    let mut search = OrderSearch {
         model,
         program,
         seen: BTreeSet::new(),
         open: Vec::new(),
-        order: Order::default(),
+        order: InitialOrder::default(),
     };
     for index in 0..model.domains.len() as u32 {
-        search.add(Node::Domain(DomainId(index)));
+        search.add(OrderNode::Domain(DomainId(index)));
     }
     for index in 0..model.functions.len() as u32 {
-        search.add(Node::Function(FunctionId(index)));
+        search.add(OrderNode::Function(FunctionId(index)));
     }
     search.order
 }
@@ -39,12 +39,12 @@ pub(super) fn is_recursive(model: &Model, function: FunctionId) -> bool {
     let mut seen = BTreeSet::new();
     let mut open = vec![function];
     while let Some(next) = open.pop() {
-        for body in bodies(model, Node::Function(next)) {
+        for body in bodies(model, OrderNode::Function(next)) {
             for needed in needs(model, &body.root) {
-                if needed == Node::Function(function) {
+                if needed == OrderNode::Function(function) {
                     return true;
                 }
-                if let (Node::Function(needed), true) = (needed, seen.insert(needed)) {
+                if let (OrderNode::Function(needed), true) = (needed, seen.insert(needed)) {
                     open.push(needed);
                 }
             }
@@ -54,26 +54,26 @@ pub(super) fn is_recursive(model: &Model, function: FunctionId) -> bool {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Node {
+enum OrderNode {
     Domain(DomainId),
     Function(FunctionId),
 }
 
-struct Search<'a> {
+struct OrderSearch<'a> {
     model: &'a Model,
     program: &'a Program,
-    seen: BTreeSet<Node>,
+    seen: BTreeSet<OrderNode>,
     /// The way here.
-    open: Vec<Node>,
-    order: Order,
+    open: Vec<OrderNode>,
+    order: InitialOrder,
 }
 
-impl Search<'_> {
-    fn add(&mut self, node: Node) {
+impl OrderSearch<'_> {
+    fn add(&mut self, node: OrderNode) {
         if let Some(start) = self.open.iter().position(|open| *open == node) {
             let circle = self.open[start..].iter().filter_map(|open| match open {
-                Node::Domain(domain) => Some(*domain),
-                Node::Function(_) => None,
+                OrderNode::Domain(domain) => Some(*domain),
+                OrderNode::Function(_) => None,
             });
             let first = circle.min();
             self.order.circular.extend(first);
@@ -90,13 +90,13 @@ impl Search<'_> {
         }
         self.open.pop();
         match node {
-            Node::Domain(id) => {
+            OrderNode::Domain(id) => {
                 let elements = &self.program.domains[id.0 as usize].elements;
-                if matches!(elements, Elements::Computed(_)) {
+                if matches!(elements, DomainElements::Computed(_)) {
                     self.order.steps.push(Initial::Domain(domain::id(id)));
                 }
             }
-            Node::Function(id) => {
+            OrderNode::Function(id) => {
                 if model.function(id).initial.is_some() {
                     self.order.steps.push(Initial::Function(function_id(id)));
                 }
@@ -105,10 +105,10 @@ impl Search<'_> {
     }
 }
 
-fn bodies(model: &Model, node: Node) -> Vec<&Body<Term>> {
+fn bodies(model: &Model, node: OrderNode) -> Vec<&Body<Term>> {
     match node {
-        Node::Domain(domain) => model.domain(domain).definition.iter().collect(),
-        Node::Function(function) => {
+        OrderNode::Domain(domain) => model.domain(domain).definition.iter().collect(),
+        OrderNode::Function(function) => {
             let declared = model.function(function);
             definition(declared)
                 .into_iter()
@@ -119,16 +119,16 @@ fn bodies(model: &Model, node: Node) -> Vec<&Body<Term>> {
 }
 
 /// The functions and domains that a term mentions.
-fn needs(model: &Model, term: &Term) -> BTreeSet<Node> {
+fn needs(model: &Model, term: &Term) -> BTreeSet<OrderNode> {
     let mut needed = BTreeSet::new();
     visit(term, &mut |term| match &*term.kind {
         TermKind::Apply(function, _) | TermKind::Spread(function, _) => {
-            needed.insert(Node::Function(*function));
+            needed.insert(OrderNode::Function(*function));
         }
         TermKind::Extent(ty) => {
             for part in model.types.reach(*ty, &model.domains) {
                 if let Type::Domain(domain) = model.types.get(part) {
-                    needed.insert(Node::Domain(*domain));
+                    needed.insert(OrderNode::Domain(*domain));
                 }
             }
         }

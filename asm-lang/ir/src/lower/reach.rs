@@ -3,10 +3,11 @@
 //!
 //! What is found only says where slots are laid out. Other arguments are met all the same.
 
-use crate::code::{Binder, Node, Place, Range, Rule, RuleNode, Term};
-use crate::interval::Interval;
+use crate::code::{AssignTarget, Binder, BinderRange, Rule, RuleNode, Term, TermNode};
+use crate::interval::IntegerInterval;
 use crate::program::{
-    AxisRange, BodyId, Elements, FunctionId, FunctionKind, Program, RoutineId, Shape, Storage,
+    AxisRange, BodyId, DomainElements, FunctionId, FunctionKind, Program, RoutineId, Storage,
+    ValueShape,
 };
 use asmotion_value::Value;
 use std::collections::BTreeMap;
@@ -19,8 +20,8 @@ const PATIENCE: u8 = 4;
 
 /// For each function over integers without end the integers each argument is known to range over;
 /// `None` for an argument of another type.
-pub(super) fn arguments(program: &Program) -> Vec<(FunctionId, Vec<Option<Interval>>)> {
-    let mut reach = Reach {
+pub(super) fn arguments(program: &Program) -> Vec<(FunctionId, Vec<Option<IntegerInterval>>)> {
+    let mut reach = ReachAnalysis {
         program,
         routines: vec![None; program.routines.len()],
         bodies: vec![None; program.bodies.len()],
@@ -34,7 +35,7 @@ pub(super) fn arguments(program: &Program) -> Vec<(FunctionId, Vec<Option<Interv
     reach.used.into_iter().collect()
 }
 
-impl Interval {
+impl IntegerInterval {
     /// The axis of arguments within these bounds.
     pub(super) fn axis(self) -> Option<AxisRange> {
         let count = u32::try_from(self.high.checked_sub(self.low)?.checked_add(1)?).ok()?;
@@ -46,46 +47,49 @@ impl Interval {
 }
 
 /// The arguments of a routine or body, and how often they were widened.
-type Given = Option<(Vec<Interval>, u8)>;
+type Given = Option<(Vec<IntegerInterval>, u8)>;
 
 #[derive(Clone, Copy)]
-enum Part {
+enum ReachItem {
     Routine(RoutineId),
     Body(BodyId),
 }
 
-struct Reach<'p> {
+struct ReachAnalysis<'p> {
     program: &'p Program,
     routines: Vec<Given>,
     bodies: Vec<Given>,
-    used: BTreeMap<FunctionId, Vec<Option<Interval>>>,
-    todo: Vec<Part>,
+    used: BTreeMap<FunctionId, Vec<Option<IntegerInterval>>>,
+    todo: Vec<ReachItem>,
 }
 
-impl Reach<'_> {
+impl ReachAnalysis<'_> {
     /// Whatever runs of its own accord: the main rule, rules that are values, invariants.
     fn begin(&mut self) {
         let values = self.program.rules.iter().filter_map(|rule| rule.routine);
         for routine in self.program.main.into_iter().chain(values) {
             let count = self.program.routines[routine.0 as usize].arguments;
-            self.call(Part::Routine(routine), vec![Interval::ANY; count as usize]);
+            self.call(
+                ReachItem::Routine(routine),
+                vec![IntegerInterval::ANY; count as usize],
+            );
         }
         for invariant in &self.program.invariants {
-            self.call(Part::Body(invariant.body), Vec::new());
+            self.call(ReachItem::Body(invariant.body), Vec::new());
         }
     }
 
     /// Notes what a part is called with; it is gone through again if that is more than before.
-    fn call(&mut self, part: Part, arguments: Vec<Interval>) {
+    fn call(&mut self, part: ReachItem, arguments: Vec<IntegerInterval>) {
         let given = match part {
-            Part::Routine(routine) => &mut self.routines[routine.0 as usize],
-            Part::Body(body) => &mut self.bodies[body.0 as usize],
+            ReachItem::Routine(routine) => &mut self.routines[routine.0 as usize],
+            ReachItem::Body(body) => &mut self.bodies[body.0 as usize],
         };
         let Some((known, widened)) = given else {
             *given = Some((arguments, 0));
             return self.todo.push(part);
         };
-        let wider: Vec<Interval> = known
+        let wider: Vec<IntegerInterval> = known
             .iter()
             .zip(&arguments)
             .map(|(known, argument)| known.or(*argument))
@@ -95,20 +99,20 @@ impl Reach<'_> {
         }
         *widened += 1;
         *known = match *widened > PATIENCE {
-            true => vec![Interval::ANY; wider.len()],
+            true => vec![IntegerInterval::ANY; wider.len()],
             false => wider,
         };
         self.todo.push(part);
     }
 
-    fn part(&mut self, part: Part) {
+    fn part(&mut self, part: ReachItem) {
         let program = self.program;
         let (given, locals) = match part {
-            Part::Routine(routine) => {
+            ReachItem::Routine(routine) => {
                 let index = routine.0 as usize;
                 (&self.routines[index], program.routines[index].locals)
             }
-            Part::Body(body) => {
+            ReachItem::Body(body) => {
                 let index = body.0 as usize;
                 (&self.bodies[index], program.bodies[index].locals)
             }
@@ -117,22 +121,22 @@ impl Reach<'_> {
             .as_ref()
             .map(|(arguments, _)| arguments.clone())
             .unwrap_or_default();
-        known.resize(locals as usize, Interval::ANY);
+        known.resize(locals as usize, IntegerInterval::ANY);
         match part {
-            Part::Routine(routine) => {
+            ReachItem::Routine(routine) => {
                 self.rule(&program.routines[routine.0 as usize].code, &mut known);
             }
-            Part::Body(body) => {
+            ReachItem::Body(body) => {
                 self.term(&program.bodies[body.0 as usize].code, &mut known);
             }
         }
     }
 
-    fn rule(&mut self, rule: &Rule, known: &mut Vec<Interval>) {
+    fn rule(&mut self, rule: &Rule, known: &mut Vec<IntegerInterval>) {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.rule_here(rule, known));
     }
 
-    fn rule_here(&mut self, rule: &Rule, known: &mut Vec<Interval>) {
+    fn rule_here(&mut self, rule: &Rule, known: &mut Vec<IntegerInterval>) {
         match &*rule.node {
             RuleNode::Skip => {}
             RuleNode::Update(place, value) => {
@@ -144,11 +148,11 @@ impl Reach<'_> {
                     self.place(place, known);
                 }
                 let arguments = self.terms(arguments, known);
-                self.call(Part::Routine(*routine), arguments);
+                self.call(ReachItem::Routine(*routine), arguments);
             }
             RuleNode::Call(routine, arguments) => {
                 let arguments = self.terms(arguments, known);
-                self.call(Part::Routine(*routine), arguments);
+                self.call(ReachItem::Routine(*routine), arguments);
             }
             RuleNode::Run(term, arguments) | RuleNode::RunAgent(term, arguments) => {
                 self.term(term, known);
@@ -205,32 +209,39 @@ impl Reach<'_> {
         }
     }
 
-    fn place(&mut self, place: &Place, known: &mut Vec<Interval>) {
+    fn place(&mut self, place: &AssignTarget, known: &mut Vec<IntegerInterval>) {
         match place {
-            Place::Slot(..) | Place::Local(_) => {}
-            Place::Location(function, arguments) => {
+            AssignTarget::Slot(..) | AssignTarget::Local(_) => {}
+            AssignTarget::Location(function, arguments) => {
                 let arguments = self.terms(arguments, known);
                 self.uses(*function, &arguments);
             }
         }
     }
 
-    fn terms(&mut self, terms: &[Term], known: &mut Vec<Interval>) -> Vec<Interval> {
+    fn terms(&mut self, terms: &[Term], known: &mut Vec<IntegerInterval>) -> Vec<IntegerInterval> {
         terms.iter().map(|term| self.term(term, known)).collect()
     }
 
-    fn binders(&mut self, binders: &[Binder], guard: Option<&Term>, known: &mut Vec<Interval>) {
+    fn binders(
+        &mut self,
+        binders: &[Binder],
+        guard: Option<&Term>,
+        known: &mut Vec<IntegerInterval>,
+    ) {
         for binder in binders {
             known[binder.local as usize] = match &binder.range {
-                Range::Ints(low, high) => Interval {
+                BinderRange::Ints(low, high) => IntegerInterval {
                     low: *low,
                     high: *high,
                 },
-                Range::Elements(term) => {
+                BinderRange::Elements(term) => {
                     self.term(term, known);
-                    Interval::ANY
+                    IntegerInterval::ANY
                 }
-                Range::Atoms(..) | Range::Bools | Range::Domain(_) => Interval::ANY,
+                BinderRange::Atoms(..) | BinderRange::Bools | BinderRange::Domain(_) => {
+                    IntegerInterval::ANY
+                }
             };
         }
         if let Some(guard) = guard {
@@ -238,69 +249,73 @@ impl Reach<'_> {
         }
     }
 
-    fn term(&mut self, term: &Term, known: &mut Vec<Interval>) -> Interval {
+    fn term(&mut self, term: &Term, known: &mut Vec<IntegerInterval>) -> IntegerInterval {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, known))
     }
 
     /// Goes through a term; gives what integers it may be.
-    fn term_here(&mut self, term: &Term, known: &mut Vec<Interval>) -> Interval {
+    fn term_here(&mut self, term: &Term, known: &mut Vec<IntegerInterval>) -> IntegerInterval {
         match &*term.node {
-            Node::Constant(Value::Int(number)) => return Interval::of(*number),
-            Node::Constant(_) | Node::Agent | Node::Slot(..) | Node::Extent(_) | Node::Unbound => {}
-            Node::Local(local) => return known[*local as usize],
-            Node::Location(function, arguments) => {
+            TermNode::Constant(Value::Int(number)) => return IntegerInterval::of(*number),
+            TermNode::Constant(_)
+            | TermNode::Agent
+            | TermNode::Slot(..)
+            | TermNode::Extent(_)
+            | TermNode::Unbound => {}
+            TermNode::Local(local) => return known[*local as usize],
+            TermNode::Location(function, arguments) => {
                 let arguments = self.terms(arguments, known);
                 self.uses(*function, &arguments);
             }
-            Node::Call(body, arguments) => {
+            TermNode::Call(body, arguments) => {
                 let arguments = self.terms(arguments, known);
-                self.call(Part::Body(*body), arguments);
+                self.call(ReachItem::Body(*body), arguments);
             }
-            Node::Arithmetic(operation, left, right) => {
+            TermNode::Arithmetic(operation, left, right) => {
                 let (left, right) = (self.term(left, known), self.term(right, known));
-                return Interval::computed(*operation, left, right).0;
+                return IntegerInterval::computed(*operation, left, right).0;
             }
-            Node::If(guard, then, otherwise) => {
+            TermNode::If(guard, then, otherwise) => {
                 self.term(guard, known);
                 let then = self.term(then, known);
                 return then.or(self.term(otherwise, known));
             }
-            Node::Let(bindings, body) => {
+            TermNode::Let(bindings, body) => {
                 for (local, term) in bindings {
                     known[*local as usize] = self.term(term, known);
                 }
                 return self.term(body, known);
             }
-            Node::Quantified(_, binders, guard) => self.binders(binders, guard.as_ref(), known),
-            Node::Collect(_, binders, guard, item) => {
+            TermNode::Quantified(_, binders, guard) => self.binders(binders, guard.as_ref(), known),
+            TermNode::Collect(_, binders, guard, item) => {
                 self.binders(binders, guard.as_ref(), known);
                 self.term(item, known);
             }
-            Node::CollectMap(binders, guard, key, value) => {
+            TermNode::CollectMap(binders, guard, key, value) => {
                 self.binders(binders, guard.as_ref(), known);
                 self.term(key, known);
                 self.term(value, known);
             }
-            Node::Cached(_, term)
-            | Node::Watched(term)
-            | Node::Pre(term)
-            | Node::Not(term)
-            | Node::Component(term, _)
-            | Node::Name(term)
-            | Node::Named(_, term)
-            | Node::Program(term) => {
+            TermNode::Cached(_, term)
+            | TermNode::Watched(term)
+            | TermNode::Pre(term)
+            | TermNode::Not(term)
+            | TermNode::Component(term, _)
+            | TermNode::Name(term)
+            | TermNode::Named(_, term)
+            | TermNode::Program(term) => {
                 self.term(term, known);
             }
-            Node::Builtin(_, terms) | Node::Tuple(terms) | Node::Listed(_, terms) => {
+            TermNode::Builtin(_, terms) | TermNode::Tuple(terms) | TermNode::Listed(_, terms) => {
                 self.terms(terms, known);
             }
-            Node::Logic(_, left, right)
-            | Node::Equal(left, right)
-            | Node::Compare(_, left, right) => {
+            TermNode::Logic(_, left, right)
+            | TermNode::Equal(left, right)
+            | TermNode::Compare(_, left, right) => {
                 self.term(left, known);
                 self.term(right, known);
             }
-            Node::Switch(subject, cases, otherwise) => {
+            TermNode::Switch(subject, cases, otherwise) => {
                 self.term(subject, known);
                 for (case, value) in cases {
                     self.term(case, known);
@@ -308,23 +323,23 @@ impl Reach<'_> {
                 }
                 self.term(otherwise, known);
             }
-            Node::Interval(_, from, to, step) => {
+            TermNode::Interval(_, from, to, step) => {
                 for term in [from, to].into_iter().chain(step) {
                     self.term(term, known);
                 }
             }
-            Node::Map(pairs) => {
+            TermNode::Map(pairs) => {
                 for (key, value) in pairs {
                     self.term(key, known);
                     self.term(value, known);
                 }
             }
         }
-        Interval::ANY
+        IntegerInterval::ANY
     }
 
     /// Notes a location of a function over integers without end.
-    fn uses(&mut self, function: FunctionId, arguments: &[Interval]) {
+    fn uses(&mut self, function: FunctionId, arguments: &[IntegerInterval]) {
         let declared = &self.program.functions[function.0 as usize];
         let is_written = match declared.kind {
             FunctionKind::Controlled | FunctionKind::Out => true,
@@ -357,29 +372,29 @@ impl Reach<'_> {
     }
 
     /// Whether the values of a shape are integers without known bounds.
-    fn is_endless(&self, shape: &Shape) -> bool {
+    fn is_endless(&self, shape: &ValueShape) -> bool {
         match shape {
-            Shape::Int | Shape::Natural => true,
-            Shape::Domain(domain) => match self.program.domains[domain.0 as usize] {
+            ValueShape::Int | ValueShape::Natural => true,
+            ValueShape::Domain(domain) => match self.program.domains[domain.0 as usize] {
                 crate::program::Domain {
-                    elements: Elements::Computed(_) | Elements::Undefined,
+                    elements: DomainElements::Computed(_) | DomainElements::Undefined,
                     base,
                     grows,
                 } => base.is_none() && !grows,
                 _ => false,
             },
-            Shape::Bool
-            | Shape::Real
-            | Shape::Char
-            | Shape::Text
-            | Shape::Complex
-            | Shape::Rule
-            | Shape::Tuple(_)
-            | Shape::Seq(_)
-            | Shape::Set(_)
-            | Shape::Bag(_)
-            | Shape::Map(..)
-            | Shape::Any => false,
+            ValueShape::Bool
+            | ValueShape::Real
+            | ValueShape::Char
+            | ValueShape::Text
+            | ValueShape::Complex
+            | ValueShape::Rule
+            | ValueShape::Tuple(_)
+            | ValueShape::Seq(_)
+            | ValueShape::Set(_)
+            | ValueShape::Bag(_)
+            | ValueShape::Map(..)
+            | ValueShape::Any => false,
         }
     }
 }

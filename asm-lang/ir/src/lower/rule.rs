@@ -1,8 +1,8 @@
 //! Rules lowered.
 
-use super::frame::{Binding, Frame};
+use super::frame::{LoweringFrame, VariableBinding};
 use super::{Lowering, domain};
-use crate::code::{Endless, Kind, Node, Place, Rule, RuleNode, Term};
+use crate::code::{AssignTarget, Endless, Rule, RuleNode, Term, TermNode, ValueKind};
 use crate::program::{Local, Origin};
 use asmotion_diagnostics::Span;
 use asmotion_hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
@@ -10,7 +10,7 @@ use asmotion_value::{RuleId, Value};
 
 impl Lowering<'_> {
     /// A rule in a frame.
-    pub(super) fn rule(&mut self, rule: &RuleTerm, frame: &mut Frame) -> Rule {
+    pub(super) fn rule(&mut self, rule: &RuleTerm, frame: &mut LoweringFrame) -> Rule {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
             let node = self.rule_node(rule, frame);
             Rule {
@@ -27,14 +27,14 @@ impl Lowering<'_> {
         }
     }
 
-    fn or_skip(&mut self, rule: Option<&RuleTerm>, span: Span, frame: &mut Frame) -> Rule {
+    fn or_skip(&mut self, rule: Option<&RuleTerm>, span: Span, frame: &mut LoweringFrame) -> Rule {
         match rule {
             Some(rule) => self.rule(rule, frame),
             None => self.skip(span),
         }
     }
 
-    fn rule_node(&mut self, rule: &RuleTerm, frame: &mut Frame) -> RuleNode {
+    fn rule_node(&mut self, rule: &RuleTerm, frame: &mut LoweringFrame) -> RuleNode {
         let span = rule.span;
         match &*rule.kind {
             RuleKind::Skip | RuleKind::Invalid => RuleNode::Skip,
@@ -136,7 +136,7 @@ impl Lowering<'_> {
         body: &RuleTerm,
         ifnone: Option<&RuleTerm>,
         span: Span,
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> RuleNode {
         let chosen = variables(binders);
         let is_open =
@@ -189,7 +189,7 @@ impl Lowering<'_> {
         &mut self,
         bound: &[VarId],
         body: &RuleTerm,
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> Rule {
         let assigned: Vec<(VarId, Local)> = bound
             .iter()
@@ -199,8 +199,8 @@ impl Lowering<'_> {
                     .is_some_and(|rule| self.facts.assigns(rule, variable))
             })
             .filter_map(|&variable| match frame.binding(variable) {
-                Some(Binding::Local(local)) => Some((variable, local)),
-                Some(Binding::Term(_) | Binding::State { .. }) | None => None,
+                Some(VariableBinding::Local(local)) => Some((variable, local)),
+                Some(VariableBinding::Term(_) | VariableBinding::State { .. }) | None => None,
             })
             .collect();
         if assigned.is_empty() || self.model.compatible {
@@ -211,13 +211,13 @@ impl Lowering<'_> {
         let mut initial = Vec::new();
         for (variable, local) in assigned {
             let index = variable.0;
-            let place = Place::Location(self.program.variables, at(run, index, origin));
+            let place = AssignTarget::Location(self.program.variables, at(run, index, origin));
             let value = Term::local(local, origin);
             initial.push(Rule {
                 node: Box::new(RuleNode::Update(place, value)),
                 origin,
             });
-            frame.set(variable, Binding::State { run, index });
+            frame.set(variable, VariableBinding::State { run, index });
         }
         let body = self.rule(body, frame);
         Rule {
@@ -232,7 +232,7 @@ impl Lowering<'_> {
         declared.turbo && (declared.result.is_some() || self.facts.returns(rule))
     }
 
-    fn block(&mut self, rules: &[RuleTerm], frame: &mut Frame) -> Vec<Rule> {
+    fn block(&mut self, rules: &[RuleTerm], frame: &mut LoweringFrame) -> Vec<Rule> {
         rules.iter().map(|rule| self.rule(rule, frame)).collect()
     }
 
@@ -240,13 +240,13 @@ impl Lowering<'_> {
         &mut self,
         term: &asmotion_hir::Term,
         arguments: &[asmotion_hir::Term],
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> RuleNode {
         let arguments = self.terms(arguments, frame);
         let term = self.term(term, frame);
         match *term.node {
-            Node::Program(agent) => RuleNode::RunAgent(agent, arguments),
-            Node::Constant(Value::Undef) => RuleNode::Skip,
+            TermNode::Program(agent) => RuleNode::RunAgent(agent, arguments),
+            TermNode::Constant(Value::Undef) => RuleNode::Skip,
             node => RuleNode::Run(
                 Term {
                     node: Box::new(node),
@@ -265,8 +265,8 @@ fn variables(binders: &[asmotion_hir::Binder]) -> Vec<VarId> {
 /// The arguments of the location that a variable is in a run.
 pub(super) fn at(run: Local, variable: u32, origin: Origin) -> Vec<Term> {
     let index = Term {
-        node: Box::new(Node::Constant(Value::Int(i64::from(variable)))),
-        kind: Kind::Int,
+        node: Box::new(TermNode::Constant(Value::Int(i64::from(variable)))),
+        kind: ValueKind::Int,
         origin,
     };
     vec![Term::local(run, origin), index]

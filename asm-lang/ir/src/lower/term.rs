@@ -1,9 +1,12 @@
 //! Terms lowered: operators become nodes of their own, locations become slots where they can.
 
-use super::frame::{Binding, Frame};
+use super::frame::{LoweringFrame, VariableBinding};
 use super::rule::at;
 use super::{Lowering, domain, function_id};
-use crate::code::{Arithmetic, Binder, Comparison, Kind, Logic, Node, Place, Range, Term};
+use crate::code::{
+    Arithmetic, AssignTarget, Binder, BinderRange, Comparison, Connective, Term, TermNode,
+    ValueKind,
+};
 use crate::program::{FunctionId, Local, Origin, Slot, Storage};
 use asmotion_hir::{Meaning, TermKind, Type, TypeId};
 use asmotion_value::Value;
@@ -12,8 +15,8 @@ impl Term {
     /// The value of a local, standing here.
     pub(super) fn local(local: Local, origin: Origin) -> Self {
         Self {
-            node: Box::new(Node::Local(local)),
-            kind: Kind::Other,
+            node: Box::new(TermNode::Local(local)),
+            kind: ValueKind::Other,
             origin,
         }
     }
@@ -21,27 +24,27 @@ impl Term {
     /// `undef`, standing here.
     pub(super) fn undef(origin: Origin) -> Self {
         Self {
-            node: Box::new(Node::Constant(Value::Undef)),
-            kind: Kind::Other,
+            node: Box::new(TermNode::Constant(Value::Undef)),
+            kind: ValueKind::Other,
             origin,
         }
     }
 }
 
 impl Lowering<'_> {
-    pub(super) fn kind(&self, ty: TypeId) -> Kind {
+    pub(super) fn kind(&self, ty: TypeId) -> ValueKind {
         let root = self.model.types.root(ty, &self.model.domains);
         match self.model.types.get(root) {
-            Type::Boolean => Kind::Bool,
-            Type::Integer | Type::Natural => Kind::Int,
-            Type::Real => Kind::Real,
+            Type::Boolean => ValueKind::Bool,
+            Type::Integer | Type::Natural => ValueKind::Int,
+            Type::Real => ValueKind::Real,
             Type::Domain(domain) => match self.model.domain(*domain).kind {
                 asmotion_hir::DomainKind::Enum { .. } | asmotion_hir::DomainKind::Abstract => {
-                    Kind::Atom
+                    ValueKind::Atom
                 }
                 asmotion_hir::DomainKind::Any
                 | asmotion_hir::DomainKind::Basic
-                | asmotion_hir::DomainKind::Concrete { .. } => Kind::Other,
+                | asmotion_hir::DomainKind::Concrete { .. } => ValueKind::Other,
             },
             Type::Invalid
             | Type::Undef
@@ -53,50 +56,58 @@ impl Lowering<'_> {
             | Type::Seq(_)
             | Type::Powerset(_)
             | Type::Bag(_)
-            | Type::Map(..) => Kind::Other,
+            | Type::Map(..) => ValueKind::Other,
         }
     }
 
-    pub(super) fn terms(&mut self, terms: &[asmotion_hir::Term], frame: &mut Frame) -> Vec<Term> {
+    pub(super) fn terms(
+        &mut self,
+        terms: &[asmotion_hir::Term],
+        frame: &mut LoweringFrame,
+    ) -> Vec<Term> {
         terms.iter().map(|term| self.term(term, frame)).collect()
     }
 
-    fn optional(&mut self, term: Option<&asmotion_hir::Term>, frame: &mut Frame) -> Option<Term> {
+    fn optional(
+        &mut self,
+        term: Option<&asmotion_hir::Term>,
+        frame: &mut LoweringFrame,
+    ) -> Option<Term> {
         term.map(|term| self.term(term, frame))
     }
 
     /// A term in a frame.
-    pub(super) fn term(&mut self, term: &asmotion_hir::Term, frame: &mut Frame) -> Term {
+    pub(super) fn term(&mut self, term: &asmotion_hir::Term, frame: &mut LoweringFrame) -> Term {
         self.nesting += 1;
         let lowered = stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, frame));
         self.nesting -= 1;
         lowered
     }
 
-    fn term_here(&mut self, term: &asmotion_hir::Term, frame: &mut Frame) -> Term {
+    fn term_here(&mut self, term: &asmotion_hir::Term, frame: &mut LoweringFrame) -> Term {
         let origin = self.origin(term.span);
         let kind = self.kind(term.ty);
         let node = match &*term.kind {
-            TermKind::Value(value) => Node::Constant(value.clone()),
+            TermKind::Value(value) => TermNode::Constant(value.clone()),
             TermKind::Variable(variable) => match frame.binding(*variable) {
-                Some(Binding::Local(local)) => Node::Local(local),
-                Some(Binding::Term(closed)) => return self.by_name(&closed, frame, origin),
-                Some(Binding::State { run, index }) => {
-                    Node::Location(self.program.variables, at(run, index, origin))
+                Some(VariableBinding::Local(local)) => TermNode::Local(local),
+                Some(VariableBinding::Term(closed)) => return self.by_name(&closed, frame, origin),
+                Some(VariableBinding::State { run, index }) => {
+                    TermNode::Location(self.program.variables, at(run, index, origin))
                 }
-                None => Node::Constant(Value::Undef),
+                None => TermNode::Constant(Value::Undef),
             },
             TermKind::Apply(function, arguments) => {
                 let arguments = self.terms(arguments, frame);
                 self.apply(*function, arguments, origin)
             }
             TermKind::Spread(function, tuple) => return self.spread(*function, tuple, frame, term),
-            TermKind::Tuple(items) => Node::Tuple(self.terms(items, frame)),
+            TermKind::Tuple(items) => TermNode::Tuple(self.terms(items, frame)),
             TermKind::If(guard, then, otherwise) => {
                 let guard = self.term(guard, frame);
                 let then = self.term(then, frame);
                 let otherwise = self.optional(otherwise.as_ref(), frame);
-                Node::If(guard, then, otherwise.unwrap_or(Term::undef(origin)))
+                TermNode::If(guard, then, otherwise.unwrap_or(Term::undef(origin)))
             }
             TermKind::Switch(subject, cases, otherwise) => {
                 let subject = self.term(subject, frame);
@@ -106,30 +117,30 @@ impl Lowering<'_> {
                     lowered.push((case, self.term(value, frame)));
                 }
                 let otherwise = self.optional(otherwise.as_ref(), frame);
-                Node::Switch(subject, lowered, otherwise.unwrap_or(Term::undef(origin)))
+                TermNode::Switch(subject, lowered, otherwise.unwrap_or(Term::undef(origin)))
             }
             TermKind::Let(bindings, body) => {
                 let bindings = self.bindings(bindings, frame);
-                Node::Let(bindings, self.term(body, frame))
+                TermNode::Let(bindings, self.term(body, frame))
             }
             TermKind::Quantified(quantifier, binders, guard) => {
                 let binders = self.binders(binders, frame);
                 let guard = self.optional(guard.as_ref(), frame);
-                Node::Quantified(*quantifier, binders, guard)
+                TermNode::Quantified(*quantifier, binders, guard)
             }
             TermKind::Listed(collection, items) => {
-                Node::Listed(*collection, self.terms(items, frame))
+                TermNode::Listed(*collection, self.terms(items, frame))
             }
             TermKind::Interval(collection, from, to, step) => {
                 let from = self.term(from, frame);
                 let to = self.term(to, frame);
                 let step = self.optional(step.as_ref(), frame);
-                Node::Interval(*collection, from, to, step)
+                TermNode::Interval(*collection, from, to, step)
             }
             TermKind::Comprehension(collection, binders, guard, item) => {
                 let binders = self.binders(binders, frame);
                 let guard = self.optional(guard.as_ref(), frame);
-                Node::Collect(*collection, binders, guard, self.term(item, frame))
+                TermNode::Collect(*collection, binders, guard, self.term(item, frame))
             }
             TermKind::Map(pairs) => {
                 let mut lowered = Vec::new();
@@ -137,26 +148,26 @@ impl Lowering<'_> {
                     let key = self.term(key, frame);
                     lowered.push((key, self.term(value, frame)));
                 }
-                Node::Map(lowered)
+                TermNode::Map(lowered)
             }
             TermKind::MapComprehension(binders, guard, key, value) => {
                 let binders = self.binders(binders, frame);
                 let guard = self.optional(guard.as_ref(), frame);
                 let key = self.term(key, frame);
-                Node::CollectMap(binders, guard, key, self.term(value, frame))
+                TermNode::CollectMap(binders, guard, key, self.term(value, frame))
             }
-            TermKind::Rule(rule) => Node::Constant(Value::Rule(*rule)),
-            TermKind::Extent(ty) => Node::Extent(self.shape(*ty)),
+            TermKind::Rule(rule) => TermNode::Constant(Value::Rule(*rule)),
+            TermKind::Extent(ty) => TermNode::Extent(self.shape(*ty)),
             TermKind::Element(id, name) => {
                 let name = Term {
-                    node: Box::new(Node::Constant(Value::text(&**name))),
-                    kind: Kind::Other,
+                    node: Box::new(TermNode::Constant(Value::text(&**name))),
+                    kind: ValueKind::Other,
                     origin,
                 };
-                Node::Named(domain::id(*id), name)
+                TermNode::Named(domain::id(*id), name)
             }
-            TermKind::Unbound => Node::Unbound,
-            TermKind::Invalid => Node::Constant(Value::Undef),
+            TermKind::Unbound => TermNode::Unbound,
+            TermKind::Invalid => TermNode::Constant(Value::Undef),
         };
         Term {
             node: Box::new(node),
@@ -168,7 +179,7 @@ impl Lowering<'_> {
     pub(super) fn bindings(
         &mut self,
         bindings: &[(asmotion_hir::VarId, asmotion_hir::Term)],
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> Vec<(Local, Term)> {
         let mut bound = Vec::new();
         for (variable, term) in bindings {
@@ -181,18 +192,18 @@ impl Lowering<'_> {
     pub(super) fn binders(
         &mut self,
         binders: &[asmotion_hir::Binder],
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> Vec<Binder> {
         let mut bound = Vec::new();
         for binder in binders {
             let origin = self.origin(binder.range.span);
             let range = match &*binder.range.kind {
                 TermKind::Extent(ty) => match self.model.types.get(*ty) {
-                    Type::Boolean => Range::Bools,
+                    Type::Boolean => BinderRange::Bools,
                     Type::Domain(domain) => self.range(*domain),
-                    _ => Range::Elements(self.term(&binder.range, frame)),
+                    _ => BinderRange::Elements(self.term(&binder.range, frame)),
                 },
-                _ => Range::Elements(self.term(&binder.range, frame)),
+                _ => BinderRange::Elements(self.term(&binder.range, frame)),
             };
             bound.push(Binder {
                 local: frame.bind(binder.variable),
@@ -209,10 +220,10 @@ impl Lowering<'_> {
         function: asmotion_hir::FunctionId,
         arguments: Vec<Term>,
         origin: Origin,
-    ) -> Node {
+    ) -> TermNode {
         let reserved = self.model.reserved;
         if reserved.self_ == Some(function) {
-            return Node::Agent;
+            return TermNode::Agent;
         }
         let declared = self.model.function(function);
         match &declared.meaning {
@@ -222,47 +233,47 @@ impl Lowering<'_> {
             }
             Meaning::Machine if reserved.program == Some(function) => {
                 match arguments.into_iter().next() {
-                    Some(agent) => Node::Program(agent),
-                    None => Node::Constant(Value::Undef),
+                    Some(agent) => TermNode::Program(agent),
+                    None => TermNode::Constant(Value::Undef),
                 }
             }
             Meaning::Machine => self.name(declared, arguments),
-            Meaning::Constant(atom) => Node::Constant(Value::Atom(*atom)),
-            Meaning::Missing => Node::Constant(Value::Undef),
+            Meaning::Constant(atom) => TermNode::Constant(Value::Atom(*atom)),
+            Meaning::Missing => TermNode::Constant(Value::Undef),
             Meaning::Builtin(builtin) => self.builtin(builtin, arguments, origin),
             Meaning::Defined(body) => {
                 if let (TermKind::Value(value), true) = (&*body.root.kind, arguments.is_empty()) {
-                    return Node::Constant(value.clone());
+                    return TermNode::Constant(value.clone());
                 }
                 let Some(&id) = self.definitions.get(&function) else {
-                    return Node::Constant(Value::Undef);
+                    return TermNode::Constant(Value::Undef);
                 };
                 match self.caches.get(&function) {
                     Some(&cache) => {
                         let kind = self.kind(declared.codomain);
-                        Node::Cached(
+                        TermNode::Cached(
                             cache,
                             Term {
-                                node: Box::new(Node::Call(id, arguments)),
+                                node: Box::new(TermNode::Call(id, arguments)),
                                 kind,
                                 origin,
                             },
                         )
                     }
-                    None => Node::Call(id, arguments),
+                    None => TermNode::Call(id, arguments),
                 }
             }
         }
     }
 
     /// `id(a)`, `getAgent("a")`: an element and its name.
-    fn name(&mut self, declared: &asmotion_hir::Function, arguments: Vec<Term>) -> Node {
+    fn name(&mut self, declared: &asmotion_hir::Function, arguments: Vec<Term>) -> TermNode {
         let Some(argument) = arguments.into_iter().next() else {
-            return Node::Constant(Value::Undef);
+            return TermNode::Constant(Value::Undef);
         };
         match self.model.types.get(declared.codomain) {
-            Type::Domain(agents) => Node::Named(domain::id(*agents), argument),
-            _ => Node::Name(argument),
+            Type::Domain(agents) => TermNode::Named(domain::id(*agents), argument),
+            _ => TermNode::Name(argument),
         }
     }
 
@@ -271,7 +282,7 @@ impl Lowering<'_> {
         &mut self,
         function: asmotion_hir::FunctionId,
         tuple: &asmotion_hir::Term,
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
         term: &asmotion_hir::Term,
     ) -> Term {
         let origin = self.origin(term.span);
@@ -284,7 +295,7 @@ impl Lowering<'_> {
             origin,
         };
         Term {
-            node: Box::new(Node::Let(bindings, applied)),
+            node: Box::new(TermNode::Let(bindings, applied)),
             kind,
             origin,
         }
@@ -295,7 +306,7 @@ impl Lowering<'_> {
         &mut self,
         function: asmotion_hir::FunctionId,
         tuple: &asmotion_hir::Term,
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> (Vec<(Local, Term)>, Vec<Term>) {
         let lowered = self.term(tuple, frame);
         let origin = lowered.origin;
@@ -306,11 +317,11 @@ impl Lowering<'_> {
             .enumerate()
             .map(|(index, &ty)| {
                 let tuple = Term {
-                    node: Box::new(Node::Local(local)),
-                    kind: Kind::Other,
+                    node: Box::new(TermNode::Local(local)),
+                    kind: ValueKind::Other,
                     origin,
                 };
-                let node = Node::Component(tuple, index as u32);
+                let node = TermNode::Component(tuple, index as u32);
                 Term {
                     node: Box::new(node),
                     kind: self.kind(ty),
@@ -322,10 +333,10 @@ impl Lowering<'_> {
     }
 
     /// A location: a slot if its arguments are constants on their axes.
-    fn location(&mut self, function: FunctionId, arguments: Vec<Term>) -> Node {
+    fn location(&mut self, function: FunctionId, arguments: Vec<Term>) -> TermNode {
         match self.slot(function, &arguments) {
-            Some(slot) => Node::Slot(function, slot),
-            None => Node::Location(function, arguments),
+            Some(slot) => TermNode::Slot(function, slot),
+            None => TermNode::Location(function, arguments),
         }
     }
 
@@ -338,7 +349,7 @@ impl Lowering<'_> {
         let mut slot = *base;
         for (axis, argument) in axes.iter().zip(arguments) {
             match &*argument.node {
-                Node::Constant(value) => slot += axis.over.index(value)? * axis.stride,
+                TermNode::Constant(value) => slot += axis.over.index(value)? * axis.stride,
                 _ => return None,
             }
         }
@@ -348,11 +359,11 @@ impl Lowering<'_> {
     /// What an update writes; `None` after an error.
     pub(super) fn place(
         &mut self,
-        target: &asmotion_hir::Target,
-        frame: &mut Frame,
-    ) -> Option<Place> {
+        target: &asmotion_hir::UpdateTarget,
+        frame: &mut LoweringFrame,
+    ) -> Option<AssignTarget> {
         match target {
-            asmotion_hir::Target::Location(function, arguments) => {
+            asmotion_hir::UpdateTarget::Location(function, arguments) => {
                 let wanted = self.model.function(*function).parameters.len();
                 let arguments = match arguments.as_slice() {
                     // `f(t) := …` with a tuple for all arguments
@@ -360,35 +371,36 @@ impl Lowering<'_> {
                     arguments => self.terms(arguments, frame),
                 };
                 Some(match self.location(function_id(*function), arguments) {
-                    Node::Slot(function, slot) => Place::Slot(function, slot),
-                    Node::Location(function, arguments) => Place::Location(function, arguments),
+                    TermNode::Slot(function, slot) => AssignTarget::Slot(function, slot),
+                    TermNode::Location(function, arguments) => {
+                        AssignTarget::Location(function, arguments)
+                    }
                     _ => return None,
                 })
             }
-            asmotion_hir::Target::Variable(variable) => {
-                if let (Some(Binding::Local(local)), true) =
+            asmotion_hir::UpdateTarget::Variable(variable) => {
+                if let (Some(VariableBinding::Local(local)), true) =
                     (frame.binding(*variable), self.model.compatible)
                 {
-                    return Some(Place::Local(local));
+                    return Some(AssignTarget::Local(local));
                 }
-                if let Some(Binding::State { run, index }) = frame.binding(*variable) {
+                if let Some(VariableBinding::State { run, index }) = frame.binding(*variable) {
                     let origin = Origin::default();
-                    return Some(Place::Location(
+                    return Some(AssignTarget::Location(
                         self.program.variables,
                         at(run, index, origin),
                     ));
                 }
-                if let Some(Binding::Term(closed)) = frame.binding(*variable) {
+                if let Some(VariableBinding::Term(closed)) = frame.binding(*variable) {
                     let target = match &*closed.term.kind {
-                        TermKind::Apply(function, arguments) => {
-                            Some(asmotion_hir::Target::Location(*function, arguments.clone()))
-                        }
-                        TermKind::Spread(function, tuple) => Some(asmotion_hir::Target::Location(
-                            *function,
-                            vec![tuple.clone()],
-                        )),
+                        TermKind::Apply(function, arguments) => Some(
+                            asmotion_hir::UpdateTarget::Location(*function, arguments.clone()),
+                        ),
+                        TermKind::Spread(function, tuple) => Some(
+                            asmotion_hir::UpdateTarget::Location(*function, vec![tuple.clone()]),
+                        ),
                         TermKind::Variable(variable) => {
-                            Some(asmotion_hir::Target::Variable(*variable))
+                            Some(asmotion_hir::UpdateTarget::Variable(*variable))
                         }
                         _ => None,
                     };
@@ -405,7 +417,7 @@ impl Lowering<'_> {
         &mut self,
         function: asmotion_hir::FunctionId,
         tuple: &asmotion_hir::Term,
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> Option<Vec<Term>> {
         if let TermKind::Tuple(items) = &*tuple.kind {
             return Some(self.terms(items, frame));
@@ -417,8 +429,8 @@ impl Lowering<'_> {
             components
                 .into_iter()
                 .map(|component| match *component.node {
-                    Node::Component(_, index) => Term {
-                        node: Box::new(Node::Component(tuple.clone(), index)),
+                    TermNode::Component(_, index) => Term {
+                        node: Box::new(TermNode::Component(tuple.clone(), index)),
                         ..component
                     },
                     _ => component,
@@ -433,11 +445,15 @@ impl Lowering<'_> {
         builtin: &'static asmotion_stdlib::Builtin,
         arguments: Vec<Term>,
         origin: Origin,
-    ) -> Node {
-        let integers =
-            !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Int);
-        let truths =
-            !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Bool);
+    ) -> TermNode {
+        let integers = !arguments.is_empty()
+            && arguments
+                .iter()
+                .all(|argument| argument.kind == ValueKind::Int);
+        let truths = !arguments.is_empty()
+            && arguments
+                .iter()
+                .all(|argument| argument.kind == ValueKind::Bool);
         let mut operands = arguments.iter().cloned();
         if let (Some(left), Some(right), None) = (operands.next(), operands.next(), operands.next())
         {
@@ -445,63 +461,63 @@ impl Lowering<'_> {
                 // the reference evaluates both operands
                 builtin.domain == "Prod(Boolean,Boolean)" && !self.model.compatible
             }) {
-                return Node::Logic(logic, left, right);
+                return TermNode::Logic(logic, left, right);
             }
             if let Some(comparison) = comparison(builtin.name).filter(|_| integers) {
-                return Node::Compare(comparison, left, right);
+                return TermNode::Compare(comparison, left, right);
             }
             if let Some(arithmetic) =
                 arithmetic(builtin.name).filter(|_| integers && !self.model.compatible)
             {
-                return Node::Arithmetic(arithmetic, left, right);
+                return TermNode::Arithmetic(arithmetic, left, right);
             }
             // numbers of different domains are equal as numbers: the library converts them
             let mixed = left.kind != right.kind && builtin.domain.contains("Real");
             if builtin.name == "eq" && !mixed {
-                return Node::Equal(left, right);
+                return TermNode::Equal(left, right);
             }
             if builtin.name == "neq" && !mixed {
-                let equal = Node::Equal(left, right);
-                return Node::Not(Term {
+                let equal = TermNode::Equal(left, right);
+                return TermNode::Not(Term {
                     node: Box::new(equal),
-                    kind: Kind::Bool,
+                    kind: ValueKind::Bool,
                     origin,
                 });
             }
         }
         if builtin.name == "not" && truths {
             if let Some(operand) = arguments.into_iter().next() {
-                return Node::Not(operand);
+                return TermNode::Not(operand);
             }
-            return Node::Constant(Value::Undef);
+            return TermNode::Constant(Value::Undef);
         }
         if let ("pre", [term]) = (builtin.name, arguments.as_slice()) {
-            return Node::Pre(term.clone());
+            return TermNode::Pre(term.clone());
         }
-        Node::Builtin(builtin, arguments)
+        TermNode::Builtin(builtin, arguments)
     }
 
     /// A guard that was left out holds.
     pub(super) fn guard(
         &mut self,
         guard: Option<&asmotion_hir::Term>,
-        frame: &mut Frame,
+        frame: &mut LoweringFrame,
     ) -> Option<Term> {
         let guard = self.optional(guard, frame)?;
         match &*guard.node {
-            Node::Constant(Value::Bool(true)) => None,
+            TermNode::Constant(Value::Bool(true)) => None,
             _ => Some(guard),
         }
     }
 }
 
-fn logic(name: &str) -> Option<Logic> {
+fn logic(name: &str) -> Option<Connective> {
     Some(match name {
-        "and" => Logic::And,
-        "or" => Logic::Or,
-        "xor" => Logic::Xor,
-        "implies" => Logic::Implies,
-        "iff" => Logic::Iff,
+        "and" => Connective::And,
+        "or" => Connective::Or,
+        "xor" => Connective::Xor,
+        "implies" => Connective::Implies,
+        "iff" => Connective::Iff,
         _ => return None,
     })
 }

@@ -3,18 +3,18 @@
 use super::Compiler;
 use crate::code::TermCode;
 use crate::limits::MAX_AXES;
-use crate::run::Run;
+use crate::run::StepContext;
 use asmotion_ir::{
-    Axis, AxisRange, FunctionId, FunctionKind, Kind, Node, Origin, Slot, Storage, Term,
+    AxisRange, FunctionId, FunctionKind, Origin, Slot, SlotAxis, Storage, Term, TermNode, ValueKind,
 };
 use asmotion_value::Value;
 
 /// Finds the slot of a location.
-pub(super) type SlotCode = Box<dyn Fn(&mut Run<'_>) -> Slot + Send + Sync>;
+pub(super) type SlotCode = Box<dyn Fn(&mut StepContext<'_>) -> Slot + Send + Sync>;
 
 /// Finds the index of an argument on its axis. Off the axis it gives [`MISS`], and leaves the
 /// argument on the stack.
-type IndexCode = Box<dyn Fn(&mut Run<'_>) -> u32 + Send + Sync>;
+type IndexCode = Box<dyn Fn(&mut StepContext<'_>) -> u32 + Send + Sync>;
 
 /// No index: axes are shorter.
 const MISS: u32 = u32::MAX;
@@ -52,7 +52,7 @@ impl Compiler<'_> {
     /// The slot of a term that is a location and no input: its value can be looked at where it is.
     pub(super) fn stored(&self, term: &Term) -> Option<SlotCode> {
         match &*term.node {
-            Node::Location(function, arguments) if !self.is_input(*function) => {
+            TermNode::Location(function, arguments) if !self.is_input(*function) => {
                 Some(self.slot(*function, arguments))
             }
             _ => None,
@@ -112,7 +112,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn indices(&self, arguments: &[Term], axes: &[Axis]) -> Vec<(IndexCode, Axis)> {
+    fn indices(&self, arguments: &[Term], axes: &[SlotAxis]) -> Vec<(IndexCode, SlotAxis)> {
         let pairs = arguments.iter().zip(axes);
         pairs
             .map(|(argument, axis)| (self.index(argument, axis.over), *axis))
@@ -121,14 +121,14 @@ impl Compiler<'_> {
 
     fn index(&self, argument: &Term, over: AxisRange) -> IndexCode {
         match (&*argument.node, over) {
-            (Node::Local(local), over) => {
+            (TermNode::Local(local), over) => {
                 let local = *local;
                 Box::new(move |run| match over.index(run.local(local)) {
                     Some(index) => index,
                     None => missed(run, run.local(local).clone()),
                 })
             }
-            (_, AxisRange::Ints { low, count }) if argument.kind == Kind::Int => {
+            (_, AxisRange::Ints { low, count }) if argument.kind == ValueKind::Int => {
                 let integer = self.integer(argument);
                 Box::new(move |run| {
                     let number = integer.get(run);
@@ -153,7 +153,7 @@ impl Compiler<'_> {
 }
 
 #[cold]
-fn missed(run: &mut Run<'_>, argument: Value) -> u32 {
+fn missed(run: &mut StepContext<'_>, argument: Value) -> u32 {
     run.stack.push(argument);
     MISS
 }
@@ -161,8 +161,8 @@ fn missed(run: &mut Run<'_>, argument: Value) -> u32 {
 /// Finds the index of the arguments together, and by it the slot.
 fn on_axes(
     function: FunctionId,
-    mut axes: Vec<(IndexCode, Axis)>,
-    found: impl Fn(&mut Run<'_>, u32) -> Slot + Send + Sync + 'static,
+    mut axes: Vec<(IndexCode, SlotAxis)>,
+    found: impl Fn(&mut StepContext<'_>, u32) -> Slot + Send + Sync + 'static,
 ) -> SlotCode {
     if axes.len() == 1
         && let Some((index, axis)) = axes.pop()
@@ -189,7 +189,7 @@ fn on_axes(
 
 /// Gives a lazy slot its value.
 #[cold]
-fn meet_lazy(run: &mut Run<'_>, function: FunctionId, slot: Slot) -> Slot {
+fn meet_lazy(run: &mut StepContext<'_>, function: FunctionId, slot: Slot) -> Slot {
     let from = run.stack.len();
     run.state.arguments(run.program, slot, run.stack);
     let slot = run.slot(function, from);
@@ -199,9 +199,15 @@ fn meet_lazy(run: &mut Run<'_>, function: FunctionId, slot: Slot) -> Slot {
 
 /// The slot of a location that is met for the first time within a window.
 #[cold]
-fn meet(run: &mut Run<'_>, function: FunctionId, window: usize, axes: &[Axis], index: u32) -> Slot {
+fn meet(
+    run: &mut StepContext<'_>,
+    function: FunctionId,
+    window: usize,
+    axes: &[SlotAxis],
+    index: u32,
+) -> Slot {
     let from = run.stack.len();
-    let argument = |axis: &Axis| axis.over.argument(index / axis.stride % axis.over.count());
+    let argument = |axis: &SlotAxis| axis.over.argument(index / axis.stride % axis.over.count());
     run.stack.extend(axes.iter().map(argument));
     let slot = run.slot(function, from);
     run.stack.truncate(from);
@@ -213,9 +219,9 @@ fn meet(run: &mut Run<'_>, function: FunctionId, window: usize, axes: &[Axis], i
 /// ones before it have indices, the ones after it are still to be computed.
 #[cold]
 fn off_axes(
-    run: &mut Run<'_>,
+    run: &mut StepContext<'_>,
     function: FunctionId,
-    axes: &[(IndexCode, Axis)],
+    axes: &[(IndexCode, SlotAxis)],
     before: &[u32],
 ) -> Slot {
     let argument = run.stack.pop().unwrap_or_default();

@@ -2,24 +2,24 @@
 
 use super::Compiler;
 use crate::fault::FaultKind;
-use crate::run::{Run, Truth};
-use asmotion_ir::{Arithmetic, Local, Node, Origin, Term};
+use crate::run::{KleeneTruth, StepContext};
+use asmotion_ir::{Arithmetic, Local, Origin, Term, TermNode};
 use asmotion_value::Value;
 
 /// Gives an integer, or nothing where it is undef.
-type IntCode = Box<dyn Fn(&mut Run<'_>) -> Option<i64> + Send + Sync>;
+type IntCode = Box<dyn Fn(&mut StepContext<'_>) -> Option<i64> + Send + Sync>;
 
 /// An integer: the commonest operands need no code of their own.
-pub(super) enum Int {
+pub(super) enum IntTerm {
     Constant(i64),
     Local(Local),
     Slot(usize),
     Code(IntCode),
 }
 
-impl Int {
+impl IntTerm {
     #[inline]
-    pub fn get(&self, run: &mut Run<'_>) -> Option<i64> {
+    pub fn get(&self, run: &mut StepContext<'_>) -> Option<i64> {
         match self {
             Self::Constant(number) => Some(*number),
             Self::Local(local) => as_integer(run.local(*local)),
@@ -31,31 +31,33 @@ impl Int {
 
 impl Compiler<'_> {
     /// A term as code that gives an integer.
-    pub(super) fn integer(&self, term: &Term) -> Int {
+    pub(super) fn integer(&self, term: &Term) -> IntTerm {
         match &*term.node {
-            Node::Constant(Value::Int(number)) => Int::Constant(*number),
-            Node::Local(local) => Int::Local(*local),
-            Node::Slot(function, slot) if !self.is_input(*function) => Int::Slot(*slot as usize),
-            Node::Arithmetic(arithmetic, left, right) => {
-                Int::Code(self.arithmetic(*arithmetic, left, right, term.origin))
+            TermNode::Constant(Value::Int(number)) => IntTerm::Constant(*number),
+            TermNode::Local(local) => IntTerm::Local(*local),
+            TermNode::Slot(function, slot) if !self.is_input(*function) => {
+                IntTerm::Slot(*slot as usize)
             }
-            Node::If(guard, then, otherwise) => {
+            TermNode::Arithmetic(arithmetic, left, right) => {
+                IntTerm::Code(self.arithmetic(*arithmetic, left, right, term.origin))
+            }
+            TermNode::If(guard, then, otherwise) => {
                 let origin = guard.origin;
                 let (guard, then, otherwise) = (
                     self.truth(guard),
                     self.integer(then),
                     self.integer(otherwise),
                 );
-                Int::Code(Box::new(move |run| match guard(run) {
-                    Truth::True => then.get(run),
-                    Truth::False => otherwise.get(run),
-                    Truth::Undef => {
+                IntTerm::Code(Box::new(move |run| match guard(run) {
+                    KleeneTruth::True => then.get(run),
+                    KleeneTruth::False => otherwise.get(run),
+                    KleeneTruth::Undef => {
                         run.fail(FaultKind::UndefinedGuard, origin);
                         None
                     }
                 }))
             }
-            _ => Int::Code(match self.stored(term) {
+            _ => IntTerm::Code(match self.stored(term) {
                 Some(slot) => Box::new(move |run| {
                     let slot = slot(run) as usize;
                     as_integer(&run.state.store.slots[slot])
@@ -87,10 +89,10 @@ impl Compiler<'_> {
 
 /// One operation on two integers; each gets code of its own, without a call.
 fn computed(
-    left: Int,
-    right: Int,
+    left: IntTerm,
+    right: IntTerm,
     origin: Origin,
-    operation: impl Fn(i64, i64) -> Result<i64, asmotion_stdlib::Fault> + Send + Sync + 'static,
+    operation: impl Fn(i64, i64) -> Result<i64, asmotion_stdlib::BuiltinFault> + Send + Sync + 'static,
 ) -> IntCode {
     Box::new(move |run| {
         let (left, right) = (left.get(run)?, right.get(run)?);

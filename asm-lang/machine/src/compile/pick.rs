@@ -2,8 +2,8 @@
 
 use super::range::{RangeCode, Ranges};
 use crate::fault::FaultKind;
-use crate::run::{Run, Truth};
-use asmotion_ir::{Origin, Shape};
+use crate::run::{KleeneTruth, StepContext};
+use asmotion_ir::{Origin, ValueShape};
 use asmotion_value::{Atom, Value};
 use std::ops::ControlFlow;
 
@@ -15,7 +15,7 @@ pub(super) struct Candidates<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    pub fn of(ranges: &'a Ranges, run: &mut Run<'_>) -> Self {
+    pub fn of(ranges: &'a Ranges, run: &mut StepContext<'_>) -> Self {
         let picked = |(_, _, range): &(_, _, Origin)| run.chooser.picked(*range);
         let is_picked = ranges.binders.iter().any(|binder| picked(binder).is_some());
         if !is_picked {
@@ -37,7 +37,11 @@ impl<'a> Candidates<'a> {
     }
 
     /// Calls `visit` for each, in ascending order, until it breaks.
-    pub fn each(&self, run: &mut Run<'_>, visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>) {
+    pub fn each(
+        &self,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
+    ) {
         match &self.picked {
             None => self.ranges.each(run, visit),
             Some(picked) => {
@@ -53,8 +57,8 @@ impl Ranges {
         &self,
         depth: usize,
         picked: &[Option<Value>],
-        run: &mut Run<'_>,
-        visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Some((local, range, origin)) = self.binders.get(depth) else {
             return self.guarded(run, visit);
@@ -74,17 +78,20 @@ impl Ranges {
 
     fn guarded(
         &self,
-        run: &mut Run<'_>,
-        visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let truth = self.guard.as_ref().map_or(Truth::True, |guard| guard(run));
+        let truth = self
+            .guard
+            .as_ref()
+            .map_or(KleeneTruth::True, |guard| guard(run));
         if run.fault.is_some() {
             return ControlFlow::Break(());
         }
         match truth {
-            Truth::True => visit(run),
-            Truth::False => ControlFlow::Continue(()),
-            Truth::Undef => {
+            KleeneTruth::True => visit(run),
+            KleeneTruth::False => ControlFlow::Continue(()),
+            KleeneTruth::Undef => {
                 run.fail(FaultKind::UndefinedGuard, self.guard_origin);
                 ControlFlow::Break(())
             }
@@ -94,7 +101,7 @@ impl Ranges {
 
 impl RangeCode {
     /// The value, if it lies in the range; a range need not be listed for that.
-    fn only(&self, run: &mut Run<'_>, value: Value, origin: Origin) -> Vec<Value> {
+    fn only(&self, run: &mut StepContext<'_>, value: Value, origin: Origin) -> Vec<Value> {
         let lies_in = match self {
             Self::Ints(low, high) => {
                 matches!(&value, Value::Int(number) if (low..=high).contains(&number))
@@ -110,7 +117,7 @@ impl RangeCode {
         if lies_in { vec![value] } else { Vec::new() }
     }
 
-    fn listed(&self, run: &mut Run<'_>, origin: Origin) -> Vec<Value> {
+    fn listed(&self, run: &mut StepContext<'_>, origin: Origin) -> Vec<Value> {
         let mut values = Vec::new();
         // nothing breaks it but a fault
         let _ = self.each(run, origin, &mut |_, value| {
@@ -122,32 +129,32 @@ impl RangeCode {
 }
 
 /// Whether a value is one of a shape's.
-fn has_shape(run: &Run<'_>, shape: &Shape, value: &Value) -> bool {
+fn has_shape(run: &StepContext<'_>, shape: &ValueShape, value: &Value) -> bool {
     match (shape, value) {
-        (Shape::Any, _)
-        | (Shape::Bool, Value::Bool(_))
-        | (Shape::Int, Value::Int(_))
-        | (Shape::Real, Value::Real(_))
-        | (Shape::Char, Value::Char(_))
-        | (Shape::Text, Value::Text(_))
-        | (Shape::Complex, Value::Complex(_))
-        | (Shape::Rule, Value::Rule(_)) => true,
-        (Shape::Natural, Value::Int(number)) => *number >= 0,
-        (Shape::Domain(domain), value) => run.is_element(*domain, value),
-        (Shape::Tuple(shapes), Value::Tuple(items)) => {
+        (ValueShape::Any, _)
+        | (ValueShape::Bool, Value::Bool(_))
+        | (ValueShape::Int, Value::Int(_))
+        | (ValueShape::Real, Value::Real(_))
+        | (ValueShape::Char, Value::Char(_))
+        | (ValueShape::Text, Value::Text(_))
+        | (ValueShape::Complex, Value::Complex(_))
+        | (ValueShape::Rule, Value::Rule(_)) => true,
+        (ValueShape::Natural, Value::Int(number)) => *number >= 0,
+        (ValueShape::Domain(domain), value) => run.is_element(*domain, value),
+        (ValueShape::Tuple(shapes), Value::Tuple(items)) => {
             let mut pairs = shapes.iter().zip(items.iter());
             shapes.len() == items.len() && pairs.all(|(shape, item)| has_shape(run, shape, item))
         }
-        (Shape::Seq(shape), Value::Seq(items)) => {
+        (ValueShape::Seq(shape), Value::Seq(items)) => {
             items.iter().all(|item| has_shape(run, shape, item))
         }
-        (Shape::Set(shape), Value::Set(items)) => {
+        (ValueShape::Set(shape), Value::Set(items)) => {
             items.iter().all(|item| has_shape(run, shape, item))
         }
-        (Shape::Bag(shape), Value::Bag(items)) => {
+        (ValueShape::Bag(shape), Value::Bag(items)) => {
             items.keys().all(|item| has_shape(run, shape, item))
         }
-        (Shape::Map(keys, values), Value::Map(pairs)) => pairs
+        (ValueShape::Map(keys, values), Value::Map(pairs)) => pairs
             .iter()
             .all(|(key, value)| has_shape(run, keys, key) && has_shape(run, values, value)),
         _ => false,

@@ -4,8 +4,8 @@ use super::Compiler;
 use crate::code::{TermCode, TruthCode};
 use crate::fault::FaultKind;
 use crate::limits::MAX_BINDINGS;
-use crate::run::{Run, Truth};
-use asmotion_ir::{Binder, DomainId, Local, Node, Origin, Range, Shape, Term};
+use crate::run::{KleeneTruth, StepContext};
+use asmotion_ir::{Binder, BinderRange, DomainId, Local, Origin, Term, TermNode, ValueShape};
 use asmotion_value::{Atom, Value};
 use std::ops::ControlFlow;
 
@@ -23,7 +23,7 @@ pub(super) enum RangeCode {
     Atoms(u32, u32),
     Bools,
     Domain(DomainId),
-    Extent(Shape),
+    Extent(ValueShape),
     Elements(TermCode),
 }
 
@@ -31,12 +31,12 @@ impl Compiler<'_> {
     pub(super) fn ranges(&self, binders: &[Binder], guard: Option<&Term>, strict: bool) -> Ranges {
         let binders = binders.iter().map(|binder| {
             let range = match &binder.range {
-                Range::Ints(low, high) => RangeCode::Ints(*low, *high),
-                Range::Atoms(first, count) => RangeCode::Atoms(*first, *count),
-                Range::Bools => RangeCode::Bools,
-                Range::Domain(domain) => RangeCode::Domain(*domain),
-                Range::Elements(term) => match &*term.node {
-                    Node::Extent(shape) => RangeCode::Extent(shape.clone()),
+                BinderRange::Ints(low, high) => RangeCode::Ints(*low, *high),
+                BinderRange::Atoms(first, count) => RangeCode::Atoms(*first, *count),
+                BinderRange::Bools => RangeCode::Bools,
+                BinderRange::Domain(domain) => RangeCode::Domain(*domain),
+                BinderRange::Elements(term) => match &*term.node {
+                    TermNode::Extent(shape) => RangeCode::Extent(shape.clone()),
                     _ => RangeCode::Elements(self.term(term)),
                 },
             };
@@ -56,14 +56,14 @@ impl Ranges {
     /// order, until it breaks. An undef guard does not hold; in rules it is a fault.
     pub(super) fn each(
         &self,
-        run: &mut Run<'_>,
-        visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
     ) {
         // a break here only says that `visit` broke; it has noted its result itself
         let _ = self.nest(0, run, &mut |run, truth| match truth {
-            Truth::True => visit(run),
-            Truth::False => ControlFlow::Continue(()),
-            Truth::Undef => {
+            KleeneTruth::True => visit(run),
+            KleeneTruth::False => ControlFlow::Continue(()),
+            KleeneTruth::Undef => {
                 if self.strict {
                     run.fail(FaultKind::UndefinedGuard, self.guard_origin);
                     return ControlFlow::Break(());
@@ -76,8 +76,8 @@ impl Ranges {
     /// Calls `visit` with the guard's value for every assignment of the variables.
     pub(super) fn each_guard(
         &self,
-        run: &mut Run<'_>,
-        visit: &mut dyn FnMut(&mut Run<'_>, Truth) -> ControlFlow<()>,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>, KleeneTruth) -> ControlFlow<()>,
     ) {
         let _ = self.nest(0, run, visit);
     }
@@ -85,17 +85,20 @@ impl Ranges {
     fn nest(
         &self,
         depth: usize,
-        run: &mut Run<'_>,
-        visit: &mut dyn FnMut(&mut Run<'_>, Truth) -> ControlFlow<()>,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>, KleeneTruth) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Some((local, range, origin)) = self.binders.get(depth) else {
-            let truth = self.guard.as_ref().map_or(Truth::True, |guard| guard(run));
+            let truth = self
+                .guard
+                .as_ref()
+                .map_or(KleeneTruth::True, |guard| guard(run));
             if run.fault.is_some() {
                 return ControlFlow::Break(());
             }
             return visit(run, truth);
         };
-        let mut bind = |run: &mut Run<'_>, value: Value| {
+        let mut bind = |run: &mut StepContext<'_>, value: Value| {
             run.bindings += 1;
             if run.bindings > MAX_BINDINGS {
                 run.fail(FaultKind::Endless(MAX_BINDINGS), *origin);
@@ -113,9 +116,9 @@ impl RangeCode {
     #[inline]
     pub(super) fn each(
         &self,
-        run: &mut Run<'_>,
+        run: &mut StepContext<'_>,
         origin: Origin,
-        visit: &mut impl FnMut(&mut Run<'_>, Value) -> ControlFlow<()>,
+        visit: &mut impl FnMut(&mut StepContext<'_>, Value) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         match self {
             Self::Ints(low, high) => {

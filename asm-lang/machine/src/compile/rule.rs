@@ -6,25 +6,25 @@ use super::pick::Candidates;
 use super::range::Ranges;
 use crate::code::RuleCode;
 use crate::fault::FaultKind;
-use crate::post::Done;
-use crate::record::Choice;
-use crate::run::{Codomain, Run, Stopped, Truth};
-use asmotion_ir::{Endless, Local, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use crate::messages::PerformedAction;
+use crate::record::StepChoice;
+use crate::run::{CodomainCheck, KleeneTruth, RuleStopped, StepContext};
+use asmotion_ir::{AssignTarget, Endless, Local, Origin, RoutineId, Rule, RuleNode, Term};
 use asmotion_value::{RuleId, Value};
 use std::ops::ControlFlow;
 
 /// Where a value goes.
-enum Target {
+enum StoreTarget {
     Location {
         slot: SlotCode,
-        codomain: Codomain,
+        codomain: CodomainCheck,
         origin: Origin,
     },
     Local(Local),
 }
 
-impl Target {
-    fn write(&self, run: &mut Run<'_>, value: Value) -> Result<(), Stopped> {
+impl StoreTarget {
+    fn write(&self, run: &mut StepContext<'_>, value: Value) -> Result<(), RuleStopped> {
         match self {
             Self::Location {
                 slot,
@@ -112,7 +112,7 @@ impl Compiler<'_> {
                 Box::new(move |run| {
                     let arguments = arguments.iter().map(|term| term(run)).collect();
                     run.checked()?;
-                    run.record.done.push(Done {
+                    run.record.done.push(PerformedAction {
                         act,
                         arguments,
                         origin,
@@ -123,26 +123,28 @@ impl Compiler<'_> {
         }
     }
 
-    fn target(&self, place: &Place, origin: Origin) -> Target {
+    fn target(&self, place: &AssignTarget, origin: Origin) -> StoreTarget {
         let (slot, function): (SlotCode, _) = match place {
-            Place::Slot(function, slot) => {
+            AssignTarget::Slot(function, slot) => {
                 let slot = *slot;
                 (Box::new(move |_| slot), *function)
             }
-            Place::Location(function, arguments) => (self.slot(*function, arguments), *function),
-            Place::Local(local) => return Target::Local(*local),
+            AssignTarget::Location(function, arguments) => {
+                (self.slot(*function, arguments), *function)
+            }
+            AssignTarget::Local(local) => return StoreTarget::Local(*local),
         };
-        Target::Location {
+        StoreTarget::Location {
             slot,
-            codomain: Codomain::of(self.program, function),
+            codomain: CodomainCheck::of(self.program, function),
             origin,
         }
     }
 
-    fn update(&self, place: &Place, value: &Term, origin: Origin) -> RuleCode {
+    fn update(&self, place: &AssignTarget, value: &Term, origin: Origin) -> RuleCode {
         let value = self.term(value);
-        if let Place::Slot(function, slot) = place {
-            let (slot, codomain) = (*slot, Codomain::of(self.program, *function));
+        if let AssignTarget::Slot(function, slot) = place {
+            let (slot, codomain) = (*slot, CodomainCheck::of(self.program, *function));
             return Box::new(move |run| {
                 let value = value(run);
                 run.write(slot, value, codomain, origin)
@@ -158,7 +160,7 @@ impl Compiler<'_> {
     /// The turbo rule's result goes to its place.
     fn assign(
         &self,
-        place: Option<&Place>,
+        place: Option<&AssignTarget>,
         routine: RoutineId,
         arguments: &[Term],
         origin: Origin,
@@ -249,12 +251,14 @@ impl Compiler<'_> {
             let limit = run.max_iterations();
             while run.iterations < limit {
                 run.iterations += 1;
-                let holds = guard.as_ref().map_or(Truth::True, |guard| guard(run));
+                let holds = guard.as_ref().map_or(KleeneTruth::True, |guard| guard(run));
                 run.checked()?;
                 match holds {
-                    Truth::True => {}
-                    Truth::False => return run.restore(sequence),
-                    Truth::Undef => return Err(run.stop(FaultKind::UndefinedGuard, guard_origin)),
+                    KleeneTruth::True => {}
+                    KleeneTruth::False => return run.restore(sequence),
+                    KleeneTruth::Undef => {
+                        return Err(run.stop(FaultKind::UndefinedGuard, guard_origin));
+                    }
                 }
                 let layer = run.updates.open();
                 body(run)?;
@@ -277,9 +281,9 @@ impl Compiler<'_> {
             let holds = guard(run);
             run.checked()?;
             match holds {
-                Truth::True => then(run),
-                Truth::False => otherwise(run),
-                Truth::Undef => Err(run.stop(FaultKind::UndefinedGuard, origin)),
+                KleeneTruth::True => then(run),
+                KleeneTruth::False => otherwise(run),
+                KleeneTruth::Undef => Err(run.stop(FaultKind::UndefinedGuard, origin)),
             }
         })
     }
@@ -308,7 +312,7 @@ impl Compiler<'_> {
         Box::new(move |run| {
             ranges.each(run, &mut |run| match body(run) {
                 Ok(()) => ControlFlow::Continue(()),
-                Err(Stopped) => ControlFlow::Break(()),
+                Err(RuleStopped) => ControlFlow::Break(()),
             });
             run.checked()
         })
@@ -330,7 +334,7 @@ impl Compiler<'_> {
                 }
                 let count = count(*endless);
                 let index = run.chooser.choose(count).min(count - 1);
-                run.record.choices.push(Choice {
+                run.record.choices.push(StepChoice {
                     origin,
                     index,
                     count,
@@ -357,7 +361,7 @@ impl Compiler<'_> {
                 run.checked()?;
                 if count > 0 {
                     wanted = run.chooser.choose(count).min(count - 1);
-                    run.record.choices.push(Choice {
+                    run.record.choices.push(StepChoice {
                         origin,
                         index: wanted,
                         count,
@@ -416,7 +420,7 @@ fn number(endless: Endless, index: usize) -> Value {
 }
 
 /// The program of an agent, by the domain it was declared in or taken for.
-pub(super) fn program_of(run: &Run<'_>, agent: &Value) -> Option<RuleId> {
+pub(super) fn program_of(run: &StepContext<'_>, agent: &Value) -> Option<RuleId> {
     let Value::Atom(atom) = agent else {
         return None;
     };
@@ -428,7 +432,12 @@ pub(super) fn program_of(run: &Run<'_>, agent: &Value) -> Option<RuleId> {
 }
 
 /// Runs a rule value; what it is given at the call lies on the stack.
-fn run_value(run: &mut Run<'_>, rule: &Value, given: usize, origin: Origin) -> Result<(), Stopped> {
+fn run_value(
+    run: &mut StepContext<'_>,
+    rule: &Value,
+    given: usize,
+    origin: Origin,
+) -> Result<(), RuleStopped> {
     let program = run.program;
     let Value::Rule(id) = rule else {
         return Err(run.stop(FaultKind::NotARule(rule.clone()), origin));

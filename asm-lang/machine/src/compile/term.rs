@@ -6,8 +6,8 @@ use super::rule::program_of;
 use crate::code::TermCode;
 use crate::fault::FaultKind;
 use crate::naming::Naming;
-use crate::run::{Run, Truth};
-use asmotion_ir::{BodyId, DomainId, Node, Origin, Term};
+use crate::run::{KleeneTruth, StepContext};
+use asmotion_ir::{BodyId, DomainId, Origin, Term, TermNode};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -22,20 +22,20 @@ impl Compiler<'_> {
     fn term_here(&self, term: &Term) -> TermCode {
         let origin = term.origin;
         match &*term.node {
-            Node::Constant(value) => {
+            TermNode::Constant(value) => {
                 let value = value.clone();
                 Box::new(move |_| value.clone())
             }
-            Node::Unbound => Box::new(move |run| run.fail(FaultKind::Unbound, origin)),
-            Node::Local(local) => {
+            TermNode::Unbound => Box::new(move |run| run.fail(FaultKind::Unbound, origin)),
+            TermNode::Local(local) => {
                 let local = *local;
                 Box::new(move |run| run.local(local).clone())
             }
-            Node::Agent => Box::new(|run| run.agent.clone()),
-            Node::Slot(function, slot) => self.fixed(*function, *slot, origin),
-            Node::Location(function, arguments) => self.location(*function, arguments, origin),
-            Node::Call(body, arguments) => self.call_body(*body, arguments),
-            Node::Cached(cache, term) => {
+            TermNode::Agent => Box::new(|run| run.agent.clone()),
+            TermNode::Slot(function, slot) => self.fixed(*function, *slot, origin),
+            TermNode::Location(function, arguments) => self.location(*function, arguments, origin),
+            TermNode::Call(body, arguments) => self.call_body(*body, arguments),
+            TermNode::Cached(cache, term) => {
                 let (cache, term) = (*cache as usize, self.term(term));
                 Box::new(move |run| {
                     if let Some(value) = &run.state.memo.caches[cache] {
@@ -48,56 +48,56 @@ impl Compiler<'_> {
                     value
                 })
             }
-            Node::Builtin(builtin, arguments) => self.builtin(builtin, arguments, origin),
-            Node::Logic(..)
-            | Node::Not(_)
-            | Node::Equal(..)
-            | Node::Compare(..)
-            | Node::Quantified(..) => {
+            TermNode::Builtin(builtin, arguments) => self.builtin(builtin, arguments, origin),
+            TermNode::Logic(..)
+            | TermNode::Not(_)
+            | TermNode::Equal(..)
+            | TermNode::Compare(..)
+            | TermNode::Quantified(..) => {
                 let truth = self.truth(term);
                 Box::new(move |run| truth(run).value())
             }
-            Node::Arithmetic(..) => {
+            TermNode::Arithmetic(..) => {
                 let integer = self.integer(term);
                 Box::new(move |run| integer.get(run).map_or(Value::Undef, Value::Int))
             }
-            Node::Name(element) => {
+            TermNode::Name(element) => {
                 let element = self.term(element);
                 Box::new(move |run| match element(run) {
                     Value::Undef => Value::Undef,
                     element => Value::text(name(run, &element)),
                 })
             }
-            Node::Named(domain, text) => {
+            TermNode::Named(domain, text) => {
                 let (domain, text) = (*domain, self.term(text));
                 Box::new(move |run| {
                     let text = text(run);
                     named(run, domain, &text)
                 })
             }
-            Node::Tuple(items) => {
+            TermNode::Tuple(items) => {
                 let items = self.terms(items);
                 Box::new(move |run| Value::tuple(items.iter().map(|item| item(run))))
             }
-            Node::Component(tuple, index) => {
+            TermNode::Component(tuple, index) => {
                 let (tuple, index) = (self.term(tuple), *index as usize);
                 Box::new(move |run| match tuple(run) {
                     Value::Tuple(items) => items.get(index).cloned().unwrap_or_default(),
                     _ => Value::Undef,
                 })
             }
-            Node::If(guard, then, otherwise) => {
+            TermNode::If(guard, then, otherwise) => {
                 let guard_origin = guard.origin;
                 let guard = self.truth(guard);
                 let then = self.term(then);
                 let otherwise = self.term(otherwise);
                 Box::new(move |run| match guard(run) {
-                    Truth::True => then(run),
-                    Truth::False => otherwise(run),
-                    Truth::Undef => run.fail(FaultKind::UndefinedGuard, guard_origin),
+                    KleeneTruth::True => then(run),
+                    KleeneTruth::False => otherwise(run),
+                    KleeneTruth::Undef => run.fail(FaultKind::UndefinedGuard, guard_origin),
                 })
             }
-            Node::Switch(subject, cases, otherwise) => {
+            TermNode::Switch(subject, cases, otherwise) => {
                 let subject = self.term(subject);
                 let cases: Vec<_> = cases
                     .iter()
@@ -114,27 +114,27 @@ impl Compiler<'_> {
                     otherwise(run)
                 })
             }
-            Node::Let(bindings, body) => {
+            TermNode::Let(bindings, body) => {
                 let (bindings, body) = (self.bindings(bindings), self.term(body));
                 Box::new(move |run| {
                     bindings.bind(run);
                     body(run)
                 })
             }
-            Node::Listed(collection, items) => {
+            TermNode::Listed(collection, items) => {
                 let (collection, items) = (*collection, self.terms(items));
                 Box::new(move |run| {
                     collect(collection, items.iter().map(|item| item(run)).collect())
                 })
             }
-            Node::Interval(collection, from, to, step) => {
+            TermNode::Interval(collection, from, to, step) => {
                 self.interval(*collection, from, to, step.as_ref(), origin)
             }
-            Node::Collect(collection, binders, guard, item) => {
+            TermNode::Collect(collection, binders, guard, item) => {
                 let ranges = self.ranges(binders, guard.as_ref(), true);
                 self.comprehension(*collection, ranges, item, origin)
             }
-            Node::Map(pairs) => {
+            TermNode::Map(pairs) => {
                 let pairs: Vec<_> = pairs
                     .iter()
                     .map(|(key, value)| (self.term(key), self.term(value)))
@@ -143,7 +143,7 @@ impl Compiler<'_> {
                     Value::map(pairs.iter().map(|(key, value)| (key(run), value(run))))
                 })
             }
-            Node::CollectMap(binders, guard, key, value) => {
+            TermNode::CollectMap(binders, guard, key, value) => {
                 let ranges = self.ranges(binders, guard.as_ref(), true);
                 let (key, value) = (self.term(key), self.term(value));
                 Box::new(move |run| {
@@ -156,19 +156,19 @@ impl Compiler<'_> {
                     Value::Map(Arc::new(pairs))
                 })
             }
-            Node::Extent(shape) => {
+            TermNode::Extent(shape) => {
                 let shape = shape.clone();
                 Box::new(move |run| match run.extent(&shape) {
                     Ok(elements) => Value::set(elements),
                     Err(kind) => run.fail(kind, origin),
                 })
             }
-            Node::Watched(term) => self.watched_term(term),
-            Node::Pre(term) => {
+            TermNode::Watched(term) => self.watched_term(term),
+            TermNode::Pre(term) => {
                 let term = self.term(term);
                 Box::new(move |run| run.before(&term))
             }
-            Node::Program(agent) => {
+            TermNode::Program(agent) => {
                 let agent = self.term(agent);
                 Box::new(move |run| {
                     let agent = agent(run);
@@ -203,7 +203,7 @@ impl Compiler<'_> {
                         program: run.program,
                         reserve: &run.state.store.reserve,
                     };
-                    let mut context = asmotion_stdlib::Context {
+                    let mut context = asmotion_stdlib::BuiltinContext {
                         names: &names,
                         now_ns: run.now_ns,
                         printed: &mut run.record.printed,
@@ -220,7 +220,7 @@ impl Compiler<'_> {
     }
 }
 
-fn name(run: &Run<'_>, element: &Value) -> String {
+fn name(run: &StepContext<'_>, element: &Value) -> String {
     let naming = Naming {
         program: run.program,
         reserve: &run.state.store.reserve,
@@ -229,7 +229,7 @@ fn name(run: &Run<'_>, element: &Value) -> String {
 }
 
 /// The element of a domain that is called so.
-fn named(run: &Run<'_>, domain: DomainId, text: &Value) -> Value {
+fn named(run: &StepContext<'_>, domain: DomainId, text: &Value) -> Value {
     let Value::Text(text) = text else {
         return Value::Undef;
     };

@@ -4,64 +4,64 @@ use super::Compiler;
 use super::range::Ranges;
 use crate::code::TruthCode;
 use crate::fault::FaultKind;
-use crate::run::Truth;
-use asmotion_ir::{Comparison, Kind, Logic, Node, Quantifier, Term};
+use crate::run::KleeneTruth;
+use asmotion_ir::{Comparison, Connective, Quantifier, Term, TermNode, ValueKind};
 use std::ops::ControlFlow;
 
 impl Compiler<'_> {
     /// A term as code that gives a truth value.
     pub fn truth(&self, term: &Term) -> TruthCode {
         match &*term.node {
-            Node::Logic(logic, left, right) => self.logic(*logic, left, right),
-            Node::Not(operand) => {
+            TermNode::Logic(logic, left, right) => self.logic(*logic, left, right),
+            TermNode::Not(operand) => {
                 let operand = self.truth(operand);
                 Box::new(move |run| match operand(run) {
-                    Truth::True => Truth::False,
-                    Truth::False => Truth::True,
-                    Truth::Undef => Truth::Undef,
+                    KleeneTruth::True => KleeneTruth::False,
+                    KleeneTruth::False => KleeneTruth::True,
+                    KleeneTruth::Undef => KleeneTruth::Undef,
                 })
             }
-            Node::Equal(left, right) => self.equal(left, right),
-            Node::Compare(comparison, left, right) => self.compare(*comparison, left, right),
-            Node::Quantified(quantifier, binders, guard) => {
+            TermNode::Equal(left, right) => self.equal(left, right),
+            TermNode::Compare(comparison, left, right) => self.compare(*comparison, left, right),
+            TermNode::Quantified(quantifier, binders, guard) => {
                 self.quantified(*quantifier, self.ranges(binders, guard.as_ref(), false))
             }
-            Node::Slot(function, slot) if !self.is_input(*function) => {
+            TermNode::Slot(function, slot) if !self.is_input(*function) => {
                 let slot = *slot as usize;
-                Box::new(move |run| Truth::from_value(&run.state.store.slots[slot]))
+                Box::new(move |run| KleeneTruth::from_value(&run.state.store.slots[slot]))
             }
-            Node::If(guard, then, otherwise) => {
+            TermNode::If(guard, then, otherwise) => {
                 let origin = guard.origin;
                 let (guard, then, otherwise) =
                     (self.truth(guard), self.truth(then), self.truth(otherwise));
                 Box::new(move |run| match guard(run) {
-                    Truth::True => then(run),
-                    Truth::False => otherwise(run),
-                    Truth::Undef => {
+                    KleeneTruth::True => then(run),
+                    KleeneTruth::False => otherwise(run),
+                    KleeneTruth::Undef => {
                         run.fail(FaultKind::UndefinedGuard, origin);
-                        Truth::Undef
+                        KleeneTruth::Undef
                     }
                 })
             }
             _ => match self.stored(term) {
                 Some(slot) => Box::new(move |run| {
                     let slot = slot(run) as usize;
-                    Truth::from_value(&run.state.store.slots[slot])
+                    KleeneTruth::from_value(&run.state.store.slots[slot])
                 }),
                 None => {
                     let code = self.term(term);
-                    Box::new(move |run| Truth::from_value(&code(run)))
+                    Box::new(move |run| KleeneTruth::from_value(&code(run)))
                 }
             },
         }
     }
 
     /// Strong Kleene connectives; the right operand is not evaluated where the left decides.
-    fn logic(&self, logic: Logic, left: &Term, right: &Term) -> TruthCode {
-        use Truth::{False, True, Undef};
+    fn logic(&self, logic: Connective, left: &Term, right: &Term) -> TruthCode {
+        use KleeneTruth::{False, True, Undef};
         let (left, right) = (self.truth(left), self.truth(right));
         match logic {
-            Logic::And => Box::new(move |run| match left(run) {
+            Connective::And => Box::new(move |run| match left(run) {
                 False => False,
                 True => right(run),
                 Undef => {
@@ -72,7 +72,7 @@ impl Compiler<'_> {
                     }
                 }
             }),
-            Logic::Or => Box::new(move |run| match left(run) {
+            Connective::Or => Box::new(move |run| match left(run) {
                 True => True,
                 False => right(run),
                 Undef => {
@@ -83,7 +83,7 @@ impl Compiler<'_> {
                     }
                 }
             }),
-            Logic::Implies => Box::new(move |run| match left(run) {
+            Connective::Implies => Box::new(move |run| match left(run) {
                 False => True,
                 True => right(run),
                 Undef => {
@@ -94,13 +94,13 @@ impl Compiler<'_> {
                     }
                 }
             }),
-            Logic::Xor => Box::new(move |run| match (left(run), right(run)) {
+            Connective::Xor => Box::new(move |run| match (left(run), right(run)) {
                 (Undef, _) | (_, Undef) => Undef,
-                (left, right) => Truth::of(left != right),
+                (left, right) => KleeneTruth::of(left != right),
             }),
-            Logic::Iff => Box::new(move |run| match (left(run), right(run)) {
+            Connective::Iff => Box::new(move |run| match (left(run), right(run)) {
                 (Undef, _) | (_, Undef) => Undef,
-                (left, right) => Truth::of(left == right),
+                (left, right) => KleeneTruth::of(left == right),
             }),
         }
     }
@@ -108,33 +108,33 @@ impl Compiler<'_> {
     /// `=` on anything. A location against a constant is the commonest guard of all.
     fn equal(&self, left: &Term, right: &Term) -> TruthCode {
         match (&*left.node, &*right.node) {
-            (Node::Slot(function, slot), Node::Constant(value))
-            | (Node::Constant(value), Node::Slot(function, slot))
+            (TermNode::Slot(function, slot), TermNode::Constant(value))
+            | (TermNode::Constant(value), TermNode::Slot(function, slot))
                 if !self.is_input(*function) =>
             {
                 let (slot, value) = (*slot as usize, value.clone());
-                Box::new(move |run| Truth::of(run.state.store.slots[slot] == value))
+                Box::new(move |run| KleeneTruth::of(run.state.store.slots[slot] == value))
             }
-            (_, Node::Constant(value)) => {
+            (_, TermNode::Constant(value)) => {
                 let value = value.clone();
                 if let Some(slot) = self.stored(left) {
                     return Box::new(move |run| {
                         let slot = slot(run) as usize;
-                        Truth::of(run.state.store.slots[slot] == value)
+                        KleeneTruth::of(run.state.store.slots[slot] == value)
                     });
                 }
                 let left = self.term(left);
-                Box::new(move |run| Truth::of(left(run) == value))
+                Box::new(move |run| KleeneTruth::of(left(run) == value))
             }
-            _ if left.kind == Kind::Int && right.kind == Kind::Int => {
+            _ if left.kind == ValueKind::Int && right.kind == ValueKind::Int => {
                 let (left, right) = (self.integer(left), self.integer(right));
-                Box::new(move |run| Truth::of(left.get(run) == right.get(run)))
+                Box::new(move |run| KleeneTruth::of(left.get(run) == right.get(run)))
             }
             _ => {
                 let (left, right) = (self.term(left), self.term(right));
                 Box::new(move |run| {
                     let left = left(run);
-                    Truth::of(left == right(run))
+                    KleeneTruth::of(left == right(run))
                 })
             }
         }
@@ -145,8 +145,8 @@ impl Compiler<'_> {
         macro_rules! compared {
             ($operator:tt) => {
                 Box::new(move |run| match (left.get(run), right.get(run)) {
-                    (Some(left), Some(right)) => Truth::of(left $operator right),
-                    _ => Truth::Undef,
+                    (Some(left), Some(right)) => KleeneTruth::of(left $operator right),
+                    _ => KleeneTruth::Undef,
                 })
             };
         }
@@ -161,8 +161,8 @@ impl Compiler<'_> {
     /// Strong Kleene quantifiers: an undef guard leaves the answer open unless another one decides.
     fn quantified(&self, quantifier: Quantifier, ranges: Ranges) -> TruthCode {
         let decided_by = match quantifier {
-            Quantifier::Forall => Truth::False,
-            Quantifier::Exists | Quantifier::ExistsUnique => Truth::True,
+            Quantifier::Forall => KleeneTruth::False,
+            Quantifier::Exists | Quantifier::ExistsUnique => KleeneTruth::True,
         };
         let enough = if quantifier == Quantifier::ExistsUnique {
             2
@@ -173,7 +173,7 @@ impl Compiler<'_> {
             let mut found = 0;
             let mut open = false;
             ranges.each_guard(run, &mut |_, truth| {
-                open |= truth == Truth::Undef;
+                open |= truth == KleeneTruth::Undef;
                 found += usize::from(truth == decided_by);
                 if found >= enough {
                     ControlFlow::Break(())
@@ -187,11 +187,11 @@ impl Compiler<'_> {
                 | (Quantifier::ExistsUnique, 1)
                     if open =>
                 {
-                    Truth::Undef
+                    KleeneTruth::Undef
                 }
-                (Quantifier::Forall, found) => Truth::of(found == 0),
-                (Quantifier::Exists, found) => Truth::of(found > 0),
-                (Quantifier::ExistsUnique, found) => Truth::of(found == 1),
+                (Quantifier::Forall, found) => KleeneTruth::of(found == 0),
+                (Quantifier::Exists, found) => KleeneTruth::of(found > 0),
+                (Quantifier::ExistsUnique, found) => KleeneTruth::of(found == 1),
             }
         })
     }

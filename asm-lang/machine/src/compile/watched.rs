@@ -2,12 +2,12 @@
 
 use super::Compiler;
 use crate::code::{RuleCode, TermCode};
-use asmotion_ir::{Node, Rule, RuleNode, Term};
+use asmotion_ir::{Rule, RuleNode, Term, TermNode};
 
 impl Compiler<'_> {
     pub(super) fn watched_term(&self, term: &Term) -> TermCode {
         let (origin, code) = (term.origin, self.term(term));
-        let calls = matches!(&*term.node, Node::Call(..));
+        let calls = matches!(&*term.node, TermNode::Call(..));
         Box::new(move |run| {
             if let Some(notes) = run.notes.as_mut().filter(|_| calls) {
                 notes.enter(origin, true);

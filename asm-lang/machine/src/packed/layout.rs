@@ -1,7 +1,7 @@
 //! How the states of a program are packed.
 
 use asmotion_ir::{
-    DomainId, Elements, Function, FunctionKind, Initial, Program, Shape, Slot, Storage,
+    DomainElements, DomainId, Function, FunctionKind, Initial, Program, Slot, Storage, ValueShape,
 };
 use asmotion_value::{Atom, Value};
 
@@ -71,38 +71,38 @@ impl Field {
 }
 
 impl Coding {
-    fn of(program: &Program, codomain: &Shape) -> Self {
+    fn of(program: &Program, codomain: &ValueShape) -> Self {
         let values = match codomain {
-            Shape::Bool => Values::Bools,
-            Shape::Domain(domain) => match program.domains[domain.0 as usize].elements {
-                Elements::Atoms { first, count } => Values::Atoms {
+            ValueShape::Bool => Values::Bools,
+            ValueShape::Domain(domain) => match program.domains[domain.0 as usize].elements {
+                DomainElements::Atoms { first, count } => Values::Atoms {
                     first: first.0,
                     count,
                 },
-                Elements::Ints { low, high } if low <= high => {
+                DomainElements::Ints { low, high } if low <= high => {
                     match high.abs_diff(low).checked_add(1) {
                         Some(count) if count <= 1 << 32 => Values::Ints { low, count },
                         Some(_) | None => return Self::Bytes,
                     }
                 }
-                Elements::Ints { .. }
-                | Elements::Computed(_)
-                | Elements::Undefined
-                | Elements::Open => return Self::Bytes,
+                DomainElements::Ints { .. }
+                | DomainElements::Computed(_)
+                | DomainElements::Undefined
+                | DomainElements::Open => return Self::Bytes,
             },
-            Shape::Int
-            | Shape::Natural
-            | Shape::Real
-            | Shape::Char
-            | Shape::Text
-            | Shape::Complex
-            | Shape::Rule
-            | Shape::Tuple(_)
-            | Shape::Seq(_)
-            | Shape::Set(_)
-            | Shape::Bag(_)
-            | Shape::Map(..)
-            | Shape::Any => return Self::Bytes,
+            ValueShape::Int
+            | ValueShape::Natural
+            | ValueShape::Real
+            | ValueShape::Char
+            | ValueShape::Text
+            | ValueShape::Complex
+            | ValueShape::Rule
+            | ValueShape::Tuple(_)
+            | ValueShape::Seq(_)
+            | ValueShape::Set(_)
+            | ValueShape::Bag(_)
+            | ValueShape::Map(..)
+            | ValueShape::Any => return Self::Bytes,
         };
         let greatest = values.count() + RESERVED - 1;
         Self::Bits {

@@ -1,6 +1,6 @@
 //! What is remembered of a state for speed; a machine without it does the same.
 
-use crate::near::Near;
+use crate::windows::Near;
 use asmotion_ir::Program;
 use asmotion_value::Value;
 

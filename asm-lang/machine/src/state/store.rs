@@ -1,11 +1,11 @@
 //! What a state is: the values of its locations, the elements of its domains.
 
-use asmotion_ir::{DomainId, Elements, Program};
+use asmotion_ir::{DomainElements, DomainId, Program};
 use asmotion_value::{Atom, Value};
 use std::sync::Arc;
 
 /// What a state is. Two states with the same store, read by the same [`Locations`](super::Locations),
-/// go on in the same way; nothing else of a [`State`](super::State) matters to what a step does.
+/// go on in the same way; nothing else of a [`State`](super::MachineState) matters to what a step does.
 #[derive(Clone)]
 pub(crate) struct Store {
     /// What each slot holds.
@@ -56,13 +56,15 @@ impl Store {
 }
 
 /// The elements of a domain that are known from the program alone.
-fn listed(elements: &Elements) -> Vec<Value> {
+fn listed(elements: &DomainElements) -> Vec<Value> {
     match elements {
         // intervals are ranged over without listing them; see `extent`
-        Elements::Ints { .. } => Vec::new(),
-        Elements::Atoms { first, count } => (first.0..first.0 + count)
+        DomainElements::Ints { .. } => Vec::new(),
+        DomainElements::Atoms { first, count } => (first.0..first.0 + count)
             .map(|atom| Value::Atom(Atom(atom)))
             .collect(),
-        Elements::Computed(_) | Elements::Undefined | Elements::Open => Vec::new(),
+        DomainElements::Computed(_) | DomainElements::Undefined | DomainElements::Open => {
+            Vec::new()
+        }
     }
 }

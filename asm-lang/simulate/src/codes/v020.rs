@@ -1,4 +1,4 @@
-use crate::seen::Seen;
+use crate::seen::FailedCondition;
 use crate::seen::{holds, when};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
@@ -42,7 +42,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(V020, error)]
 #[error("the check {} {}", holds(seen), when(*steps))]
 pub(crate) struct CheckFailed<'a> {
-    pub seen: &'a Seen,
+    pub seen: &'a FailedCondition,
     pub steps: u64,
 }
 

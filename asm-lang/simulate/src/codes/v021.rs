@@ -1,4 +1,4 @@
-use crate::seen::Seen;
+use crate::seen::FailedCondition;
 use crate::seen::{holds, when};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
@@ -42,7 +42,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("the invariant `{name}` {} {}", holds(seen), when(*steps))]
 pub(crate) struct ScenarioInvariantFailed<'a> {
     pub name: &'a str,
-    pub seen: &'a Seen,
+    pub seen: &'a FailedCondition,
     pub steps: u64,
     pub at: Span,
 }

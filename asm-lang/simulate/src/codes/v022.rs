@@ -1,6 +1,6 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-use crate::seen::Seen;
+use crate::seen::FailedCondition;
 
 /// `step until` did not end
 ///
@@ -11,7 +11,7 @@ use crate::seen::Seen;
 #[error("`step until` did not end within {limit} steps")]
 pub(crate) struct UntilDidNotEnd<'a> {
     pub limit: u64,
-    pub seen: &'a Seen,
+    pub seen: &'a FailedCondition,
 }
 
 impl Finding for UntilDidNotEnd<'_> {

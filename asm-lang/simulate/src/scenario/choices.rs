@@ -8,13 +8,13 @@ use std::collections::BTreeMap;
 
 /// Takes what was picked, and leaves the rest to the seed.
 #[derive(Clone, Debug)]
-pub(super) struct Choices {
+pub(super) struct PickedChoices {
     seeded: Seeded,
     /// By the place of the variable's range.
     picked: BTreeMap<Origin, Value>,
 }
 
-impl Choices {
+impl PickedChoices {
     pub fn new(seed: u64) -> Self {
         Self {
             seeded: Seeded::new(seed),
@@ -33,7 +33,7 @@ impl Choices {
     }
 }
 
-impl Chooser for Choices {
+impl Chooser for PickedChoices {
     fn choose(&mut self, count: usize) -> usize {
         self.seeded.choose(count)
     }

@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 
 /// Inputs that hold what they were given last; before that they are undef, and clocks tell the time.
 #[derive(Clone, Debug, Default)]
-pub struct Held {
+pub struct HeldInputs {
     values: BTreeMap<(FunctionId, Vec<Value>), Value>,
 }
 
-impl Held {
+impl HeldInputs {
     /// Nothing was given yet.
     pub fn new() -> Self {
         Self::default()
@@ -23,7 +23,7 @@ impl Held {
     }
 }
 
-impl Environment for Held {
+impl Environment for HeldInputs {
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
         Ok(self.values.get(&(function, arguments.to_vec())).cloned())
     }

@@ -11,7 +11,9 @@ use crate::codes::v018::ScenarioWithoutMain;
 use crate::codes::v019::BlockCallsTooDeep;
 use asmotion_diagnostics::{Finding, Report, Span, similar};
 use asmotion_hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
-use asmotion_syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
+use asmotion_syntax::ast::{
+    NameText, Pick, PickedRule, Scenario, ScenarioCommand, ScenarioCommandKind,
+};
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -24,37 +26,37 @@ const MAX_DEPTH: usize = 64;
 
 /// What a scenario does, in order.
 #[derive(Clone, Debug, Default)]
-pub struct Plan {
+pub struct ScenarioPlan {
     pub(super) invariants: Vec<PlannedInvariant>,
-    pub(super) actions: Vec<Action>,
+    pub(super) actions: Vec<ScenarioAction>,
 }
 
 #[derive(Clone, Debug)]
 pub(super) struct PlannedInvariant {
     pub name: Arc<str>,
-    pub condition: Condition,
+    pub condition: PlannedCondition,
 }
 
 /// A condition, and the locations it reads, which tell why it does not hold.
 #[derive(Clone, Debug)]
-pub(super) struct Condition {
+pub(super) struct PlannedCondition {
     pub term: AddedTerm,
     pub span: Span,
     pub parts: Vec<(AddedTerm, Span)>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Action {
-    pub kind: ActionKind,
+pub(super) struct ScenarioAction {
+    pub kind: ScenarioActionKind,
     pub span: Span,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum ActionKind {
+pub(super) enum ScenarioActionKind {
     Set(Assignment),
-    Check(Condition),
+    Check(PlannedCondition),
     Step,
-    StepUntil(Condition),
+    StepUntil(PlannedCondition),
     Exec(AddedRule),
     Pick {
         /// Where the ranges of the picked variables stand.
@@ -63,7 +65,7 @@ pub(super) enum ActionKind {
     },
 }
 
-impl Plan {
+impl ScenarioPlan {
     /// Reads a scenario against its specification, to which its terms and rules are added. `other`
     /// finds the scenario of a name whose blocks this one runs. Of a model that is read as AsmetaV
     /// reads it, checks and `exec` between two steps come after all `set`s there.
@@ -76,7 +78,7 @@ impl Plan {
         model: &mut Model,
         other: &mut dyn FnMut(&str) -> Option<Arc<Scenario>>,
     ) -> Result<Self, Report> {
-        let mut planning = Planning {
+        let mut planning = ScenarioPlanner {
             model,
             other,
             plan: Self::default(),
@@ -113,28 +115,32 @@ impl Plan {
 
     /// How many checks there are.
     pub fn checks(&self) -> usize {
-        let is_check = |action: &&Action| matches!(action.kind, ActionKind::Check(_));
+        let is_check =
+            |action: &&ScenarioAction| matches!(action.kind, ScenarioActionKind::Check(_));
         self.actions.iter().filter(is_check).count()
     }
 
     /// Moves what sets up a step before what else stands before it.
     fn settings_first(&mut self) {
         for between in self.actions.split_inclusive_mut(|action| {
-            matches!(action.kind, ActionKind::Step | ActionKind::StepUntil(_))
+            matches!(
+                action.kind,
+                ScenarioActionKind::Step | ScenarioActionKind::StepUntil(_)
+            )
         }) {
             between.sort_by_key(|action| match action.kind {
-                ActionKind::Set(_) | ActionKind::Pick { .. } => 0,
-                ActionKind::Check(_) | ActionKind::Exec(_) => 1,
-                ActionKind::Step | ActionKind::StepUntil(_) => 2,
+                ScenarioActionKind::Set(_) | ScenarioActionKind::Pick { .. } => 0,
+                ScenarioActionKind::Check(_) | ScenarioActionKind::Exec(_) => 1,
+                ScenarioActionKind::Step | ScenarioActionKind::StepUntil(_) => 2,
             });
         }
     }
 }
 
-struct Planning<'a> {
+struct ScenarioPlanner<'a> {
     model: &'a mut Model,
     other: &'a mut dyn FnMut(&str) -> Option<Arc<Scenario>>,
-    plan: Plan,
+    plan: ScenarioPlan,
     report: Report,
     /// The blocks that are being written out.
     open: Vec<Arc<str>>,
@@ -142,7 +148,7 @@ struct Planning<'a> {
     written: usize,
 }
 
-impl Planning<'_> {
+impl ScenarioPlanner<'_> {
     fn error(&mut self, error: impl Finding) {
         let finding = error.diagnostic();
         let is_limit = finding.is_any(&[ScenarioTooLong::CODE, BlockCallsTooDeep::CODE]);
@@ -167,7 +173,7 @@ impl Planning<'_> {
         }
     }
 
-    fn commands(&mut self, scenario: &Scenario, commands: &[Command]) {
+    fn commands(&mut self, scenario: &Scenario, commands: &[ScenarioCommand]) {
         for command in commands {
             if self.written >= MAX_ACTIONS {
                 return;
@@ -183,27 +189,29 @@ impl Planning<'_> {
         }
     }
 
-    fn command(&mut self, scenario: &Scenario, command: &Command) {
+    fn command(&mut self, scenario: &Scenario, command: &ScenarioCommand) {
         let kind = match &command.kind {
-            CommandKind::Set(target, value) => {
+            ScenarioCommandKind::Set(target, value) => {
                 let added = self.model.add_assignment(target, value);
-                self.heard(added).map(ActionKind::Set)
+                self.heard(added).map(ScenarioActionKind::Set)
             }
-            CommandKind::Check(term) => self.condition(term, "a check").map(ActionKind::Check),
-            CommandKind::Step => Some(ActionKind::Step),
-            CommandKind::StepUntil(term) => self
+            ScenarioCommandKind::Check(term) => self
+                .condition(term, "a check")
+                .map(ScenarioActionKind::Check),
+            ScenarioCommandKind::Step => Some(ScenarioActionKind::Step),
+            ScenarioCommandKind::StepUntil(term) => self
                 .condition(term, "the end of `step until`")
-                .map(ActionKind::StepUntil),
-            CommandKind::Exec(rule) => {
+                .map(ScenarioActionKind::StepUntil),
+            ScenarioCommandKind::Exec(rule) => {
                 let added = self.model.add_rule(rule);
-                self.heard(added).map(ActionKind::Exec)
+                self.heard(added).map(ScenarioActionKind::Exec)
             }
-            CommandKind::Pick(pick) => self.pick(pick),
-            CommandKind::Block(block) => {
+            ScenarioCommandKind::Pick(pick) => self.pick(pick),
+            ScenarioCommandKind::Block(block) => {
                 self.commands(scenario, &block.commands);
                 None
             }
-            CommandKind::ExecBlock {
+            ScenarioCommandKind::ExecBlock {
                 scenario: from,
                 block,
             } => {
@@ -223,11 +231,11 @@ impl Planning<'_> {
         let span = command.span;
         self.plan
             .actions
-            .extend(kind.map(|kind| Action { kind, span }));
+            .extend(kind.map(|kind| ScenarioAction { kind, span }));
     }
 
     /// Writes a block out where it is run.
-    fn block(&mut self, scenario: &Scenario, name: &Name, from: Option<&str>) {
+    fn block(&mut self, scenario: &Scenario, name: &NameText, from: Option<&str>) {
         let Some(block) = scenario.block(&name.text) else {
             let blocks = scenario.blocks();
             let known = blocks.iter().map(|block| &block.name.text);
@@ -254,10 +262,14 @@ impl Planning<'_> {
         self.open.pop();
     }
 
-    fn condition(&mut self, term: &asmotion_syntax::ast::Term, what: &str) -> Option<Condition> {
+    fn condition(
+        &mut self,
+        term: &asmotion_syntax::ast::Term,
+        what: &str,
+    ) -> Option<PlannedCondition> {
         let added = self.model.add_condition(term, what);
         let added = self.heard(added)?;
-        Some(Condition {
+        Some(PlannedCondition {
             term: added,
             span: term.span,
             parts: self.parts(added),
@@ -289,7 +301,7 @@ impl Planning<'_> {
         added.collect()
     }
 
-    fn pick(&mut self, pick: &Pick) -> Option<ActionKind> {
+    fn pick(&mut self, pick: &Pick) -> Option<ScenarioActionKind> {
         let ranges = self.ranges(pick)?;
         let added = self.model.add_term(&pick.value);
         let value = self.heard(added)?;
@@ -300,7 +312,7 @@ impl Planning<'_> {
             });
             return None;
         }
-        Some(ActionKind::Pick { ranges, value })
+        Some(ScenarioActionKind::Pick { ranges, value })
     }
 
     /// Where the ranges of the picked variable stand, in all `choose` rules that are meant.
@@ -354,7 +366,7 @@ fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a asmotion_h
         .rules
         .iter()
         .filter(|rule| rule.name == wanted.name.text);
-    let takes = |rule: &&asmotion_hir::Rule, domains: &[Name]| {
+    let takes = |rule: &&asmotion_hir::Rule, domains: &[NameText]| {
         let shown = rule.parameters.iter().map(|&ty| model.show_type(ty));
         shown.eq(domains.iter().map(|name| name.text.replace(' ', "")))
     };

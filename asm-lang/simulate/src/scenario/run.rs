@@ -1,20 +1,20 @@
 //! Actions carried out, one after the other.
 
-use super::choices::Choices;
-use super::inputs::Held;
-use super::plan::{Action, ActionKind, Condition, Plan};
-use super::verdict::{Failed, Failure, Outcome, Verdict};
-use crate::seen::Seen;
+use super::choices::PickedChoices;
+use super::inputs::HeldInputs;
+use super::plan::{PlannedCondition, ScenarioAction, ScenarioActionKind, ScenarioPlan};
+use super::verdict::{ScenarioFailure, ScenarioFailureKind, ScenarioOutcome, Verdict};
+use crate::seen::FailedCondition;
 use asmotion_diagnostics::Span;
 use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 use asmotion_ir::{FunctionKind, Origin};
-use asmotion_machine::{Fault, Machine};
+use asmotion_machine::{Machine, StepFault};
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How a scenario is run.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct ScenarioOptions {
     /// Decides what is not picked.
     pub seed: u64,
     /// A `step until` does no more steps than this.
@@ -23,7 +23,7 @@ pub struct Options {
     pub period_ns: i64,
 }
 
-impl Default for Options {
+impl Default for ScenarioOptions {
     fn default() -> Self {
         Self {
             seed: 1,
@@ -35,13 +35,18 @@ impl Default for Options {
 
 /// Carries out a plan on a machine that runs the program with the plan's terms. `origins` are the
 /// places of the program.
-pub fn run(plan: &Plan, machine: &mut Machine, origins: &[Span], options: &Options) -> Outcome {
-    let mut running = Running {
+pub fn run(
+    plan: &ScenarioPlan,
+    machine: &mut Machine,
+    origins: &[Span],
+    options: &ScenarioOptions,
+) -> ScenarioOutcome {
+    let mut running = ScenarioRun {
         plan,
         machine,
         ranges: ranges(plan, origins),
-        inputs: Held::new(),
-        choices: Choices::new(options.seed),
+        inputs: HeldInputs::new(),
+        choices: PickedChoices::new(options.seed),
         options,
         steps: 0,
         checks: 0,
@@ -54,7 +59,7 @@ pub fn run(plan: &Plan, machine: &mut Machine, origins: &[Span], options: &Optio
         }
     }
     running.end();
-    Outcome {
+    ScenarioOutcome {
         verdict: running.verdict(),
         steps: running.steps,
         checks: running.checks,
@@ -63,10 +68,10 @@ pub fn run(plan: &Plan, machine: &mut Machine, origins: &[Span], options: &Optio
 }
 
 /// The origins of the ranges that something is picked from.
-fn ranges(plan: &Plan, origins: &[Span]) -> BTreeMap<Span, Origin> {
+fn ranges(plan: &ScenarioPlan, origins: &[Span]) -> BTreeMap<Span, Origin> {
     let mut wanted: BTreeSet<Span> = BTreeSet::new();
     for action in &plan.actions {
-        if let ActionKind::Pick { ranges, .. } = &action.kind {
+        if let ScenarioActionKind::Pick { ranges, .. } = &action.kind {
             wanted.extend(ranges);
         }
     }
@@ -78,43 +83,43 @@ fn ranges(plan: &Plan, origins: &[Span]) -> BTreeMap<Span, Origin> {
 }
 
 /// The scenario goes no further.
-struct Ended;
+struct ScenarioEnded;
 
-struct Running<'a> {
-    plan: &'a Plan,
+struct ScenarioRun<'a> {
+    plan: &'a ScenarioPlan,
     machine: &'a mut Machine,
     /// Those that something is picked from; a `choose` that is never run has no origin.
     ranges: BTreeMap<Span, Origin>,
-    inputs: Held,
-    choices: Choices,
-    options: &'a Options,
+    inputs: HeldInputs,
+    choices: PickedChoices,
+    options: &'a ScenarioOptions,
     steps: u64,
     checks: u64,
-    failures: Vec<Failure>,
+    failures: Vec<ScenarioFailure>,
     /// Whether the first state was looked at.
     begun: bool,
 }
 
-impl Running<'_> {
-    fn action(&mut self, action: &Action) -> Result<(), Ended> {
+impl ScenarioRun<'_> {
+    fn action(&mut self, action: &ScenarioAction) -> Result<(), ScenarioEnded> {
         let at = action.span;
         match &action.kind {
-            ActionKind::Set(assignment) => self.set(assignment, at),
-            ActionKind::Check(condition) => self.check(condition, at),
-            ActionKind::Step => {
+            ScenarioActionKind::Set(assignment) => self.set(assignment, at),
+            ScenarioActionKind::Check(condition) => self.check(condition, at),
+            ScenarioActionKind::Step => {
                 self.begin(at)?;
                 self.step(at)?;
                 self.choices.forget();
                 Ok(())
             }
-            ActionKind::StepUntil(condition) => {
+            ScenarioActionKind::StepUntil(condition) => {
                 self.begin(at)?;
                 self.step_until(condition, at)?;
                 self.choices.forget();
                 Ok(())
             }
-            ActionKind::Exec(rule) => self.exec(*rule, at),
-            ActionKind::Pick { ranges, value } => self.pick(ranges, *value, at),
+            ScenarioActionKind::Exec(rule) => self.exec(*rule, at),
+            ScenarioActionKind::Pick { ranges, value } => self.pick(ranges, *value, at),
         }
     }
 
@@ -131,7 +136,7 @@ impl Running<'_> {
         }
     }
 
-    fn set(&mut self, assignment: &Assignment, at: Span) -> Result<(), Ended> {
+    fn set(&mut self, assignment: &Assignment, at: Span) -> Result<(), ScenarioEnded> {
         let now = self.now();
         let assigned = self.machine.assigned(assignment, &mut self.inputs, now);
         let (function, arguments, value) = self.done(assigned, at)?;
@@ -144,21 +149,21 @@ impl Running<'_> {
         Ok(())
     }
 
-    fn check(&mut self, condition: &Condition, at: Span) -> Result<(), Ended> {
+    fn check(&mut self, condition: &PlannedCondition, at: Span) -> Result<(), ScenarioEnded> {
         let value = self.value(condition.term, at)?;
         if value == Value::Bool(true) {
             self.checks += 1;
         } else {
             let seen = self.seen(condition, &value);
-            self.fail(at, Failed::Check(seen));
+            self.fail(at, ScenarioFailureKind::Check(seen));
         }
         Ok(())
     }
 
     /// Nothing is stepped after a check has failed; the first state is looked at before it is left.
-    fn begin(&mut self, at: Span) -> Result<(), Ended> {
+    fn begin(&mut self, at: Span) -> Result<(), ScenarioEnded> {
         if !self.failures.is_empty() {
-            return Err(Ended);
+            return Err(ScenarioEnded);
         }
         if !self.begun {
             self.begun = true;
@@ -167,7 +172,7 @@ impl Running<'_> {
         Ok(())
     }
 
-    fn step(&mut self, at: Span) -> Result<(), Ended> {
+    fn step(&mut self, at: Span) -> Result<(), ScenarioEnded> {
         let now = self.now();
         let stepped = self.machine.step(&mut self.inputs, &mut self.choices, now);
         let stepped = stepped.map(|_| ());
@@ -176,7 +181,7 @@ impl Running<'_> {
         self.invariants(at)
     }
 
-    fn step_until(&mut self, condition: &Condition, at: Span) -> Result<(), Ended> {
+    fn step_until(&mut self, condition: &PlannedCondition, at: Span) -> Result<(), ScenarioEnded> {
         let limit = self.options.max_steps;
         for _ in 0..limit {
             if self.value(condition.term, at)? == Value::Bool(true) {
@@ -189,11 +194,11 @@ impl Running<'_> {
             return Ok(());
         }
         let seen = self.seen(condition, &value);
-        self.fail(at, Failed::Until(limit, seen));
-        Err(Ended)
+        self.fail(at, ScenarioFailureKind::Until(limit, seen));
+        Err(ScenarioEnded)
     }
 
-    fn exec(&mut self, rule: AddedRule, at: Span) -> Result<(), Ended> {
+    fn exec(&mut self, rule: AddedRule, at: Span) -> Result<(), ScenarioEnded> {
         let now = self.now();
         let fired = self
             .machine
@@ -216,7 +221,7 @@ impl Running<'_> {
         }
     }
 
-    fn pick(&mut self, ranges: &[Span], value: AddedTerm, at: Span) -> Result<(), Ended> {
+    fn pick(&mut self, ranges: &[Span], value: AddedTerm, at: Span) -> Result<(), ScenarioEnded> {
         let value = self.value(value, at)?;
         for range in ranges {
             if let Some(&origin) = self.ranges.get(range) {
@@ -226,14 +231,17 @@ impl Running<'_> {
         Ok(())
     }
 
-    fn invariants(&mut self, at: Span) -> Result<(), Ended> {
+    fn invariants(&mut self, at: Span) -> Result<(), ScenarioEnded> {
         let plan = self.plan;
         for invariant in &plan.invariants {
             let value = self.value(invariant.condition.term, at)?;
             if value != Value::Bool(true) {
                 let seen = self.seen(&invariant.condition, &value);
-                self.fail(at, Failed::Invariant(invariant.name.to_string(), seen));
-                return Err(Ended);
+                self.fail(
+                    at,
+                    ScenarioFailureKind::Invariant(invariant.name.to_string(), seen),
+                );
+                return Err(ScenarioEnded);
             }
         }
         Ok(())
@@ -245,13 +253,13 @@ impl Running<'_> {
         steps.saturating_mul(self.options.period_ns)
     }
 
-    fn value(&mut self, term: AddedTerm, at: Span) -> Result<Value, Ended> {
+    fn value(&mut self, term: AddedTerm, at: Span) -> Result<Value, ScenarioEnded> {
         let now = self.now();
         let value = self.machine.evaluate(term, &mut self.inputs, now);
         self.done(value, at)
     }
 
-    fn seen(&mut self, condition: &Condition, value: &Value) -> Seen {
+    fn seen(&mut self, condition: &PlannedCondition, value: &Value) -> FailedCondition {
         let now = self.now();
         let mut parts = Vec::new();
         for &(part, span) in &condition.parts {
@@ -262,7 +270,7 @@ impl Running<'_> {
         }
         let step = self.machine.last_step();
         let written = crate::updates(self.machine, &step);
-        Seen {
+        FailedCondition {
             condition: condition.span,
             value: self.show(value),
             parts,
@@ -277,15 +285,15 @@ impl Running<'_> {
         value.show(&self.machine.naming()).to_string()
     }
 
-    fn done<T>(&mut self, result: Result<T, Box<Fault>>, at: Span) -> Result<T, Ended> {
+    fn done<T>(&mut self, result: Result<T, Box<StepFault>>, at: Span) -> Result<T, ScenarioEnded> {
         result.map_err(|fault| {
-            self.fail(at, Failed::Fault(fault));
-            Ended
+            self.fail(at, ScenarioFailureKind::Fault(fault));
+            ScenarioEnded
         })
     }
 
-    fn fail(&mut self, at: Span, kind: Failed) {
-        self.failures.push(Failure {
+    fn fail(&mut self, at: Span, kind: ScenarioFailureKind) {
+        self.failures.push(ScenarioFailure {
             at,
             steps: self.steps,
             kind,
@@ -298,9 +306,9 @@ impl Running<'_> {
             return Verdict::Pass;
         };
         match &failure.kind {
-            Failed::Check(_) | Failed::Until(..) => Verdict::Fail,
-            Failed::Invariant(..) => Verdict::Invariant,
-            Failed::Fault(fault) => Verdict::of(fault),
+            ScenarioFailureKind::Check(_) | ScenarioFailureKind::Until(..) => Verdict::Fail,
+            ScenarioFailureKind::Invariant(..) => Verdict::Invariant,
+            ScenarioFailureKind::Fault(fault) => Verdict::of(fault),
         }
     }
 }

@@ -3,9 +3,9 @@
 use crate::codes::v020::CheckFailed;
 use crate::codes::v021::ScenarioInvariantFailed;
 use crate::codes::v022::UntilDidNotEnd;
-use crate::seen::Seen;
+use crate::seen::FailedCondition;
 use asmotion_diagnostics::{Diagnostic, Finding, Span};
-use asmotion_machine::{Fault, FaultKind};
+use asmotion_machine::{FaultKind, StepFault};
 
 /// The end of a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// The verdict that a fault is.
-    pub(super) fn of(fault: &Fault) -> Self {
+    pub(super) fn of(fault: &StepFault) -> Self {
         match fault.kind {
             FaultKind::Invariant { .. } => Self::Invariant,
             FaultKind::NoCandidate(_) => Self::Fail,
@@ -43,7 +43,7 @@ impl Verdict {
 
 /// What came of a scenario.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct ScenarioOutcome {
     /// How it ended.
     pub verdict: Verdict,
     /// How many steps were done.
@@ -51,20 +51,20 @@ pub struct Outcome {
     /// How many checks held.
     pub checks: u64,
     /// What went wrong, in order.
-    pub failures: Vec<Failure>,
+    pub failures: Vec<ScenarioFailure>,
 }
 
-impl Outcome {
+impl ScenarioOutcome {
     /// The machine could not be built; the place says which specification it is of.
-    pub fn unbegun(fault: Box<Fault>, at: Span) -> Self {
+    pub fn unbegun(fault: Box<StepFault>, at: Span) -> Self {
         Self {
             verdict: Verdict::of(&fault),
             steps: 0,
             checks: 0,
-            failures: vec![Failure {
+            failures: vec![ScenarioFailure {
                 at,
                 steps: 0,
-                kind: Failed::Fault(fault),
+                kind: ScenarioFailureKind::Fault(fault),
             }],
         }
     }
@@ -72,35 +72,35 @@ impl Outcome {
 
 /// Something that went wrong.
 #[derive(Clone, Debug)]
-pub struct Failure {
+pub struct ScenarioFailure {
     /// The place in the scenario.
     pub at: Span,
     /// How many steps had been done.
     pub steps: u64,
     /// What it was.
-    pub kind: Failed,
+    pub kind: ScenarioFailureKind,
 }
 
 /// What may go wrong.
 #[derive(Clone, Debug)]
-pub enum Failed {
+pub enum ScenarioFailureKind {
     /// A check does not hold.
-    Check(Seen),
+    Check(FailedCondition),
     /// An invariant of the scenario does not hold.
-    Invariant(String, Seen),
+    Invariant(String, FailedCondition),
     /// `step until` did not come to its end.
-    Until(u64, Seen),
+    Until(u64, FailedCondition),
     /// The machine failed.
-    Fault(Box<Fault>),
+    Fault(Box<StepFault>),
 }
 
-impl Failure {
+impl ScenarioFailure {
     /// The failure in words; what a fault says, the specification knows.
     pub fn diagnostic(&self) -> Option<Diagnostic> {
         let steps = self.steps;
         match &self.kind {
-            Failed::Check(seen) => Some(CheckFailed { seen, steps }.diagnostic()),
-            Failed::Invariant(name, seen) => {
+            ScenarioFailureKind::Check(seen) => Some(CheckFailed { seen, steps }.diagnostic()),
+            ScenarioFailureKind::Invariant(name, seen) => {
                 let at = self.at;
                 Some(
                     ScenarioInvariantFailed {
@@ -112,11 +112,11 @@ impl Failure {
                     .diagnostic(),
                 )
             }
-            Failed::Until(limit, seen) => {
+            ScenarioFailureKind::Until(limit, seen) => {
                 let limit = *limit;
                 Some(UntilDidNotEnd { limit, seen }.diagnostic())
             }
-            Failed::Fault(_) => None,
+            ScenarioFailureKind::Fault(_) => None,
         }
     }
 }

@@ -5,28 +5,28 @@ use asmotion_machine::Naming;
 use asmotion_value::Value;
 
 /// How a trace brackets a collection, and whether it sorts the texts of its items.
-struct Shape {
+struct CollectionStyle {
     open: &'static str,
     close: &'static str,
     sorted: bool,
 }
 
-const TUPLE: Shape = Shape {
+const TUPLE: CollectionStyle = CollectionStyle {
     open: "(",
     close: ")",
     sorted: false,
 };
-const SEQUENCE: Shape = Shape {
+const SEQUENCE: CollectionStyle = CollectionStyle {
     open: "[",
     close: "]",
     sorted: false,
 };
-const SET: Shape = Shape {
+const SET: CollectionStyle = CollectionStyle {
     open: "{",
     close: "}",
     sorted: true,
 };
-const BAG: Shape = Shape {
+const BAG: CollectionStyle = CollectionStyle {
     open: "<",
     close: ">",
     sorted: true,
@@ -85,13 +85,13 @@ pub(super) fn set<'a>(naming: Naming<'_>, elements: impl IntoIterator<Item = &'a
 fn items<'a>(
     naming: Naming<'_>,
     items: impl IntoIterator<Item = &'a Value>,
-    shape: &Shape,
+    shape: &CollectionStyle,
 ) -> String {
     let items = items.into_iter().map(|item| text(naming, item));
     joined(items.collect(), shape)
 }
 
-fn joined(mut items: Vec<String>, shape: &Shape) -> String {
+fn joined(mut items: Vec<String>, shape: &CollectionStyle) -> String {
     if shape.sorted {
         items.sort();
     }

@@ -1,6 +1,6 @@
 //! Rules as written.
 
-use super::{Binder, Name, Term};
+use super::{Binder, NameText, Term};
 use asmotion_diagnostics::Span;
 
 /// A rule and where it stands.
@@ -31,21 +31,21 @@ pub enum RuleKind {
         /// What takes the result.
         target: Assignee,
         /// The turbo rule.
-        rule: Name,
+        rule: NameText,
         /// Its arguments.
         arguments: Vec<Term>,
     },
     /// `r_x[t…]`.
     Macro {
         /// The rule.
-        name: Name,
+        name: NameText,
         /// Its arguments.
         arguments: Vec<Term>,
     },
     /// `r_x(t…)`.
     Turbo {
         /// The rule.
-        name: Name,
+        name: NameText,
         /// Its arguments.
         arguments: Vec<Term>,
     },
@@ -94,16 +94,16 @@ pub enum RuleKind {
     /// `let ($x = t, …) in R endlet`
     Let {
         /// The bindings, in order.
-        bindings: Vec<(Name, Term)>,
+        bindings: Vec<(NameText, Term)>,
         /// What is done with them.
         body: Rule,
     },
     /// `extend D with $x, … do R`
     Extend {
         /// The domain.
-        domain: Name,
+        domain: NameText,
         /// One variable a new element.
-        variables: Vec<Name>,
+        variables: Vec<NameText>,
         /// What is done with them.
         body: Rule,
     },
@@ -140,16 +140,16 @@ pub enum Assignee {
     /// `f(t…)`, `a.f(t…)`.
     Location {
         /// The agent before the point.
-        agent: Option<Name>,
+        agent: Option<NameText>,
         /// The function.
-        function: Name,
+        function: NameText,
         /// The arguments.
         arguments: Vec<Term>,
         /// All of it.
         span: Span,
     },
     /// `$v`: a parameter that stands for a location.
-    Variable(Name),
+    Variable(NameText),
 }
 
 /// The parts of `switch`.

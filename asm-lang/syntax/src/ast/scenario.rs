@@ -1,42 +1,42 @@
 //! Scenarios (Avalla): what is done to a specification, and what is expected of it.
 
-use super::{Assignee, Name, Rule, Term};
+use super::{Assignee, NameText, Rule, Term};
 use asmotion_diagnostics::Span;
 
 /// A scenario file.
 #[derive(Clone, Debug, Default)]
 pub struct Scenario {
     /// The name after `scenario`.
-    pub name: Option<Name>,
+    pub name: Option<NameText>,
     /// The path after `load`.
-    pub load: Option<Name>,
+    pub load: Option<NameText>,
     /// What must hold after every step.
     pub invariants: Vec<ScenarioInvariant>,
     /// The commands, in order.
-    pub commands: Vec<Command>,
+    pub commands: Vec<ScenarioCommand>,
 }
 
 /// `invariant NAME : term;`
 #[derive(Clone, Debug)]
 pub struct ScenarioInvariant {
     /// Its name.
-    pub name: Name,
+    pub name: NameText,
     /// The condition.
     pub condition: Term,
 }
 
 /// A command of a scenario.
 #[derive(Clone, Debug)]
-pub struct Command {
+pub struct ScenarioCommand {
     /// What it is.
-    pub kind: CommandKind,
+    pub kind: ScenarioCommandKind,
     /// Where it stands.
     pub span: Span,
 }
 
 /// The forms of a command.
 #[derive(Clone, Debug)]
-pub enum CommandKind {
+pub enum ScenarioCommandKind {
     /// `set location := term;`
     Set(Assignee, Term),
     /// `check term;`
@@ -50,13 +50,13 @@ pub enum CommandKind {
     /// `pick $x in r_rule := term;`
     Pick(Pick),
     /// `begin NAME … end`
-    Block(Block),
+    Block(ScenarioBlock),
     /// `execblock scenario:block;`
     ExecBlock {
         /// The scenario the block stands in; this one where it is left out.
-        scenario: Option<Name>,
+        scenario: Option<NameText>,
         /// The block.
-        block: Name,
+        block: NameText,
     },
 }
 
@@ -64,7 +64,7 @@ pub enum CommandKind {
 #[derive(Clone, Debug)]
 pub struct Pick {
     /// The variable.
-    pub variable: Name,
+    pub variable: NameText,
     /// The rule its `choose` stands in, where it is said.
     pub rule: Option<PickedRule>,
     /// The value.
@@ -75,33 +75,33 @@ pub struct Pick {
 #[derive(Clone, Debug)]
 pub struct PickedRule {
     /// Its name.
-    pub name: Name,
+    pub name: NameText,
     /// The domains of its parameters, where they are said.
-    pub parameters: Option<Vec<Name>>,
+    pub parameters: Option<Vec<NameText>>,
 }
 
 /// Commands with a name.
 #[derive(Clone, Debug)]
-pub struct Block {
+pub struct ScenarioBlock {
     /// The name.
-    pub name: Name,
+    pub name: NameText,
     /// The commands.
-    pub commands: Vec<Command>,
+    pub commands: Vec<ScenarioCommand>,
 }
 
 impl Scenario {
     /// The block of a name, wherever it stands.
-    pub fn block(&self, name: &str) -> Option<&Block> {
+    pub fn block(&self, name: &str) -> Option<&ScenarioBlock> {
         self.blocks()
             .into_iter()
             .find(|block| &*block.name.text == name)
     }
 
     /// All blocks, outer ones before those in them.
-    pub fn blocks(&self) -> Vec<&Block> {
-        fn add<'a>(commands: &'a [Command], to: &mut Vec<&'a Block>) {
+    pub fn blocks(&self) -> Vec<&ScenarioBlock> {
+        fn add<'a>(commands: &'a [ScenarioCommand], to: &mut Vec<&'a ScenarioBlock>) {
             for command in commands {
-                if let CommandKind::Block(block) = &command.kind {
+                if let ScenarioCommandKind::Block(block) = &command.kind {
                     to.push(block);
                     add(&block.commands, to);
                 }

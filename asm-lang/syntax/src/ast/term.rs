@@ -1,6 +1,6 @@
 //! Terms as written.
 
-use super::{Name, Type};
+use super::{NameText, Type};
 use asmotion_diagnostics::Span;
 use std::sync::Arc;
 
@@ -21,22 +21,22 @@ pub enum TermKind {
     /// A constant.
     Literal(Literal),
     /// `$x`.
-    Variable(Name),
+    Variable(NameText),
     /// A name that begins upper-case: an enumeration literal or a domain, decided later.
-    Constant(Name),
+    Constant(NameText),
     /// `f`, `f(t1, …)`; also prefix use of an operator, `mod(a, b)`.
     Apply {
         /// The function.
-        name: Name,
+        name: NameText,
         /// The arguments; empty without brackets.
         arguments: Vec<Term>,
     },
     /// `a.f(t1, …)`.
     Dot {
         /// The agent: `self` or an agent's name.
-        agent: Name,
+        agent: NameText,
         /// The function.
-        name: Name,
+        name: NameText,
         /// The arguments after the agent.
         arguments: Vec<Term>,
     },
@@ -45,7 +45,7 @@ pub enum TermKind {
         /// The first operand.
         first: Term,
         /// What follows it; at least one link.
-        links: Vec<Link>,
+        links: Vec<ChainLink>,
     },
     /// `op operand`: `+`, `-`, `not`.
     Unary {
@@ -79,7 +79,7 @@ pub enum TermKind {
     /// `let ($x = t, …) in b endlet`; later bindings see earlier ones.
     Let {
         /// The bindings, in order.
-        bindings: Vec<(Name, Term)>,
+        bindings: Vec<(NameText, Term)>,
         /// The value.
         body: Term,
     },
@@ -125,7 +125,7 @@ pub enum TermKind {
     /// `<<r_x(D1, …)>>`.
     RuleRef {
         /// The rule.
-        name: Name,
+        name: NameText,
         /// The parameter domains that pick an overload.
         domains: Vec<Type>,
     },
@@ -199,7 +199,7 @@ pub enum Operator {
 
 /// `op b` in a chain.
 #[derive(Clone, Debug)]
-pub struct Link {
+pub struct ChainLink {
     /// The operator.
     pub operator: Operator,
     /// Where the operator stands.
@@ -208,7 +208,7 @@ pub struct Link {
     pub operand: Term,
 }
 
-impl Link {
+impl ChainLink {
     /// So many links of a chain nest in each other when they are resolved; what goes before them has
     /// a name then. The depth of a term counts them so.
     pub const NESTED: u32 = 64;
@@ -283,7 +283,7 @@ impl Operator {
 #[derive(Clone, Debug)]
 pub struct Binder {
     /// The variable, with its `$`.
-    pub name: Name,
+    pub name: NameText,
     /// Its range.
     pub range: Term,
 }

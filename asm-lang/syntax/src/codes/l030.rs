@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unexpected end of the file
@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct FileCutOff {
     pub missing: String,
     pub at: Span,
-    pub open: Vec<Place>,
+    pub open: Vec<SpannedText>,
 }
 
 impl Finding for FileCutOff {

@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unclosed block or bracket
@@ -42,8 +42,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct UnclosedBlock {
     pub missing: String,
     pub at: Span,
-    pub open: Place,
-    pub misaligned: Option<(Place, Place)>,
+    pub open: SpannedText,
+    pub misaligned: Option<(SpannedText, SpannedText)>,
 }
 
 impl Finding for UnclosedBlock {

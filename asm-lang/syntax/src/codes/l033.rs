@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Unmatched end
@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(L033, error)]
 #[error("`{}` closes nothing", found.0)]
 pub(crate) struct ClosesNothing {
-    pub found: Place,
+    pub found: SpannedText,
 }
 
 impl Finding for ClosesNothing {

@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Missing rule
@@ -32,8 +32,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(L035, error)]
 #[error("a rule is missing before `{}`", found.0)]
 pub(crate) struct MissingRule {
-    pub found: Place,
-    pub after: Option<Place>,
+    pub found: SpannedText,
+    pub after: Option<SpannedText>,
 }
 
 impl Finding for MissingRule {

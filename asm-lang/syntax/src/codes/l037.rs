@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Call without brackets
@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(L037, error)]
 #[error("`{}` is called without brackets", call.0)]
 pub(crate) struct CallWithoutBrackets {
-    pub call: Place,
+    pub call: SpannedText,
 }
 
 impl Finding for CallWithoutBrackets {

@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Missing keyword
@@ -31,7 +31,7 @@ pub(crate) struct MissingWord {
     pub word: &'static str,
     pub after: String,
     pub at: Span,
-    pub opener: Option<Place>,
+    pub opener: Option<SpannedText>,
 }
 
 impl Finding for MissingWord {

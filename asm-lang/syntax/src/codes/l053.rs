@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Misspelt keyword
@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(L053, error)]
 #[error("unknown word `{}`", found.0)]
 pub(crate) struct UnknownWord {
-    pub found: Place,
+    pub found: SpannedText,
     pub meant: String,
 }
 

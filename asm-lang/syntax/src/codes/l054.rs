@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Reserved word as a name
@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(L054, error)]
 #[error("`{}` is a reserved word and cannot name {what}", found.0)]
 pub(crate) struct ReservedName {
-    pub found: Place,
+    pub found: SpannedText,
     pub what: &'static str,
 }
 

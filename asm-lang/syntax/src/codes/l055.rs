@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Complex number as a name
@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(L055, error)]
 #[error("`{}` is a complex number and cannot name {what}", found.0)]
 pub(crate) struct ComplexName {
-    pub found: Place,
+    pub found: SpannedText,
     pub what: &'static str,
 }
 

@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Wrong beginning of a name
@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 pub(crate) struct Misnamed {
     pub what: &'static str,
     pub beginning: &'static str,
-    pub found: Place,
+    pub found: SpannedText,
     pub better: Option<String>,
 }
 

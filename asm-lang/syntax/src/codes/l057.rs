@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Reserved word without a meaning
@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[code(L057, error)]
 #[error("`{}` is reserved and means nothing", found.0)]
 pub(crate) struct UnusedWord {
-    pub found: Place,
+    pub found: SpannedText,
 }
 
 impl Finding for UnusedWord {
@@ -38,7 +38,7 @@ impl Finding for UnusedWord {
     }
 }
 
-fn unused(diagnostic: Diagnostic, found: &Place) -> Diagnostic {
+fn unused(diagnostic: Diagnostic, found: &SpannedText) -> Diagnostic {
     let diagnostic = diagnostic.label(found.1, "AsmetaL reserves this word and never uses it");
     match found.0.as_str() {
         "endcase" => {

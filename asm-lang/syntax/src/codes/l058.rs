@@ -1,4 +1,4 @@
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use crate::lexer::Keyword;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
@@ -30,9 +30,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[error("expected {what}, found `{}`", found.0)]
 pub(crate) struct UnexpectedToken {
     pub what: String,
-    pub found: Place,
-    pub after: Option<Place>,
-    pub open: Option<Place>,
+    pub found: SpannedText,
+    pub after: Option<SpannedText>,
+    pub open: Option<SpannedText>,
 }
 
 impl Finding for UnexpectedToken {

@@ -10,7 +10,7 @@ use crate::codes::l035::MissingRule;
 use crate::codes::l037::CallWithoutBrackets;
 use crate::codes::l038::BareQuantifier;
 use crate::codes::l053::UnknownWord;
-use crate::lexer::{Keyword, Sign, Spanned, Token};
+use crate::lexer::{Keyword, Sign, SpannedToken, Token};
 use crate::nesting::{opener, starts_item};
 use crate::spelling::nearest;
 use asmotion_diagnostics::{Diagnostic, Finding};
@@ -19,7 +19,7 @@ impl<'input> Explainer<'input, '_> {
     /// A token that cannot stand inside of what is open.
     pub(super) fn unclosed(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let (open, missing) = self.missing_end(expected)?;
@@ -76,7 +76,7 @@ impl<'input> Explainer<'input, '_> {
     /// An end without a beginning.
     pub(super) fn closes_nothing(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         _: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let begin = opener(found.1).filter(|_| ends(found.1))?;
@@ -92,7 +92,7 @@ impl<'input> Explainer<'input, '_> {
     /// A second rule where a declaration has one.
     pub(super) fn several_rules(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let second = self.declares(&[Keyword::Rule]) && expected.item() && begins_rule(found.1);
@@ -109,7 +109,7 @@ impl<'input> Explainer<'input, '_> {
     /// `then else`: what goes on where a rule has to begin.
     pub(super) fn missing_rule(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let missing = expected.rule() && !expected.item() && (ends(found.1) || goes_on(found.1));
@@ -125,7 +125,7 @@ impl<'input> Explainer<'input, '_> {
     /// `r_x` alone.
     pub(super) fn call_without_brackets(
         &self,
-        _: Spanned<'input>,
+        _: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let call = self.nesting.previous?;
@@ -141,7 +141,7 @@ impl<'input> Explainer<'input, '_> {
     /// `exists` without `(`.
     pub(super) fn bare_quantifier(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let Token::Keyword(word @ (Keyword::Forall | Keyword::Exists | Keyword::Exist)) = found.1

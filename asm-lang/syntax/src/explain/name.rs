@@ -4,14 +4,14 @@ use super::{Expected, Explainer};
 use crate::codes::l054::ReservedName;
 use crate::codes::l055::ComplexName;
 use crate::codes::l056::Misnamed;
-use crate::lexer::{Keyword, Sign, Spanned, Token};
+use crate::lexer::{Keyword, Sign, SpannedToken, Token};
 use asmotion_diagnostics::{Diagnostic, Finding};
 
 impl<'input> Explainer<'input, '_> {
     /// `i`, `i1`: read as a number where a name stands.
     pub(super) fn complex_name(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let named = expected.name().map(|(what, _)| what);
@@ -28,7 +28,7 @@ impl<'input> Explainer<'input, '_> {
     /// A name of another kind, or a reserved word.
     pub(super) fn wrong_name(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let (what, beginning) = self.named(found, expected)?;
@@ -65,7 +65,7 @@ impl<'input> Explainer<'input, '_> {
     /// What is to be named at a token, and what such a name begins with.
     fn named(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<(&'static str, &'static str)> {
         let updated = matches!(found.1, Token::Constant(_))

@@ -10,7 +10,7 @@ use crate::codes::l051::UpdateForEquals;
 use crate::codes::l059::ProductSign;
 use crate::codes::l060::InfixMembership;
 use crate::codes::l061::ReturnOfNoRule;
-use crate::lexer::{Keyword, Sign, Spanned, Token};
+use crate::lexer::{Keyword, Sign, SpannedToken, Token};
 use asmotion_diagnostics::{Diagnostic, Finding};
 
 /// What begins the declaration of a function.
@@ -26,7 +26,7 @@ const FUNCTIONS: &[Keyword] = &[
 impl<'input> Explainer<'input, '_> {
     pub(super) fn wrong_sign(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let at = self.span(found);

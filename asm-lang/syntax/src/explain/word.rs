@@ -5,17 +5,17 @@ use crate::codes::l021::NoHeading;
 use crate::codes::l052::MissingWord;
 use crate::codes::l053::UnknownWord;
 use crate::codes::l057::UnusedWord;
-use crate::lexer::{Keyword, Spanned, Token};
+use crate::lexer::{Keyword, SpannedToken, Token};
 use asmotion_diagnostics::{Diagnostic, Finding};
 
 /// A word, what it should follow, and what it belongs to.
-type Missing<'input> = (&'static str, String, Option<Spanned<'input>>);
+type Missing<'input> = (&'static str, String, Option<SpannedToken<'input>>);
 
 impl<'input> Explainer<'input, '_> {
     /// A word that is reserved and never used.
     pub(super) fn unused_word(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         _: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let unused = [
@@ -38,7 +38,7 @@ impl<'input> Explainer<'input, '_> {
     /// A name that is nearly a word expected here, and does not go on like a name.
     pub(super) fn misspelled_word(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let (Token::Name(name) | Token::Constant(name)) = found.1 else {
@@ -64,7 +64,7 @@ impl<'input> Explainer<'input, '_> {
     /// Something else before `asm` or `module`.
     pub(super) fn missing_heading(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let first = self.nesting.declaration().is_none() && expected.item();
@@ -79,7 +79,7 @@ impl<'input> Explainer<'input, '_> {
     /// `f = 1` among declarations.
     pub(super) fn missing_function(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         let among = expected.item() && !self.declares(&[Keyword::Rule]);
@@ -99,7 +99,7 @@ impl<'input> Explainer<'input, '_> {
     /// The word or sign between the parts of a construct.
     pub(super) fn missing_word(
         &self,
-        found: Spanned<'input>,
+        found: SpannedToken<'input>,
         expected: &Expected<'_>,
     ) -> Option<Diagnostic> {
         if expected.term() || expected.rule() || expected.item() {

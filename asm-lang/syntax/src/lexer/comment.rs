@@ -1,7 +1,7 @@
 //! What stands between tokens, and the annotations in it.
 
 use super::{Lexer, word};
-use crate::ast::{Annotation, Name};
+use crate::ast::{Annotation, NameText};
 use crate::codes::l003::OpenComment;
 
 impl Lexer<'_, '_> {
@@ -36,7 +36,7 @@ impl Lexer<'_, '_> {
             .unwrap_or((note, ""));
         if !name.is_empty() {
             let span = self.findings.span(start, start + name.len());
-            let name = Name {
+            let name = NameText {
                 text: name.into(),
                 span,
             };

@@ -1,11 +1,11 @@
 //! Numbers, and where a complex number ends.
 
-use super::{Lexer, Read, Token, word};
+use super::{Lexer, Token, TokenLength, word};
 use crate::codes::l007::ExponentInNumber;
 use crate::codes::l008::BarePoint;
 
 impl<'input> Lexer<'input, '_> {
-    pub(super) fn number(&self) -> Read<'input> {
+    pub(super) fn number(&self) -> TokenLength<'input> {
         let (token, length) = read(self.rest());
         if let Token::Real(digits) = token {
             let (number, at) = (digits.to_owned(), self.next_bytes(length));
@@ -23,7 +23,7 @@ impl<'input> Lexer<'input, '_> {
 ///
 /// `1..3` is an interval of old, so a point belongs to the number only before a digit, or where
 /// nothing else can be meant.
-fn read(text: &str) -> Read<'_> {
+fn read(text: &str) -> TokenLength<'_> {
     if let Some(length) = complex_length(text) {
         return (Token::Complex(text.get(..length).unwrap_or(text)), length);
     }

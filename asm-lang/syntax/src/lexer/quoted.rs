@@ -1,6 +1,6 @@
 //! Texts and characters.
 
-use super::{Lexer, Read, Token};
+use super::{Lexer, Token, TokenLength};
 use crate::codes::l004::OpenQuote;
 
 impl<'input> Lexer<'input, '_> {
@@ -10,7 +10,7 @@ impl<'input> Lexer<'input, '_> {
         &self,
         quote: char,
         token: fn(&'input str) -> Token<'input>,
-    ) -> Read<'input> {
+    ) -> TokenLength<'input> {
         let quote_length = quote.len_utf8();
         let inside = self.from(self.position + quote_length);
         let mut escaped = false;

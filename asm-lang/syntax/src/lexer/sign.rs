@@ -1,6 +1,6 @@
 //! Signs, and the signs of other languages.
 
-use super::{Keyword, Lexer, Read, Sign, Token, number, word};
+use super::{Keyword, Lexer, Sign, Token, TokenLength, number, word};
 use crate::codes::l009::ForeignSign;
 
 /// Operators as other languages write them, and what they mean here; longer ones first.
@@ -36,7 +36,7 @@ pub(super) fn begins(c: char) -> bool {
 
 impl<'input> Lexer<'input, '_> {
     /// The longest sign here that makes sense, or the number that begins with it.
-    pub(super) fn sign(&mut self) -> Option<Read<'input>> {
+    pub(super) fn sign(&mut self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         if rest.starts_with(['+', '-']) && !self.previous.is_some_and(Token::ends_operand) {
             let complex = number::complex_length(rest).and_then(|length| rest.get(..length));
@@ -69,7 +69,7 @@ impl<'input> Lexer<'input, '_> {
     }
 
     /// A sign of another language: reported, and read as it was meant.
-    fn foreign_sign(&self) -> Option<Read<'input>> {
+    fn foreign_sign(&self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         let &(found, meant) = FOREIGN.iter().find(|(found, _)| rest.starts_with(found))?;
         let keyword = Keyword::spelled(meant).map(Token::Keyword);

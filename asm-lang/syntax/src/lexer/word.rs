@@ -1,6 +1,6 @@
 //! Words: reserved ones, names, variables, paths.
 
-use super::{Keyword, Lexer, Read, Token, number};
+use super::{Keyword, Lexer, Token, TokenLength, number};
 use crate::codes::l002::ForeignLetters;
 use crate::codes::l011::ElementName;
 
@@ -32,7 +32,7 @@ pub(crate) fn length(text: &str) -> usize {
 }
 
 impl<'input> Lexer<'input, '_> {
-    pub(super) fn word(&self) -> Read<'input> {
+    pub(super) fn word(&self) -> TokenLength<'input> {
         let rest = self.rest();
         let word = rest.get(..length(rest)).unwrap_or(rest);
         if self.names_file_or_state(word) {
@@ -57,7 +57,7 @@ impl<'input> Lexer<'input, '_> {
     }
 
     /// `$x`.
-    pub(super) fn variable(&self) -> Option<Read<'input>> {
+    pub(super) fn variable(&self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         let name = rest
             .strip_prefix('$')
@@ -67,7 +67,7 @@ impl<'input> Lexer<'input, '_> {
     }
 
     /// What stands after `import`: quoted, or everything up to a blank or a bracket.
-    pub(super) fn path(&self) -> Option<Read<'input>> {
+    pub(super) fn path(&self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         if let Some(quoted) = rest.strip_prefix('"') {
             let path = quoted.get(..quoted.find(['"', '\n'])?)?;
@@ -91,7 +91,7 @@ impl<'input> Lexer<'input, '_> {
     }
 
     /// Words of other languages for the parts of a block, reported and read as they were meant.
-    fn foreign_word(&self, word: &'input str) -> Option<Read<'input>> {
+    fn foreign_word(&self, word: &'input str) -> Option<TokenLength<'input>> {
         if ["elseif", "elsif", "elif"].contains(&word) {
             self.report_foreign(word, "else if");
             // The `if` is the next token.
@@ -113,7 +113,7 @@ impl<'input> Lexer<'input, '_> {
     }
 
     /// Checks that a name consists of what names consist of.
-    fn name(&self, token: Token<'input>, word: &'input str) -> Read<'input> {
+    fn name(&self, token: Token<'input>, word: &'input str) -> TokenLength<'input> {
         let at = self.next_bytes(word.len());
         if !word.is_ascii() {
             self.findings.report(ForeignLetters {

@@ -10,7 +10,7 @@ use crate::codes::l024::SecondMain;
 use crate::codes::l025::AgentOutsideInit;
 use crate::codes::l073::OutOfOrder;
 use crate::codes::l074::NoSection;
-use crate::findings::Findings;
+use crate::findings::SyntaxFindings;
 use asmotion_diagnostics::{Edit, Span};
 
 /// What a file consists of; a section is opened by its heading and ends with the next one.
@@ -19,7 +19,7 @@ pub(crate) enum Item {
     Heading {
         asyncr: bool,
         module: bool,
-        name: Name,
+        name: NameText,
     },
     /// `import x`.
     Import(Import),
@@ -44,7 +44,7 @@ pub(crate) enum Item {
     /// The main rule.
     Main(RuleDeclaration),
     /// `init x:`.
-    Init { default: bool, name: Name },
+    Init { default: bool, name: NameText },
     /// `agent D: r_x[]`, of an initial state.
     Agent(AgentInit),
     /// What could not be read.
@@ -53,7 +53,7 @@ pub(crate) enum Item {
 
 /// The kinds of items in the order AsmetaS wants them.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+enum FileItemKind {
     Heading,
     Import,
     Export,
@@ -75,7 +75,7 @@ enum Kind {
     End,
 }
 
-impl Kind {
+impl FileItemKind {
     /// Whether other items follow from it.
     fn is_heading(self) -> bool {
         match self {
@@ -126,7 +126,7 @@ impl Kind {
 impl Nodes<'_, '_> {
     /// Sorts the items into the sections they belong to.
     pub(crate) fn file(&self, items: Vec<(usize, Item, usize)>) -> File {
-        let mut assembly = Assembly::new(self.findings, self.text);
+        let mut assembly = FileBuilder::new(self.findings, self.text);
         let end = self.span(self.text.len(), self.text.len());
         if items.is_empty() && !self.findings.has_errors() {
             self.findings.report(EmptyFile { at: end });
@@ -137,7 +137,7 @@ impl Nodes<'_, '_> {
             assembly.add(item);
         }
         assembly.whole = end;
-        assembly.place(Kind::End, end);
+        assembly.place(FileItemKind::End, end);
         if assembly.in_order && assembly.file.unread.is_empty() {
             order::rules(self.text, &assembly.file.rules, self.findings);
         }
@@ -146,24 +146,24 @@ impl Nodes<'_, '_> {
 }
 
 /// A file in the making.
-struct Assembly<'run> {
-    findings: &'run Findings,
+struct FileBuilder<'run> {
+    findings: &'run SyntaxFindings,
     text: &'run str,
     file: File,
     /// The item that is being added, from its first word to its last.
     whole: Span,
     /// The items so far that are where they belong, from the last beginning of the order.
-    placed: Vec<(Kind, Span)>,
+    placed: Vec<(FileItemKind, Span)>,
     /// The furthest kind so far, and its last item.
-    furthest: Option<(Kind, Span)>,
+    furthest: Option<(FileItemKind, Span)>,
     in_order: bool,
     heading: Option<Span>,
     signature: bool,
     definitions: bool,
 }
 
-impl<'run> Assembly<'run> {
-    fn new(findings: &'run Findings, text: &'run str) -> Self {
+impl<'run> FileBuilder<'run> {
+    fn new(findings: &'run SyntaxFindings, text: &'run str) -> Self {
         Self {
             findings,
             text,
@@ -187,31 +187,31 @@ impl<'run> Assembly<'run> {
                 name,
             } => self.heading(asyncr, module, name),
             Item::Import(import) => {
-                self.place(Kind::Import, import.path.span);
+                self.place(FileItemKind::Import, import.path.span);
                 self.file.imports.push(import);
             }
             Item::Export(export) => self.export(export),
             Item::Signature(span) => {
-                self.place(Kind::Signature, span);
+                self.place(FileItemKind::Signature, span);
                 self.signature = true;
             }
             Item::Domain(domain) => {
-                self.place(Kind::Domain, domain.name.span);
+                self.place(FileItemKind::Domain, domain.name.span);
                 self.file.domains.push(domain);
             }
             Item::Function(function) => {
-                self.place(Kind::Function, function.name.span);
+                self.place(FileItemKind::Function, function.name.span);
                 self.file.functions.push(function);
             }
             Item::Definitions(span) => {
-                self.place(Kind::Definitions, span);
+                self.place(FileItemKind::Definitions, span);
                 self.definitions = true;
             }
             Item::DomainDefinition(definition) => {
                 let kind = if in_init {
-                    Kind::DomainInit
+                    FileItemKind::DomainInit
                 } else {
-                    Kind::DomainDefinition
+                    FileItemKind::DomainDefinition
                 };
                 self.place(kind, definition.name.span);
                 match self.file.inits.last_mut() {
@@ -221,9 +221,9 @@ impl<'run> Assembly<'run> {
             }
             Item::FunctionDefinition(definition) => {
                 let kind = if in_init {
-                    Kind::FunctionInit
+                    FileItemKind::FunctionInit
                 } else {
-                    Kind::FunctionDefinition
+                    FileItemKind::FunctionDefinition
                 };
                 self.place(kind, definition.name.span);
                 match self.file.inits.last_mut() {
@@ -232,7 +232,7 @@ impl<'run> Assembly<'run> {
                 }
             }
             Item::Rule(rule) => {
-                self.place(Kind::Rule, rule.name.span);
+                self.place(FileItemKind::Rule, rule.name.span);
                 self.file.rules.push(rule);
             }
             Item::Property(property) => {
@@ -255,7 +255,7 @@ impl<'run> Assembly<'run> {
         }
     }
 
-    fn heading(&mut self, asyncr: bool, module: bool, name: Name) {
+    fn heading(&mut self, asyncr: bool, module: bool, name: NameText) {
         if let Some(first) = self.heading {
             self.findings.report(SecondHeading {
                 at: name.span,
@@ -263,7 +263,7 @@ impl<'run> Assembly<'run> {
             });
             return;
         }
-        self.place(Kind::Heading, name.span);
+        self.place(FileItemKind::Heading, name.span);
         self.heading = Some(name.span);
         self.file.asyncr = asyncr;
         self.file.module = module;
@@ -271,7 +271,7 @@ impl<'run> Assembly<'run> {
     }
 
     fn export(&mut self, export: Export) {
-        self.place(Kind::Export, export.span);
+        self.place(FileItemKind::Export, export.span);
         if let Some(first) = &self.file.export {
             let (at, first) = (export.span, first.span);
             self.findings.report(SecondExport { at, first });
@@ -281,7 +281,7 @@ impl<'run> Assembly<'run> {
     }
 
     fn main(&mut self, rule: RuleDeclaration) {
-        self.place(Kind::Main, rule.name.span);
+        self.place(FileItemKind::Main, rule.name.span);
         if let Some(first) = &self.file.main {
             let (at, first) = (rule.name.span, first.name.span);
             self.findings.report(SecondMain { at, first });
@@ -299,21 +299,24 @@ impl<'run> Assembly<'run> {
         };
         let at = agent.domain.span;
         init.agents.push(agent);
-        self.place(Kind::Agent, at);
+        self.place(FileItemKind::Agent, at);
     }
 
     /// The order begins again inside every initial state.
     fn begin_init(&mut self, at: Span) {
-        if self.furthest.is_some_and(|(kind, _)| kind > Kind::Init) {
-            self.furthest = Some((Kind::Init, at));
+        if self
+            .furthest
+            .is_some_and(|(kind, _)| kind > FileItemKind::Init)
+        {
+            self.furthest = Some((FileItemKind::Init, at));
             self.placed.clear();
         }
-        self.place(Kind::Init, at);
+        self.place(FileItemKind::Init, at);
     }
 
     /// Checks that an item stands where AsmetaS wants it; says so once.
-    fn place(&mut self, kind: Kind, at: Span) {
-        if self.furthest.is_none() && kind != Kind::Heading && self.file.unread.is_empty() {
+    fn place(&mut self, kind: FileItemKind, at: Span) {
+        if self.furthest.is_none() && kind != FileItemKind::Heading && self.file.unread.is_empty() {
             self.findings.report(NoHeading { at });
         }
         let (text, whole) = (self.text, self.whole);
@@ -329,8 +332,14 @@ impl<'run> Assembly<'run> {
                 self.in_order = false;
             }
         };
-        section(kind > Kind::Signature && !self.signature, "signature");
-        section(kind > Kind::Definitions && !self.definitions, "definitions");
+        section(
+            kind > FileItemKind::Signature && !self.signature,
+            "signature",
+        );
+        section(
+            kind > FileItemKind::Definitions && !self.definitions,
+            "definitions",
+        );
         match self.furthest {
             Some((furthest, earlier)) if kind < furthest => {
                 if self.in_order {
@@ -353,7 +362,7 @@ impl<'run> Assembly<'run> {
     }
 
     /// The current item put before the first one that belongs after it.
-    fn moved(&self, kind: Kind) -> Vec<Edit> {
+    fn moved(&self, kind: FileItemKind) -> Vec<Edit> {
         let later = self.placed.iter().find(|(other, _)| *other > kind);
         match later {
             Some((_, later)) if !kind.is_heading() => order::moved(self.text, self.whole, *later),
@@ -362,12 +371,12 @@ impl<'run> Assembly<'run> {
     }
 }
 
-fn kind_of(property: &PropertyKind) -> Kind {
+fn kind_of(property: &PropertyKind) -> FileItemKind {
     match property {
-        PropertyKind::Constraint(_) => Kind::Constraint,
-        PropertyKind::Justice(_) | PropertyKind::Compassion(..) => Kind::Fairness,
+        PropertyKind::Constraint(_) => FileItemKind::Constraint,
+        PropertyKind::Justice(_) | PropertyKind::Compassion(..) => FileItemKind::Fairness,
         PropertyKind::Invariant { .. } | PropertyKind::Ctl(_) | PropertyKind::Ltl(_) => {
-            Kind::Property
+            FileItemKind::Property
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The order AsmetaS wants, and how a text is brought into it.
 
-use crate::ast::{Name, Rule, RuleDeclaration, RuleKind};
+use crate::ast::{NameText, Rule, RuleDeclaration, RuleKind};
 use crate::codes::l076::CalledEarly;
-use crate::findings::Findings;
+use crate::findings::SyntaxFindings;
 use asmotion_diagnostics::{Edit, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -74,17 +74,17 @@ fn with_comments(text: &str, item: Span) -> Range<usize> {
 
 /// Reports the first rule that is called before it is declared. Rules that call each other in a
 /// circle have no such order, and nothing is said about them.
-pub(super) fn rules(text: &str, rules: &[RuleDeclaration], findings: &Findings) {
+pub(super) fn rules(text: &str, rules: &[RuleDeclaration], findings: &SyntaxFindings) {
     let mut declared: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, rule) in rules.iter().enumerate() {
         declared.entry(&rule.name.text).or_insert(index);
     }
-    let calls: Vec<Vec<(usize, &Name)>> = rules
+    let calls: Vec<Vec<(usize, &NameText)>> = rules
         .iter()
         .map(|rule| {
             let mut names = Vec::new();
             called(&rule.body, &mut names);
-            let known = |name: &'_ Name| declared.get(&*name.text).copied();
+            let known = |name: &'_ NameText| declared.get(&*name.text).copied();
             let calls = names
                 .into_iter()
                 .filter_map(|name| Some((known(name)?, name)));
@@ -109,7 +109,7 @@ pub(super) fn rules(text: &str, rules: &[RuleDeclaration], findings: &Findings) 
 }
 
 /// Whether one rule calls the other, directly or not.
-fn reaches(from: usize, to: usize, calls: &[Vec<(usize, &Name)>]) -> bool {
+fn reaches(from: usize, to: usize, calls: &[Vec<(usize, &NameText)>]) -> bool {
     let mut seen = BTreeSet::new();
     let mut open = vec![from];
     while let Some(rule) = open.pop() {
@@ -130,7 +130,7 @@ fn reaches(from: usize, to: usize, calls: &[Vec<(usize, &Name)>]) -> bool {
 }
 
 /// The names of the rules that a rule calls.
-fn called<'a>(rule: &'a Rule, names: &mut Vec<&'a Name>) {
+fn called<'a>(rule: &'a Rule, names: &mut Vec<&'a NameText>) {
     match &*rule.kind {
         RuleKind::Macro { name, .. } | RuleKind::Turbo { name, .. } => names.push(name),
         RuleKind::Assign { rule, .. } => names.push(rule),

@@ -8,7 +8,7 @@ use crate::codes::l034::SeveralRules;
 use crate::codes::l039::NestedTooDeep;
 use crate::codes::l053::UnknownWord;
 use crate::codes::l072::FewRules;
-use crate::edits::Place;
+use crate::edits::SpannedText;
 use crate::spelling::nearest;
 use asmotion_diagnostics::{Edit, Span};
 
@@ -188,7 +188,7 @@ impl Nodes<'_, '_> {
 }
 
 /// A term standing as a rule that is nearly a word that goes on after a rule, and that word.
-fn misspelled_word(rule: &Rule) -> Option<(Place, String)> {
+fn misspelled_word(rule: &Rule) -> Option<(SpannedText, String)> {
     let RuleKind::Term { term, .. } = &*rule.kind else {
         return None;
     };

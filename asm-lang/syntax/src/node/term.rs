@@ -96,7 +96,7 @@ impl Nodes<'_, '_> {
         operand: Term,
     ) -> Term {
         let span = left.span.to(operand.span);
-        let link = Link {
+        let link = ChainLink {
             operator,
             at,
             operand,
@@ -104,9 +104,9 @@ impl Nodes<'_, '_> {
         if let TermKind::Chain { first, links } = &mut *left.kind
             && goes_on(first, links, left.span, operator)
         {
-            left.depth = match links.len() < Link::NESTED as usize {
+            left.depth = match links.len() < ChainLink::NESTED as usize {
                 true => 1 + left.depth.max(link.operand.depth),
-                false => left.depth.max(Link::NESTED + link.operand.depth),
+                false => left.depth.max(ChainLink::NESTED + link.operand.depth),
             };
             left.span = span;
             links.push(link);
@@ -133,8 +133,8 @@ impl Nodes<'_, '_> {
     pub(crate) fn location(
         &self,
         start: usize,
-        agent: Option<Name>,
-        function: Name,
+        agent: Option<NameText>,
+        function: NameText,
         arguments: Option<Vec<Term>>,
         end: usize,
     ) -> Assignee {
@@ -216,7 +216,7 @@ impl Nodes<'_, '_> {
 }
 
 /// Whether a chain stands without brackets and its operators are as strong as the next one.
-fn goes_on(first: &Term, links: &[Link], span: Span, next: Operator) -> bool {
+fn goes_on(first: &Term, links: &[ChainLink], span: Span, next: Operator) -> bool {
     links.last().is_some_and(|last| {
         last.operator.strength() == next.strength()
             && (first.span.start, last.operand.span.end) == (span.start, span.end)
@@ -276,7 +276,7 @@ fn pairs(pairs: &[(Term, Term)]) -> u32 {
         .unwrap_or(0)
 }
 
-pub(super) fn bound(bindings: &[(Name, Term)]) -> u32 {
+pub(super) fn bound(bindings: &[(NameText, Term)]) -> u32 {
     bindings
         .iter()
         .map(|(_, value)| value.depth)

@@ -1,12 +1,12 @@
 //! `if` and `switch`: they choose between rules as they choose between terms.
 
-use super::layout::{Break, Layout};
+use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 use crate::lexer::{Keyword, Token};
 use asmotion_diagnostics::Span;
 
 /// What is chosen between.
-pub(super) trait Branch: Sized {
+pub(super) trait PrintBranch: Sized {
     /// Where it stands.
     fn span(&self) -> Span;
 
@@ -14,7 +14,7 @@ pub(super) trait Branch: Sized {
     fn as_if(&self) -> Option<If<'_, Self>>;
 
     /// Prints it.
-    fn print(&self, layout: &mut Layout<'_>);
+    fn print(&self, layout: &mut TokenLayout<'_>);
 }
 
 /// `if guard then … else … endif`.
@@ -35,7 +35,7 @@ impl<'tree, T> If<'tree, T> {
     }
 }
 
-impl Branch for Rule {
+impl PrintBranch for Rule {
     fn span(&self) -> Span {
         self.span
     }
@@ -51,12 +51,12 @@ impl Branch for Rule {
         }
     }
 
-    fn print(&self, layout: &mut Layout<'_>) {
+    fn print(&self, layout: &mut TokenLayout<'_>) {
         layout.rule(self);
     }
 }
 
-impl Branch for Term {
+impl PrintBranch for Term {
     fn span(&self) -> Span {
         self.span
     }
@@ -72,32 +72,32 @@ impl Branch for Term {
         }
     }
 
-    fn print(&self, layout: &mut Layout<'_>) {
+    fn print(&self, layout: &mut TokenLayout<'_>) {
         layout.term(self);
     }
 }
 
-impl Layout<'_> {
+impl TokenLayout<'_> {
     /// `if g then … else … endif`; `else if` on one line goes on at the same level.
-    pub(super) fn choose_if<T: Branch>(&mut self, branch: &If<'_, T>, lines: bool) {
+    pub(super) fn choose_if<T: PrintBranch>(&mut self, branch: &If<'_, T>, lines: bool) {
         self.guarded(branch.guard);
         self.part(branch.then, lines);
         let mut chained = false;
         if let Some(otherwise) = branch.otherwise {
-            self.separate(Break::line(lines));
+            self.separate(LayoutBreak::line(lines));
             chained = self.else_if();
             self.token();
             match otherwise.as_if().filter(|_| chained) {
                 Some(next) => {
-                    self.separate(Break::Blank);
+                    self.separate(LayoutBreak::Blank);
                     self.choose_if(&next, lines);
                 }
                 None => self.part(otherwise, lines),
             }
         }
         self.separate(match chained {
-            true => Break::Blank,
-            false => Break::line(lines),
+            true => LayoutBreak::Blank,
+            false => LayoutBreak::line(lines),
         });
         self.token();
     }
@@ -108,7 +108,7 @@ impl Layout<'_> {
     }
 
     /// `switch t case c: … otherwise … endswitch`.
-    pub(super) fn choose_case<T: Branch>(
+    pub(super) fn choose_case<T: PrintBranch>(
         &mut self,
         subject: &Term,
         cases: &[(Term, T)],
@@ -116,7 +116,11 @@ impl Layout<'_> {
         lines: bool,
     ) {
         self.subject(subject);
-        let between = if lines { Break::Item } else { Break::Line };
+        let between = if lines {
+            LayoutBreak::Item
+        } else {
+            LayoutBreak::Line
+        };
         self.indent(|it| {
             for (case, body) in cases {
                 it.separate(between);
@@ -127,7 +131,7 @@ impl Layout<'_> {
                 it.otherwise(otherwise);
             }
         });
-        self.separate(Break::line(lines));
+        self.separate(LayoutBreak::line(lines));
         self.token();
     }
 
@@ -135,21 +139,21 @@ impl Layout<'_> {
     fn subject(&mut self, subject: &Term) {
         self.token();
         self.indent(|it| {
-            it.separate(Break::Blank);
+            it.separate(LayoutBreak::Blank);
             it.term(subject);
         });
     }
 
     /// `case c: …`.
-    fn case<T: Branch>(&mut self, case: &Term, body: &T) {
+    fn case<T: PrintBranch>(&mut self, case: &Term, body: &T) {
         let apart = self.in_lines(case.span.to(body.span()));
         self.group(|it| {
             it.token();
             it.indent(|it| {
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.term(case);
                 it.token();
-                it.separate(Break::line(apart));
+                it.separate(LayoutBreak::line(apart));
                 body.print(it);
                 it.comments_inside();
             });
@@ -157,7 +161,7 @@ impl Layout<'_> {
     }
 
     /// `otherwise …`.
-    fn otherwise<T: Branch>(&mut self, body: &T) {
+    fn otherwise<T: PrintBranch>(&mut self, body: &T) {
         let place = body.span();
         let apart = self.in_lines(Span {
             start: u32::try_from(self.start()).unwrap_or(place.start),
@@ -170,9 +174,9 @@ impl Layout<'_> {
     }
 
     /// What stands between words.
-    pub(super) fn part<T: Branch>(&mut self, part: &T, lines: bool) {
+    pub(super) fn part<T: PrintBranch>(&mut self, part: &T, lines: bool) {
         self.indent(|it| {
-            it.separate(Break::line(lines));
+            it.separate(LayoutBreak::line(lines));
             part.print(it);
             it.comments_inside();
         });

@@ -1,10 +1,10 @@
 //! Comments: each stays where it stands, and what follows a line comment begins a new line.
 
-use super::layout::{Break, Last, Layout, Part, Piece};
+use super::layout::{LastPrinted, LayoutBreak, LayoutDoc, LayoutPart, TokenLayout};
 use super::trivia::{Comment, indentation};
 use pretty::DocAllocator;
 
-impl<'text> Layout<'text> {
+impl<'text> TokenLayout<'text> {
     /// The comments before the next token that stand further right than what follows them: they
     /// belong to the block that ends here.
     pub(super) fn comments_inside(&mut self) {
@@ -17,7 +17,7 @@ impl<'text> Layout<'text> {
                 return;
             }
             if comment.own_line {
-                self.separate(Break::Item);
+                self.separate(LayoutBreak::Item);
             }
             self.comment(&comment);
         }
@@ -34,8 +34,8 @@ impl<'text> Layout<'text> {
 
     /// Goes on in a new line where a comment ended the last one.
     pub(super) fn new_line(&mut self) {
-        if self.last == Last::LineEnd && self.pending.is_none() {
-            self.separate(Break::Item);
+        if self.last == LastPrinted::LineEnd && self.pending.is_none() {
+            self.separate(LayoutBreak::Item);
         }
     }
 
@@ -50,15 +50,16 @@ impl<'text> Layout<'text> {
         let next = self.next;
         while let Some(comment) = self.tokens.gap_mut(next).trailing.pop_front() {
             self.drop_break();
-            self.push(Part::Piece(self.text_of_width(" ", 0)));
+            self.push(LayoutPart::Piece(self.text_of_width(" ", 0)));
             self.comment_text(&comment);
         }
     }
 
     fn comment(&mut self, comment: &Comment<'text>) {
-        let touches = self.pending.is_none() && self.last == Last::Token && !self.after_bracket();
+        let touches =
+            self.pending.is_none() && self.last == LastPrinted::Token && !self.after_bracket();
         if touches && !comment.own_line {
-            self.push(Part::Break(Break::Blank));
+            self.push(LayoutPart::Break(LayoutBreak::Blank));
         }
         self.place(comment.own_line, comment.blank);
         self.comment_text(comment);
@@ -68,21 +69,21 @@ impl<'text> Layout<'text> {
     fn comment_text(&mut self, comment: &Comment<'text>) {
         let mut lines = comment.text.split('\n');
         let first = lines.next().unwrap_or("").trim_end();
-        self.push(Part::Piece(self.text_of_width(first, 0)));
+        self.push(LayoutPart::Piece(self.text_of_width(first, 0)));
         let column = self.tokens.indentation(comment.start);
         for line in lines {
             let line = self.further_line(line, comment.own_line.then_some(column));
-            self.push(Part::Piece(line));
+            self.push(LayoutPart::Piece(line));
         }
         self.last = if comment.ends_line {
-            Last::LineEnd
+            LastPrinted::LineEnd
         } else {
-            Last::Comment
+            LastPrinted::Comment
         };
     }
 
     /// A line of a comment of several: it moves with the first one where that begins its line.
-    fn further_line(&self, line: &'text str, column: Option<usize>) -> Piece<'text> {
+    fn further_line(&self, line: &'text str, column: Option<usize>) -> LayoutDoc<'text> {
         let newline = self.arena.hardline();
         match column {
             Some(column) => {

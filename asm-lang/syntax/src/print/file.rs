@@ -1,12 +1,12 @@
 //! Files: sections, declarations, properties.
 
-use super::layout::{Break, Layout};
+use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 use crate::lexer::{Keyword, Sign, Token};
 use asmotion_diagnostics::Span;
 
 /// What a section consists of, in the order of the text.
-enum Item<'tree> {
+enum SectionItem<'tree> {
     Import(&'tree Import),
     Export(&'tree Export),
     Domain(&'tree Domain),
@@ -18,7 +18,7 @@ enum Item<'tree> {
     Agent(&'tree AgentInit),
 }
 
-impl Layout<'_> {
+impl TokenLayout<'_> {
     /// All of it.
     pub(super) fn file(&mut self, file: &File) {
         let mut items = items(file).into_iter();
@@ -28,7 +28,7 @@ impl Layout<'_> {
             } else if self.at_heading() {
                 self.heading();
             } else if let Some(item) = items.next() {
-                self.separate(Break::Item);
+                self.separate(LayoutBreak::Item);
                 self.item(&item);
             } else {
                 return;
@@ -38,10 +38,10 @@ impl Layout<'_> {
 
     /// `asyncr asm x`.
     fn heading(&mut self) {
-        self.separate(Break::Item);
+        self.separate(LayoutBreak::Item);
         while self.at_heading() {
             self.token();
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
         }
         self.token();
     }
@@ -65,51 +65,51 @@ impl Layout<'_> {
     }
 
     /// `signature:`, `definitions:`, `default init s0:` and what belongs to it.
-    fn section<'tree>(&mut self, items: &mut impl Iterator<Item = Item<'tree>>) {
-        self.separate(Break::Section);
+    fn section<'tree>(&mut self, items: &mut impl Iterator<Item = SectionItem<'tree>>) {
+        self.separate(LayoutBreak::Section);
         self.token();
         while self.peek().is_some() && !self.at(Sign::Colon) {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             self.token();
         }
         self.token();
         self.indent(|all| {
-            let mut begin = Break::Hard;
+            let mut begin = LayoutBreak::Hard;
             while !all.at_section()
                 && !all.at_heading()
                 && let Some(item) = items.next()
             {
                 all.separate(begin);
                 all.item(&item);
-                begin = Break::Item;
+                begin = LayoutBreak::Item;
             }
             all.comments_inside();
         });
     }
 
-    fn item(&mut self, item: &Item<'_>) {
+    fn item(&mut self, item: &SectionItem<'_>) {
         self.group(|it| match item {
-            Item::Import(import) => it.import(import),
-            Item::Export(export) => it.export(export),
-            Item::Domain(domain) => it.domain(domain),
-            Item::Function(function) => it.function(function),
-            Item::DomainDefinition(definition) => {
+            SectionItem::Import(import) => it.import(import),
+            SectionItem::Export(export) => it.export(export),
+            SectionItem::Domain(domain) => it.domain(domain),
+            SectionItem::Function(function) => it.function(function),
+            SectionItem::DomainDefinition(definition) => {
                 it.words_before(definition.name.span);
                 it.token();
                 it.definition(&definition.body);
             }
-            Item::FunctionDefinition(definition) => {
+            SectionItem::FunctionDefinition(definition) => {
                 it.words_before(definition.name.span);
                 it.token();
                 it.parameters(&definition.parameters);
                 it.definition(&definition.body);
             }
-            Item::Rule(rule) => it.rule_declaration(rule),
-            Item::Property(property) => it.property(property),
-            Item::Agent(agent) => {
+            SectionItem::Rule(rule) => it.rule_declaration(rule),
+            SectionItem::Property(property) => it.property(property),
+            SectionItem::Agent(agent) => {
                 it.words_before(agent.domain.span);
                 it.joined(2);
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.token();
                 it.arguments(&agent.arguments);
             }
@@ -118,20 +118,20 @@ impl Layout<'_> {
 
     fn import(&mut self, import: &Import) {
         self.token();
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
         if let Some(names) = &import.names {
-            self.separate(Break::Blank);
-            self.list(names, Break::Fill, |list, _| list.token());
+            self.separate(LayoutBreak::Blank);
+            self.list(names, LayoutBreak::Fill, |list, _| list.token());
         }
     }
 
     fn export(&mut self, export: &Export) {
         self.token();
         self.indent(|list| {
-            list.separate(Break::Blank);
+            list.separate(LayoutBreak::Blank);
             match &export.names {
-                Some(names) => list.items(names, Break::Fill, |list, _| list.token()),
+                Some(names) => list.items(names, LayoutBreak::Fill, |list, _| list.token()),
                 None => list.token(),
             }
         });
@@ -152,9 +152,9 @@ impl Layout<'_> {
                 self.words_before(domain.name.span);
                 for _ in 0..2 {
                     self.token();
-                    self.separate(Break::Blank);
+                    self.separate(LayoutBreak::Blank);
                 }
-                self.rows(literals, Break::Fill, |list, _| list.token());
+                self.rows(literals, LayoutBreak::Fill, |list, _| list.token());
             }
         }
     }
@@ -164,12 +164,12 @@ impl Layout<'_> {
         self.words_before(function.name.span);
         self.joined(2);
         self.indent(|of| {
-            of.separate(Break::Blank);
+            of.separate(LayoutBreak::Blank);
             if let Some(domain) = &function.domain {
                 of.type_(domain);
-                of.separate(Break::Line);
+                of.separate(LayoutBreak::Line);
                 of.token();
-                of.separate(Break::Blank);
+                of.separate(LayoutBreak::Blank);
             }
             of.type_(&function.codomain);
         });
@@ -193,13 +193,13 @@ impl Layout<'_> {
     /// Domains in brackets, where there are any.
     pub(super) fn types(&mut self, types: &[&Type]) {
         if !types.is_empty() {
-            self.list(types, Break::Line, |list, part| list.type_(part));
+            self.list(types, LayoutBreak::Line, |list, part| list.type_(part));
         }
     }
 
     fn parameters(&mut self, parameters: &[Parameter]) {
         if !parameters.is_empty() {
-            self.list(parameters, Break::Line, |list, parameter| {
+            self.list(parameters, LayoutBreak::Line, |list, parameter| {
                 list.words_before(parameter.domain.span);
                 list.type_(&parameter.domain);
             });
@@ -208,11 +208,11 @@ impl Layout<'_> {
 
     /// `= t` of a domain or a function; on a line of its own where the text has it so.
     fn definition(&mut self, body: &Term) {
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
         if self.begins_line() {
             self.indent(|value| {
-                value.separate(Break::Hard);
+                value.separate(LayoutBreak::Hard);
                 value.term(body);
             });
         } else {
@@ -225,11 +225,11 @@ impl Layout<'_> {
         self.token();
         self.parameters(&rule.parameters);
         if let Some(result) = &rule.result {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             self.words_before(result.span);
             self.type_(result);
         }
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
         self.body(&rule.body);
     }
@@ -243,14 +243,14 @@ impl Layout<'_> {
             | PropertyKind::Ltl(body) => {
                 self.token();
                 if property.name.is_some() {
-                    self.separate(Break::Blank);
+                    self.separate(LayoutBreak::Blank);
                     self.joined(2);
                 }
                 self.stated(body);
             }
             PropertyKind::Compassion(p, q) => {
                 self.token();
-                self.list(&[p, q], Break::Line, |list, part| list.term(part));
+                self.list(&[p, q], LayoutBreak::Line, |list, part| list.term(part));
             }
         }
     }
@@ -258,7 +258,7 @@ impl Layout<'_> {
     /// A function applied needs no indentation beyond its own.
     fn stated(&mut self, body: &Term) {
         let print = |of: &mut Self| {
-            of.separate(Break::Blank);
+            of.separate(LayoutBreak::Blank);
             of.term(body);
         };
         if matches!(*body.kind, TermKind::Apply { .. }) {
@@ -270,17 +270,17 @@ impl Layout<'_> {
 
     fn invariant(&mut self, property: &Property, over: &[Over], body: &Term) {
         self.token();
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         if property.name.is_some() {
             self.token();
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
         }
         self.token();
         self.indent(|of| {
-            of.separate(Break::Blank);
-            of.items(over, Break::Fill, Self::over);
+            of.separate(LayoutBreak::Blank);
+            of.items(over, LayoutBreak::Fill, Self::over);
             of.token();
-            of.separate(Break::Line);
+            of.separate(LayoutBreak::Line);
             of.term(body);
         });
     }
@@ -297,36 +297,44 @@ impl Layout<'_> {
 }
 
 /// The items of a file in the order of its text.
-fn items(file: &File) -> Vec<Item<'_>> {
-    let mut items: Vec<(Span, Item<'_>)> = Vec::new();
+fn items(file: &File) -> Vec<SectionItem<'_>> {
+    let mut items: Vec<(Span, SectionItem<'_>)> = Vec::new();
     items.extend(
         file.imports
             .iter()
-            .map(|it| (it.path.span, Item::Import(it))),
+            .map(|it| (it.path.span, SectionItem::Import(it))),
     );
-    items.extend(file.export.iter().map(|it| (it.span, Item::Export(it))));
-    items.extend(file.domains.iter().map(|it| (it.span, Item::Domain(it))));
+    items.extend(
+        file.export
+            .iter()
+            .map(|it| (it.span, SectionItem::Export(it))),
+    );
+    items.extend(
+        file.domains
+            .iter()
+            .map(|it| (it.span, SectionItem::Domain(it))),
+    );
     items.extend(
         file.functions
             .iter()
-            .map(|it| (it.span, Item::Function(it))),
+            .map(|it| (it.span, SectionItem::Function(it))),
     );
     let inits = || file.inits.iter();
     let domains = file.domain_definitions.iter();
     let domains = domains.chain(inits().flat_map(|init| &init.domains));
-    items.extend(domains.map(|it| (it.name.span, Item::DomainDefinition(it))));
+    items.extend(domains.map(|it| (it.name.span, SectionItem::DomainDefinition(it))));
     let functions = file.function_definitions.iter();
     let functions = functions.chain(inits().flat_map(|init| &init.functions));
-    items.extend(functions.map(|it| (it.name.span, Item::FunctionDefinition(it))));
+    items.extend(functions.map(|it| (it.name.span, SectionItem::FunctionDefinition(it))));
     let rules = file.rules.iter().chain(&file.main);
-    items.extend(rules.map(|it| (it.span, Item::Rule(it))));
+    items.extend(rules.map(|it| (it.span, SectionItem::Rule(it))));
     items.extend(
         file.properties
             .iter()
-            .map(|it| (it.span, Item::Property(it))),
+            .map(|it| (it.span, SectionItem::Property(it))),
     );
     let agents = inits().flat_map(|init| &init.agents);
-    items.extend(agents.map(|it| (it.domain.span, Item::Agent(it))));
+    items.extend(agents.map(|it| (it.domain.span, SectionItem::Agent(it))));
     items.sort_by_key(|(place, _)| *place);
     items.into_iter().map(|(_, item)| item).collect()
 }

@@ -1,18 +1,18 @@
 //! Puts tokens on lines: the tokens come from the text, in its order, with their comments; where a
 //! line may end is said by who walks the tree.
 
-use super::trivia::Tokens;
+use super::trivia::TriviaTokens;
 use super::{INDENT, WIDTH};
 use crate::lexer::{Keyword, Sign, Token};
 use asmotion_diagnostics::Span;
 use pretty::{Arena, BuildDoc, Doc, DocAllocator, DocBuilder, RefDoc};
 use std::borrow::Cow;
 
-pub(super) type Piece<'text> = DocBuilder<'text, Arena<'text>>;
+pub(super) type LayoutDoc<'text> = DocBuilder<'text, Arena<'text>>;
 
 /// What stands between two tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Break {
+pub(super) enum LayoutBreak {
     /// A blank.
     Blank,
     /// A blank; a new line where the group does not fit on one.
@@ -31,7 +31,7 @@ pub(super) enum Break {
     Section,
 }
 
-impl Break {
+impl LayoutBreak {
     /// A new line where it must be, otherwise where the group does not fit on one.
     pub(super) fn line(must: bool) -> Self {
         if must { Self::Hard } else { Self::Line }
@@ -50,14 +50,14 @@ impl Break {
 }
 
 /// A part of a group.
-pub(super) enum Part<'text> {
-    Piece(Piece<'text>),
-    Break(Break),
+pub(super) enum LayoutPart<'text> {
+    Piece(LayoutDoc<'text>),
+    Break(LayoutBreak),
 }
 
 /// What was printed last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Last {
+pub(super) enum LastPrinted {
     Nothing,
     Token,
     /// A comment with something behind it.
@@ -67,29 +67,29 @@ pub(super) enum Last {
 }
 
 /// Prints the tokens of a text one after the other.
-pub(super) struct Layout<'text> {
+pub(super) struct TokenLayout<'text> {
     pub(super) arena: &'text Arena<'text>,
-    pub(super) tokens: Tokens<'text>,
+    pub(super) tokens: TriviaTokens<'text>,
     /// The token to print next.
     pub(super) next: usize,
     /// The groups that are open, from the outside in.
-    open: Vec<Vec<Part<'text>>>,
+    open: Vec<Vec<LayoutPart<'text>>>,
     /// Where the break before the next piece stands: which group, which part of it.
     pub(super) pending: Option<(usize, usize)>,
-    pub(super) last: Last,
+    pub(super) last: LastPrinted,
     /// How far lines are indented here.
     pub(super) indentation: usize,
 }
 
-impl<'text> Layout<'text> {
-    pub(super) fn new(arena: &'text Arena<'text>, tokens: Tokens<'text>) -> Self {
+impl<'text> TokenLayout<'text> {
+    pub(super) fn new(arena: &'text Arena<'text>, tokens: TriviaTokens<'text>) -> Self {
         Self {
             arena,
             tokens,
             next: 0,
             open: vec![Vec::new()],
             pending: None,
-            last: Last::Nothing,
+            last: LastPrinted::Nothing,
             indentation: 0,
         }
     }
@@ -153,7 +153,7 @@ impl<'text> Layout<'text> {
 
     /// Whether a comment stands directly before the token to print next.
     pub(super) fn comment_before(&self) -> bool {
-        self.last == Last::LineEnd || !self.tokens.gap(self.next).leading.is_empty()
+        self.last == LastPrinted::LineEnd || !self.tokens.gap(self.next).leading.is_empty()
     }
 
     /// Whether the token after the next one begins a line of the text.
@@ -181,7 +181,7 @@ impl<'text> Layout<'text> {
 
     // ── groups ──
 
-    /// On one line where it fits; otherwise each [`Break::Line`] and [`Break::Soft`] directly inside
+    /// On one line where it fits; otherwise each [`LayoutBreak::Line`] and [`LayoutBreak::Soft`] directly inside
     /// begins a new one.
     pub(super) fn group(&mut self, inside: impl FnOnce(&mut Self)) {
         self.nested(inside, |piece| piece.group());
@@ -197,47 +197,47 @@ impl<'text> Layout<'text> {
     fn nested(
         &mut self,
         inside: impl FnOnce(&mut Self),
-        wrap: impl FnOnce(Piece<'text>) -> Piece<'text>,
+        wrap: impl FnOnce(LayoutDoc<'text>) -> LayoutDoc<'text>,
     ) {
         self.comments_outside();
         self.open.push(Vec::new());
         inside(self);
         let parts = self.open.pop().unwrap_or_default();
         let piece = wrap(self.concat(parts));
-        self.push(Part::Piece(piece));
+        self.push(LayoutPart::Piece(piece));
     }
 
-    fn concat(&mut self, parts: Vec<Part<'text>>) -> Piece<'text> {
+    fn concat(&mut self, parts: Vec<LayoutPart<'text>>) -> LayoutDoc<'text> {
         self.pending = self.pending.filter(|&(group, _)| group < self.open.len());
         let pieces = parts.into_iter().map(|part| match part {
-            Part::Piece(piece) => piece,
-            Part::Break(at) => self.space(at),
+            LayoutPart::Piece(piece) => piece,
+            LayoutPart::Break(at) => self.space(at),
         });
         self.arena.concat(pieces)
     }
 
-    fn space(&self, at: Break) -> Piece<'text> {
+    fn space(&self, at: LayoutBreak) -> LayoutDoc<'text> {
         match at {
-            Break::Blank => self.arena.space(),
-            Break::Line => self.arena.line(),
-            Break::Soft => self.arena.line_(),
-            Break::Fill => self.arena.softline(),
-            Break::Rule => self.arena.hardline().flat_alt(self.arena.text("  ")),
-            Break::Hard | Break::Item => self.arena.hardline(),
-            Break::Section => self.arena.hardline().append(self.arena.hardline()),
+            LayoutBreak::Blank => self.arena.space(),
+            LayoutBreak::Line => self.arena.line(),
+            LayoutBreak::Soft => self.arena.line_(),
+            LayoutBreak::Fill => self.arena.softline(),
+            LayoutBreak::Rule => self.arena.hardline().flat_alt(self.arena.text("  ")),
+            LayoutBreak::Hard | LayoutBreak::Item => self.arena.hardline(),
+            LayoutBreak::Section => self.arena.hardline().append(self.arena.hardline()),
         }
     }
 
     // ── pieces ──
 
     /// What stands before the next token; the last word counts.
-    pub(super) fn separate(&mut self, at: Break) {
-        if self.last == Last::Nothing {
+    pub(super) fn separate(&mut self, at: LayoutBreak) {
+        if self.last == LastPrinted::Nothing {
             return;
         }
         self.drop_break();
         let group = self.open.len() - 1;
-        self.push(Part::Break(at));
+        self.push(LayoutPart::Break(at));
         let part = self.open.last().map_or(0, |parts| parts.len() - 1);
         self.pending = Some((group, part));
     }
@@ -255,8 +255,8 @@ impl<'text> Layout<'text> {
             Token::Sign(Sign::Dots) => Sign::Colon.spelling(),
             _ => self.tokens.text.get(start..end).unwrap_or(""),
         };
-        self.push(Part::Piece(self.text(text)));
-        self.last = Last::Token;
+        self.push(LayoutPart::Piece(self.text(text)));
+        self.last = LastPrinted::Token;
         self.next += 1;
         self.trailing_comments();
     }
@@ -272,7 +272,7 @@ impl<'text> Layout<'text> {
     pub(super) fn words_before(&mut self, place: Span) {
         while self.start() < place.range().start {
             self.token();
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
         }
     }
 
@@ -289,13 +289,13 @@ impl<'text> Layout<'text> {
         after.leading = before.leading;
     }
 
-    pub(super) fn push(&mut self, part: Part<'text>) {
+    pub(super) fn push(&mut self, part: LayoutPart<'text>) {
         if let Some(parts) = self.open.last_mut() {
             parts.push(part);
         }
     }
 
-    fn text(&self, text: &'text str) -> Piece<'text> {
+    fn text(&self, text: &'text str) -> LayoutDoc<'text> {
         self.text_of_width(text, text.chars().count())
     }
 
@@ -303,7 +303,7 @@ impl<'text> Layout<'text> {
         &self,
         text: impl Into<Cow<'text, str>>,
         width: usize,
-    ) -> Piece<'text> {
+    ) -> LayoutDoc<'text> {
         let text: RefDoc<'text> = self.arena.alloc(match text.into() {
             Cow::Borrowed(text) => Doc::BorrowedText(text),
             Cow::Owned(text) => Doc::OwnedText(text.into()),
@@ -313,10 +313,10 @@ impl<'text> Layout<'text> {
 
     /// Decides the break before a piece; on a line of its own where it must be.
     pub(super) fn place(&mut self, own_line: bool, blank: bool) {
-        let forced = own_line || self.last == Last::LineEnd;
+        let forced = own_line || self.last == LastPrinted::LineEnd;
         let pending = self.pending.take();
         if let Some((group, part)) = pending {
-            if let Some(Part::Break(at)) = self
+            if let Some(LayoutPart::Break(at)) = self
                 .open
                 .get_mut(group)
                 .and_then(|parts| parts.get_mut(part))
@@ -326,12 +326,12 @@ impl<'text> Layout<'text> {
             return;
         }
         match self.last {
-            Last::Nothing => {}
-            Last::Token | Last::Comment | Last::LineEnd if forced => {
-                self.push(Part::Break(Break::Item.resolved(true, blank)));
+            LastPrinted::Nothing => {}
+            LastPrinted::Token | LastPrinted::Comment | LastPrinted::LineEnd if forced => {
+                self.push(LayoutPart::Break(LayoutBreak::Item.resolved(true, blank)));
             }
-            Last::Comment => self.push(Part::Break(Break::Blank)),
-            Last::Token | Last::LineEnd => {}
+            LastPrinted::Comment => self.push(LayoutPart::Break(LayoutBreak::Blank)),
+            LastPrinted::Token | LastPrinted::LineEnd => {}
         }
     }
 
@@ -343,7 +343,7 @@ impl<'text> Layout<'text> {
                 .get_mut(group)
                 .and_then(|parts| parts.get_mut(part))
         {
-            *part = Part::Piece(self.arena.nil());
+            *part = LayoutPart::Piece(self.arena.nil());
         }
     }
 }

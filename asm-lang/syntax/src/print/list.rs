@@ -1,36 +1,36 @@
 //! Lists: what stands in brackets with commas between.
 
-use super::layout::{Break, Layout};
-use super::operator::{LOOSEST, NOT, Place};
+use super::layout::{LayoutBreak, TokenLayout};
+use super::operator::{LOOSEST, NOT, OperandPosition};
 use crate::ast::*;
 use crate::lexer::Sign;
 
-impl Layout<'_> {
+impl TokenLayout<'_> {
     /// Things with commas between, in the brackets that come next.
     pub(super) fn list<T>(
         &mut self,
         items: &[T],
-        between: Break,
+        between: LayoutBreak,
         print: impl FnMut(&mut Self, &T),
     ) {
-        self.enclosed(Break::Soft, |list| list.items(items, between, print));
+        self.enclosed(LayoutBreak::Soft, |list| list.items(items, between, print));
     }
 
     /// The same; where the text begins a line after the bracket, its lines stay.
     pub(super) fn rows<T>(
         &mut self,
         items: &[T],
-        between: Break,
+        between: LayoutBreak,
         print: impl FnMut(&mut Self, &T),
     ) {
         if self.second_begins_line() {
-            self.enclosed(Break::Hard, |list| list.lines(items, between, print));
+            self.enclosed(LayoutBreak::Hard, |list| list.lines(items, between, print));
         } else {
             self.list(items, between, print);
         }
     }
 
-    fn enclosed(&mut self, begin: Break, inside: impl FnOnce(&mut Self)) {
+    fn enclosed(&mut self, begin: LayoutBreak, inside: impl FnOnce(&mut Self)) {
         self.group(|list| {
             list.token();
             list.indent(|list| {
@@ -38,7 +38,7 @@ impl Layout<'_> {
                 inside(list);
                 list.comments_inside();
             });
-            list.separate(Break::Soft);
+            list.separate(LayoutBreak::Soft);
             list.token();
         });
     }
@@ -47,7 +47,7 @@ impl Layout<'_> {
     pub(super) fn items<T>(
         &mut self,
         items: &[T],
-        between: Break,
+        between: LayoutBreak,
         mut print: impl FnMut(&mut Self, &T),
     ) {
         for (index, item) in items.iter().enumerate() {
@@ -60,13 +60,18 @@ impl Layout<'_> {
     }
 
     /// The same, in the lines of the text.
-    fn lines<T>(&mut self, items: &[T], between: Break, mut print: impl FnMut(&mut Self, &T)) {
+    fn lines<T>(
+        &mut self,
+        items: &[T],
+        between: LayoutBreak,
+        mut print: impl FnMut(&mut Self, &T),
+    ) {
         for (index, item) in items.iter().enumerate() {
             if index > 0 {
                 let before = self.begins_line() && !self.comment_before();
                 self.comma();
                 let apart = before || self.begins_line();
-                self.separate(if apart { Break::Item } else { between });
+                self.separate(if apart { LayoutBreak::Item } else { between });
             }
             print(self, item);
         }
@@ -75,7 +80,7 @@ impl Layout<'_> {
     /// A comma, or the bar between literals.
     fn comma(&mut self) {
         if self.at(Sign::Bar) {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
         }
         self.token();
     }
@@ -83,23 +88,23 @@ impl Layout<'_> {
     // ── collections ──
 
     /// `{a : b, s}`.
-    pub(super) fn interval(&mut self, interval: &Interval, item: Place) {
+    pub(super) fn interval(&mut self, interval: &Interval, item: OperandPosition) {
         self.token();
         self.indent(|it| {
-            it.separate(Break::Soft);
+            it.separate(LayoutBreak::Soft);
             it.placed(&interval.from, item);
-            it.separate(Break::Blank);
+            it.separate(LayoutBreak::Blank);
             it.token();
-            it.separate(Break::Line);
+            it.separate(LayoutBreak::Line);
             it.placed(&interval.to, item);
             if let Some(step) = &interval.step {
                 it.token();
-                it.separate(Break::Line);
+                it.separate(LayoutBreak::Line);
                 it.placed(step, item);
             }
             it.comments_inside();
         });
-        self.separate(Break::Soft);
+        self.separate(LayoutBreak::Soft);
         self.token();
     }
 
@@ -107,25 +112,25 @@ impl Layout<'_> {
     pub(super) fn comprehension(
         &mut self,
         comprehension: &Comprehension,
-        item: Place,
+        item: OperandPosition,
         value: Option<&Term>,
     ) {
         self.token();
         self.indent(|it| {
-            it.separate(Break::Soft);
+            it.separate(LayoutBreak::Soft);
             it.ranges(&comprehension.binders);
             if let Some(guard) = &comprehension.guard {
-                it.separate(Break::Line);
+                it.separate(LayoutBreak::Line);
                 it.token();
                 it.indent(|it| {
-                    it.separate(Break::Blank);
+                    it.separate(LayoutBreak::Blank);
                     it.term(guard);
                 });
             }
-            it.separate(Break::Line);
+            it.separate(LayoutBreak::Line);
             it.token();
             it.indent(|it| {
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.placed(&comprehension.item, item);
                 if let Some(value) = value {
                     it.arrow(value);
@@ -134,10 +139,10 @@ impl Layout<'_> {
             it.comments_inside();
         });
         if self.at(Sign::Bar) {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             self.token();
         }
-        self.separate(Break::Soft);
+        self.separate(LayoutBreak::Soft);
         self.token();
     }
 
@@ -146,7 +151,7 @@ impl Layout<'_> {
         if entries.is_empty() {
             return self.joined(3);
         }
-        self.rows(entries, Break::Line, |list, (key, value)| {
+        self.rows(entries, LayoutBreak::Line, |list, (key, value)| {
             list.group(|it| {
                 it.term(key);
                 it.indent(|it| it.arrow(value));
@@ -155,18 +160,18 @@ impl Layout<'_> {
     }
 
     fn arrow(&mut self, value: &Term) {
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
-        self.separate(Break::Line);
+        self.separate(LayoutBreak::Line);
         self.term(value);
     }
 }
 
 /// An element of a collection; in a bag, `<` and `>` are brackets.
-pub(super) fn element(collection: Collection) -> Place {
+pub(super) fn element(collection: Collection) -> OperandPosition {
     let least = match collection {
         Collection::Set | Collection::Seq => LOOSEST,
         Collection::Bag => NOT,
     };
-    Place { least, of: None }
+    OperandPosition { least, of: None }
 }

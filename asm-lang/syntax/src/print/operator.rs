@@ -1,6 +1,6 @@
 //! Operators, and the brackets that what stands between them needs.
 
-use super::layout::{Break, Layout};
+use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 
 /// How tight the parts of a term hold together, as the grammar has it: from 0 for `implies` to 9 for
@@ -14,16 +14,21 @@ const TIGHTEST: Strength = 9;
 
 /// Where a term stands.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct OperandPosition {
     /// What does not hold together as tight needs brackets.
     pub(super) least: Strength,
     /// The operator it is an operand of.
     pub(super) of: Option<Operator>,
 }
 
-impl Layout<'_> {
+impl TokenLayout<'_> {
     /// A term with the brackets it needs.
-    pub(super) fn bracketed(&mut self, term: &Term, place: Place, inside: impl FnOnce(&mut Self)) {
+    pub(super) fn bracketed(
+        &mut self,
+        term: &Term,
+        place: OperandPosition,
+        inside: impl FnOnce(&mut Self),
+    ) {
         let around = self.brackets_around(term.span);
         let own = match &*term.kind {
             TermKind::Tuple(_) | TermKind::Quantified { .. } => 1,
@@ -52,28 +57,28 @@ impl Layout<'_> {
     }
 
     /// `a + b - c`: operators of equal strength in one go, each at the beginning of its line.
-    pub(super) fn chain(&mut self, first: &Term, links: &[Link]) {
+    pub(super) fn chain(&mut self, first: &Term, links: &[ChainLink]) {
         for (index, link) in links.iter().enumerate() {
             let least = link.operator.strength();
             let of = Some(link.operator);
             if index == 0 {
-                self.beginning(first, Place { least, of });
+                self.beginning(first, OperandPosition { least, of });
             }
-            self.separate(Break::Line);
+            self.separate(LayoutBreak::Line);
             self.token();
-            let place = Place {
+            let place = OperandPosition {
                 least: least + 1,
                 of,
             };
             self.indent(|it| {
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.placed(&link.operand, place);
             });
         }
     }
 
     /// The first operand of a chain; one that is such a chain in needless brackets goes on in it.
-    fn beginning(&mut self, first: &Term, place: Place) {
+    fn beginning(&mut self, first: &Term, place: OperandPosition) {
         match &*first.kind {
             TermKind::Chain {
                 first: inner,
@@ -85,7 +90,7 @@ impl Layout<'_> {
         }
     }
 
-    fn stays_bracketed(&self, term: &Term, place: Place) -> bool {
+    fn stays_bracketed(&self, term: &Term, place: OperandPosition) -> bool {
         self.brackets_around(term.span) > 0 && keeps_brackets(&term.kind, place)
     }
 
@@ -96,9 +101,9 @@ impl Layout<'_> {
         let is_signed = matches!(*operand.kind, TermKind::Unary { .. });
         // A sign that touches a complex number would be read as a part of it.
         if is_not || is_signed || self.complex_follows() {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
         }
-        let place = Place {
+        let place = OperandPosition {
             least: if is_not { NOT } else { SIGN },
             of: Some(operator),
         };
@@ -108,7 +113,7 @@ impl Layout<'_> {
 
 /// Whether a term in brackets keeps them: where it would be read as something else without, and
 /// where a reader would have to know the table.
-fn keeps_brackets(kind: &TermKind, place: Place) -> bool {
+fn keeps_brackets(kind: &TermKind, place: OperandPosition) -> bool {
     strength_of(kind) < place.least || place.of.is_some_and(|outer| is_unclear(kind, outer))
 }
 

@@ -1,11 +1,11 @@
 //! Rules. A rule the text has on one line stays there if it fits; every other one is spread out.
 
 use super::branch::If;
-use super::layout::{Break, Layout};
+use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 use crate::lexer::Sign;
 
-impl Layout<'_> {
+impl TokenLayout<'_> {
     /// A rule.
     pub(super) fn rule(&mut self, rule: &Rule) {
         let lines = self.in_lines(rule.span);
@@ -17,7 +17,7 @@ impl Layout<'_> {
             RuleKind::Skip | RuleKind::Invalid => self.token(),
             RuleKind::Update { target, value } => {
                 self.assignee(target);
-                self.separate(Break::Blank);
+                self.separate(LayoutBreak::Blank);
                 self.token();
                 self.value(value);
             }
@@ -25,9 +25,9 @@ impl Layout<'_> {
                 target, arguments, ..
             } => {
                 self.assignee(target);
-                self.separate(Break::Blank);
+                self.separate(LayoutBreak::Blank);
                 self.token();
-                self.separate(Break::Blank);
+                self.separate(LayoutBreak::Blank);
                 self.token();
                 self.arguments(arguments);
             }
@@ -61,7 +61,7 @@ impl Layout<'_> {
                 self.choice(binders, guard.as_ref());
                 self.part(body, lines);
                 if let Some(ifnone) = ifnone {
-                    self.separate(Break::line(lines));
+                    self.separate(LayoutBreak::line(lines));
                     self.token();
                     self.part(ifnone, lines);
                 }
@@ -104,14 +104,14 @@ impl Layout<'_> {
     pub(super) fn body(&mut self, rule: &Rule) {
         let own_line = self.begins_line();
         self.indent(|it| {
-            it.separate(Break::line(own_line));
+            it.separate(LayoutBreak::line(own_line));
             it.rule(rule);
         });
     }
 
     /// The word that ends a rule.
     fn end(&mut self, lines: bool) {
-        self.separate(Break::line(lines));
+        self.separate(LayoutBreak::line(lines));
         self.token();
     }
 
@@ -121,10 +121,10 @@ impl Layout<'_> {
         self.indent(|block| {
             for (index, rule) in rules.iter().enumerate() {
                 block.separate(match (lines, index) {
-                    (true, 0) => Break::Hard,
-                    (true, _) => Break::Item,
-                    (false, 0) => Break::Line,
-                    (false, _) => Break::Rule,
+                    (true, 0) => LayoutBreak::Hard,
+                    (true, _) => LayoutBreak::Item,
+                    (false, 0) => LayoutBreak::Line,
+                    (false, _) => LayoutBreak::Rule,
                 });
                 block.rule(rule);
             }
@@ -134,17 +134,17 @@ impl Layout<'_> {
     }
 
     /// `extend D with $x, $y do`.
-    fn extend(&mut self, variables: &[Name]) {
+    fn extend(&mut self, variables: &[NameText]) {
         self.token();
         for _ in 0..2 {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             self.token();
         }
         self.indent(|list| {
-            list.separate(Break::Blank);
-            list.items(variables, Break::Fill, |list, _| list.token());
+            list.separate(LayoutBreak::Blank);
+            list.items(variables, LayoutBreak::Fill, |list, _| list.token());
         });
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
     }
 
@@ -153,17 +153,17 @@ impl Layout<'_> {
         for (function, init) in functions {
             self.group(|it| {
                 it.function(function);
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.token();
                 it.indent(|it| {
-                    it.separate(Break::Soft);
+                    it.separate(LayoutBreak::Soft);
                     it.rule(init);
                     it.comments_inside();
                 });
-                it.separate(Break::Soft);
+                it.separate(LayoutBreak::Soft);
                 it.token();
             });
-            self.separate(Break::line(lines));
+            self.separate(LayoutBreak::line(lines));
         }
         self.rule(body);
     }
@@ -185,10 +185,10 @@ impl Layout<'_> {
         self.group(|it| {
             it.token();
             it.indent(|it| {
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.term(guard);
             });
-            it.separate(Break::Line);
+            it.separate(LayoutBreak::Line);
             it.token();
         });
     }
@@ -198,22 +198,22 @@ impl Layout<'_> {
         self.group(|it| {
             it.token();
             it.binders(binders, guard);
-            it.separate(Break::Line);
+            it.separate(LayoutBreak::Line);
             it.token();
         });
     }
 
     /// `let ($x = t, …) in`.
-    pub(super) fn bindings(&mut self, bindings: &[(Name, Term)]) {
+    pub(super) fn bindings(&mut self, bindings: &[(NameText, Term)]) {
         self.token();
-        self.separate(Break::Blank);
-        self.list(bindings, Break::Line, |list, (_, value)| {
+        self.separate(LayoutBreak::Blank);
+        self.list(bindings, LayoutBreak::Line, |list, (_, value)| {
             list.token();
-            list.separate(Break::Blank);
+            list.separate(LayoutBreak::Blank);
             list.token();
             list.value(value);
         });
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
     }
 }

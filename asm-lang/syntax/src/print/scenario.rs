@@ -1,10 +1,10 @@
 //! Scenarios: a line for each command.
 
-use super::layout::{Break, Layout};
+use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 use crate::codes::v005::UnendedCommand;
-use crate::findings::Findings;
-use crate::lexer::{Lexer, Sign, Spanned, Token};
+use crate::findings::SyntaxFindings;
+use crate::lexer::{Lexer, Sign, SpannedToken, Token};
 use crate::parse_scenario;
 use asmotion_diagnostics::{Diagnostic, FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,21 +12,21 @@ use std::collections::{BTreeMap, BTreeSet};
 /// What ends a command; a sign of scenarios, and none of the language.
 const END: Token<'_> = Token::Word(";");
 
-impl Layout<'_> {
+impl TokenLayout<'_> {
     /// All of it.
     pub(super) fn scenario(&mut self, scenario: &Scenario) {
         for _ in [&scenario.name, &scenario.load].into_iter().flatten() {
-            self.separate(Break::Item);
+            self.separate(LayoutBreak::Item);
             self.token();
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             self.token();
             self.no_end();
         }
         for invariant in &scenario.invariants {
-            self.separate(Break::Item);
+            self.separate(LayoutBreak::Item);
             self.group(|it| {
                 it.token();
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.joined(2);
                 it.rest_of_line(&invariant.condition);
                 it.token();
@@ -34,45 +34,45 @@ impl Layout<'_> {
             });
         }
         for command in &scenario.commands {
-            self.separate(Break::Item);
+            self.separate(LayoutBreak::Item);
             self.command(command);
         }
     }
 
-    fn command(&mut self, command: &Command) {
+    fn command(&mut self, command: &ScenarioCommand) {
         self.group(|it| {
             it.token();
             match &command.kind {
-                CommandKind::Step => {}
-                CommandKind::Set(target, value) => {
-                    it.separate(Break::Blank);
+                ScenarioCommandKind::Step => {}
+                ScenarioCommandKind::Set(target, value) => {
+                    it.separate(LayoutBreak::Blank);
                     it.assignee(target);
-                    it.separate(Break::Blank);
+                    it.separate(LayoutBreak::Blank);
                     it.token();
                     it.value(value);
                 }
-                CommandKind::Check(condition) => it.rest_of_line(condition),
-                CommandKind::StepUntil(condition) => {
-                    it.separate(Break::Blank);
+                ScenarioCommandKind::Check(condition) => it.rest_of_line(condition),
+                ScenarioCommandKind::StepUntil(condition) => {
+                    it.separate(LayoutBreak::Blank);
                     it.token();
                     it.rest_of_line(condition);
                 }
-                CommandKind::Exec(rule) => it.body(rule),
-                CommandKind::Pick(pick) => it.pick(pick),
-                CommandKind::Block(block) => it.named_block(block),
-                CommandKind::ExecBlock { scenario, .. } => {
-                    it.separate(Break::Blank);
+                ScenarioCommandKind::Exec(rule) => it.body(rule),
+                ScenarioCommandKind::Pick(pick) => it.pick(pick),
+                ScenarioCommandKind::Block(block) => it.named_block(block),
+                ScenarioCommandKind::ExecBlock { scenario, .. } => {
+                    it.separate(LayoutBreak::Blank);
                     it.joined(if scenario.is_some() { 3 } else { 1 });
                 }
             }
             match &command.kind {
-                CommandKind::Step | CommandKind::Block(_) => {}
-                CommandKind::Set(..)
-                | CommandKind::Check(_)
-                | CommandKind::StepUntil(_)
-                | CommandKind::Exec(_)
-                | CommandKind::Pick(_)
-                | CommandKind::ExecBlock { .. } => it.token(),
+                ScenarioCommandKind::Step | ScenarioCommandKind::Block(_) => {}
+                ScenarioCommandKind::Set(..)
+                | ScenarioCommandKind::Check(_)
+                | ScenarioCommandKind::StepUntil(_)
+                | ScenarioCommandKind::Exec(_)
+                | ScenarioCommandKind::Pick(_)
+                | ScenarioCommandKind::ExecBlock { .. } => it.token(),
             }
             it.no_end();
         });
@@ -81,47 +81,47 @@ impl Layout<'_> {
     /// A condition on the line of its command, or on the next ones where it does not fit.
     fn rest_of_line(&mut self, condition: &Term) {
         self.indent(|it| {
-            it.separate(Break::Blank);
+            it.separate(LayoutBreak::Blank);
             it.term(condition);
         });
     }
 
     /// `pick $x in r_rule(Domain, …) := term`, behind its first word.
     fn pick(&mut self, pick: &Pick) {
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
         if pick.rule.is_some() {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             self.token();
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
         }
         while self.peek().is_some() && !self.at(Sign::Assign) {
             let is_comma = self.at(Sign::Comma);
             self.token();
             if is_comma {
-                self.separate(Break::Blank);
+                self.separate(LayoutBreak::Blank);
             }
         }
-        self.separate(Break::Blank);
+        self.separate(LayoutBreak::Blank);
         self.token();
         self.value(&pick.value);
     }
 
     /// `begin name … end`, behind its first word.
-    fn named_block(&mut self, block: &Block) {
-        self.separate(Break::Blank);
+    fn named_block(&mut self, block: &ScenarioBlock) {
+        self.separate(LayoutBreak::Blank);
         self.token();
         self.no_end();
         self.indent(|all| {
-            let mut begin = Break::Hard;
+            let mut begin = LayoutBreak::Hard;
             for command in &block.commands {
                 all.separate(begin);
                 all.command(command);
-                begin = Break::Item;
+                begin = LayoutBreak::Item;
             }
             all.comments_inside();
         });
-        self.separate(Break::Hard);
+        self.separate(LayoutBreak::Hard);
         self.token();
     }
 
@@ -146,9 +146,9 @@ pub(super) fn with_ends(file: FileId, text: &str) -> String {
 
 /// The tokens of a scenario. Names and paths are whole, whatever the language makes of their letters;
 /// a term begins as if nothing stood before it.
-pub(super) fn tokens<'text>(text: &'text str, scenario: &Scenario) -> Vec<Spanned<'text>> {
-    let unheard = Findings::new(FileId(0));
-    let mut places = Places::default();
+pub(super) fn tokens<'text>(text: &'text str, scenario: &Scenario) -> Vec<SpannedToken<'text>> {
+    let unheard = SyntaxFindings::new(FileId(0));
+    let mut places = ScenarioPositions::default();
     places.scenario(scenario, text);
     let mut lexer = Lexer::new(text, &unheard);
     let mut tokens = Vec::new();
@@ -178,14 +178,14 @@ pub(super) fn tokens<'text>(text: &'text str, scenario: &Scenario) -> Vec<Spanne
 
 /// What the tokens of a scenario depend on.
 #[derive(Default)]
-struct Places {
+struct ScenarioPositions {
     /// Where names and paths begin and end.
     whole: BTreeMap<usize, usize>,
     /// Where terms and rules begin.
     begins: BTreeSet<usize>,
 }
 
-impl Places {
+impl ScenarioPositions {
     fn scenario(&mut self, scenario: &Scenario, text: &str) {
         self.whole(scenario.name.iter().map(|name| name.span));
         let paths = scenario.load.iter().map(|path| path.span.range());
@@ -205,34 +205,34 @@ impl Places {
             .for_each(|command| self.command(command));
     }
 
-    fn command(&mut self, command: &Command) {
+    fn command(&mut self, command: &ScenarioCommand) {
         match &command.kind {
-            CommandKind::Step => {}
-            CommandKind::Set(target, value) => {
+            ScenarioCommandKind::Step => {}
+            ScenarioCommandKind::Set(target, value) => {
                 match target {
                     Assignee::Variable(name) => self.begins(name.span),
                     Assignee::Location { span, .. } => self.begins(*span),
                 }
                 self.begins(value.span);
             }
-            CommandKind::Check(condition) | CommandKind::StepUntil(condition) => {
+            ScenarioCommandKind::Check(condition) | ScenarioCommandKind::StepUntil(condition) => {
                 self.begins(condition.span);
             }
-            CommandKind::Exec(rule) => self.begins(rule.span),
-            CommandKind::Pick(pick) => {
+            ScenarioCommandKind::Exec(rule) => self.begins(rule.span),
+            ScenarioCommandKind::Pick(pick) => {
                 if let Some(rule) = &pick.rule {
                     self.whole([rule.name.span]);
                 }
                 self.begins(pick.value.span);
             }
-            CommandKind::Block(block) => {
+            ScenarioCommandKind::Block(block) => {
                 self.whole([block.name.span]);
                 block
                     .commands
                     .iter()
                     .for_each(|command| self.command(command));
             }
-            CommandKind::ExecBlock { scenario, block } => {
+            ScenarioCommandKind::ExecBlock { scenario, block } => {
                 self.whole(scenario.iter().chain([block]).map(|name| name.span));
             }
         }

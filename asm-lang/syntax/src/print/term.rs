@@ -1,18 +1,18 @@
 //! Terms. They are broken only where they do not fit on one line.
 
 use super::branch::If;
-use super::layout::{Break, Layout};
+use super::layout::{LayoutBreak, TokenLayout};
 use super::list::element;
-use super::operator::{LOOSEST, Place};
+use super::operator::{LOOSEST, OperandPosition};
 use crate::ast::*;
 use crate::lexer::{Keyword, Sign, Token};
 
-impl Layout<'_> {
+impl TokenLayout<'_> {
     /// A term where any may stand.
     pub(super) fn term(&mut self, term: &Term) {
         self.placed(
             term,
-            Place {
+            OperandPosition {
                 least: LOOSEST,
                 of: None,
             },
@@ -30,17 +30,17 @@ impl Layout<'_> {
                 | TermKind::MapComprehension { .. }
         );
         if is_collection && !self.comment_before() {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             return self.term(term);
         }
         self.indent(|it| {
-            it.separate(Break::Line);
+            it.separate(LayoutBreak::Line);
             it.term(term);
         });
     }
 
     /// A term without the brackets it does not need.
-    pub(super) fn placed(&mut self, term: &Term, place: Place) {
+    pub(super) fn placed(&mut self, term: &Term, place: OperandPosition) {
         self.bracketed(term, place, |it| {
             let lines = it.in_lines(term.span);
             it.group(|it| it.term_kind(&term.kind, lines));
@@ -59,7 +59,7 @@ impl Layout<'_> {
             TermKind::Unary {
                 operator, operand, ..
             } => self.unary(*operator, operand),
-            TermKind::Tuple(items) => self.list(items, Break::Line, Self::term),
+            TermKind::Tuple(items) => self.list(items, LayoutBreak::Line, Self::term),
             TermKind::If {
                 guard,
                 then,
@@ -73,16 +73,16 @@ impl Layout<'_> {
             TermKind::Let { bindings, body } => {
                 self.bindings(bindings);
                 self.part(body, lines);
-                self.separate(Break::line(lines));
+                self.separate(LayoutBreak::line(lines));
                 self.token();
             }
             TermKind::Quantified { binders, guard, .. } => self.quantified(binders, guard.as_ref()),
             TermKind::Listed { collection, items } => {
                 let item = element(*collection);
                 let between = if items.iter().all(|item| item.depth <= 2) {
-                    Break::Fill
+                    LayoutBreak::Fill
                 } else {
-                    Break::Line
+                    LayoutBreak::Line
                 };
                 self.rows(items, between, |list, it| list.placed(it, item));
             }
@@ -123,7 +123,7 @@ impl Layout<'_> {
 
     /// Terms in brackets.
     pub(super) fn arguments(&mut self, arguments: &[Term]) {
-        self.list(arguments, Break::Line, Self::term);
+        self.list(arguments, LayoutBreak::Line, Self::term);
     }
 
     // ── terms with words ──
@@ -132,7 +132,7 @@ impl Layout<'_> {
     fn quantified(&mut self, binders: &[Binder], guard: Option<&Term>) {
         self.joined(2);
         if self.peek() == Some(Token::Keyword(Keyword::Unique)) {
-            self.separate(Break::Blank);
+            self.separate(LayoutBreak::Blank);
             self.token();
         }
         self.binders(binders, guard);
@@ -142,13 +142,13 @@ impl Layout<'_> {
     /// `$x in D, $y in E with g`.
     pub(super) fn binders(&mut self, binders: &[Binder], guard: Option<&Term>) {
         self.indent(|it| {
-            it.separate(Break::Blank);
+            it.separate(LayoutBreak::Blank);
             it.ranges(binders);
             if let Some(guard) = guard {
-                it.separate(Break::Line);
+                it.separate(LayoutBreak::Line);
                 it.token();
                 it.indent(|it| {
-                    it.separate(Break::Blank);
+                    it.separate(LayoutBreak::Blank);
                     it.term(guard);
                 });
             }
@@ -159,12 +159,12 @@ impl Layout<'_> {
     /// `$x in D, $y in E`.
     pub(super) fn ranges(&mut self, binders: &[Binder]) {
         self.group(|it| {
-            it.items(binders, Break::Line, |it, binder| {
+            it.items(binders, LayoutBreak::Line, |it, binder| {
                 it.token();
-                it.separate(Break::Blank);
+                it.separate(LayoutBreak::Blank);
                 it.token();
                 it.indent(|it| {
-                    it.separate(Break::Blank);
+                    it.separate(LayoutBreak::Blank);
                     it.term(&binder.range);
                 });
             });

@@ -1,7 +1,7 @@
 //! The tokens of a text and what stands between them: comments, line ends, blank lines.
 
-use crate::findings::Findings;
-use crate::lexer::{Lexer, Sign, Spanned, Token};
+use crate::findings::SyntaxFindings;
+use crate::lexer::{Lexer, Sign, SpannedToken, Token};
 use asmotion_diagnostics::FileId;
 use std::collections::VecDeque;
 
@@ -38,23 +38,23 @@ pub(super) struct Gap<'text> {
 
 /// The tokens of a text without errors, and the gap before each.
 #[derive(Debug)]
-pub(super) struct Tokens<'text> {
+pub(super) struct TriviaTokens<'text> {
     pub(super) text: &'text str,
-    tokens: Vec<Spanned<'text>>,
+    tokens: Vec<SpannedToken<'text>>,
     /// One more than tokens: the last one stands before the end.
     gaps: Vec<Gap<'text>>,
     /// For every `(` its `)`; otherwise the token itself.
     partners: Vec<usize>,
 }
 
-impl<'text> Tokens<'text> {
+impl<'text> TriviaTokens<'text> {
     /// The tokens of a specification.
     pub(super) fn of_file(text: &'text str) -> Self {
-        let unheard = Findings::new(FileId(0));
+        let unheard = SyntaxFindings::new(FileId(0));
         Self::new(text, Lexer::new(text, &unheard).collect())
     }
 
-    pub(super) fn new(text: &'text str, tokens: Vec<Spanned<'text>>) -> Self {
+    pub(super) fn new(text: &'text str, tokens: Vec<SpannedToken<'text>>) -> Self {
         let mut gaps = Vec::with_capacity(tokens.len() + 1);
         let mut end = 0;
         for &(start, _, next_end) in &tokens {
@@ -80,7 +80,7 @@ impl<'text> Tokens<'text> {
     }
 
     /// The token at `index`.
-    pub(super) fn get(&self, index: usize) -> Option<Spanned<'text>> {
+    pub(super) fn get(&self, index: usize) -> Option<SpannedToken<'text>> {
         self.tokens.get(index).copied()
     }
 
@@ -150,7 +150,7 @@ pub(super) fn indentation(line: &str) -> usize {
         .sum()
 }
 
-fn partners(tokens: &[Spanned<'_>]) -> Vec<usize> {
+fn partners(tokens: &[SpannedToken<'_>]) -> Vec<usize> {
     let mut partners: Vec<usize> = (0..tokens.len()).collect();
     let mut open = Vec::new();
     for (index, &(_, token, _)) in tokens.iter().enumerate() {

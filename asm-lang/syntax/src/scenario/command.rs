@@ -1,7 +1,7 @@
 //! Commands: their words, and what stands up to their `;`.
 
-use super::reader::Reader;
-use crate::ast::{Block, Command, CommandKind, Name, Pick, PickedRule};
+use super::reader::ScenarioReader;
+use crate::ast::{NameText, Pick, PickedRule, ScenarioBlock, ScenarioCommand, ScenarioCommandKind};
 use crate::codes::v003::UnknownCommand;
 use crate::codes::v006::OpenBlock;
 use crate::codes::v007::StrayBlockEnd;
@@ -29,9 +29,9 @@ pub(super) const COMMANDS: &[&str] = &[
 /// Blocks may nest this deep.
 const MAX_DEPTH: usize = 64;
 
-impl Reader<'_, '_> {
+impl ScenarioReader<'_, '_> {
     /// The commands up to the end of the innermost open block, or of the text.
-    pub(super) fn commands(&mut self, open: &mut Vec<Name>) -> Vec<Command> {
+    pub(super) fn commands(&mut self, open: &mut Vec<NameText>) -> Vec<ScenarioCommand> {
         let mut commands = Vec::new();
         loop {
             self.lexer.blanks_and_comments();
@@ -60,37 +60,42 @@ impl Reader<'_, '_> {
             if let Some(kind) = self.command(word, at, open) {
                 let end = self.lexer.position();
                 let span = self.span(start..start + self.text[start..end].trim_end().len());
-                commands.push(Command { kind, span });
+                commands.push(ScenarioCommand { kind, span });
             }
         }
     }
 
-    fn command(&mut self, word: &str, at: Span, open: &mut Vec<Name>) -> Option<CommandKind> {
+    fn command(
+        &mut self,
+        word: &str,
+        at: Span,
+        open: &mut Vec<NameText>,
+    ) -> Option<ScenarioCommandKind> {
         match word {
             "set" => {
                 let part = self.part(at);
                 let parsed = parse_assignment_in(self.file, self.text, part);
                 let (target, value) = self.heard(parsed)?;
-                Some(CommandKind::Set(target, value))
+                Some(ScenarioCommandKind::Set(target, value))
             }
             "check" => {
                 let part = self.part(at);
-                Some(CommandKind::Check(self.term(part)?))
+                Some(ScenarioCommandKind::Check(self.term(part)?))
             }
             "step" => match self.takes("until") {
                 Some(until) => {
                     let part = self.part(until);
-                    Some(CommandKind::StepUntil(self.term(part)?))
+                    Some(ScenarioCommandKind::StepUntil(self.term(part)?))
                 }
-                None => Some(CommandKind::Step),
+                None => Some(ScenarioCommandKind::Step),
             },
             "exec" => {
                 let part = self.part(at);
                 let parsed = parse_rule_in(self.file, self.text, part);
-                Some(CommandKind::Exec(self.heard(parsed)?))
+                Some(ScenarioCommandKind::Exec(self.heard(parsed)?))
             }
-            "pick" => Some(CommandKind::Pick(self.pick(at)?)),
-            "begin" => Some(CommandKind::Block(self.block(at, open)?)),
+            "pick" => Some(ScenarioCommandKind::Pick(self.pick(at)?)),
+            "begin" => Some(ScenarioCommandKind::Block(self.block(at, open)?)),
             "execblock" => self.exec_block(at),
             "invariant" | "scenario" | "load" => {
                 let word = COMMANDS.iter().find(|known| **known == word)?;
@@ -150,7 +155,7 @@ impl Reader<'_, '_> {
     }
 
     /// The domains in brackets that tell a rule from others of its name, the closing one included.
-    fn domains(&mut self) -> Vec<Name> {
+    fn domains(&mut self) -> Vec<NameText> {
         let mut domains = Vec::new();
         let mut depth = 1;
         let mut domain: Option<(String, Span)> = None;
@@ -174,7 +179,7 @@ impl Reader<'_, '_> {
             self.lexer.pass();
             let token = self.span(start..self.lexer.position());
             if ends {
-                domains.extend(domain.take().map(|(text, span)| Name {
+                domains.extend(domain.take().map(|(text, span)| NameText {
                     text: text.into(),
                     span,
                 }));
@@ -190,7 +195,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn block(&mut self, at: Span, open: &mut Vec<Name>) -> Option<Block> {
+    fn block(&mut self, at: Span, open: &mut Vec<NameText>) -> Option<ScenarioBlock> {
         let name = self.wanted_name("begin", "a name", "begin name … end", at)?;
         if open.len() >= MAX_DEPTH {
             self.error(BlocksNestTooDeep { at });
@@ -200,7 +205,7 @@ impl Reader<'_, '_> {
         open.push(name.clone());
         let commands = self.commands(open);
         open.pop();
-        Some(Block { name, commands })
+        Some(ScenarioBlock { name, commands })
     }
 
     /// Goes on behind the `end` of the block that has just begun.
@@ -218,7 +223,7 @@ impl Reader<'_, '_> {
     }
 
     /// `scenario:block` or, as of old, `scenario.block`.
-    fn exec_block(&mut self, at: Span) -> Option<CommandKind> {
+    fn exec_block(&mut self, at: Span) -> Option<ScenarioCommandKind> {
         const FORM: &str = "execblock block;";
         let first = self.wanted_name("execblock", "a block", FORM, at)?;
         let second = if self.takes_sign(":") || self.takes_sign(".") {
@@ -229,11 +234,11 @@ impl Reader<'_, '_> {
         let last = second.as_ref().unwrap_or(&first).span;
         self.part_behind(last.range().end, at);
         Some(match second {
-            Some(block) => CommandKind::ExecBlock {
+            Some(block) => ScenarioCommandKind::ExecBlock {
                 scenario: Some(first),
                 block,
             },
-            None => CommandKind::ExecBlock {
+            None => ScenarioCommandKind::ExecBlock {
                 scenario: None,
                 block: first,
             },

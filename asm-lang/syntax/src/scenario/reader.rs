@@ -1,7 +1,7 @@
 //! The text of a scenario, word by word.
 
 use super::command::COMMANDS;
-use crate::ast::{Name, Term};
+use crate::ast::{NameText, Term};
 use crate::codes::v004::IncompleteCommand;
 use crate::codes::v005::UnendedCommand;
 use crate::fragment::parse_term_in;
@@ -11,14 +11,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Reads a scenario from its beginning to its end.
-pub(super) struct Reader<'input, 'run> {
+pub(super) struct ScenarioReader<'input, 'run> {
     pub file: FileId,
     pub text: &'input str,
     pub lexer: Lexer<'input, 'run>,
     pub report: Report,
 }
 
-impl<'input> Reader<'input, '_> {
+impl<'input> ScenarioReader<'input, '_> {
     // ── parts of commands ──
 
     /// What stands up to the `;`, which is taken too. Where it is missing, the command ends before
@@ -122,24 +122,24 @@ impl<'input> Reader<'input, '_> {
         is_here
     }
 
-    pub(super) fn name(&mut self) -> Option<Name> {
+    pub(super) fn name(&mut self) -> Option<NameText> {
         self.lexer.blanks_and_comments();
         let start = self.lexer.position();
         let text = self.word();
-        (!text.is_empty()).then(|| Name {
+        (!text.is_empty()).then(|| NameText {
             text: Arc::from(text),
             span: self.span(start..start + text.len()),
         })
     }
 
-    pub(super) fn variable(&mut self) -> Option<Name> {
+    pub(super) fn variable(&mut self) -> Option<NameText> {
         self.lexer.blanks_and_comments();
         let start = self.lexer.position();
         if !self.takes_sign("$") {
             return None;
         }
         let name = self.name()?;
-        Some(Name {
+        Some(NameText {
             text: Arc::from(format!("${}", name.text)),
             span: self.span(start..start).to(name.span),
         })
@@ -151,7 +151,7 @@ impl<'input> Reader<'input, '_> {
         wanted: &'static str,
         form: &'static str,
         at: Span,
-    ) -> Option<Name> {
+    ) -> Option<NameText> {
         let name = self.name();
         if name.is_none() {
             self.incomplete(command, wanted, form, at);

@@ -66,25 +66,27 @@ pub fn scenario(scenario: &Scenario) -> String {
 }
 
 #[allow(dead_code, reason = "other tests use other parts of it")]
-fn command(it: &Command) -> String {
+fn command(it: &ScenarioCommand) -> String {
     match &it.kind {
-        CommandKind::Set(target, value) => format!("set {} {}", assignee(target), term(value)),
-        CommandKind::Check(condition) => format!("check {}", term(condition)),
-        CommandKind::Step => "step".to_owned(),
-        CommandKind::StepUntil(condition) => format!("until {}", term(condition)),
-        CommandKind::Exec(it) => format!("exec {}", rule(it)),
-        CommandKind::Pick(pick) => {
+        ScenarioCommandKind::Set(target, value) => {
+            format!("set {} {}", assignee(target), term(value))
+        }
+        ScenarioCommandKind::Check(condition) => format!("check {}", term(condition)),
+        ScenarioCommandKind::Step => "step".to_owned(),
+        ScenarioCommandKind::StepUntil(condition) => format!("until {}", term(condition)),
+        ScenarioCommandKind::Exec(it) => format!("exec {}", rule(it)),
+        ScenarioCommandKind::Pick(pick) => {
             let rule = pick.rule.as_ref().map(|rule| {
                 let domains = rule.parameters.as_ref().map(|domains| names(domains));
                 format!("{} {domains:?}", rule.name.text)
             });
             format!("pick {} {rule:?} {}", pick.variable.text, term(&pick.value))
         }
-        CommandKind::Block(block) => {
+        ScenarioCommandKind::Block(block) => {
             let inside: Vec<String> = block.commands.iter().map(command).collect();
             format!("begin {}\n{}\nend", block.name.text, inside.join("\n"))
         }
-        CommandKind::ExecBlock { scenario, block } => {
+        ScenarioCommandKind::ExecBlock { scenario, block } => {
             let scenario = scenario.as_ref().map(|name| &name.text);
             format!("execblock {scenario:?} {}", block.text)
         }
@@ -98,7 +100,7 @@ fn import(import: &Import) -> String {
     }
 }
 
-fn names(names: &[Name]) -> String {
+fn names(names: &[NameText]) -> String {
     names
         .iter()
         .map(|name| &*name.text)
@@ -331,7 +333,7 @@ fn assignee(target: &Assignee) -> String {
     }
 }
 
-fn applied(agent: Option<&Name>, function: &Name, arguments: &[Term]) -> String {
+fn applied(agent: Option<&NameText>, function: &NameText, arguments: &[Term]) -> String {
     let agent = agent.map_or(String::new(), |agent| format!("{}.", agent.text));
     match arguments {
         [] => format!("{agent}{}", function.text),
@@ -492,7 +494,7 @@ fn binder(binder: &Binder) -> String {
     format!("{}:{}", binder.name.text, term(&binder.range))
 }
 
-fn binding((name, value): &(Name, Term)) -> String {
+fn binding((name, value): &(NameText, Term)) -> String {
     format!("{}={}", name.text, term(value))
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::projection::checked;
-use crate::{Fault, LonLat, Rules, Tags};
+use crate::{LonLat, MapFault, Rules, Tags};
 
 /// Tags that matter besides those of the rules.
 const ALWAYS: &[&str] = &["type", "area", "width", "name"];
@@ -21,28 +21,28 @@ pub struct Extract {
     /// Nodes with tags, in the order of the file.
     pub spots: Vec<(i64, Tags)>,
     /// In the order of the file.
-    pub ways: Vec<Way>,
+    pub ways: Vec<OsmWay>,
     /// In the order of the file.
-    pub relations: Vec<Relation>,
+    pub relations: Vec<OsmRelation>,
     by_id: HashMap<i64, usize>,
     elements: usize,
 }
 
 /// A line through nodes.
-pub struct Way {
+pub struct OsmWay {
     pub id: i64,
     pub nodes: Vec<i64>,
     pub tags: Tags,
 }
 
 /// A group of elements; of its members only the ways matter.
-pub struct Relation {
+pub struct OsmRelation {
     pub ways: Vec<i64>,
     pub tags: Tags,
 }
 
 impl Extract {
-    pub fn add_node(&mut self, id: i64, place: (f64, f64), tags: Tags) -> Result<(), Fault> {
+    pub fn add_node(&mut self, id: i64, place: (f64, f64), tags: Tags) -> Result<(), MapFault> {
         self.count(1)?;
         self.nodes.insert(id, checked(place.0, place.1)?);
         if !tags.is_empty() {
@@ -51,27 +51,27 @@ impl Extract {
         Ok(())
     }
 
-    pub fn add_way(&mut self, way: Way) -> Result<(), Fault> {
+    pub fn add_way(&mut self, way: OsmWay) -> Result<(), MapFault> {
         self.count(1 + way.nodes.len() / 8)?;
         self.by_id.insert(way.id, self.ways.len());
         self.ways.push(way);
         Ok(())
     }
 
-    pub fn add_relation(&mut self, relation: Relation) -> Result<(), Fault> {
+    pub fn add_relation(&mut self, relation: OsmRelation) -> Result<(), MapFault> {
         self.count(1 + relation.ways.len() / 8)?;
         self.relations.push(relation);
         Ok(())
     }
 
-    pub fn way(&self, id: i64) -> Option<&Way> {
+    pub fn way(&self, id: i64) -> Option<&OsmWay> {
         self.ways.get(*self.by_id.get(&id)?)
     }
 
-    fn count(&mut self, more: usize) -> Result<(), Fault> {
+    fn count(&mut self, more: usize) -> Result<(), MapFault> {
         self.elements += more;
         if self.elements > MOST {
-            return Err(Fault::TooManyElements { limit: MOST });
+            return Err(MapFault::TooManyElements { limit: MOST });
         }
         Ok(())
     }

@@ -3,11 +3,11 @@
 
 use flate2::read::ZlibDecoder;
 
-use super::extract::{Extract, Relation, Way, matters};
-use super::wire::{Field, Numbers, WireError, fields};
-use crate::error::{Fault, MapError};
+use super::extract::{Extract, OsmRelation, OsmWay, matters};
+use super::wire::{ProtobufError, ProtobufField, ProtobufNumbers, fields};
+use crate::error::{MapError, MapFault};
 use crate::files::read_at_most;
-use crate::format::Source;
+use crate::format::MapSource;
 use crate::map::LonLat;
 use crate::projection::checked;
 use crate::rules::{Rules, Tags};
@@ -19,12 +19,12 @@ const MAX_HEADER: usize = 64 << 10;
 const MAX_BLOCK: u64 = 32 << 20;
 
 /// The elements of the file.
-pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
+pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> {
     let bytes = source.bytes()?;
     blocks(&bytes, rules).map_err(|fault| source.error(fault))
 }
 
-fn blocks(bytes: &[u8], rules: &Rules) -> Result<Extract, Fault> {
+fn blocks(bytes: &[u8], rules: &Rules) -> Result<Extract, MapFault> {
     let mut extract = Extract::default();
     let mut has_header = false;
     let mut rest = bytes;
@@ -54,32 +54,32 @@ fn blocks(bytes: &[u8], rules: &Rules) -> Result<Extract, Fault> {
     Ok(extract)
 }
 
-fn take<'a>(rest: &mut &'a [u8], length: usize) -> Result<&'a [u8], Fault> {
+fn take<'a>(rest: &mut &'a [u8], length: usize) -> Result<&'a [u8], MapFault> {
     let cut = || syntax("ends in the middle of a block");
     let (taken, after) = rest.split_at_checked(length).ok_or_else(cut)?;
     *rest = after;
     Ok(taken)
 }
 
-fn syntax(what: impl ToString) -> Fault {
-    Fault::Syntax {
+fn syntax(what: impl ToString) -> MapFault {
+    MapFault::Syntax {
         what: what.to_string(),
     }
 }
 
-impl From<WireError> for Fault {
-    fn from(error: WireError) -> Self {
+impl From<ProtobufError> for MapFault {
+    fn from(error: ProtobufError) -> Self {
         syntax(format_args!("a block is damaged: {error}"))
     }
 }
 
 /// A field that the schema requires.
-fn required<T>(found: Option<T>, what: &str) -> Result<T, Fault> {
+fn required<T>(found: Option<T>, what: &str) -> Result<T, MapFault> {
     found.ok_or_else(|| syntax(format_args!("a block is damaged: {what} is missing")))
 }
 
 /// The kind of the block that follows, and how many bytes it has.
-fn blob_header(message: &[u8]) -> Result<(&[u8], usize), Fault> {
+fn blob_header(message: &[u8]) -> Result<(&[u8], usize), MapFault> {
     let (mut kind, mut length) = (None, None);
     for field in fields(message) {
         let field = field?;
@@ -94,7 +94,7 @@ fn blob_header(message: &[u8]) -> Result<(&[u8], usize), Fault> {
 }
 
 /// The message in a block.
-fn unpack(blob: &[u8]) -> Result<Vec<u8>, Fault> {
+fn unpack(blob: &[u8]) -> Result<Vec<u8>, MapFault> {
     for field in fields(blob) {
         let field = field?;
         let read = match field.number {
@@ -113,7 +113,7 @@ fn unpack(blob: &[u8]) -> Result<Vec<u8>, Fault> {
 }
 
 /// The corners of the extract, if the header block says; they are in nanodegrees.
-fn bounds(header: &[u8]) -> Result<Option<(LonLat, LonLat)>, Fault> {
+fn bounds(header: &[u8]) -> Result<Option<(LonLat, LonLat)>, MapFault> {
     let mut found = None;
     for field in fields(header) {
         let field = field?;
@@ -124,7 +124,7 @@ fn bounds(header: &[u8]) -> Result<Option<(LonLat, LonLat)>, Fault> {
     Ok(found)
 }
 
-fn corners(message: &[u8]) -> Result<(LonLat, LonLat), Fault> {
+fn corners(message: &[u8]) -> Result<(LonLat, LonLat), MapFault> {
     let mut sides = [None; 4];
     for field in fields(message) {
         let field = field?;
@@ -152,7 +152,7 @@ struct Block<'a> {
     rules: &'a Rules,
 }
 
-fn add_block(extract: &mut Extract, message: &[u8], rules: &Rules) -> Result<(), Fault> {
+fn add_block(extract: &mut Extract, message: &[u8], rules: &Rules) -> Result<(), MapFault> {
     let mut block = Block {
         strings: Vec::new(),
         granularity: 100,
@@ -186,7 +186,7 @@ fn add_block(extract: &mut Extract, message: &[u8], rules: &Rules) -> Result<(),
 }
 
 impl Block<'_> {
-    fn add_group(&self, extract: &mut Extract, group: &[u8]) -> Result<(), Fault> {
+    fn add_group(&self, extract: &mut Extract, group: &[u8]) -> Result<(), MapFault> {
         for element in fields(group) {
             let element = element?;
             match element.number {
@@ -200,7 +200,7 @@ impl Block<'_> {
         Ok(())
     }
 
-    fn add_node(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
+    fn add_node(&self, extract: &mut Extract, message: &[u8]) -> Result<(), MapFault> {
         let (mut id, mut latitude, mut longitude) = (None, None, None);
         let mut tags = TagIndices::default();
         for field in fields(message) {
@@ -219,9 +219,10 @@ impl Block<'_> {
     }
 
     /// Nodes as columns: ids, latitudes, longitudes, and the tags of all, with a 0 after those of each.
-    fn add_dense_nodes(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
-        let (mut ids, mut tags) = (Numbers::default(), Numbers::default());
-        let (mut latitudes, mut longitudes) = (Numbers::default(), Numbers::default());
+    fn add_dense_nodes(&self, extract: &mut Extract, message: &[u8]) -> Result<(), MapFault> {
+        let (mut ids, mut tags) = (ProtobufNumbers::default(), ProtobufNumbers::default());
+        let (mut latitudes, mut longitudes) =
+            (ProtobufNumbers::default(), ProtobufNumbers::default());
         for field in fields(message) {
             let field = field?;
             match field.number {
@@ -246,8 +247,8 @@ impl Block<'_> {
         Ok(())
     }
 
-    fn add_way(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
-        let (mut id, mut nodes) = (None, Numbers::default());
+    fn add_way(&self, extract: &mut Extract, message: &[u8]) -> Result<(), MapFault> {
+        let (mut id, mut nodes) = (None, ProtobufNumbers::default());
         let mut tags = TagIndices::default();
         for field in fields(message) {
             let field = field?;
@@ -257,15 +258,15 @@ impl Block<'_> {
                 _ => tags.extend(&field)?,
             }
         }
-        extract.add_way(Way {
+        extract.add_way(OsmWay {
             id: required(id, "the id of a way")?,
             nodes: nodes.sums().collect::<Result<_, _>>()?,
             tags: tags.read(self)?,
         })
     }
 
-    fn add_relation(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
-        let (mut members, mut kinds) = (Numbers::default(), Numbers::default());
+    fn add_relation(&self, extract: &mut Extract, message: &[u8]) -> Result<(), MapFault> {
+        let (mut members, mut kinds) = (ProtobufNumbers::default(), ProtobufNumbers::default());
         let mut tags = TagIndices::default();
         for field in fields(message) {
             let field = field?;
@@ -288,22 +289,22 @@ impl Block<'_> {
             }
         }
         let tags = tags.read(self)?;
-        extract.add_relation(Relation { ways, tags })
+        extract.add_relation(OsmRelation { ways, tags })
     }
 
     /// Longitude and latitude in degrees, of numbers in the block's own unit.
-    fn place(&self, longitude: i64, latitude: i64) -> Result<(f64, f64), Fault> {
+    fn place(&self, longitude: i64, latitude: i64) -> Result<(f64, f64), MapFault> {
         let degrees = |offset: i64, number: i64| {
             let nanodegrees = number.checked_mul(self.granularity);
             let nanodegrees = nanodegrees.and_then(|it| it.checked_add(offset));
-            Ok(1e-9 * nanodegrees.ok_or(WireError::TooLarge)? as f64)
+            Ok(1e-9 * nanodegrees.ok_or(ProtobufError::TooLarge)? as f64)
         };
-        let longitude: Result<f64, WireError> = degrees(self.longitude_offset, longitude);
+        let longitude: Result<f64, ProtobufError> = degrees(self.longitude_offset, longitude);
         Ok((longitude?, degrees(self.latitude_offset, latitude)?))
     }
 
     /// Adds a tag, by the indices of its strings, if it matters.
-    fn add_tag(&self, tags: &mut Tags, key: u64, value: u64) -> Result<(), Fault> {
+    fn add_tag(&self, tags: &mut Tags, key: u64, value: u64) -> Result<(), MapFault> {
         let string = |index: u64| {
             let found = usize::try_from(index)
                 .ok()
@@ -328,13 +329,13 @@ impl Block<'_> {
 /// The tags of an element: keys and values as indices of strings, in two columns.
 #[derive(Default)]
 struct TagIndices<'a> {
-    keys: Numbers<'a>,
-    values: Numbers<'a>,
+    keys: ProtobufNumbers<'a>,
+    values: ProtobufNumbers<'a>,
 }
 
 impl<'a> TagIndices<'a> {
     /// Takes over a field of a node, a way or a relation, if it is one of tags.
-    fn extend(&mut self, field: &Field<'a>) -> Result<(), WireError> {
+    fn extend(&mut self, field: &ProtobufField<'a>) -> Result<(), ProtobufError> {
         match field.number {
             2 => self.keys.extend(field),
             3 => self.values.extend(field),
@@ -342,7 +343,7 @@ impl<'a> TagIndices<'a> {
         }
     }
 
-    fn read(&self, block: &Block<'_>) -> Result<Tags, Fault> {
+    fn read(&self, block: &Block<'_>) -> Result<Tags, MapFault> {
         let mut tags = Tags::new();
         for (key, value) in self.keys.ints().zip(self.values.ints()) {
             block.add_tag(&mut tags, key?, value?)?;

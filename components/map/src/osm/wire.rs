@@ -5,7 +5,7 @@
 
 /// A reason why bytes are not a protobuf message.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum WireError {
+pub enum ProtobufError {
     /// A number or a length reaches beyond the end.
     #[error("a message ends too early")]
     Truncated,
@@ -22,7 +22,7 @@ pub enum WireError {
 
 /// One field of a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field<'a> {
+pub struct ProtobufField<'a> {
     /// Its number in the schema.
     pub number: u64,
     content: Content<'a>,
@@ -40,7 +40,7 @@ enum Content<'a> {
 }
 
 /// The fields of a message, in the order of its bytes. Ends after the first error.
-pub fn fields(message: &[u8]) -> impl Iterator<Item = Result<Field<'_>, WireError>> {
+pub fn fields(message: &[u8]) -> impl Iterator<Item = Result<ProtobufField<'_>, ProtobufError>> {
     let mut rest = message;
     std::iter::from_fn(move || {
         if rest.is_empty() {
@@ -54,7 +54,7 @@ pub fn fields(message: &[u8]) -> impl Iterator<Item = Result<Field<'_>, WireErro
     })
 }
 
-fn next_field<'a>(rest: &mut &'a [u8]) -> Result<Field<'a>, WireError> {
+fn next_field<'a>(rest: &mut &'a [u8]) -> Result<ProtobufField<'a>, ProtobufError> {
     let key = take_varint(rest)?;
     let content = match key & 7 {
         0 => {
@@ -65,31 +65,33 @@ fn next_field<'a>(rest: &mut &'a [u8]) -> Result<Field<'a>, WireError> {
         1 => take(rest, 8).map(|_| Content::Fixed)?,
         2 => {
             let length = take_varint(rest)?;
-            let length = usize::try_from(length).map_err(|_| WireError::Truncated)?;
+            let length = usize::try_from(length).map_err(|_| ProtobufError::Truncated)?;
             Content::Bytes(take(rest, length)?)
         }
         5 => take(rest, 4).map(|_| Content::Fixed)?,
-        other => return Err(WireError::WireType(other)),
+        other => return Err(ProtobufError::WireType(other)),
     };
-    Ok(Field {
+    Ok(ProtobufField {
         number: key >> 3,
         content,
     })
 }
 
-fn take<'a>(rest: &mut &'a [u8], length: usize) -> Result<&'a [u8], WireError> {
-    let (taken, after) = rest.split_at_checked(length).ok_or(WireError::Truncated)?;
+fn take<'a>(rest: &mut &'a [u8], length: usize) -> Result<&'a [u8], ProtobufError> {
+    let (taken, after) = rest
+        .split_at_checked(length)
+        .ok_or(ProtobufError::Truncated)?;
     *rest = after;
     Ok(taken)
 }
 
 /// Seven bits a byte, the lowest first; the top bit says that another byte follows.
-fn take_varint(rest: &mut &[u8]) -> Result<u64, WireError> {
+fn take_varint(rest: &mut &[u8]) -> Result<u64, ProtobufError> {
     let mut value = 0;
     for (index, byte) in rest.iter().take(10).enumerate() {
         let bits = u64::from(byte & 0x7f);
         if index == 9 && bits > 1 {
-            return Err(WireError::TooLarge);
+            return Err(ProtobufError::TooLarge);
         }
         value |= bits << (7 * index);
         if byte & 0x80 == 0 {
@@ -98,8 +100,8 @@ fn take_varint(rest: &mut &[u8]) -> Result<u64, WireError> {
         }
     }
     Err(match rest.len() {
-        0..10 => WireError::Truncated,
-        _ => WireError::TooLarge,
+        0..10 => ProtobufError::Truncated,
+        _ => ProtobufError::TooLarge,
     })
 }
 
@@ -108,45 +110,45 @@ fn unzigzag(value: u64) -> i64 {
     (value >> 1) as i64 ^ -((value & 1) as i64)
 }
 
-impl<'a> Field<'a> {
+impl<'a> ProtobufField<'a> {
     /// A text, or a message inside.
-    pub fn bytes(&self) -> Result<&'a [u8], WireError> {
+    pub fn bytes(&self) -> Result<&'a [u8], ProtobufError> {
         match self.content {
             Content::Bytes(bytes) => Ok(bytes),
-            Content::Varint(_) | Content::Fixed => Err(WireError::OtherType(self.number)),
+            Content::Varint(_) | Content::Fixed => Err(ProtobufError::OtherType(self.number)),
         }
     }
 
     /// An `int32`, `int64`, `uint32`, `uint64` or `enum`: negative ones are in two's complement.
-    pub fn int(&self) -> Result<i64, WireError> {
+    pub fn int(&self) -> Result<i64, ProtobufError> {
         match self.content {
             Content::Varint(mut encoded) => Ok(take_varint(&mut encoded)? as i64),
-            Content::Bytes(_) | Content::Fixed => Err(WireError::OtherType(self.number)),
+            Content::Bytes(_) | Content::Fixed => Err(ProtobufError::OtherType(self.number)),
         }
     }
 
     /// An `sint32` or `sint64`.
-    pub fn sint(&self) -> Result<i64, WireError> {
+    pub fn sint(&self) -> Result<i64, ProtobufError> {
         Ok(unzigzag(self.int()? as u64))
     }
 }
 
 /// The numbers of a `repeated` field. A writer may pack them into one field, or write a field for each.
 #[derive(Clone, Debug, Default)]
-pub struct Numbers<'a>(Vec<&'a [u8]>);
+pub struct ProtobufNumbers<'a>(Vec<&'a [u8]>);
 
-impl<'a> Numbers<'a> {
+impl<'a> ProtobufNumbers<'a> {
     /// Appends those of a field.
-    pub fn extend(&mut self, field: &Field<'a>) -> Result<(), WireError> {
+    pub fn extend(&mut self, field: &ProtobufField<'a>) -> Result<(), ProtobufError> {
         match field.content {
             Content::Varint(encoded) | Content::Bytes(encoded) => self.0.push(encoded),
-            Content::Fixed => return Err(WireError::OtherType(field.number)),
+            Content::Fixed => return Err(ProtobufError::OtherType(field.number)),
         }
         Ok(())
     }
 
     /// The numbers as they are written.
-    pub fn ints(&self) -> impl Iterator<Item = Result<u64, WireError>> {
+    pub fn ints(&self) -> impl Iterator<Item = Result<u64, ProtobufError>> {
         self.0.iter().flat_map(|encoded| {
             let mut rest = *encoded;
             std::iter::from_fn(move || {
@@ -163,12 +165,12 @@ impl<'a> Numbers<'a> {
     }
 
     /// The sums of the differences that are written, as `sint`: OSM's delta coding.
-    pub fn sums(&self) -> impl Iterator<Item = Result<i64, WireError>> {
+    pub fn sums(&self) -> impl Iterator<Item = Result<i64, ProtobufError>> {
         let mut sum = 0_i64;
         self.ints().map(move |difference| {
             sum = sum
                 .checked_add(unzigzag(difference?))
-                .ok_or(WireError::TooLarge)?;
+                .ok_or(ProtobufError::TooLarge)?;
             Ok(sum)
         })
     }
@@ -182,16 +184,16 @@ mod tests {
     fn it_reads_the_examples_of_the_specification() {
         // field 1 = 150; field 2 = "testing"; field 6 = [3, 270, 86942], packed
         let message = b"\x08\x96\x01\x12\x07testing\x32\x06\x03\x8e\x02\x9e\xa7\x05";
-        let all: Vec<Field<'_>> = fields(message).collect::<Result<_, _>>().unwrap();
+        let all: Vec<ProtobufField<'_>> = fields(message).collect::<Result<_, _>>().unwrap();
         assert_eq!(
             all.iter().map(|it| it.number).collect::<Vec<_>>(),
             [1, 2, 6]
         );
         assert_eq!(all[0].int(), Ok(150));
         assert_eq!(all[1].bytes(), Ok(&b"testing"[..]));
-        assert_eq!(all[0].bytes(), Err(WireError::OtherType(1)));
-        assert_eq!(all[1].int(), Err(WireError::OtherType(2)));
-        let mut numbers = Numbers::default();
+        assert_eq!(all[0].bytes(), Err(ProtobufError::OtherType(1)));
+        assert_eq!(all[1].int(), Err(ProtobufError::OtherType(2)));
+        let mut numbers = ProtobufNumbers::default();
         numbers.extend(&all[2]).unwrap();
         // the same field once more, not packed
         numbers.extend(&all[0]).unwrap();
@@ -216,20 +218,20 @@ mod tests {
     #[test]
     fn it_refuses_what_is_cut_off_or_too_large() {
         let error = |message: &[u8]| fields(message).find_map(Result::err);
-        assert_eq!(error(b"\x08"), Some(WireError::Truncated));
-        assert_eq!(error(b"\x08\x96"), Some(WireError::Truncated));
-        assert_eq!(error(b"\x12\x07test"), Some(WireError::Truncated));
-        assert_eq!(error(b"\x09\0\0"), Some(WireError::Truncated));
-        assert_eq!(error(b"\x0b"), Some(WireError::WireType(3)));
+        assert_eq!(error(b"\x08"), Some(ProtobufError::Truncated));
+        assert_eq!(error(b"\x08\x96"), Some(ProtobufError::Truncated));
+        assert_eq!(error(b"\x12\x07test"), Some(ProtobufError::Truncated));
+        assert_eq!(error(b"\x09\0\0"), Some(ProtobufError::Truncated));
+        assert_eq!(error(b"\x0b"), Some(ProtobufError::WireType(3)));
         let lengthy = b"\x08\xff\xff\xff\xff\xff\xff\xff\xff\xff\x7f";
-        assert_eq!(error(lengthy), Some(WireError::TooLarge));
-        assert_eq!(error(&[0x80; 11]), Some(WireError::TooLarge));
+        assert_eq!(error(lengthy), Some(ProtobufError::TooLarge));
+        assert_eq!(error(&[0x80; 11]), Some(ProtobufError::TooLarge));
         // twice the largest difference
-        let mut numbers = Numbers::default();
+        let mut numbers = ProtobufNumbers::default();
         let largest = b"\x0a\x14\xfe\xff\xff\xff\xff\xff\xff\xff\xff\x01\xfe\xff\xff\xff\xff\xff\xff\xff\xff\x01";
         let field = fields(largest).next().unwrap().unwrap();
         numbers.extend(&field).unwrap();
         let sums: Vec<_> = numbers.sums().collect();
-        assert_eq!(sums, [Ok(i64::MAX), Err(WireError::TooLarge)]);
+        assert_eq!(sums, [Ok(i64::MAX), Err(ProtobufError::TooLarge)]);
     }
 }

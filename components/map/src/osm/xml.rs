@@ -4,13 +4,13 @@ use quick_xml::Reader;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 
-use super::extract::{Extract, Relation, Way, matters};
-use crate::format::Source;
+use super::extract::{Extract, OsmRelation, OsmWay, matters};
+use crate::format::MapSource;
 use crate::projection::checked;
-use crate::{Fault, MapError, Rules, Tags, Where};
+use crate::{MapError, MapFault, Rules, Tags, Where};
 
 /// The elements of the file.
-pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
+pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> {
     let text = source.text()?;
     let mut reader = Reader::from_str(&text);
     let mut parser = Parser {
@@ -25,7 +25,10 @@ pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
         let event = reader.read_event().map_err(|error| {
             let at = reader.error_position();
             let what = error.to_string();
-            source.error_at(Where::in_text(&text, at as usize), Fault::Syntax { what })
+            source.error_at(
+                Where::in_text(&text, at as usize),
+                MapFault::Syntax { what },
+            )
         })?;
         match event {
             Event::Start(tag) => parser.open(&tag).map_err(wrong)?,
@@ -40,7 +43,7 @@ pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
     }
     if !parser.whole {
         let what = "is no OSM XML file, or ends before `</osm>`".to_owned();
-        return Err(source.error(Fault::Syntax { what }));
+        return Err(source.error(MapFault::Syntax { what }));
     }
     Ok(parser.extract)
 }
@@ -49,23 +52,23 @@ struct Parser<'a> {
     rules: &'a Rules,
     extract: Extract,
     /// The element that is open; its tags and members come as children.
-    element: Option<Element>,
+    element: Option<OsmElement>,
     /// Whether the end of the root was seen.
     whole: bool,
 }
 
-enum Element {
+enum OsmElement {
     Node {
         id: i64,
         place: (f64, f64),
         tags: Tags,
     },
-    Way(Way),
-    Relation(Relation),
+    Way(OsmWay),
+    Relation(OsmRelation),
 }
 
 impl Parser<'_> {
-    fn open(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
+    fn open(&mut self, tag: &BytesStart<'_>) -> Result<(), MapFault> {
         match tag.name().as_ref() {
             "bounds" => {
                 let corner = |lon: &str, lat: &str| checked(number(tag, lon)?, number(tag, lat)?);
@@ -73,33 +76,33 @@ impl Parser<'_> {
                     Some((corner("minlon", "minlat")?, corner("maxlon", "maxlat")?));
             }
             "node" => {
-                self.element = Some(Element::Node {
+                self.element = Some(OsmElement::Node {
                     id: number(tag, "id")?,
                     place: (number(tag, "lon")?, number(tag, "lat")?),
                     tags: Tags::new(),
                 });
             }
             "way" => {
-                self.element = Some(Element::Way(Way {
+                self.element = Some(OsmElement::Way(OsmWay {
                     id: number(tag, "id")?,
                     nodes: Vec::new(),
                     tags: Tags::new(),
                 }));
             }
             "relation" => {
-                self.element = Some(Element::Relation(Relation {
+                self.element = Some(OsmElement::Relation(OsmRelation {
                     ways: Vec::new(),
                     tags: Tags::new(),
                 }));
             }
             "tag" => self.tag(tag)?,
             "nd" => {
-                if let Some(Element::Way(way)) = &mut self.element {
+                if let Some(OsmElement::Way(way)) = &mut self.element {
                     way.nodes.push(number(tag, "ref")?);
                 }
             }
             "member" => {
-                if let Some(Element::Relation(relation)) = &mut self.element
+                if let Some(OsmElement::Relation(relation)) = &mut self.element
                     && attribute(tag, "type")? == "way"
                 {
                     relation.ways.push(number(tag, "ref")?);
@@ -110,11 +113,11 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn tag(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
+    fn tag(&mut self, tag: &BytesStart<'_>) -> Result<(), MapFault> {
         let tags = match &mut self.element {
-            Some(Element::Node { tags, .. }) => tags,
-            Some(Element::Way(way)) => &mut way.tags,
-            Some(Element::Relation(relation)) => &mut relation.tags,
+            Some(OsmElement::Node { tags, .. }) => tags,
+            Some(OsmElement::Way(way)) => &mut way.tags,
+            Some(OsmElement::Relation(relation)) => &mut relation.tags,
             None => return Ok(()),
         };
         let key = attribute(tag, "k")?;
@@ -124,22 +127,22 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn close(&mut self, name: &str) -> Result<(), Fault> {
+    fn close(&mut self, name: &str) -> Result<(), MapFault> {
         self.whole |= name == "osm";
         if !matches!(name, "node" | "way" | "relation") {
             return Ok(());
         }
         match self.element.take() {
-            Some(Element::Node { id, place, tags }) => self.extract.add_node(id, place, tags),
-            Some(Element::Way(way)) => self.extract.add_way(way),
-            Some(Element::Relation(relation)) => self.extract.add_relation(relation),
+            Some(OsmElement::Node { id, place, tags }) => self.extract.add_node(id, place, tags),
+            Some(OsmElement::Way(way)) => self.extract.add_way(way),
+            Some(OsmElement::Relation(relation)) => self.extract.add_relation(relation),
             None => Ok(()),
         }
     }
 }
 
-fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String, Fault> {
-    let wrong = |what: String| Fault::Syntax { what };
+fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String, MapFault> {
+    let wrong = |what: String| MapFault::Syntax { what };
     let found = tag
         .try_get_attribute(name)
         .map_err(|error| wrong(error.to_string()))?;
@@ -156,9 +159,9 @@ fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String, Fault> {
         .map_err(|error| wrong(error.to_string()))
 }
 
-fn number<T: std::str::FromStr>(tag: &BytesStart<'_>, name: &str) -> Result<T, Fault> {
+fn number<T: std::str::FromStr>(tag: &BytesStart<'_>, name: &str) -> Result<T, MapFault> {
     let text = attribute(tag, name)?;
-    text.parse().map_err(|_| Fault::Value {
+    text.parse().map_err(|_| MapFault::Value {
         key: name.to_owned(),
         found: format!("`{text}`"),
         expected: "a number",

@@ -1,10 +1,10 @@
 //! The Netpbm formats PBM, PGM and PPM (<https://netpbm.sourceforge.net/doc/pnm.html>), as text and as bytes: P1 to P6.
 
-use super::picture::{Channels, Picture, narrow};
-use crate::error::Fault;
+use super::picture::{Channels, MapPicture, narrow};
+use crate::error::MapFault;
 
 /// Reads an image that begins with `P1` to `P6`, unless it has more pixels than `limit`.
-pub fn read(bytes: &[u8], limit: u64) -> Result<Picture, Fault> {
+pub fn read(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
     let (is_text, channels, is_bitmap) = match bytes.get(1) {
         Some(b'1') => (true, Channels::Grey, true),
         Some(b'2') => (true, Channels::Grey, false),
@@ -14,7 +14,7 @@ pub fn read(bytes: &[u8], limit: u64) -> Result<Picture, Fault> {
         Some(b'6') => (false, Channels::Rgb, false),
         _ => return Err(syntax("is none of P1 to P6")),
     };
-    let mut text = Text(bytes.get(2..).unwrap_or_default());
+    let mut text = NetpbmText(bytes.get(2..).unwrap_or_default());
     let width = text.header("width")?;
     let height = text.header("height")?;
     let white = match is_bitmap {
@@ -26,7 +26,7 @@ pub fn read(bytes: &[u8], limit: u64) -> Result<Picture, Fault> {
     };
     let pixels = u64::from(width) * u64::from(height);
     if pixels > limit {
-        return Err(Fault::TooManyBytes { limit });
+        return Err(MapFault::TooManyBytes { limit });
     }
     let count = pixels as usize * channels.count();
     let samples = match (is_bitmap, is_text) {
@@ -35,23 +35,23 @@ pub fn read(bytes: &[u8], limit: u64) -> Result<Picture, Fault> {
         (false, true) => text.samples(count, white)?,
         (false, false) => samples(text.0, count, white)?,
     };
-    Picture::new(width, height, channels, samples).ok_or_else(too_short)
+    MapPicture::new(width, height, channels, samples).ok_or_else(too_short)
 }
 
-fn syntax(what: &str) -> Fault {
-    Fault::Syntax {
+fn syntax(what: &str) -> MapFault {
+    MapFault::Syntax {
         what: what.to_owned(),
     }
 }
 
-fn too_short() -> Fault {
+fn too_short() -> MapFault {
     syntax("has fewer pixels than its header says")
 }
 
 /// Numbers between blanks; in the header, `#` begins a comment.
-struct Text<'a>(&'a [u8]);
+struct NetpbmText<'a>(&'a [u8]);
 
-impl Text<'_> {
+impl NetpbmText<'_> {
     fn next(&mut self) -> Option<u8> {
         let (first, rest) = self.0.split_first()?;
         self.0 = rest;
@@ -59,7 +59,7 @@ impl Text<'_> {
     }
 
     /// A number of the header, with the one blank behind it.
-    fn header(&mut self, what: &str) -> Result<u32, Fault> {
+    fn header(&mut self, what: &str) -> Result<u32, MapFault> {
         let mut number = None;
         loop {
             match self.next() {
@@ -82,7 +82,7 @@ impl Text<'_> {
     }
 
     /// Samples from 0 to `white`, as many as wanted.
-    fn samples(&mut self, count: usize, white: u16) -> Result<Vec<u8>, Fault> {
+    fn samples(&mut self, count: usize, white: u16) -> Result<Vec<u8>, MapFault> {
         let words = self.0.split(|byte| is_blank(*byte));
         let words = words.filter(|word| !word.is_empty()).take(count);
         let mut samples = Vec::new();
@@ -95,7 +95,7 @@ impl Text<'_> {
     }
 
     /// Bits, which need no blanks in between: 1 is black.
-    fn bits(&mut self, count: usize) -> Result<Vec<u8>, Fault> {
+    fn bits(&mut self, count: usize) -> Result<Vec<u8>, MapFault> {
         let digits = self.0.iter().filter(|byte| !is_blank(**byte)).take(count);
         let shade = |digit: &u8| match digit {
             b'0' => Ok(255),
@@ -111,7 +111,7 @@ fn is_blank(byte: u8) -> bool {
 }
 
 /// A row takes whole bytes, the leftmost pixel is the highest bit, and 1 is black.
-fn packed_bits(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, Fault> {
+fn packed_bits(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, MapFault> {
     let row = width.div_ceil(8) as usize;
     let rows = row.checked_mul(height as usize);
     let bytes = rows
@@ -131,7 +131,7 @@ fn packed_bits(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, Fault> 
 }
 
 /// A byte a sample, or two, the higher first, where `white` does not fit into one.
-fn samples(bytes: &[u8], count: usize, white: u16) -> Result<Vec<u8>, Fault> {
+fn samples(bytes: &[u8], count: usize, white: u16) -> Result<Vec<u8>, MapFault> {
     if white < 256 {
         let bytes = bytes.get(..count).ok_or_else(too_short)?;
         return Ok(match white {

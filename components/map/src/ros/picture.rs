@@ -5,15 +5,15 @@ use std::io::Cursor;
 use png::{ColorType, Decoder, DecodingError, Encoder, Limits, Transformations};
 
 use super::netpbm;
-use crate::error::{Fault, MapError};
-use crate::format::{Settings, Source};
+use crate::error::{MapError, MapFault};
+use crate::format::{MapSettings, MapSource};
 
 /// What a PNG file begins with.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Pixels in rows from the top, 8 bits a channel.
 #[derive(Debug)]
-pub struct Picture {
+pub struct MapPicture {
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
@@ -57,7 +57,7 @@ impl Channels {
     }
 }
 
-impl Picture {
+impl MapPicture {
     /// A picture of these samples; none if they are not as many as it takes.
     pub fn new(width: u32, height: u32, channels: Channels, samples: Vec<u8>) -> Option<Self> {
         let pixels = (width as usize).checked_mul(height as usize)?;
@@ -97,7 +97,7 @@ impl Pixel {
 ///
 /// # Errors
 /// The file cannot be read, has another format, is damaged, or is too large.
-pub fn read(source: &Source<'_>, settings: &Settings) -> Result<Picture, MapError> {
+pub fn read(source: &MapSource<'_>, settings: &MapSettings) -> Result<MapPicture, MapError> {
     let bytes = source.bytes()?;
     let picture = match &*bytes {
         [b'P', b'1'..=b'6', ..] => netpbm::read(&bytes, settings.max_bytes),
@@ -107,15 +107,15 @@ pub fn read(source: &Source<'_>, settings: &Settings) -> Result<Picture, MapErro
     picture.map_err(|fault| source.error(fault))
 }
 
-fn syntax(what: impl ToString) -> Fault {
-    Fault::Syntax {
+fn syntax(what: impl ToString) -> MapFault {
+    MapFault::Syntax {
         what: what.to_string(),
     }
 }
 
-fn read_png(bytes: &[u8], limit: u64) -> Result<Picture, Fault> {
+fn read_png(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
     let wrong = |error: DecodingError| match error {
-        DecodingError::LimitsExceeded => Fault::TooManyBytes { limit },
+        DecodingError::LimitsExceeded => MapFault::TooManyBytes { limit },
         error => syntax(error),
     };
     // a pixel may take several bytes
@@ -127,7 +127,7 @@ fn read_png(bytes: &[u8], limit: u64) -> Result<Picture, Fault> {
     let pixels = u64::from(reader.info().width) * u64::from(reader.info().height);
     let size = reader.output_buffer_size().filter(|size| *size <= most);
     let (Some(size), true) = (size, pixels <= limit) else {
-        return Err(Fault::TooManyBytes { limit });
+        return Err(MapFault::TooManyBytes { limit });
     };
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples).map_err(wrong)?;
@@ -148,7 +148,7 @@ fn read_png(bytes: &[u8], limit: u64) -> Result<Picture, Fault> {
         ColorType::Rgba => Channels::Rgba,
         ColorType::Indexed => return Err(syntax("its palette cannot be read")),
     };
-    let picture = Picture::new(frame.width, frame.height, channels, samples);
+    let picture = MapPicture::new(frame.width, frame.height, channels, samples);
     picture.ok_or_else(|| syntax("ends too early"))
 }
 
@@ -161,7 +161,7 @@ pub fn narrow(sample: u16) -> u8 {
 ///
 /// # Errors
 /// There are no pixels, or not as many as the size says.
-pub fn write_png(width: u32, height: u32, shades: &[u8]) -> Result<Vec<u8>, Fault> {
+pub fn write_png(width: u32, height: u32, shades: &[u8]) -> Result<Vec<u8>, MapFault> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height);
     encoder.set_color(ColorType::Grayscale);
@@ -225,8 +225,8 @@ mod tests {
     fn it_unpacks_no_more_than_it_may() {
         let wide = png(ColorType::Grayscale, BitDepth::Eight, 2000, &[7; 2000]);
         let limit = |limit| read_png(&wide, limit).map(|it| it.width);
-        assert_eq!(limit(1999), Err(Fault::TooManyBytes { limit: 1999 }));
-        assert_eq!(limit(100), Err(Fault::TooManyBytes { limit: 100 }));
+        assert_eq!(limit(1999), Err(MapFault::TooManyBytes { limit: 1999 }));
+        assert_eq!(limit(100), Err(MapFault::TooManyBytes { limit: 100 }));
         assert_eq!(limit(50_000), Ok(2000));
     }
 }

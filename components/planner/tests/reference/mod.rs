@@ -1,7 +1,7 @@
 //! The same questions answered the slow and obvious way.
 
 use asmotion_geometry::{Cell, Grid, Occupancy, Point};
-use asmotion_planner::Settings;
+use asmotion_planner::PlannerSettings;
 
 /// A grid seen by somebody in no hurry.
 pub struct Reference<'a> {
@@ -11,7 +11,7 @@ pub struct Reference<'a> {
 }
 
 impl<'a> Reference<'a> {
-    pub fn new(grid: &'a Grid, settings: &Settings) -> Self {
+    pub fn new(grid: &'a Grid, settings: &PlannerSettings) -> Self {
         let layout = grid.layout();
         let all = || (0..layout.len()).map(|index| layout.cell_at(index));
         let occupied: Vec<Cell> = all()

@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use asmotion_diagnostics::{Report, Span};
 
 use super::codec;
-use super::scene::{Scene, nested};
+use super::scene::{CheckedComposite, nested};
 use super::topic::{Role, Topics};
 use crate::finding::Findings;
 use crate::model::{Deploy, End, Terminal, Transport, Wire};
 
-pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
+pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
     let Some(deploy) = &scene.composite.deploy else {
         return;
     };
@@ -74,7 +74,7 @@ impl std::fmt::Display for Home<'_> {
 }
 
 struct Across<'s, 'r> {
-    scene: &'s Scene<'s>,
+    scene: &'s CheckedComposite<'s>,
     processes: BTreeMap<&'s str, &'s str>,
     report: &'r mut Report,
 }

@@ -6,7 +6,7 @@ use crate::codes::c103::OtherInterface;
 use crate::codes::c104::Unannotated;
 use asmotion_diagnostics::{Report, Span};
 
-use super::scene::Part;
+use super::scene::CheckedComponent;
 use crate::At;
 use crate::finding::Findings;
 use crate::model::binding::{Action, Effect};
@@ -14,12 +14,18 @@ use crate::nearest::nearest;
 use crate::signature::{Annotated, Signature};
 
 /// Checks a component that is a specification. One without annotations says nothing of itself.
-pub(crate) fn check(part: &Part<'_>, signature: &dyn Signature, file: Span, report: &mut Report) {
+pub(crate) fn check(
+    part: &CheckedComponent<'_>,
+    signature: &dyn Signature,
+    file: Span,
+    report: &mut Report,
+) {
     let annotations = signature.annotations();
     let references = part.component.references.iter();
-    let references: Vec<Entry<'_>> = references.map(|it| (&it.name, &it.interface)).collect();
+    let references: Vec<AnnotatedName<'_>> =
+        references.map(|it| (&it.name, &it.interface)).collect();
     let services = part.component.services.iter();
-    let services: Vec<Entry<'_>> = services.map(|it| (&it.name, &it.kind)).collect();
+    let services: Vec<AnnotatedName<'_>> = services.map(|it| (&it.name, &it.kind)).collect();
     for annotated in &annotations.references {
         let mut listed = references.iter();
         let same = listed.find(|(name, _)| name.value == annotated.name);
@@ -40,7 +46,7 @@ pub(crate) fn check(part: &Part<'_>, signature: &dyn Signature, file: Span, repo
         }
     }
     let called = called(part);
-    let is_known = |(name, _): &&Entry<'_>| {
+    let is_known = |(name, _): &&AnnotatedName<'_>| {
         let mut annotated = annotations.references.iter();
         annotated.any(|it| it.name == name.value) || called.contains(&name.value.as_str())
     };
@@ -48,7 +54,7 @@ pub(crate) fn check(part: &Part<'_>, signature: &dyn Signature, file: Span, repo
         let unknown = references.iter().filter(|it| !is_known(it));
         unannotated("reference", unknown, &annotations.references, report);
     }
-    let is_provided = |(_, interface): &&Entry<'_>| {
+    let is_provided = |(_, interface): &&AnnotatedName<'_>| {
         let mut provided = annotations.provided.iter();
         provided.any(|it| it.interface == last(interface))
     };
@@ -59,14 +65,19 @@ pub(crate) fn check(part: &Part<'_>, signature: &dyn Signature, file: Span, repo
 }
 
 /// A name and its interface.
-type Entry<'c> = (&'c At<String>, &'c At<String>);
+type AnnotatedName<'c> = (&'c At<String>, &'c At<String>);
 
 /// `Dispatch` of `courier/Dispatch`.
 fn last(interface: &str) -> &str {
     interface.rsplit('/').next().unwrap_or(interface)
 }
 
-fn reference(annotated: &Annotated, listed: Option<&Entry<'_>>, file: Span, report: &mut Report) {
+fn reference(
+    annotated: &Annotated,
+    listed: Option<&AnnotatedName<'_>>,
+    file: Span,
+    report: &mut Report,
+) {
     let (name, declared) = (annotated.name.clone(), annotated.declared);
     let Some((_, interface)) = listed else {
         return report.found(UnlistedAnnotation {
@@ -92,7 +103,7 @@ fn reference(annotated: &Annotated, listed: Option<&Entry<'_>>, file: Span, repo
 
 fn unannotated<'c>(
     what: &'static str,
-    unknown: impl Iterator<Item = &'c Entry<'c>>,
+    unknown: impl Iterator<Item = &'c AnnotatedName<'c>>,
     annotated: &[Annotated],
     report: &mut Report,
 ) {
@@ -110,7 +121,7 @@ fn unannotated<'c>(
 }
 
 /// The references that the composite itself calls: they need no annotation.
-fn called<'c>(part: &Part<'c>) -> Vec<&'c str> {
+fn called<'c>(part: &CheckedComponent<'c>) -> Vec<&'c str> {
     let effects = part.component.bind.out.iter().map(|it| &it.effect);
     let actions = effects.flat_map(|effect| match effect {
         Effect::Literals(literals) => literals.as_slice(),

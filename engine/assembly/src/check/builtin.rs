@@ -6,16 +6,16 @@ use crate::codes::c123::PortTypeDiffers;
 use asmotion_diagnostics::Report;
 
 use super::component::unknown;
-use super::face::{Face, Kind};
+use super::endpoints::{Endpoints, TypeAt};
 use super::proxy;
-use super::scene::Scene;
+use super::scene::CheckedComposite;
 use crate::At;
 use crate::finding::Findings;
-use crate::model::{Builtin, Component, Direction, Implementation, MapEntry, RosEntry};
+use crate::model::{BuiltinComponent, Component, Direction, Implementation, MapEntry, RosEntry};
 use crate::nearest::nearest;
 
-pub(crate) fn check(scene: &mut Scene<'_>, report: &mut Report) {
-    let mut faces: Vec<(usize, Face)> = Vec::new();
+pub(crate) fn check(scene: &mut CheckedComposite<'_>, report: &mut Report) {
+    let mut faces: Vec<(usize, Endpoints)> = Vec::new();
     for (index, part) in scene.parts.iter().enumerate() {
         let component = part.component;
         let Some(made_of @ Implementation::Builtin { target, bridge, .. }) =
@@ -27,19 +27,19 @@ pub(crate) fn check(scene: &mut Scene<'_>, report: &mut Report) {
             continue;
         };
         match kind {
-            Builtin::PortProxy => {
+            BuiltinComponent::PortProxy => {
                 let target = target.as_ref();
                 if let Some(face) = proxy::check(scene, component, target, &part.face, report) {
                     faces.push((index, face));
                 }
             }
-            Builtin::RosBridge => ros_bridge(scene, component, bridge.as_ref(), report),
-            Builtin::WebMonitor
-            | Builtin::Recorder
-            | Builtin::Replayer
-            | Builtin::Simulator
-            | Builtin::HttpGateway
-            | Builtin::Timer => {}
+            BuiltinComponent::RosBridge => ros_bridge(scene, component, bridge.as_ref(), report),
+            BuiltinComponent::WebMonitor
+            | BuiltinComponent::Recorder
+            | BuiltinComponent::Replayer
+            | BuiltinComponent::Simulator
+            | BuiltinComponent::HttpGateway
+            | BuiltinComponent::Timer => {}
         }
     }
     for (index, face) in faces {
@@ -50,7 +50,7 @@ pub(crate) fn check(scene: &mut Scene<'_>, report: &mut Report) {
 }
 
 fn ros_bridge(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     component: &Component,
     bridge: Option<&At<String>>,
     report: &mut Report,
@@ -73,7 +73,12 @@ fn ros_bridge(
     }
 }
 
-fn ros_entry(scene: &Scene<'_>, component: &Component, entry: &RosEntry, report: &mut Report) {
+fn ros_entry(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    entry: &RosEntry,
+    report: &mut Report,
+) {
     let (list, key, direction) = match entry.direction.value {
         Direction::ToRos => (&component.subscribe, "subscribe", "to ROS"),
         Direction::FromRos => (&component.publish, "publish", "from ROS"),
@@ -95,7 +100,7 @@ fn ros_entry(scene: &Scene<'_>, component: &Component, entry: &RosEntry, report:
                 here: listed.kind.value.clone(),
                 there: entry.kind.value.clone(),
                 at: entry.kind.span,
-                declared: Kind::new(&listed.kind.value, Some(listed.kind.span))
+                declared: TypeAt::new(&listed.kind.value, Some(listed.kind.span))
                     .and_then(|kind| kind.at),
             });
         }

@@ -6,15 +6,15 @@ use asmotion_diagnostics::{Report, Span};
 
 use asmotion_component::HEALTH_TOPIC;
 
-use super::face::{Kind, Way};
-use super::scene::Scene;
+use super::endpoints::{PortDirection, TypeAt};
+use super::scene::CheckedComposite;
 use super::topic::Topics;
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{Broker, Codec, End};
 
 /// Checks all topics.
-pub(super) fn topics(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
+pub(super) fn topics(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
     for (name, roles) in topics.iter().filter(|(name, _)| *name != HEALTH_TOPIC) {
         let mut written = scene.composite.topics.iter();
         let written = written.find(|topic| topic.name.value == *name);
@@ -34,10 +34,10 @@ pub(super) fn topics(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
 }
 
 /// Checks a connection that goes over a broker, because its ends are in two processes.
-pub(super) fn connection(scene: &Scene<'_>, from: &End, to: &End, report: &mut Report) {
+pub(super) fn connection(scene: &CheckedComposite<'_>, from: &End, to: &End, report: &mut Report) {
     let mut parts = scene.parts.iter();
     let part = parts.find(|part| part.component.name.value == from.component.value);
-    let port = part.and_then(|part| part.face.port(&from.name.value, Way::Out));
+    let port = part.and_then(|part| part.face.port(&from.name.value, PortDirection::Out));
     let kind = port.and_then(|(_, port)| port.kind.as_ref());
     let broker = broker(scene, Some(&from.component.value));
     if let (Some(kind), Some((broker, codec))) = (kind, broker) {
@@ -48,7 +48,10 @@ pub(super) fn connection(scene: &Scene<'_>, from: &End, to: &End, report: &mut R
 }
 
 /// The broker that says CDR for what a component sends: its own; where it names none, any.
-fn broker<'s>(scene: &Scene<'s>, component: Option<&str>) -> Option<(&'s Broker, &'s At<Codec>)> {
+fn broker<'s>(
+    scene: &CheckedComposite<'s>,
+    component: Option<&str>,
+) -> Option<(&'s Broker, &'s At<Codec>)> {
     let composite = scene.composite;
     let component = component.and_then(|name| composite.component(name));
     let home = component.and_then(|component| composite.broker_of(component));
@@ -59,8 +62,8 @@ fn broker<'s>(scene: &Scene<'s>, component: Option<&str>) -> Option<(&'s Broker,
 }
 
 fn carries(
-    scene: &Scene<'_>,
-    kind: &Kind,
+    scene: &CheckedComposite<'_>,
+    kind: &TypeAt,
     at: Span,
     codec: &At<Codec>,
     (what, place): (String, String),

@@ -13,20 +13,20 @@ use std::rc::Rc;
 use asmotion_diagnostics::{Report, Span};
 
 use super::declared::declared;
-use super::face::{Face, Kind, Named, Port, Service, Way};
-use super::scene::{Part, Scene};
+use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt};
+use super::scene::{CheckedComponent, CheckedComposite};
 use crate::At;
 use crate::finding::Findings;
-use crate::model::{Builtin, Component, Implementation, Listed, Wanted};
+use crate::model::{BuiltinComponent, Component, Implementation, Listed, Wanted};
 use crate::nearest::{Nearest, nearest_name};
 use asmotion_datum::Word;
 
 /// The components that take part, with what they show.
 pub(crate) fn parts<'s>(
-    scene: &Scene<'s>,
-    nested: &BTreeMap<String, Rc<Face>>,
+    scene: &CheckedComposite<'s>,
+    nested: &BTreeMap<String, Rc<Endpoints>>,
     report: &mut Report,
-) -> Vec<Part<'s>> {
+) -> Vec<CheckedComponent<'s>> {
     let mut ids: BTreeMap<String, Span> = BTreeMap::new();
     types(scene, report);
     let mut parts = Vec::new();
@@ -37,13 +37,13 @@ pub(crate) fn parts<'s>(
         id(component, &mut ids, report);
         names(scene, component, report);
         let face = face(scene, component, nested, report);
-        parts.push(Part { component, face });
+        parts.push(CheckedComponent { component, face });
     }
     parts
 }
 
 /// Types that nobody describes, each where it is named first.
-fn types(scene: &Scene<'_>, report: &mut Report) {
+fn types(scene: &CheckedComposite<'_>, report: &mut Report) {
     let components = scene.composite.components.iter();
     let active = components.filter(|component| scene.active(&component.profiles));
     let listed = active.flat_map(|it| {
@@ -72,7 +72,7 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
 }
 
 /// The names of other things that a component refers to.
-fn names(scene: &Scene<'_>, component: &Component, report: &mut Report) {
+fn names(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
     let Some(pace) = component.pace() else {
         return;
     };
@@ -90,7 +90,10 @@ fn names(scene: &Scene<'_>, component: &Component, report: &mut Report) {
 }
 
 /// The master of a component, its master, and so on; in a circle, each of it once.
-pub(crate) fn masters<'s>(scene: &Scene<'s>, name: &'s str) -> impl Iterator<Item = &'s str> {
+pub(crate) fn masters<'s>(
+    scene: &CheckedComposite<'s>,
+    name: &'s str,
+) -> impl Iterator<Item = &'s str> {
     let master = |name: &&str| {
         let component = scene.composite.component(name)?;
         let master = component.pace()?.master.as_ref()?;
@@ -101,13 +104,13 @@ pub(crate) fn masters<'s>(scene: &Scene<'s>, name: &'s str) -> impl Iterator<Ite
 }
 
 fn face(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     component: &Component,
-    nested: &BTreeMap<String, Rc<Face>>,
+    nested: &BTreeMap<String, Rc<Endpoints>>,
     report: &mut Report,
-) -> Face {
+) -> Endpoints {
     let Some(implementation) = &component.implementation else {
-        return Face {
+        return Endpoints {
             blank: true,
             ..listed(component, report)
         };
@@ -115,13 +118,13 @@ fn face(
     match implementation {
         Implementation::Composite(file) => match nested.get(&file.value) {
             Some(face) => {
-                let face = Face::clone(face);
+                let face = Endpoints::clone(face);
                 properties(component, &face, implementation.span(), report);
                 face
             }
-            None => Face {
+            None => Endpoints {
                 blank: true,
-                ..Face::default()
+                ..Endpoints::default()
             },
         },
         Implementation::Rust(name) => {
@@ -150,7 +153,7 @@ fn face(
 }
 
 /// A name that the catalogue does not have: misspelt, or from another build.
-fn absent(scene: &Scene<'_>, name: &At<String>, report: &mut Report) {
+fn absent(scene: &CheckedComposite<'_>, name: &At<String>, report: &mut Report) {
     let known = scene.catalogue.components();
     let (what, at) = ("component", name.span);
     match nearest_name(name, known.iter().map(String::as_str)) {
@@ -168,7 +171,12 @@ fn absent(scene: &Scene<'_>, name: &At<String>, report: &mut Report) {
     }
 }
 
-fn builtin(scene: &Scene<'_>, name: &At<String>, kind: Option<Builtin>, report: &mut Report) {
+fn builtin(
+    scene: &CheckedComposite<'_>,
+    name: &At<String>,
+    kind: Option<BuiltinComponent>,
+    report: &mut Report,
+) {
     match kind {
         Some(kind) if scene.catalogue.has(kind) => {}
         Some(_) => report.found(ImplementationNotInBuild {
@@ -180,20 +188,20 @@ fn builtin(scene: &Scene<'_>, name: &At<String>, kind: Option<Builtin>, report: 
             what: "built-in",
             name: name.value.clone(),
             at: name.span,
-            nearest: nearest_name(name, Builtin::words()),
+            nearest: nearest_name(name, BuiltinComponent::words()),
         }),
     }
 }
 
 /// What the composite lists of a component.
-fn listed(component: &Component, report: &mut Report) -> Face {
-    let mut face = Face::default();
+fn listed(component: &Component, report: &mut Report) -> Endpoints {
+    let mut face = Endpoints::default();
     let mut first: BTreeMap<(&str, &str), Span> = BTreeMap::new();
     let lists = [
-        (Way::In, &component.ports.inputs, false),
-        (Way::In, &component.subscribe, true),
-        (Way::Out, &component.ports.outputs, false),
-        (Way::Out, &component.publish, true),
+        (PortDirection::In, &component.ports.inputs, false),
+        (PortDirection::In, &component.subscribe, true),
+        (PortDirection::Out, &component.ports.outputs, false),
+        (PortDirection::Out, &component.publish, true),
     ];
     for (way, list, on_topic) in lists {
         for entry in list {
@@ -207,8 +215,8 @@ fn listed(component: &Component, report: &mut Report) -> Face {
                     first,
                 });
                 let ports = match way {
-                    Way::In => &mut face.inputs,
-                    Way::Out => &mut face.outputs,
+                    PortDirection::In => &mut face.inputs,
+                    PortDirection::Out => &mut face.outputs,
                 };
                 let known = ports
                     .iter_mut()
@@ -218,15 +226,15 @@ fn listed(component: &Component, report: &mut Report) -> Face {
                 }
                 continue;
             }
-            let port = Port {
-                name: Named::new(&entry.name.value, Some(entry.name.span)),
-                kind: Kind::new(&entry.kind.value, Some(entry.kind.span)),
+            let port = EndpointPort {
+                name: NamedAt::new(&entry.name.value, Some(entry.name.span)),
+                kind: TypeAt::new(&entry.kind.value, Some(entry.kind.span)),
                 topic: on_topic.then(|| topic(component, &entry.name)),
                 listed: true,
             };
             match way {
-                Way::In => face.inputs.push(port),
-                Way::Out => face.outputs.push(port),
+                PortDirection::In => face.inputs.push(port),
+                PortDirection::Out => face.outputs.push(port),
             }
         }
     }
@@ -244,10 +252,10 @@ pub(crate) fn topic(component: &Component, name: &str) -> String {
     rename.map_or_else(|| name.to_owned(), |rename| rename.to.value.clone())
 }
 
-fn provided(listed: &Listed) -> Service {
-    Service {
-        name: Named::new(&listed.name.value, Some(listed.name.span)),
-        interface: Kind {
+fn provided(listed: &Listed) -> EndpointService {
+    EndpointService {
+        name: NamedAt::new(&listed.name.value, Some(listed.name.span)),
+        interface: TypeAt {
             text: listed.kind.value.clone(),
             at: Some(listed.kind.span),
         },
@@ -255,10 +263,10 @@ fn provided(listed: &Listed) -> Service {
     }
 }
 
-fn wanted(wanted: &Wanted) -> Service {
-    Service {
-        name: Named::new(&wanted.name.value, Some(wanted.name.span)),
-        interface: Kind {
+fn wanted(wanted: &Wanted) -> EndpointService {
+    EndpointService {
+        name: NamedAt::new(&wanted.name.value, Some(wanted.name.span)),
+        interface: TypeAt {
             text: wanted.interface.value.clone(),
             at: Some(wanted.interface.span),
         },
@@ -267,7 +275,7 @@ fn wanted(wanted: &Wanted) -> Service {
 }
 
 /// Properties that are set are there.
-fn properties(component: &Component, face: &Face, made_of: Span, report: &mut Report) {
+fn properties(component: &Component, face: &Endpoints, made_of: Span, report: &mut Report) {
     let Some(known) = &face.properties else {
         return;
     };

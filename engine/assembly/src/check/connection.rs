@@ -17,9 +17,9 @@ use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::face::{Kind, Way};
+use super::endpoints::{PortDirection, TypeAt};
 use super::queue;
-use super::scene::{Part, Scene};
+use super::scene::{CheckedComponent, CheckedComposite};
 use super::wire::own_place;
 use crate::finding::Findings;
 use crate::model::{Connection, Delivery, End, Flow, Lock, Policy, Promoted, Terminal};
@@ -30,13 +30,13 @@ pub(crate) struct TopicLink {
     /// The place of the topic's name.
     pub at: Span,
     pub port: (String, String),
-    pub kind: Option<Kind>,
+    pub kind: Option<TypeAt>,
     /// Whether the port writes the topic.
     pub published: bool,
 }
 
 /// Checks all connections, and returns those that join topics.
-pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) -> Vec<TopicLink> {
+pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) -> Vec<TopicLink> {
     let mut drivers = Drivers::default();
     let mut links = Vec::new();
     for connection in &scene.composite.connections {
@@ -69,7 +69,7 @@ struct Drivers {
 }
 
 fn connection(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     connection: &Connection,
     drivers: &mut Drivers,
     links: &mut Vec<TopicLink>,
@@ -78,10 +78,10 @@ fn connection(
     policy(&connection.policy, report);
     queue::size_elsewhere(connection, report);
     let before = report.diagnostics.len();
-    let from = terminals(scene, &connection.from, Way::Out, report);
+    let from = terminals(scene, &connection.from, PortDirection::Out, report);
     // an end that could not be read is not in the list
     let misnamed = report.diagnostics.len() > before || connection.from.is_empty();
-    let to = terminals(scene, &connection.to, Way::In, report);
+    let to = terminals(scene, &connection.to, PortDirection::In, report);
     let mut repeated = Vec::new();
     for source in &from {
         for target in &to {
@@ -143,21 +143,21 @@ fn beyond(terminal: &Terminal) -> Option<&'static str> {
 }
 
 /// An end that takes part and fits its side of the connection.
-struct Joint<'s> {
+struct JoinedEnd<'s> {
     terminal: &'s Terminal,
-    kind: Option<Kind>,
+    kind: Option<TypeAt>,
 }
 
 fn terminals<'s>(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     terminals: &'s [Terminal],
-    wanted: Way,
+    wanted: PortDirection,
     report: &mut Report,
-) -> Vec<Joint<'s>> {
+) -> Vec<JoinedEnd<'s>> {
     let mut joints = Vec::new();
     for terminal in terminals {
         let Terminal::Port(end) = terminal else {
-            joints.push(Joint {
+            joints.push(JoinedEnd {
                 terminal,
                 kind: None,
             });
@@ -171,8 +171,8 @@ fn terminals<'s>(
                 end: end.to_string(),
                 is: way.word(),
                 use_: match wanted {
-                    Way::In => "write",
-                    Way::Out => "read",
+                    PortDirection::In => "write",
+                    PortDirection::Out => "read",
                 },
                 at: end.span(),
                 declared: port
@@ -182,7 +182,7 @@ fn terminals<'s>(
             });
             continue;
         }
-        joints.push(Joint {
+        joints.push(JoinedEnd {
             terminal,
             kind: port.kind.clone(),
         });
@@ -191,9 +191,9 @@ fn terminals<'s>(
 }
 
 fn pair(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     connection: &Connection,
-    (source, target): (&Joint<'_>, &Joint<'_>),
+    (source, target): (&JoinedEnd<'_>, &JoinedEnd<'_>),
     links: &mut Vec<TopicLink>,
     report: &mut Report,
 ) {
@@ -231,7 +231,7 @@ fn pair(
         (Terminal::Port(_), Terminal::Mqueue(queue)) => {
             queue::check(
                 scene,
-                (Way::Out, source.kind.as_ref()),
+                (PortDirection::Out, source.kind.as_ref()),
                 connection,
                 queue,
                 report,
@@ -240,7 +240,7 @@ fn pair(
         (Terminal::Mqueue(queue), Terminal::Port(_)) => {
             queue::check(
                 scene,
-                (Way::In, target.kind.as_ref()),
+                (PortDirection::In, target.kind.as_ref()),
                 connection,
                 queue,
                 report,
@@ -252,9 +252,9 @@ fn pair(
 
 /// Remembers who writes a port; a last value has one writer.
 fn drive(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     connection: &Connection,
-    source: &Joint<'_>,
+    source: &JoinedEnd<'_>,
     to: &End,
     drivers: &mut Drivers,
     report: &mut Report,
@@ -270,7 +270,7 @@ fn drive(
         .parts
         .iter()
         .find(|part| part.component.name.value == to.component.value)
-        .and_then(|part| part.face.port(&to.name, Way::In))
+        .and_then(|part| part.face.port(&to.name, PortDirection::In))
         .filter(|(_, port)| port.topic.is_some())
         .and_then(|(_, port)| port.name.at);
     let earlier = match drivers.inside.insert(key, (at, flow)) {
@@ -288,7 +288,7 @@ fn drive(
     }
 }
 
-fn undriven(part: &Part<'_>, drivers: &Drivers, report: &mut Report) {
+fn undriven(part: &CheckedComponent<'_>, drivers: &Drivers, report: &mut Report) {
     for port in &part.face.inputs {
         let key = (part.component.name.value.clone(), port.name.text.clone());
         let driven = port.topic.is_some()
@@ -323,7 +323,13 @@ fn undriven(part: &Part<'_>, drivers: &Drivers, report: &mut Report) {
 }
 
 /// Without any lock both ends must run one after the other; with one, no more threads than allowed.
-fn threads(scene: &Scene<'_>, connection: &Connection, from: &End, to: &End, report: &mut Report) {
+fn threads(
+    scene: &CheckedComposite<'_>,
+    connection: &Connection,
+    from: &End,
+    to: &End,
+    report: &mut Report,
+) {
     let policy = &connection.policy;
     let [writer, reader] = [from, to].map(|end| thread(scene, &end.component.value));
     if let Some(lock) = &policy.lock
@@ -351,7 +357,7 @@ fn threads(scene: &Scene<'_>, connection: &Connection, from: &End, to: &End, rep
 }
 
 /// The component in whose thread a component cycles.
-fn thread<'s>(scene: &Scene<'s>, name: &'s str) -> &'s str {
+fn thread<'s>(scene: &CheckedComposite<'s>, name: &'s str) -> &'s str {
     super::component::masters(scene, name)
         .last()
         .unwrap_or(name)

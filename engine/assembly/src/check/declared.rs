@@ -8,20 +8,20 @@ use asmotion_component::declaration::{
 };
 use asmotion_diagnostics::Report;
 
-use super::face::{Face, Kind, Named, Port, Service, Way};
-use super::scene::Scene;
+use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt};
+use super::scene::CheckedComposite;
 use crate::At;
 use crate::finding::Findings;
 use crate::nearest::nearest_name;
 
 /// Holds what the composite lists against what the component declares, and adds what is not listed.
 pub(super) fn declared(
-    scene: &Scene<'_>,
-    listed: Face,
+    scene: &CheckedComposite<'_>,
+    listed: Endpoints,
     implementation: &At<String>,
     declaration: &Declaration,
     report: &mut Report,
-) -> Face {
+) -> Endpoints {
     let mut compare = Compare {
         scene,
         implementation,
@@ -34,16 +34,16 @@ pub(super) fn declared(
         .map(Declared::reference)
         .collect();
     let properties = &declaration.properties;
-    Face {
-        inputs: compare.ports(listed.inputs, Way::In, &declaration.inputs),
-        outputs: compare.ports(listed.outputs, Way::Out, &declaration.outputs),
+    Endpoints {
+        inputs: compare.ports(listed.inputs, PortDirection::In, &declaration.inputs),
+        outputs: compare.ports(listed.outputs, PortDirection::Out, &declaration.outputs),
         services: compare.services(listed.services, "service", &services),
         references: compare.services(listed.references, "reference", &references),
         topics: Vec::new(),
         properties: Some(
             properties
                 .iter()
-                .map(|it| Named::new(&it.name, None))
+                .map(|it| NamedAt::new(&it.name, None))
                 .collect(),
         ),
         blank: false,
@@ -85,13 +85,18 @@ impl<'d> Declared<'d> {
 }
 
 struct Compare<'c> {
-    scene: &'c Scene<'c>,
+    scene: &'c CheckedComposite<'c>,
     implementation: &'c At<String>,
     report: &'c mut Report,
 }
 
 impl Compare<'_> {
-    fn ports(&mut self, listed: Vec<Port>, way: Way, declared: &[PortDeclaration]) -> Vec<Port> {
+    fn ports(
+        &mut self,
+        listed: Vec<EndpointPort>,
+        way: PortDirection,
+        declared: &[PortDeclaration],
+    ) -> Vec<EndpointPort> {
         for port in &listed {
             let Some(declared) = declared.iter().find(|it| it.name == port.name.text) else {
                 self.undeclared(port, way, declared);
@@ -107,9 +112,9 @@ impl Compare<'_> {
         let mut ports = listed;
         for declared in declared {
             if !ports.iter().any(|port| port.name.text == declared.name) {
-                ports.push(Port {
-                    name: Named::new(&declared.name, None),
-                    kind: Kind::declared(&declared.schema),
+                ports.push(EndpointPort {
+                    name: NamedAt::new(&declared.name, None),
+                    kind: TypeAt::declared(&declared.schema),
                     topic: None,
                     listed: false,
                 });
@@ -120,10 +125,15 @@ impl Compare<'_> {
 
     /// An output that is not there leaves its readers waiting for ever; an input that is not there
     /// merely is not read, unless its name was meant to be another one.
-    fn undeclared(&mut self, port: &Port, way: Way, declared: &[PortDeclaration]) {
+    fn undeclared(
+        &mut self,
+        port: &EndpointPort,
+        way: PortDirection,
+        declared: &[PortDeclaration],
+    ) {
         let known: Vec<String> = declared.iter().map(|port| port.name.clone()).collect();
         let resembles = nearest_name(&port.name.text, known.iter().map(String::as_str)).is_some();
-        if way == Way::In && !resembles {
+        if way == PortDirection::In && !resembles {
             self.report.found(SubscriptionNeverRead {
                 implementation: self.implementation.value.clone(),
                 name: port.name.text.clone(),
@@ -138,10 +148,10 @@ impl Compare<'_> {
 
     fn services(
         &mut self,
-        listed: Vec<Service>,
+        listed: Vec<EndpointService>,
         what: &'static str,
         declared: &[Declared<'_>],
-    ) -> Vec<Service> {
+    ) -> Vec<EndpointService> {
         let mut services = listed;
         for service in &mut services {
             let Some(declared) = declared.iter().find(|it| it.name == service.name.text) else {
@@ -160,9 +170,9 @@ impl Compare<'_> {
                 .iter()
                 .any(|service| service.name.text == declared.name)
             {
-                services.push(Service {
-                    name: Named::new(declared.name, None),
-                    interface: Kind {
+                services.push(EndpointService {
+                    name: NamedAt::new(declared.name, None),
+                    interface: TypeAt {
                         text: declared.interface.to_owned(),
                         at: None,
                     },
@@ -173,7 +183,7 @@ impl Compare<'_> {
         services
     }
 
-    fn not_declared(&mut self, what: &'static str, name: &Named, known: Vec<String>) {
+    fn not_declared(&mut self, what: &'static str, name: &NamedAt, known: Vec<String>) {
         self.report.found(UndeclaredMember {
             implementation: self.implementation.value.clone(),
             what,
@@ -184,7 +194,13 @@ impl Compare<'_> {
         });
     }
 
-    fn otherwise(&mut self, what: &'static str, name: &Named, declared: String, written: &Kind) {
+    fn otherwise(
+        &mut self,
+        what: &'static str,
+        name: &NamedAt,
+        declared: String,
+        written: &TypeAt,
+    ) {
         self.report.found(DeclarationDiffers {
             implementation: self.implementation.value.clone(),
             what,

@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::scene::Scene;
+use super::scene::CheckedComposite;
 use super::topic::Topics;
 use crate::finding::Findings;
 use crate::model::{Deploy, Process};
 use crate::nearest::nearest_name;
 
-pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
+pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
     let Some(deploy) = &scene.composite.deploy else {
         return;
     };
@@ -41,7 +41,7 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
 }
 
 fn place<'s>(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     process: &'s Process,
     places: &mut BTreeMap<&'s str, Span>,
     report: &mut Report,

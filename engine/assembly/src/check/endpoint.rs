@@ -3,11 +3,11 @@
 use crate::codes::c004::MissingKey;
 use asmotion_diagnostics::Report;
 
-use super::scene::Scene;
+use super::scene::CheckedComposite;
 use crate::finding::Findings;
 use crate::model::{Bridge, BridgeKind};
 
-pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
+pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for bridge in &scene.composite.bridges {
         let missing = match bridge.kind.value {
             BridgeKind::Ros1 if bridge.master.is_none() => {

@@ -4,18 +4,18 @@ use crate::codes::c034::AwaitsSeveral;
 use asmotion_datum::Shape;
 use asmotion_diagnostics::{Report, Span};
 
-use super::face::Service;
-use super::scene::{Part, Scene};
+use super::endpoints::EndpointService;
+use super::scene::{CheckedComponent, CheckedComposite};
 use crate::finding::Findings;
 use crate::model::binding::{Action, Effect};
 use crate::model::{Implementation, Wire};
 
 /// Checks that nobody waits for the answer of a reference with several services.
 pub(super) fn check(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     wire: &Wire,
-    part: &Part<'_>,
-    reference: &Service,
+    part: &CheckedComponent<'_>,
+    reference: &EndpointService,
     report: &mut Report,
 ) {
     if wire.services.len() < 2 {
@@ -33,10 +33,10 @@ pub(super) fn check(
 
 /// Who waits for an answer of the reference, and where that stands.
 fn awaited(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     wire: &Wire,
-    part: &Part<'_>,
-    reference: &Service,
+    part: &CheckedComponent<'_>,
+    reference: &EndpointService,
 ) -> Option<(String, Option<Span>)> {
     let name = &wire.reference.name.value;
     by_binding(part, name)
@@ -52,7 +52,7 @@ fn awaited(
 }
 
 /// The binding keeps an answer, or tells of it.
-fn by_binding(part: &Part<'_>, reference: &str) -> Option<(String, Option<Span>)> {
+fn by_binding(part: &CheckedComponent<'_>, reference: &str) -> Option<(String, Option<Span>)> {
     let effects = part.component.bind.out.iter().map(|out| &out.effect);
     let actions = effects.flat_map(|effect| match effect {
         Effect::Literals(cases) => cases.iter().flat_map(|(_, actions)| actions).collect(),
@@ -82,8 +82,8 @@ fn by_binding(part: &Part<'_>, reference: &str) -> Option<(String, Option<Span>)
 
 /// The specification asks, and waits for what it is answered.
 fn by_specification(
-    scene: &Scene<'_>,
-    part: &Part<'_>,
+    scene: &CheckedComposite<'_>,
+    part: &CheckedComponent<'_>,
     reference: &str,
 ) -> Option<(String, Option<Span>)> {
     let Some(Implementation::Asm { file, .. }) = &part.component.implementation else {
@@ -96,7 +96,10 @@ fn by_specification(
 }
 
 /// An operation of the interface answers something.
-fn by_interface(scene: &Scene<'_>, reference: &Service) -> Option<(String, Option<Span>)> {
+fn by_interface(
+    scene: &CheckedComposite<'_>,
+    reference: &EndpointService,
+) -> Option<(String, Option<Span>)> {
     let interface = &reference.interface.text;
     let operations = scene.catalogue.operations(interface)?;
     let says_something = |shape: &Shape| match shape {

@@ -10,13 +10,13 @@ use std::collections::BTreeMap;
 use asmotion_diagnostics::{Report, Span};
 
 use super::across::processes;
-use super::scene::Scene;
+use super::scene::CheckedComposite;
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{Promoted, Promotion, Transport};
 use crate::nearest::nearest;
 
-pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
+pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     let mut gateways = Gateways {
         scene,
         processes: scene.composite.deploy.as_ref().map(processes),
@@ -31,7 +31,7 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
 }
 
 struct Gateways<'s, 'r> {
-    scene: &'s Scene<'s>,
+    scene: &'s CheckedComposite<'s>,
     /// Which process each component is in, if the composite says.
     processes: Option<BTreeMap<&'s str, &'s str>>,
     /// Which process a gateway is in, and the promotion that put it there.

@@ -13,7 +13,7 @@ mod connection;
 mod declared;
 mod deploy;
 mod endpoint;
-pub(crate) mod face;
+pub(crate) mod endpoints;
 mod fan_out;
 mod gateway;
 mod promote;
@@ -30,8 +30,8 @@ use asmotion_diagnostics::Report;
 
 pub(crate) use self::binding::chosen_field;
 pub(crate) use self::component::topic;
-use self::face::Face;
-use self::scene::Scene;
+use self::endpoints::Endpoints;
+use self::scene::CheckedComposite;
 pub(crate) use self::scene::{nested, takes_part};
 pub(crate) use self::wire::waits;
 use crate::catalogue::Catalogue;
@@ -39,7 +39,7 @@ use crate::family::{Family, Member};
 use crate::types::Types;
 
 /// What the components of a composite show, by name.
-pub(crate) type Faces = BTreeMap<String, Face>;
+pub(crate) type Faces = BTreeMap<String, Endpoints>;
 
 /// Checks a composite and all it nests in one profile, and returns what the components of each
 /// file show.
@@ -71,21 +71,21 @@ struct Checker<'c> {
     catalogue: &'c dyn Catalogue,
     profile: Option<&'c str>,
     /// What each composite promotes, by the path of its file.
-    promoted: BTreeMap<String, Rc<Face>>,
+    promoted: BTreeMap<String, Rc<Endpoints>>,
     faces: BTreeMap<String, Faces>,
     report: &'c mut Report,
 }
 
 impl<'c> Checker<'c> {
     /// Checks a composite and returns what it promotes.
-    fn composite(&mut self, path: &str, member: &'c Member) -> Rc<Face> {
+    fn composite(&mut self, path: &str, member: &'c Member) -> Rc<Endpoints> {
         if let Some(face) = self.promoted.get(path) {
             return face.clone();
         }
         let Some(types) = self.types.get(path) else {
-            return Rc::new(Face {
+            return Rc::new(Endpoints {
                 blank: true,
-                ..Face::default()
+                ..Endpoints::default()
             });
         };
         let mut nested = BTreeMap::new();
@@ -96,7 +96,7 @@ impl<'c> Checker<'c> {
                 nested.insert(file.to_owned(), self.composite(path, member));
             }
         }
-        let mut scene = Scene {
+        let mut scene = CheckedComposite {
             family: self.family,
             member,
             composite: &member.composite,

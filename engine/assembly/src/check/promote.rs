@@ -7,21 +7,27 @@ use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::face::{Face, Kind, Named, Port, Service, Topic, Way};
-use super::scene::Scene;
+use super::endpoints::{
+    EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, PromotedTopic, TypeAt,
+};
+use super::scene::CheckedComposite;
 use super::topic::Topics;
 use crate::finding::Findings;
 use crate::model::{End, Promoted, Promotion, Transport};
 use crate::nearest::nearest;
 
 /// Checks all promotions, and returns what the composite shows.
-pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> Face {
-    let mut face = Face::default();
+pub(crate) fn check(
+    scene: &CheckedComposite<'_>,
+    topics: &Topics,
+    report: &mut Report,
+) -> Endpoints {
+    let mut face = Endpoints::default();
     let mut names: BTreeMap<(&'static str, &str), Span> = BTreeMap::new();
     let mut properties = Vec::new();
     for property in &scene.composite.properties {
         names.insert(("property", &property.name), property.name.span);
-        properties.push(Named::new(&property.name.value, Some(property.name.span)));
+        properties.push(NamedAt::new(&property.name.value, Some(property.name.span)));
     }
     for promotion in &scene.composite.promotions {
         if !scene.active(&promotion.profiles) {
@@ -49,19 +55,19 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> 
 }
 
 fn promotion(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     promotion: &Promotion,
     topics: &Topics,
-    face: &mut Face,
-    properties: &mut Vec<Named>,
+    face: &mut Endpoints,
+    properties: &mut Vec<NamedAt>,
     report: &mut Report,
 ) {
-    let name = Named::new(&promotion.name.value, Some(promotion.name.span));
+    let name = NamedAt::new(&promotion.name.value, Some(promotion.name.span));
     match &promotion.what {
         Promoted::Service(end) => {
             if let Some((_, service)) = scene.service(end, report) {
                 let interface = service.interface.clone();
-                face.services.push(Service {
+                face.services.push(EndpointService {
                     name,
                     interface,
                     optional: false,
@@ -72,7 +78,7 @@ fn promotion(
             if let Some((_, reference)) = scene.reference(end, report) {
                 let optional = promotion.optional || reference.optional;
                 let interface = reference.interface.clone();
-                face.references.push(Service {
+                face.references.push(EndpointService {
                     name,
                     interface,
                     optional,
@@ -80,16 +86,16 @@ fn promotion(
             }
         }
         Promoted::Port(end) => {
-            if let Some((_, way, port)) = scene.port(end, Way::In, report) {
-                let port = Port {
+            if let Some((_, way, port)) = scene.port(end, PortDirection::In, report) {
+                let port = EndpointPort {
                     name,
                     kind: port.kind.clone(),
                     topic: None,
                     listed: true,
                 };
                 match way {
-                    Way::In => face.inputs.push(port),
-                    Way::Out => face.outputs.push(port),
+                    PortDirection::In => face.inputs.push(port),
+                    PortDirection::Out => face.outputs.push(port),
                 }
             }
         }
@@ -99,12 +105,12 @@ fn promotion(
             }
         }
         Promoted::Topic(topic) => match topics.get(&topic.value) {
-            Some(roles) => face.topics.push(Topic {
+            Some(roles) => face.topics.push(PromotedTopic {
                 name,
                 kind: roles
                     .iter()
                     .find_map(|role| role.kind.clone())
-                    .map(|kind| Kind {
+                    .map(|kind| TypeAt {
                         at: kind.at,
                         text: kind.text,
                     }),
@@ -139,7 +145,7 @@ fn optional(promotion: &Promotion, report: &mut Report) {
     }
 }
 
-fn property(scene: &Scene<'_>, end: &End, report: &mut Report) -> bool {
+fn property(scene: &CheckedComposite<'_>, end: &End, report: &mut Report) -> bool {
     let Some(part) = scene.part(&end.component, report) else {
         return false;
     };

@@ -12,24 +12,26 @@ use asmotion_diagnostics::{Report, Span};
 
 use super::builtin::missing;
 use super::component::unknown;
-use super::face::{Face, Kind, Named, Port, Service, Way, find, nearest_service};
-use super::scene::Scene;
+use super::endpoints::{
+    EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt, find, nearest_service,
+};
+use super::scene::CheckedComposite;
 use crate::At;
 use crate::finding::Findings;
 use crate::map;
 use crate::model::{
-    Component, Condition, Delivery, MapEntry, Notify, Path, ProxyEntry, ProxyMode, Terminal,
+    Component, Condition, Delivery, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode, Terminal,
 };
 use crate::nearest::nearest;
 
 /// A port-proxy mirrors the ports of its target: what is an input there is an output here.
 pub(super) fn check(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     component: &Component,
     target: Option<&At<String>>,
-    listed: &Face,
+    listed: &Endpoints,
     report: &mut Report,
-) -> Option<Face> {
+) -> Option<Endpoints> {
     let Some(target) = target else {
         let example = "\"youBotDriver\"";
         missing(component, "target", example, "a port-proxy", report);
@@ -51,10 +53,10 @@ pub(super) fn check(
 }
 
 fn mirror(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     entry: &ProxyEntry,
     target: &At<String>,
-    face: &mut Face,
+    face: &mut Endpoints,
     report: &mut Report,
 ) {
     let service = &entry.operation.component;
@@ -76,8 +78,8 @@ fn mirror(
         return;
     }
     let wanted = match entry.mode.value {
-        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => Way::In,
-        ProxyMode::Last | ProxyMode::All => Way::Out,
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => PortDirection::In,
+        ProxyMode::Last | ProxyMode::All => PortDirection::Out,
     };
     let Some((_, way, port)) = scene.port(&entry.port, wanted, report) else {
         return;
@@ -97,8 +99,8 @@ fn mirror(
         shapes(scene, entry, kind, declared.as_ref(), report);
     }
     let mirror = match way {
-        Way::In => Way::Out,
-        Way::Out => Way::In,
+        PortDirection::In => PortDirection::Out,
+        PortDirection::Out => PortDirection::In,
     };
     if face
         .port(&entry.port.name, mirror)
@@ -106,21 +108,21 @@ fn mirror(
     {
         return;
     }
-    let mirrored = Port {
-        name: Named::new(&entry.port.name.value, Some(entry.port.name.span)),
+    let mirrored = EndpointPort {
+        name: NamedAt::new(&entry.port.name.value, Some(entry.port.name.span)),
         kind: port.kind.clone(),
         topic: None,
         listed: true,
     };
     match way {
-        Way::In => face.outputs.push(mirrored),
-        Way::Out => face.inputs.push(mirrored),
+        PortDirection::In => face.outputs.push(mirrored),
+        PortDirection::Out => face.inputs.push(mirrored),
     }
 }
 
 /// The operation, where the build knows the interface; it is reported if the interface has none of this name.
 fn operation(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     entry: &ProxyEntry,
     interface: &str,
     report: &mut Report,
@@ -137,9 +139,9 @@ fn operation(
 
 /// Argument and message, or message and result, are of shapes that become one another.
 fn shapes(
-    scene: &Scene<'_>,
+    scene: &CheckedComposite<'_>,
     entry: &ProxyEntry,
-    kind: &Kind,
+    kind: &TypeAt,
     operation: Option<&OperationDeclaration>,
     report: &mut Report,
 ) {
@@ -196,7 +198,7 @@ fn motion(entry: &ProxyEntry, told: Option<&Notify>, report: &mut Report) {
 }
 
 /// Who is to notice that nothing comes must look at the clock.
-fn pace(scene: &Scene<'_>, component: &Component, told: &Notify, report: &mut Report) {
+fn pace(scene: &CheckedComposite<'_>, component: &Component, told: &Notify, report: &mut Report) {
     let Some(stale_ms) = &told.stale_ms else {
         return;
     };
@@ -217,7 +219,7 @@ fn pace(scene: &Scene<'_>, component: &Component, told: &Notify, report: &mut Re
 }
 
 /// The listener is there, and what it is told can be known.
-fn notify(scene: &Scene<'_>, told: &Notify, face: &Face, report: &mut Report) {
+fn notify(scene: &CheckedComposite<'_>, told: &Notify, face: &Endpoints, report: &mut Report) {
     match find(&face.references, &told.reference) {
         None => {
             let nearest = nearest_service(&face.references, &told.reference);
@@ -239,7 +241,12 @@ fn notify(scene: &Scene<'_>, told: &Notify, face: &Face, report: &mut Report) {
 }
 
 /// The interface of the listener has an operation that takes an event.
-fn listener(scene: &Scene<'_>, told: &Notify, reference: &Service, report: &mut Report) {
+fn listener(
+    scene: &CheckedComposite<'_>,
+    told: &Notify,
+    reference: &EndpointService,
+    report: &mut Report,
+) {
     let interface = &reference.interface;
     let Some(operations) = scene.catalogue.operations(&interface.text) else {
         return;
@@ -258,8 +265,8 @@ fn listener(scene: &Scene<'_>, told: &Notify, reference: &Service, report: &mut 
 }
 
 /// A condition can be read, and asked of the messages of its port.
-fn asked(scene: &Scene<'_>, told: &Condition, face: &Face, report: &mut Report) {
-    let read = match told.text.parse::<asmotion_bridge::Condition>() {
+fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, report: &mut Report) {
+    let read = match told.text.parse::<asmotion_bridge::MessageCondition>() {
         Ok(read) => read,
         Err(error) => {
             report.found(InvalidCondition {
@@ -304,13 +311,13 @@ fn condition(
 /// `port.field`: the port is one of the proxy, and its messages have the field: its shape, and where the message is
 /// described.
 fn field(
-    scene: &Scene<'_>,
-    path: &Path,
-    face: &Face,
+    scene: &CheckedComposite<'_>,
+    path: &MessagePath,
+    face: &Endpoints,
     report: &mut Report,
 ) -> Option<(Schema, Option<Span>)> {
     let (port, steps) = path.steps.split_first()?;
-    let Some((_, found)) = face.port(port, Way::In) else {
+    let Some((_, found)) = face.port(port, PortDirection::In) else {
         report.found(unknown("port", port, face.nearest_port(port)));
         return None;
     };

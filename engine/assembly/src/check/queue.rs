@@ -4,18 +4,18 @@ use crate::codes::c048::IdleKey;
 use crate::codes::c061::NoMqueueLayout;
 use crate::codes::c062::NoMqueueSize;
 use asmotion_diagnostics::Report;
-use asmotion_mqueue::Layout;
+use asmotion_mqueue::QueueLayout;
 
-use super::face::{Kind, Way};
-use super::scene::Scene;
+use super::endpoints::{PortDirection, TypeAt};
+use super::scene::CheckedComposite;
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{Connection, Terminal};
 
 /// Checks that a port's type has a form in a queue, and that who makes the queue, the writer, knows how large messages are.
 pub(super) fn check(
-    scene: &Scene<'_>,
-    (way, kind): (Way, Option<&Kind>),
+    scene: &CheckedComposite<'_>,
+    (way, kind): (PortDirection, Option<&TypeAt>),
     connection: &Connection,
     queue: &At<String>,
     report: &mut Report,
@@ -27,7 +27,7 @@ pub(super) fn check(
     };
     let kind = kind.text.clone();
     let (queue, at) = (queue.value.clone(), queue.span);
-    match Layout::of(&schema) {
+    match QueueLayout::of(&schema) {
         Err(reason) => report.found(NoMqueueLayout {
             kind,
             queue,
@@ -35,7 +35,7 @@ pub(super) fn check(
             at,
         }),
         Ok(layout)
-            if way == Way::Out
+            if way == PortDirection::Out
                 && layout.size().is_none()
                 && connection.policy.data_size.is_none() =>
         {

@@ -6,7 +6,9 @@ use crate::codes::c022::MissingBroker;
 use crate::codes::c025::ImplementationNotInBuild;
 use asmotion_diagnostics::Report;
 
-use super::face::{Face, Named, Port, Service, Way, find, nearest_service};
+use super::endpoints::{
+    EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, find, nearest_service,
+};
 use crate::At;
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
@@ -16,7 +18,7 @@ use crate::nearest::{Nearest, nearest};
 use crate::types::Types;
 
 /// A composite in one profile.
-pub(crate) struct Scene<'s> {
+pub(crate) struct CheckedComposite<'s> {
     pub family: &'s Family,
     pub member: &'s Member,
     pub composite: &'s Composite,
@@ -24,13 +26,13 @@ pub(crate) struct Scene<'s> {
     pub types: &'s Types<'s>,
     pub catalogue: &'s dyn Catalogue,
     /// The components that take part, in the order of the file.
-    pub parts: Vec<Part<'s>>,
+    pub parts: Vec<CheckedComponent<'s>>,
 }
 
 /// A component that takes part.
-pub(crate) struct Part<'s> {
+pub(crate) struct CheckedComponent<'s> {
     pub component: &'s Component,
-    pub face: Face,
+    pub face: Endpoints,
 }
 
 /// A name that leads nowhere.
@@ -43,7 +45,7 @@ pub(crate) fn nested(component: &Component) -> Option<&str> {
     }
 }
 
-fn names<'n>(named: impl Iterator<Item = &'n Named>) -> Vec<String> {
+fn names<'n>(named: impl Iterator<Item = &'n NamedAt>) -> Vec<String> {
     named.map(|named| named.text.clone()).collect()
 }
 
@@ -55,14 +57,18 @@ pub(crate) fn takes_part(profiles: &[At<String>], profile: Option<&str>) -> bool
             .any(|own| Some(own.value.as_str()) == profile)
 }
 
-impl<'s> Scene<'s> {
+impl<'s> CheckedComposite<'s> {
     /// Whether something with these profiles takes part.
     pub(crate) fn active(&self, profiles: &[At<String>]) -> bool {
         takes_part(profiles, self.profile)
     }
 
     /// The component of this name, if it takes part; reports a name that no component has.
-    pub(crate) fn part(&self, name: &At<String>, report: &mut Report) -> Option<&Part<'s>> {
+    pub(crate) fn part(
+        &self,
+        name: &At<String>,
+        report: &mut Report,
+    ) -> Option<&CheckedComponent<'s>> {
         let found = self
             .parts
             .iter()
@@ -89,9 +95,9 @@ impl<'s> Scene<'s> {
     pub(crate) fn port(
         &self,
         end: &End,
-        wanted: Way,
+        wanted: PortDirection,
         report: &mut Report,
-    ) -> Option<(&Part<'s>, Way, &Port)> {
+    ) -> Option<(&CheckedComponent<'s>, PortDirection, &EndpointPort)> {
         let part = self.part(&end.component, report)?;
         match part.face.port(&end.name, wanted) {
             Some((way, port)) => Some((part, way, port)),
@@ -104,7 +110,11 @@ impl<'s> Scene<'s> {
     }
 
     /// The service an end names.
-    pub(crate) fn service(&self, end: &End, report: &mut Report) -> Option<(&Part<'s>, &Service)> {
+    pub(crate) fn service(
+        &self,
+        end: &End,
+        report: &mut Report,
+    ) -> Option<(&CheckedComponent<'s>, &EndpointService)> {
         let part = self.part(&end.component, report)?;
         let found = find(&part.face.services, &end.name);
         if found.is_none() {
@@ -119,7 +129,7 @@ impl<'s> Scene<'s> {
         &self,
         end: &End,
         report: &mut Report,
-    ) -> Option<(&Part<'s>, &Service)> {
+    ) -> Option<(&CheckedComponent<'s>, &EndpointService)> {
         let part = self.part(&end.component, report)?;
         let found = find(&part.face.references, &end.name);
         if found.is_none() {
@@ -132,7 +142,7 @@ impl<'s> Scene<'s> {
     /// Reports something that a component does not have.
     pub(crate) fn unknown_part(
         &self,
-        part: &Part<'_>,
+        part: &CheckedComponent<'_>,
         what: &'static str,
         end: &End,
         nearest: Option<Nearest>,
@@ -144,7 +154,7 @@ impl<'s> Scene<'s> {
         }
         let name = end.name.value.as_str();
         let instead = [
-            ("a port", face.port(name, Way::In).is_some()),
+            ("a port", face.port(name, PortDirection::In).is_some()),
             ("a service", find(&face.services, name).is_some()),
             ("a reference", find(&face.references, name).is_some()),
         ];

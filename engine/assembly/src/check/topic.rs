@@ -17,8 +17,8 @@ use asmotion_diagnostics::{Report, Span};
 use super::codec;
 use super::component::topic;
 use super::connection::TopicLink;
-use super::face::Kind;
-use super::scene::{Part, Scene};
+use super::endpoints::TypeAt;
+use super::scene::{CheckedComponent, CheckedComposite};
 use super::wire::own_place;
 use crate::finding::Findings;
 use crate::model::{self, Promoted};
@@ -30,7 +30,7 @@ pub(crate) type Topics = BTreeMap<String, Vec<Role>>;
 /// Somebody who publishes or subscribes a topic.
 pub(crate) struct Role {
     pub at: Span,
-    pub kind: Option<Kind>,
+    pub kind: Option<TypeAt>,
     pub published: bool,
     pub subscribed: bool,
     /// Component and port; `None` for a topic that a nested composite promotes.
@@ -46,7 +46,11 @@ impl Role {
 }
 
 /// Checks all topics, and returns them.
-pub(crate) fn check(scene: &Scene<'_>, links: &[TopicLink], report: &mut Report) -> Topics {
+pub(crate) fn check(
+    scene: &CheckedComposite<'_>,
+    links: &[TopicLink],
+    report: &mut Report,
+) -> Topics {
     for part in &scene.parts {
         renames(part, report);
     }
@@ -77,7 +81,7 @@ pub(crate) fn check(scene: &Scene<'_>, links: &[TopicLink], report: &mut Report)
     topics
 }
 
-fn collect(scene: &Scene<'_>, links: &[TopicLink]) -> Topics {
+fn collect(scene: &CheckedComposite<'_>, links: &[TopicLink]) -> Topics {
     let mut topics = Topics::new();
     let mut add = |name: &str, role: Role| topics.entry(name.to_owned()).or_default().push(role);
     for part in &scene.parts {
@@ -123,7 +127,7 @@ fn collect(scene: &Scene<'_>, links: &[TopicLink]) -> Topics {
 }
 
 /// A renamed topic stands in the rename.
-fn written(part: &Part<'_>, name: &str) -> Written {
+fn written(part: &CheckedComponent<'_>, name: &str) -> Written {
     let rename = part
         .component
         .rename
@@ -135,7 +139,7 @@ fn written(part: &Part<'_>, name: &str) -> Written {
     }
 }
 
-fn types(scene: &Scene<'_>, topic: &str, roles: &[Role], report: &mut Report) {
+fn types(scene: &CheckedComposite<'_>, topic: &str, roles: &[Role], report: &mut Report) {
     let mut typed = roles
         .iter()
         .filter_map(|role| Some((role, role.kind.as_ref()?)));
@@ -154,7 +158,7 @@ fn types(scene: &Scene<'_>, topic: &str, roles: &[Role], report: &mut Report) {
 }
 
 /// The engine alone publishes how its bus is.
-fn own(scene: &Scene<'_>, roles: &[Role], report: &mut Report) {
+fn own(scene: &CheckedComposite<'_>, roles: &[Role], report: &mut Report) {
     for role in roles {
         if role.published {
             let problem = OwnProblem::Published;
@@ -191,7 +195,7 @@ fn silent(topic: &str, roles: &[Role], topics: &Topics, report: &mut Report) {
     });
 }
 
-fn renames(part: &Part<'_>, report: &mut Report) {
+fn renames(part: &CheckedComponent<'_>, report: &mut Report) {
     if part.face.blank {
         return;
     }

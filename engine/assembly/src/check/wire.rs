@@ -8,13 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::face::{Service, nearest_service};
+use super::endpoints::{EndpointService, nearest_service};
 use super::fan_out;
-use super::scene::{Part, Scene};
+use super::scene::{CheckedComponent, CheckedComposite};
 use crate::finding::Findings;
 use crate::model::{End, Promoted, Wire};
 
-pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
+pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     let mut joined = Joined::default();
     for wire in &scene.composite.wires {
         if scene.active(&wire.profiles) {
@@ -63,7 +63,7 @@ impl Joined {
     }
 }
 
-fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report) {
+fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report) {
     let found = scene.reference(&wire.reference, report);
     let reference = found.map(|(_, reference)| reference);
     let mut answered = false;
@@ -112,7 +112,7 @@ fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report
 }
 
 /// The reference that a wire means whose own name is not known: the one that is called like it, or the only one.
-fn meant(scene: &Scene<'_>, end: &End) -> Option<(String, String)> {
+fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
     let parts = &scene.parts;
     let part = (parts.iter()).find(|part| part.component.name.value == end.component.value)?;
     let references = &part.face.references;
@@ -130,7 +130,12 @@ pub(crate) fn waits(wire: &Wire) -> bool {
     !oneway && wire.services.len() == 1
 }
 
-fn dangling(part: &Part<'_>, reference: &Service, joined: &Joined, report: &mut Report) {
+fn dangling(
+    part: &CheckedComponent<'_>,
+    reference: &EndpointService,
+    joined: &Joined,
+    report: &mut Report,
+) {
     let component = part.component.name.value.clone();
     let key = (component, reference.name.text.clone());
     if reference.optional || joined.places.contains_key(&key) || joined.meant.contains(&key) {
@@ -146,7 +151,7 @@ fn dangling(part: &Part<'_>, reference: &Service, joined: &Joined, report: &mut 
 
 /// The place of something of a component: where this composite names it, or the component itself.
 /// What a nested composite declares stands in its own file, which may be right.
-pub(crate) fn own_place(part: &Part<'_>, at: Option<Span>) -> Span {
+pub(crate) fn own_place(part: &CheckedComponent<'_>, at: Option<Span>) -> Span {
     let name = part.component.name.span;
     at.filter(|at| at.file == name.file).unwrap_or(name)
 }

@@ -1,4 +1,4 @@
-use crate::named::Named;
+use crate::named::NamedAt;
 use crate::nearest::{Nearest, Suggest, nearest};
 use crate::wording::has;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
@@ -41,7 +41,7 @@ pub(crate) enum UnknownProperty {
         name: String,
         at: Span,
         made_of: Span,
-        known: Vec<Named>,
+        known: Vec<NamedAt>,
     },
     /// In a file of properties.
     InFile {

@@ -1,4 +1,4 @@
-use crate::named::Kind;
+use crate::named::TypeAt;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Incompatible interfaces
@@ -52,9 +52,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("`{reference}` needs `{}`, but `{service}` is `{}`", wanted.text, found.text)]
 pub(crate) struct WireMismatch {
     pub reference: String,
-    pub wanted: Kind,
+    pub wanted: TypeAt,
     pub service: String,
-    pub found: Kind,
+    pub found: TypeAt,
     pub at: Span,
     pub reference_at: Span,
 }

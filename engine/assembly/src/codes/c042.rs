@@ -1,4 +1,4 @@
-use crate::named::Kind;
+use crate::named::TypeAt;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Incompatible message types
@@ -49,10 +49,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("`{from}` is `{}`, but `{to}` is `{}`", from_kind.text, to_kind.text)]
 pub(crate) struct ConnectionMismatch {
     pub from: String,
-    pub from_kind: Kind,
+    pub from_kind: TypeAt,
     pub from_at: Span,
     pub to: String,
-    pub to_kind: Kind,
+    pub to_kind: TypeAt,
     pub to_at: Span,
 }
 

@@ -1,5 +1,5 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
-use asmotion_mqueue::LayoutError;
+use asmotion_mqueue::UnsupportedTypeError;
 
 /// Type not supported by message queues
 ///
@@ -44,7 +44,7 @@ use asmotion_mqueue::LayoutError;
 pub(crate) struct NoMqueueLayout {
     pub kind: String,
     pub queue: String,
-    pub reason: LayoutError,
+    pub reason: UnsupportedTypeError,
     pub at: Span,
 }
 

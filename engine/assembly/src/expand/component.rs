@@ -4,7 +4,7 @@ use toml_edit::{Item, Table};
 
 use super::beside;
 use super::binding;
-use crate::model::Builtin;
+use crate::model::BuiltinComponent;
 use crate::plan::{Component, Implementation, Pace, Plan, Port, Service, Terminal};
 use crate::table::{Lines, WrittenTable, table};
 
@@ -166,7 +166,7 @@ fn builtin(component: &Component, keys: &mut Lines) {
         })
         .collect();
     match kind {
-        Some(Builtin::RosBridge) => keys.put("map", &component.ros),
+        Some(BuiltinComponent::RosBridge) => keys.put("map", &component.ros),
         _ => keys.put("map", &proxy),
     }
     keys.put("notify", &component.notify);

@@ -5,7 +5,7 @@ use asmotion_diagnostics::Span;
 
 use asmotion_coordinator::{PublishWhen, Receive};
 
-use super::{DAY_MS, End, Path};
+use super::{DAY_MS, End, MessagePath};
 use crate::At;
 use crate::tree::Node;
 
@@ -41,10 +41,10 @@ pub struct Monitored {
     pub edge: Option<At<bool>>,
     /// The part of the message that is the value; its only field, `data` or `code`, if absent.
     #[key(example = "\"data\"")]
-    pub field: Option<Path>,
+    pub field: Option<MessagePath>,
     /// The field whose text names an enum literal.
     #[key(example = "\"data\"")]
-    pub map: Option<Path>,
+    pub map: Option<MessagePath>,
     /// The texts for which it is true.
     #[key(example = "\"idle\"")]
     pub is: Vec<At<String>>,
@@ -110,7 +110,7 @@ pub struct Published {
     pub topic: At<String>,
     /// The field that takes the value.
     #[key(example = "\"data\"")]
-    pub field: Option<Path>,
+    pub field: Option<MessagePath>,
     /// After which steps.
     #[key(name = "publish")]
     pub when: Option<At<PublishWhen>>,

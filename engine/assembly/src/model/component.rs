@@ -188,7 +188,7 @@ pub struct ProxyEntry {
     pub mode: At<ProxyMode>,
     /// The part of the message that is argument or result.
     #[key(example = "\"position\"")]
-    pub field: Option<Path>,
+    pub field: Option<MessagePath>,
 }
 
 /// How an operation uses a port.
@@ -242,14 +242,14 @@ pub enum Direction {
 
 /// A part of a message, as in `pose.position.x`; each step with its place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Path {
+pub struct MessagePath {
     /// The steps.
     pub steps: Vec<At<String>>,
     /// The place of all of it.
     pub span: Span,
 }
 
-impl std::fmt::Display for Path {
+impl std::fmt::Display for MessagePath {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let steps: Vec<&str> = self.steps.iter().map(|step| step.value.as_str()).collect();
         f.write_str(&steps.join("."))
@@ -301,7 +301,7 @@ pub struct Condition {
     /// All of it.
     pub text: At<String>,
     /// `port.field`, which it begins with.
-    pub path: Option<Path>,
+    pub path: Option<MessagePath>,
 }
 
 /// The motion has ended: what was measured is near what was commanded, for some time.
@@ -317,10 +317,10 @@ pub struct Idle {
     pub within: At<f64>,
     /// `port.field` of what was commanded.
     #[key(example = "\"commands.position\"")]
-    pub of: Path,
+    pub of: MessagePath,
     /// `port.field` of what is measured.
     #[key(example = "\"jointStatus.position\"")]
-    pub on: Path,
+    pub on: MessagePath,
     /// For how long.
     #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
     pub for_ms: Option<At<u64>>,

@@ -87,9 +87,9 @@ impl Implementation {
     }
 
     /// The component of the engine that it is, if there is one of this name.
-    pub fn builtin(&self) -> Option<Builtin> {
+    pub fn builtin(&self) -> Option<BuiltinComponent> {
         match self {
-            Self::Builtin { name, .. } => Builtin::of_word(name),
+            Self::Builtin { name, .. } => BuiltinComponent::of_word(name),
             Self::Rust(_)
             | Self::Asm { .. }
             | Self::Composite(_)
@@ -102,7 +102,7 @@ impl Implementation {
 
 /// The components that are part of the engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
-pub enum Builtin {
+pub enum BuiltinComponent {
     /// Ports of a data-flow component offered as services.
     #[default]
     #[word("port-proxy")]

@@ -15,9 +15,9 @@ mod wiring;
 pub use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
 pub use asmotion_datum::Codec;
 pub use component::{
-    Busy, Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, PlannedIdle,
-    PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedVerify, Plot, Ports,
-    ProxyEntry, ProxyMode, Rename, RosEntry, Verify, Wanted,
+    Busy, Component, Condition, Direction, Idle, Listed, MapEntry, MessagePath, Notify,
+    PlannedIdle, PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedVerify,
+    Plot, Ports, ProxyEntry, ProxyMode, Rename, RosEntry, Verify, Wanted,
 };
 pub use composite::{Composite, Head};
 pub use deploy::{
@@ -27,7 +27,7 @@ pub use endpoint::{
     Address, Bridge, BridgeKind, Broker, Gateway, PlannedBridge, PlannedBroker, PlannedGateway,
     PlannedReconnect, Reconnect, Tls,
 };
-pub use implementation::{Builtin, Implementation};
+pub use implementation::{BuiltinComponent, Implementation};
 pub use pace::{Lifecycle, Pace, PlannedLifecycle, PlannedPace};
 pub use promote::{Promoted, Promotion};
 pub use setting::{Amount, Piece, Property, PropertyType, Scalar, Setting, Template};

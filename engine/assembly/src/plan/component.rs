@@ -1,8 +1,8 @@
 //! A component of a plan.
 
-use super::{Lifecycle, Pace, Settings};
+use super::{Lifecycle, Pace, PropertyValues};
 use crate::model::{
-    Builtin, PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedVerify,
+    BuiltinComponent, PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedVerify,
 };
 use asmotion_coordinator::Binding;
 
@@ -28,7 +28,7 @@ pub struct Component {
     /// References.
     pub references: Vec<Service>,
     /// Properties that are set.
-    pub properties: Settings,
+    pub properties: PropertyValues,
     /// `bind`, of an ASM.
     pub binding: Option<Binding>,
     /// `verify`, of an ASM.
@@ -38,7 +38,7 @@ pub struct Component {
     /// `notify` of a port-proxy.
     pub notify: Option<PlannedNotify>,
     /// Both as the bridge executes them.
-    pub bridge: Option<asmotion_bridge::Settings>,
+    pub bridge: Option<asmotion_bridge::ProxySettings>,
     /// `map` of a ros-bridge.
     pub ros: Vec<PlannedRosEntry>,
     /// `plots` of a web-monitor.
@@ -75,7 +75,7 @@ pub struct Asm {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltinSettings {
     /// Which one.
-    pub kind: Builtin,
+    pub kind: BuiltinComponent,
     /// The component whose ports it offers.
     pub target: Option<String>,
     /// The bridge it uses.

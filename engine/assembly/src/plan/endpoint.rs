@@ -12,7 +12,7 @@ use crate::codes::c019::SecretInFile;
 use crate::codes::c065::DuplicateAddress;
 use crate::finding::Findings;
 use crate::model::{self, Composite, Template};
-use crate::scope::Notes;
+use crate::scope::SubstitutionNotes;
 use crate::table::Resolver;
 use crate::value::REDACTED;
 
@@ -58,7 +58,7 @@ impl Flattener<'_, '_> {
 }
 
 /// A password that stands in the file is read by everybody who has the file.
-fn secret(url: &At<Template>, notes: &mut Notes) {
+fn secret(url: &At<Template>, notes: &mut SubstitutionNotes) {
     let pieces = url.pieces.iter().map(|piece| match piece {
         model::Piece::Text(text) => text.as_str(),
         model::Piece::Property { .. } | model::Piece::Variable { .. } => SUBSTITUTED,

@@ -6,16 +6,16 @@ use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Sources, Span};
 
-use super::{Plan, Settings, order, part, place};
+use super::{Plan, PropertyValues, order, part, place};
 use crate::check::{self, Faces};
 use crate::context::Context;
 use crate::family::{Family, Member};
 use crate::finding::Findings;
 use crate::model::{self, Composite};
-use crate::scope::{Notes, Scope, Set, from_text};
+use crate::scope::{OutsideSettings, PropertyScope, SubstitutionNotes, from_text};
 use crate::table::Resolver;
 use crate::types::Types;
-use crate::value::Value;
+use crate::value::SettingValue;
 
 /// What the plan is made of.
 pub(crate) struct Parts<'p> {
@@ -29,7 +29,7 @@ pub(crate) struct Parts<'p> {
 
 /// Flattens a composite in one profile. What is wrong goes to the notes; the plan is then of use
 /// only to those who look at it.
-pub(crate) fn flatten(parts: &Parts<'_>, notes: &mut Notes) -> Option<Plan> {
+pub(crate) fn flatten(parts: &Parts<'_>, notes: &mut SubstitutionNotes) -> Option<Plan> {
     let member = parts.family.member(&parts.family.root)?;
     let plan = blank(&member.composite, parts.profile);
     let mut flattener = Flattener {
@@ -54,7 +54,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         profile: profile.map(str::to_owned),
         missing: Vec::new(),
         start_order: Vec::new(),
-        properties: Settings::default(),
+        properties: PropertyValues::default(),
         brokers: Vec::new(),
         gateways: Vec::new(),
         bridges: Vec::new(),
@@ -71,7 +71,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
 }
 
 /// The same for properties of components: by component and property.
-type Overrides = BTreeMap<(String, String), (Option<Value>, Option<Span>)>;
+type Overrides = BTreeMap<(String, String), (Option<SettingValue>, Option<Span>)>;
 
 /// A composite at one place of the system.
 pub(super) struct Instance<'p> {
@@ -84,14 +84,14 @@ pub(super) struct Instance<'p> {
     pub parent: Option<(usize, &'p model::Component)>,
     /// Its nested composites.
     pub children: BTreeMap<&'p str, usize>,
-    pub scope: Scope<'p>,
+    pub scope: PropertyScope<'p>,
     /// Promoted properties of its components that were set from outside.
     overrides: Overrides,
 }
 
 pub(super) struct Flattener<'p, 'n> {
     pub parts: &'p Parts<'p>,
-    pub notes: &'n mut Notes,
+    pub notes: &'n mut SubstitutionNotes,
     pub plan: Plan,
     pub instances: Vec<Instance<'p>>,
     /// There are too many components.
@@ -100,8 +100,8 @@ pub(super) struct Flattener<'p, 'n> {
 
 impl<'p> Flattener<'p, '_> {
     /// The properties that are set from outside all files.
-    fn settings(&mut self, composite: &Composite) -> Set {
-        let mut set = Set::new();
+    fn settings(&mut self, composite: &Composite) -> OutsideSettings {
+        let mut set = OutsideSettings::new();
         for (name, text) in self.parts.context.settings {
             let Some(property) = composite
                 .properties
@@ -118,7 +118,7 @@ impl<'p> Flattener<'p, '_> {
                 continue;
             };
             let value = from_text(text, property.kind.value);
-            let value = value.unwrap_or_else(|| Value::Text(text.clone()));
+            let value = value.unwrap_or_else(|| SettingValue::Text(text.clone()));
             set.insert(name.clone(), (Some(value), None));
         }
         set
@@ -130,7 +130,7 @@ impl<'p> Flattener<'p, '_> {
         path: &'p str,
         member: &'p Member,
         parent: Option<(usize, &'p model::Component)>,
-        set: Set,
+        set: OutsideSettings,
     ) -> usize {
         let composite = &member.composite;
         let prefix = parent.map_or(String::new(), |(parent, component)| {
@@ -141,7 +141,7 @@ impl<'p> Flattener<'p, '_> {
             format!("{outer}{}/", component.name.value)
         });
         let (own, overrides) = split(composite, set);
-        let scope = Scope::new(
+        let scope = PropertyScope::new(
             &composite.properties,
             own,
             self.parts.context.environment,
@@ -153,7 +153,7 @@ impl<'p> Flattener<'p, '_> {
                 let name = &property.name.value;
                 Some((name.clone(), scope.value(name)?.clone()))
             });
-            self.plan.properties = Settings(known.collect());
+            self.plan.properties = PropertyValues(known.collect());
         }
         let index = self.instances.len();
         let children = BTreeMap::new();
@@ -188,7 +188,7 @@ impl<'p> Flattener<'p, '_> {
         let Some(instance) = self.instances.get(index) else {
             return;
         };
-        let mut set = Set::new();
+        let mut set = OutsideSettings::new();
         for setting in &component.properties {
             let value = instance.scope.node(&setting.value, self.notes);
             set.insert(
@@ -222,7 +222,7 @@ impl<'p> Flattener<'p, '_> {
         let Some(types) = self.parts.types.get(instance.path) else {
             return;
         };
-        let source = part::Source {
+        let source = part::PartSource {
             member,
             component,
             face,
@@ -277,8 +277,8 @@ impl<'p> Flattener<'p, '_> {
 }
 
 /// Which of the values go to properties of the composite, and which to promoted ones.
-fn split(composite: &Composite, set: Set) -> (Set, Overrides) {
-    let mut own = Set::new();
+fn split(composite: &Composite, set: OutsideSettings) -> (OutsideSettings, Overrides) {
+    let mut own = OutsideSettings::new();
     let mut overrides = Overrides::new();
     for (name, value) in set {
         let promoted = composite

@@ -8,7 +8,7 @@ use super::{End, Plan, Terminal};
 
 /// Why one component needs another.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Link {
+pub enum Dependency {
     /// It reads what the other writes, over this topic if there is one.
     Reads {
         /// The topic.
@@ -34,7 +34,7 @@ impl Plan {
 
     /// Components and their links. An edge leads from the one that must be there first, so from
     /// writers to readers and from providers to callers.
-    pub fn graph(&self) -> DiGraph<&str, Link> {
+    pub fn graph(&self) -> DiGraph<&str, Dependency> {
         let mut graph = DiGraph::new();
         let nodes: BTreeMap<&str, NodeIndex> = self
             .components
@@ -46,7 +46,7 @@ impl Plan {
                 )
             })
             .collect();
-        let mut add = |from: &str, to: &str, link: Link| {
+        let mut add = |from: &str, to: &str, link: Dependency| {
             if let (Some(from), Some(to)) = (nodes.get(from), nodes.get(to)) {
                 graph.add_edge(*from, *to, link);
             }
@@ -57,7 +57,7 @@ impl Plan {
                 add(
                     &service.component,
                     &wire.reference.component,
-                    Link::Calls { interface },
+                    Dependency::Calls { interface },
                 );
             }
         }
@@ -69,7 +69,7 @@ impl Plan {
                 add(
                     &from.component,
                     &to.component,
-                    Link::Reads { topic: None, kind },
+                    Dependency::Reads { topic: None, kind },
                 );
             }
         }
@@ -78,7 +78,11 @@ impl Plan {
                 for to in &topic.subscribers {
                     let kind = topic.kind.clone().unwrap_or_default();
                     let topic = Some(topic.name.clone());
-                    add(&from.component, &to.component, Link::Reads { topic, kind });
+                    add(
+                        &from.component,
+                        &to.component,
+                        Dependency::Reads { topic, kind },
+                    );
                 }
             }
         }

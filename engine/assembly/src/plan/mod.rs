@@ -28,13 +28,13 @@ pub use crate::model::{
     PlannedProcess as Process, PlannedRecord as Record, PlannedRestart as Restart,
     PlannedWire as Wire,
 };
-pub use crate::value::Settings;
+pub use crate::value::PropertyValues;
 pub use component::{Asm, BuiltinSettings, Component, Implementation, Port, Service};
 pub use deployed::Part;
 pub(crate) use flatten::{Parts, flatten};
-pub use graph::Link;
+pub use graph::Dependency;
 pub use joint::{Connection, Promoted, Topic};
-pub use way::{Over, Way};
+pub use way::{ConnectionRoute, RouteTransport};
 
 /// A composite in one profile, ready to be started.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub struct Plan {
     /// The names of the components, providers before their callers, writers before their readers.
     pub start_order: Vec<String>,
     /// The properties of the outermost composite.
-    pub properties: Settings,
+    pub properties: PropertyValues,
     /// Brokers.
     pub brokers: Vec<Broker>,
     /// Gateways.

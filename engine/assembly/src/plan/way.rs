@@ -8,7 +8,7 @@ use crate::model::{Lock, Transport};
 
 /// The way from a writer to its reader, or from a caller to its service.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Way {
+pub struct ConnectionRoute {
     /// The writer or caller.
     pub from: Terminal,
     /// The reader or service.
@@ -16,12 +16,12 @@ pub struct Way {
     /// The topic that joins them, if one does.
     pub topic: Option<String>,
     /// What lies between.
-    pub over: Over,
+    pub over: RouteTransport,
 }
 
 /// What lies between a writer and its reader.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Over {
+pub enum RouteTransport {
     /// Nothing: both are in one process.
     Nothing(Lock),
     /// A message queue of the kernel.
@@ -34,7 +34,7 @@ pub enum Over {
 
 impl Plan {
     /// All ways, as the composite is deployed: connections, topics, then wires.
-    pub fn ways(&self) -> Vec<Way> {
+    pub fn ways(&self) -> Vec<ConnectionRoute> {
         let connections = (self.connections.iter()).filter_map(|it| self.way_of_connection(it));
         let topics = self.topics.iter().flat_map(|it| self.ways_of_topic(it));
         let wires = self.wires.iter().flat_map(|it| self.ways_of_wire(it));
@@ -42,15 +42,15 @@ impl Plan {
     }
 
     /// A topic's ways depend on all who are on it.
-    fn way_of_connection(&self, connection: &Connection) -> Option<Way> {
+    fn way_of_connection(&self, connection: &Connection) -> Option<ConnectionRoute> {
         let over = match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => {
                 self.between(from, to, connection.policy.lock)
             }
-            (Terminal::Mqueue(_), _) | (_, Terminal::Mqueue(_)) => Over::Mqueue,
+            (Terminal::Mqueue(_), _) | (_, Terminal::Mqueue(_)) => RouteTransport::Mqueue,
             (Terminal::Topic(_), _) | (_, Terminal::Topic(_)) => return None,
         };
-        Some(Way {
+        Some(ConnectionRoute {
             from: connection.from.clone(),
             to: connection.to.clone(),
             topic: None,
@@ -58,8 +58,8 @@ impl Plan {
         })
     }
 
-    fn ways_of_topic<'p>(&'p self, topic: &'p Topic) -> impl Iterator<Item = Way> + 'p {
-        let way = |from: &End, to: &End| Way {
+    fn ways_of_topic<'p>(&'p self, topic: &'p Topic) -> impl Iterator<Item = ConnectionRoute> + 'p {
+        let way = |from: &End, to: &End| ConnectionRoute {
             from: Terminal::Port(from.clone()),
             to: Terminal::Port(to.clone()),
             topic: Some(topic.name.clone()),
@@ -69,25 +69,27 @@ impl Plan {
         from.flat_map(move |from| topic.subscribers.iter().map(move |to| way(from, to)))
     }
 
-    fn ways_of_wire<'p>(&'p self, wire: &'p Wire) -> impl Iterator<Item = Way> + 'p {
-        let way = |to: &End| Way {
+    fn ways_of_wire<'p>(&'p self, wire: &'p Wire) -> impl Iterator<Item = ConnectionRoute> + 'p {
+        let way = |to: &End| ConnectionRoute {
             from: Terminal::Port(wire.reference.clone()),
             to: Terminal::Port(to.clone()),
             topic: None,
             over: match wire.binding {
                 // a component's inbox takes requests without a lock
                 Transport::Local => self.between(&wire.reference, to, Lock::LockFree),
-                Transport::Amqp => Over::Broker(self.broker_of_wire(wire).map(str::to_owned)),
-                other @ (Transport::Ros | Transport::Http) => Over::Other(other),
+                Transport::Amqp => {
+                    RouteTransport::Broker(self.broker_of_wire(wire).map(str::to_owned))
+                }
+                other @ (Transport::Ros | Transport::Http) => RouteTransport::Other(other),
             },
         };
         wire.services.iter().map(way)
     }
 
-    fn between(&self, from: &End, to: &End, lock: Lock) -> Over {
+    fn between(&self, from: &End, to: &End, lock: Lock) -> RouteTransport {
         match self.process_of(&from.component) == self.process_of(&to.component) {
-            true => Over::Nothing(lock),
-            false => Over::Broker(self.broker_of(&from.component).map(str::to_owned)),
+            true => RouteTransport::Nothing(lock),
+            false => RouteTransport::Broker(self.broker_of(&from.component).map(str::to_owned)),
         }
     }
 
@@ -102,7 +104,7 @@ impl Plan {
     }
 }
 
-impl Way {
+impl ConnectionRoute {
     /// Those of its ends that are components'.
     pub fn ends(&self) -> impl Iterator<Item = &End> {
         let both = [&self.from, &self.to].into_iter();
@@ -113,7 +115,7 @@ impl Way {
     }
 }
 
-impl Over {
+impl RouteTransport {
     /// Whether neither side waits for anybody, and nothing but memory lies between.
     pub fn is_real_time(&self) -> bool {
         match self {
@@ -123,7 +125,7 @@ impl Over {
     }
 }
 
-impl fmt::Display for Over {
+impl fmt::Display for RouteTransport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nothing(Lock::LockFree) => f.write_str("inside, lock-free"),

@@ -5,7 +5,9 @@ use serde_json::{Value as Json, json};
 use super::keys::{Keys, Reader};
 use super::{name, setting};
 use crate::At;
-use crate::model::{Builtin, Component, Implementation, Listed, MapEntry, Rename, Setting};
+use crate::model::{
+    BuiltinComponent, Component, Implementation, Listed, MapEntry, Rename, Setting,
+};
 use crate::table::{Key, Many, Value};
 use crate::tree::Node;
 
@@ -65,8 +67,8 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
     let nested = matches!(made_of, Implementation::Composite(_));
     let builtin = made_of.builtin();
     let (ros, proxy) = (
-        builtin == Some(Builtin::RosBridge),
-        builtin == Some(Builtin::PortProxy),
+        builtin == Some(BuiltinComponent::RosBridge),
+        builtin == Some(BuiltinComponent::PortProxy),
     );
     let rules: [(&'static str, bool, &'static str); 12] = [
         ("bind", asm, "only functions of an ASM are bound"),
@@ -79,7 +81,7 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
         ("notify", proxy, "only the built-in `port-proxy` notifies"),
         (
             "plots",
-            builtin == Some(Builtin::WebMonitor),
+            builtin == Some(BuiltinComponent::WebMonitor),
             "only the built-in `web-monitor` plots",
         ),
         ("task", !nested, NESTED),

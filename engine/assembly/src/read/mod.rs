@@ -51,7 +51,7 @@ pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Repo
     let (table, errors) = tree::parse(file, text);
     let damaged = !errors.is_empty();
     for error in errors.into_iter().take(MAX_SYNTAX_ERRORS) {
-        let tree::SyntaxError {
+        let tree::TomlError {
             message,
             span: at,
             earlier,

@@ -4,7 +4,7 @@ use super::keys::Reader;
 use crate::At;
 use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
-use crate::model::{Condition, End, Path, Terminal};
+use crate::model::{Condition, End, MessagePath, Terminal};
 
 /// A name of a thing of the composite: letters, digits, `_` and `-`; where composites are opened up, with
 /// the names of those around it in front: `Driver/youBotDriver`.
@@ -99,12 +99,12 @@ pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Ter
 /// A queue of the kernel: `/jointStatus`.
 fn queue(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
     let rule = "a message queue is a `/` and a name without one, as in `mqueue:/jointStatus`";
-    let good = asmotion_mqueue::Name::new(name).is_ok();
+    let good = asmotion_mqueue::QueueName::new(name).is_ok();
     accept(reader, name, good, "a message queue", rule)
 }
 
 /// `pose.position.x`.
-pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Path> {
+pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<MessagePath> {
     let mut steps = Vec::new();
     let mut start = 0;
     for step in text.split('.') {
@@ -122,7 +122,7 @@ pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Path> {
         steps.push(At::new(step.to_owned(), reader.part(text, start..end)));
         start = end + 1;
     }
-    Some(Path {
+    Some(MessagePath {
         steps,
         span: text.span,
     })

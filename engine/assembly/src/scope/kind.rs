@@ -4,19 +4,19 @@ use crate::codes::c015::InvalidSetting;
 use crate::codes::c016::SettingOutOfRange;
 use asmotion_diagnostics::Span;
 
-use super::Notes;
+use super::SubstitutionNotes;
 use crate::finding::Findings;
 use crate::model::{Property, PropertyType, Scalar};
 use crate::range::Range;
-use crate::value::Value;
+use crate::value::SettingValue;
 
 /// A value for a property of a composite, if it has its type and lies in its range.
 pub(super) fn accept(
     property: &Property,
-    value: Value,
+    value: SettingValue,
     at: Option<Span>,
-    notes: &mut Notes,
-) -> Option<Value> {
+    notes: &mut SubstitutionNotes,
+) -> Option<SettingValue> {
     let name = &property.name.value;
     let declared = Some(property.kind.span);
     let found = value.describe();
@@ -44,13 +44,13 @@ pub(super) fn accept(
 /// Whether all numbers of a value lie in a range.
 pub(crate) fn within(
     name: &str,
-    value: &Value,
+    value: &SettingValue,
     range: &Range,
     at: Option<Span>,
     declared: Option<Span>,
-    notes: &mut Notes,
+    notes: &mut SubstitutionNotes,
 ) -> bool {
-    if let Value::List(items) = value {
+    if let SettingValue::List(items) = value {
         return items
             .iter()
             .all(|item| within(name, item, range, at, declared, notes));
@@ -115,9 +115,9 @@ fn limits(scalar: Scalar) -> (Option<f64>, Option<f64>) {
 }
 
 /// A value as a type wants it.
-fn of_type(value: Value, kind: PropertyType) -> Option<Value> {
+fn of_type(value: SettingValue, kind: PropertyType) -> Option<SettingValue> {
     if kind.list {
-        let Value::List(items) = value else {
+        let SettingValue::List(items) = value else {
             return None;
         };
         let scalar = PropertyType {
@@ -125,17 +125,21 @@ fn of_type(value: Value, kind: PropertyType) -> Option<Value> {
             ..kind
         };
         let items = items.into_iter().map(|item| of_type(item, scalar));
-        return items.collect::<Option<_>>().map(Value::List);
+        return items.collect::<Option<_>>().map(SettingValue::List);
     }
     match (kind.scalar, value) {
         (
             Scalar::Text | Scalar::Uri | Scalar::Path,
-            value @ (Value::Text(_) | Value::Secret(_)),
+            value @ (SettingValue::Text(_) | SettingValue::Secret(_)),
         ) => Some(value),
-        (Scalar::Secret, Value::Text(text) | Value::Secret(text)) => Some(Value::Secret(text)),
-        (Scalar::Boolean, value @ Value::Boolean(_)) => Some(value),
-        (Scalar::F32 | Scalar::F64, Value::Integer(number)) => Some(Value::Real(number as f64)),
-        (Scalar::F32 | Scalar::F64, value @ Value::Real(_)) => Some(value),
+        (Scalar::Secret, SettingValue::Text(text) | SettingValue::Secret(text)) => {
+            Some(SettingValue::Secret(text))
+        }
+        (Scalar::Boolean, value @ SettingValue::Boolean(_)) => Some(value),
+        (Scalar::F32 | Scalar::F64, SettingValue::Integer(number)) => {
+            Some(SettingValue::Real(number as f64))
+        }
+        (Scalar::F32 | Scalar::F64, value @ SettingValue::Real(_)) => Some(value),
         (
             Scalar::I8
             | Scalar::I16
@@ -145,30 +149,30 @@ fn of_type(value: Value, kind: PropertyType) -> Option<Value> {
             | Scalar::U16
             | Scalar::U32
             | Scalar::U64,
-            value @ Value::Integer(_),
+            value @ SettingValue::Integer(_),
         ) => Some(value),
         (_, _) => None,
     }
 }
 
 /// A text from outside, as a property of this type takes it.
-pub(crate) fn from_text(text: &str, kind: PropertyType) -> Option<Value> {
+pub(crate) fn from_text(text: &str, kind: PropertyType) -> Option<SettingValue> {
     if kind.list {
         if text.trim_start().starts_with('[') {
-            return of_type(Value::from_toml(text)?, kind);
+            return of_type(SettingValue::from_toml(text)?, kind);
         }
         let scalar = PropertyType {
             list: false,
             ..kind
         };
         let items = text.split(',').map(|item| from_text(item.trim(), scalar));
-        return items.collect::<Option<_>>().map(Value::List);
+        return items.collect::<Option<_>>().map(SettingValue::List);
     }
     match kind.scalar {
-        Scalar::Text | Scalar::Uri | Scalar::Path => Some(Value::Text(text.to_owned())),
-        Scalar::Secret => Some(Value::Secret(text.to_owned())),
-        Scalar::Boolean => text.parse().ok().map(Value::Boolean),
-        Scalar::F32 | Scalar::F64 => text.parse().ok().map(Value::Real),
+        Scalar::Text | Scalar::Uri | Scalar::Path => Some(SettingValue::Text(text.to_owned())),
+        Scalar::Secret => Some(SettingValue::Secret(text.to_owned())),
+        Scalar::Boolean => text.parse().ok().map(SettingValue::Boolean),
+        Scalar::F32 | Scalar::F64 => text.parse().ok().map(SettingValue::Real),
         Scalar::I8
         | Scalar::I16
         | Scalar::I32
@@ -176,6 +180,6 @@ pub(crate) fn from_text(text: &str, kind: PropertyType) -> Option<Value> {
         | Scalar::U8
         | Scalar::U16
         | Scalar::U32
-        | Scalar::U64 => text.parse().ok().map(Value::Integer),
+        | Scalar::U64 => text.parse().ok().map(SettingValue::Integer),
     }
 }

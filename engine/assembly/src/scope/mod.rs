@@ -14,7 +14,7 @@ use asmotion_diagnostics::{Code, Finding, Report, Sources, Span};
 
 use self::kind::accept;
 pub(crate) use self::kind::{from_text, within};
-use crate::environment::{Environment, is_secret};
+use crate::environment::{VariableSource, is_secret};
 use crate::finding::Findings;
 use crate::model::{Amount, Piece, Property, PropertyType, Scalar, Template};
 use crate::nearest::nearest;
@@ -22,7 +22,7 @@ use crate::range::Range;
 use crate::read::template;
 use crate::table::Key;
 use crate::tree::{Branch, Node};
-use crate::value::{REDACTED, Value};
+use crate::value::{REDACTED, SettingValue};
 
 /// Findings about a value, which may be set from outside all files.
 const OF_VALUES: &[&Code] = &[
@@ -33,7 +33,7 @@ const OF_VALUES: &[&Code] = &[
 
 /// What comes up while values are put together.
 #[derive(Default)]
-pub(crate) struct Notes {
+pub(crate) struct SubstitutionNotes {
     pub report: Report,
     /// Environment variables that are not set.
     pub missing: Vec<String>,
@@ -41,7 +41,7 @@ pub(crate) struct Notes {
     pub outside: bool,
 }
 
-impl Notes {
+impl SubstitutionNotes {
     fn missing(&mut self, name: &str) {
         if !self.missing.iter().any(|known| known == name) {
             self.missing.push(name.to_owned());
@@ -49,7 +49,7 @@ impl Notes {
     }
 }
 
-impl Findings for Notes {
+impl Findings for SubstitutionNotes {
     fn found(&mut self, finding: impl Finding) {
         let finding = finding.diagnostic();
         self.outside |= finding.primary.is_none() && finding.is_any(OF_VALUES);
@@ -59,13 +59,13 @@ impl Findings for Notes {
 
 /// Values that are set from outside: by the name of the property, `None` where one is not known,
 /// with the place where it was set, if that was in a file.
-pub(crate) type Set = BTreeMap<String, (Option<Value>, Option<Span>)>;
+pub(crate) type OutsideSettings = BTreeMap<String, (Option<SettingValue>, Option<Span>)>;
 
 /// The properties of one composite, as they hold in one place of the system.
-pub(crate) struct Scope<'s> {
+pub(crate) struct PropertyScope<'s> {
     /// `None` for a value that is not known, which was reported.
-    values: BTreeMap<String, (Option<Value>, Span)>,
-    environment: &'s dyn Environment,
+    values: BTreeMap<String, (Option<SettingValue>, Span)>,
+    environment: &'s dyn VariableSource,
     sources: &'s Sources,
 }
 
@@ -83,14 +83,14 @@ impl Filled {
     }
 }
 
-impl<'s> Scope<'s> {
+impl<'s> PropertyScope<'s> {
     /// The properties of a composite, with the values that were `set` from outside.
     pub(crate) fn new(
         properties: &[Property],
-        mut set: Set,
-        environment: &'s dyn Environment,
+        mut set: OutsideSettings,
+        environment: &'s dyn VariableSource,
         sources: &'s Sources,
-        notes: &mut Notes,
+        notes: &mut SubstitutionNotes,
     ) -> Self {
         let mut scope = Self {
             values: BTreeMap::new(),
@@ -123,21 +123,21 @@ impl<'s> Scope<'s> {
     }
 
     /// The values that are known, by name.
-    pub(crate) fn value(&self, name: &str) -> Option<&Value> {
+    pub(crate) fn value(&self, name: &str) -> Option<&SettingValue> {
         self.values.get(name)?.0.as_ref()
     }
 
     /// The value of a node, with everything substituted; `None` where something is missing.
-    pub(crate) fn node(&self, node: &Node, notes: &mut Notes) -> Option<Value> {
+    pub(crate) fn node(&self, node: &Node, notes: &mut SubstitutionNotes) -> Option<SettingValue> {
         Some(match &node.value {
             Branch::Text(text) => return self.text(text, node.span, notes),
-            Branch::Integer(number) => Value::Integer(*number),
-            Branch::Float(number) => Value::Real(*number),
-            Branch::Boolean(truth) => Value::Boolean(*truth),
-            Branch::Date(date) => Value::Text(date.clone()),
+            Branch::Integer(number) => SettingValue::Integer(*number),
+            Branch::Float(number) => SettingValue::Real(*number),
+            Branch::Boolean(truth) => SettingValue::Boolean(*truth),
+            Branch::Date(date) => SettingValue::Text(date.clone()),
             Branch::List(items) => {
                 let values: Vec<_> = items.iter().map(|item| self.node(item, notes)).collect();
-                Value::List(values.into_iter().collect::<Option<_>>()?)
+                SettingValue::List(values.into_iter().collect::<Option<_>>()?)
             }
             Branch::Table(table) => {
                 let fields = table.entries.iter().map(|entry| {
@@ -145,16 +145,21 @@ impl<'s> Scope<'s> {
                     Some((entry.key.value.clone(), value))
                 });
                 let fields: Vec<_> = fields.collect();
-                Value::Record(fields.into_iter().collect::<Option<_>>()?)
+                SettingValue::Record(fields.into_iter().collect::<Option<_>>()?)
             }
         })
     }
 
     /// A default; what the environment gives is text, also where a number is wanted.
-    fn default(&self, property: &Property, node: &Node, notes: &mut Notes) -> Option<Value> {
+    fn default(
+        &self,
+        property: &Property,
+        node: &Node,
+        notes: &mut SubstitutionNotes,
+    ) -> Option<SettingValue> {
         let value = self.node(node, notes)?;
         match (&value, &node.value) {
-            (Value::Text(filled), Branch::Text(written)) if filled != written => {
+            (SettingValue::Text(filled), Branch::Text(written)) if filled != written => {
                 from_text(filled, property.kind.value).or(Some(value))
             }
             _ => Some(value),
@@ -162,7 +167,7 @@ impl<'s> Scope<'s> {
     }
 
     /// A text that is nothing but a property is that property, number or not.
-    fn text(&self, text: &str, span: Span, notes: &mut Notes) -> Option<Value> {
+    fn text(&self, text: &str, span: Span, notes: &mut SubstitutionNotes) -> Option<SettingValue> {
         let exact = self.sources.snippet(span) == text;
         let template = template::parse(text, span, exact).ok()?;
         if let [Piece::Property { name, span }] = template.pieces.as_slice() {
@@ -170,12 +175,17 @@ impl<'s> Scope<'s> {
         }
         let filled = self.fill(&template, notes)?;
         Some(match filled.secret() {
-            true => Value::Secret(filled.text),
-            false => Value::Text(filled.text),
+            true => SettingValue::Secret(filled.text),
+            false => SettingValue::Text(filled.text),
         })
     }
 
-    fn property(&self, name: &str, at: Span, notes: &mut Notes) -> Option<&Value> {
+    fn property(
+        &self,
+        name: &str,
+        at: Span,
+        notes: &mut SubstitutionNotes,
+    ) -> Option<&SettingValue> {
         match self.values.get(name) {
             Some((value, _)) => value.as_ref(),
             None => {
@@ -195,7 +205,11 @@ impl<'s> Scope<'s> {
     }
 
     /// A text with everything substituted; `None` where something is missing.
-    pub(crate) fn fill(&self, template: &Template, notes: &mut Notes) -> Option<Filled> {
+    pub(crate) fn fill(
+        &self,
+        template: &Template,
+        notes: &mut SubstitutionNotes,
+    ) -> Option<Filled> {
         let mut text = String::new();
         let mut shown = String::new();
         let mut complete = true;
@@ -226,7 +240,7 @@ impl<'s> Scope<'s> {
         name: &str,
         default: Option<&str>,
         at: Span,
-        notes: &mut Notes,
+        notes: &mut SubstitutionNotes,
     ) -> Option<(String, bool)> {
         let value = self
             .environment
@@ -265,7 +279,7 @@ impl<'s> Scope<'s> {
         key: &Key,
         amount: &Amount,
         at: Span,
-        notes: &mut Notes,
+        notes: &mut SubstitutionNotes,
     ) -> Option<u64> {
         let name = key.name;
         let template = match amount {
@@ -274,17 +288,17 @@ impl<'s> Scope<'s> {
         };
         let value = match template.pieces.as_slice() {
             [Piece::Property { name, span }] => self.property(name, *span, notes)?.clone(),
-            _ => Value::Text(self.fill(template, notes)?.text),
+            _ => SettingValue::Text(self.fill(template, notes)?.text),
         };
         let number = match &value {
-            Value::Integer(number) => Some(*number),
-            Value::Real(number) if number.fract() == 0.0 => Some(*number as i64),
-            Value::Text(text) => text.trim().parse().ok(),
-            Value::Real(_)
-            | Value::Boolean(_)
-            | Value::Secret(_)
-            | Value::List(_)
-            | Value::Record(_) => None,
+            SettingValue::Integer(number) => Some(*number),
+            SettingValue::Real(number) if number.fract() == 0.0 => Some(*number as i64),
+            SettingValue::Text(text) => text.trim().parse().ok(),
+            SettingValue::Real(_)
+            | SettingValue::Boolean(_)
+            | SettingValue::Secret(_)
+            | SettingValue::List(_)
+            | SettingValue::Record(_) => None,
         };
         let Some(number) = number else {
             notes.found(InvalidSetting::WrongType {
@@ -316,40 +330,45 @@ impl<'s> Scope<'s> {
 }
 
 /// A value as text, and whether it is a secret.
-fn plain(value: &Value) -> (String, bool) {
+fn plain(value: &SettingValue) -> (String, bool) {
     match value {
-        Value::Text(text) => (text.clone(), false),
-        Value::Secret(text) => (text.clone(), true),
-        Value::Boolean(_)
-        | Value::Integer(_)
-        | Value::Real(_)
-        | Value::List(_)
-        | Value::Record(_) => (value.to_string(), false),
+        SettingValue::Text(text) => (text.clone(), false),
+        SettingValue::Secret(text) => (text.clone(), true),
+        SettingValue::Boolean(_)
+        | SettingValue::Integer(_)
+        | SettingValue::Real(_)
+        | SettingValue::List(_)
+        | SettingValue::Record(_) => (value.to_string(), false),
     }
 }
 
 /// A path counts from the folder of the file it is written in, wherever the run is begun. What was
 /// substituted is already where it belongs: a property of this type was read by these lines, and a
 /// variable comes from outside all files.
-fn beside(kind: PropertyType, value: Value, at: Option<Span>, sources: &Sources) -> Value {
+fn beside(
+    kind: PropertyType,
+    value: SettingValue,
+    at: Option<Span>,
+    sources: &Sources,
+) -> SettingValue {
     let Some(at) =
         at.filter(|at| kind.scalar == Scalar::Path && !sources.snippet(*at).contains("${"))
     else {
         return value;
     };
     match value {
-        Value::Text(path) if path.is_empty() => Value::Text(path),
-        Value::Text(path) => {
+        SettingValue::Text(path) if path.is_empty() => SettingValue::Text(path),
+        SettingValue::Text(path) => {
             let folder = Path::new(sources.path(at.file))
                 .parent()
                 .unwrap_or(Path::new(""));
-            Value::Text(folder.join(path).display().to_string())
+            SettingValue::Text(folder.join(path).display().to_string())
         }
-        Value::List(paths) => {
+        SettingValue::List(paths) => {
             let paths = paths
                 .into_iter()
                 .map(|path| beside(kind, path, Some(at), sources));
-            Value::List(paths.collect())
+            SettingValue::List(paths.collect())
         }
         other => other,
     }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use asmotion_component::{Kind, Policy};
+use asmotion_component::{BufferKind, Policy};
 
 use crate::{model, plan};
 
@@ -11,9 +11,9 @@ pub(crate) fn of(connection: &plan::Connection) -> Policy {
     let size = usize::try_from(policy.size).unwrap_or(usize::MAX);
     Policy {
         kind: match policy.kind {
-            model::Flow::Data => Kind::Data,
-            model::Flow::Buffer => Kind::Buffer(size),
-            model::Flow::Circular => Kind::Circular(size),
+            model::Flow::Data => BufferKind::Data,
+            model::Flow::Buffer => BufferKind::Buffer(size),
+            model::Flow::Circular => BufferKind::Circular(size),
         },
         lock: policy.lock,
         sharing: policy.buffer,

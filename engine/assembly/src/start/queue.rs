@@ -2,7 +2,9 @@
 
 use asmotion_component::Policy;
 use asmotion_component::declaration::{Declaration, PortDeclaration};
-use asmotion_mqueue::{First, Keep, Layout, Name, Reader, Room, Writer};
+use asmotion_mqueue::{
+    FirstMessage, FullQueuePolicy, QueueCapacity, QueueLayout, QueueName, QueueReader, QueueWriter,
+};
 use asmotion_runtime::System;
 
 use super::StartError;
@@ -22,13 +24,13 @@ pub(super) fn to(
     let layout = layout(system, from, Declaration::output)?;
     let number = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
     let (keep, messages) = match policy.kind {
-        Flow::Data => (Keep::Last, MESSAGES),
-        Flow::Buffer => (Keep::Oldest, number(policy.size)),
-        Flow::Circular => (Keep::Newest, number(policy.size)),
+        Flow::Data => (FullQueuePolicy::Last, MESSAGES),
+        Flow::Buffer => (FullQueuePolicy::Oldest, number(policy.size)),
+        Flow::Circular => (FullQueuePolicy::Newest, number(policy.size)),
     };
     let size = layout.size_or(policy.data_size.map_or(0, number));
-    let room = Room { messages, size };
-    let writer = Name::new(queue).and_then(|name| Writer::open(name, layout, room, keep));
+    let room = QueueCapacity { messages, size };
+    let writer = QueueName::new(queue).and_then(|name| QueueWriter::open(name, layout, room, keep));
     let writer = writer.map_err(|error| refused(from, error))?;
     Ok(system.stream_out(&from.to_string(), Box::new(writer))?)
 }
@@ -42,12 +44,12 @@ pub(super) fn from(
     policy: &Policy,
 ) -> Result<(), StartError> {
     let layout = layout(system, to, Declaration::input)?;
-    let name = Name::new(queue).map_err(|error| refused(to, error))?;
+    let name = QueueName::new(queue).map_err(|error| refused(to, error))?;
     let first = match joint.init {
-        true => First::Data,
-        false => First::Shape,
+        true => FirstMessage::Data,
+        false => FirstMessage::Shape,
     };
-    let reader = Reader::new(name, layout, first);
+    let reader = QueueReader::new(name, layout, first);
     Ok(system.stream_in(Box::new(reader), &to.to_string(), policy)?)
 }
 
@@ -55,12 +57,12 @@ fn layout(
     system: &System,
     end: &plan::End,
     port: impl for<'d> Fn(&'d Declaration, &str) -> Option<&'d PortDeclaration>,
-) -> Result<Layout, StartError> {
+) -> Result<QueueLayout, StartError> {
     let declared = system.id(&end.component);
     let declared = declared.and_then(|id| system.declaration(id));
     let port = declared.and_then(|declared| port(declared, &end.name));
     let port = port.ok_or_else(|| refused(end, "there is no such port"))?;
-    Layout::of(&port.schema).map_err(|error| refused(end, error))
+    QueueLayout::of(&port.schema).map_err(|error| refused(end, error))
 }
 
 fn refused(end: &plan::End, reason: impl ToString) -> StartError {

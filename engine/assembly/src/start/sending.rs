@@ -2,8 +2,8 @@
 
 use std::num::NonZeroUsize;
 
-use asmotion_bus::{Assurance, Outage, Sending};
-use asmotion_component::Kind;
+use asmotion_bus::{Assurance, Outage, PublishOptions};
+use asmotion_component::BufferKind;
 use asmotion_datum::Codec;
 
 use super::{Part, policy};
@@ -14,7 +14,7 @@ use crate::plan::{Connection, End, Plan, Terminal};
 pub(super) fn of_topics<'p>(
     plan: &'p Plan,
     part: &'p Part,
-) -> impl Iterator<Item = (&'p str, Sending)> {
+) -> impl Iterator<Item = (&'p str, PublishOptions)> {
     let written = plan.topics.iter().filter(|topic| {
         let mut publishers = topic.publishers.iter();
         publishers.any(|end| part.has(&end.component))
@@ -33,7 +33,7 @@ pub(super) fn of_topics<'p>(
 }
 
 /// How a port is sent that others are connected to.
-pub(super) fn of_port(plan: &Plan, port: &End) -> Sending {
+pub(super) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
     let from = plan.connections.iter().filter(|connection| {
         let to_port = matches!(connection.to, Terminal::Port(_));
         to_port && connection.from == Terminal::Port(port.clone())
@@ -46,7 +46,7 @@ fn of_connections<'p>(
     plan: &Plan,
     connections: impl Iterator<Item = &'p Connection> + Clone,
     publisher: Option<&End>,
-) -> Sending {
+) -> PublishOptions {
     let init = (connections.clone()).any(|connection| connection.policy.init);
     let kinds = connections.map(|connection| policy::of(connection).kind);
     of(kinds).init(init).by(codec(plan, publisher))
@@ -60,7 +60,7 @@ fn codec(plan: &Plan, publisher: Option<&End>) -> Codec {
 }
 
 /// What the composite says of a topic goes before what follows from its connections.
-fn as_written(topic: &PlannedSending, mut sending: Sending) -> Sending {
+fn as_written(topic: &PlannedSending, mut sending: PublishOptions) -> PublishOptions {
     sending.assurance = match topic.confirm {
         None => sending.assurance,
         Some(true) => Assurance::Confirmed,
@@ -81,25 +81,25 @@ fn as_written(topic: &PlannedSending, mut sending: Sending) -> Sending {
 
 /// A state is sent again and again, and the newest counts. Messages of a sequence are confirmed; while the bus is away as
 /// many are kept as a buffer holds, or, where the oldest would be dropped in any case, the newest.
-fn of(kinds: impl IntoIterator<Item = Kind>) -> Sending {
+fn of(kinds: impl IntoIterator<Item = BufferKind>) -> PublishOptions {
     let mut kinds = kinds.into_iter().peekable();
     // ports on a topic by themselves keep a sequence
     let mut state = kinds.peek().is_some();
     let mut buffer = None;
     for kind in kinds {
         match kind {
-            Kind::Data => {}
-            Kind::Circular(_) => state = false,
-            Kind::Buffer(size) => buffer = buffer.max(NonZeroUsize::new(size)),
+            BufferKind::Data => {}
+            BufferKind::Circular(_) => state = false,
+            BufferKind::Buffer(size) => buffer = buffer.max(NonZeroUsize::new(size)),
         }
     }
     match buffer {
-        Some(size) => Sending::events(size),
-        None if state => Sending::state(),
-        None => Sending {
+        Some(size) => PublishOptions::events(size),
+        None if state => PublishOptions::state(),
+        None => PublishOptions {
             assurance: Assurance::Confirmed,
             outage: Outage::KeepLatest,
-            ..Sending::default()
+            ..PublishOptions::default()
         },
     }
 }
@@ -117,24 +117,34 @@ mod tests {
             size: None,
             codec: None,
         };
-        assert_eq!(as_written(&topic, Sending::state()), Sending::state());
+        assert_eq!(
+            as_written(&topic, PublishOptions::state()),
+            PublishOptions::state()
+        );
         topic.confirm = Some(true);
         topic.outage = Some(model::Outage::Queue);
         topic.size = Some(7);
         topic.codec = Some(Codec::Json);
         let seven = NonZeroUsize::new(7).unwrap();
-        let wanted = Sending::events(seven).by(Codec::Json);
-        assert_eq!(as_written(&topic, Sending::state()), wanted);
+        let wanted = PublishOptions::events(seven).by(Codec::Json);
+        assert_eq!(as_written(&topic, PublishOptions::state()), wanted);
         topic.outage = Some(model::Outage::Drop);
         assert_eq!(as_written(&topic, wanted).outage, Outage::Drop);
     }
 
     #[test]
     fn a_state_is_sent_once_and_a_sequence_confirmed() {
-        assert_eq!(of([Kind::Data, Kind::Data]), Sending::state());
-        let buffer = of([Kind::Data, Kind::Buffer(8), Kind::Buffer(32)]);
+        assert_eq!(
+            of([BufferKind::Data, BufferKind::Data]),
+            PublishOptions::state()
+        );
+        let buffer = of([
+            BufferKind::Data,
+            BufferKind::Buffer(8),
+            BufferKind::Buffer(32),
+        ]);
         assert_eq!(buffer.outage, Outage::Queue(NonZeroUsize::new(32).unwrap()));
-        for sequence in [of([]), of([Kind::Data, Kind::Circular(4)])] {
+        for sequence in [of([]), of([BufferKind::Data, BufferKind::Circular(4)])] {
             assert_eq!(sequence.assurance, Assurance::Confirmed);
             assert_eq!(sequence.outage, Outage::KeepLatest);
         }

@@ -27,7 +27,7 @@ pub(crate) use self::write::{
 use crate::At;
 use crate::read::keys::{Keys, Reader};
 use crate::tree::Node;
-use crate::value::Value as Plain;
+use crate::value::SettingValue as Plain;
 
 /// A key of a table, as its declaration says it.
 pub struct Key {

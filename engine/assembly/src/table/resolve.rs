@@ -10,10 +10,10 @@ use crate::address::Endpoint;
 use crate::codes::c064::InvalidAddress;
 use crate::end;
 use crate::finding::Findings;
-use crate::model::{Address, Amount, Condition, End, Path, Template};
-use crate::scope::{Notes, Scope};
+use crate::model::{Address, Amount, Condition, End, MessagePath, Template};
+use crate::scope::{PropertyScope, SubstitutionNotes};
 use crate::tree::Node;
-use crate::value::Value;
+use crate::value::SettingValue;
 
 /// Something written that stands for a value.
 pub trait Resolve {
@@ -26,8 +26,8 @@ pub trait Resolve {
 
 /// What values of a composite are resolved with.
 pub struct Resolver<'r> {
-    pub(crate) scope: &'r Scope<'r>,
-    pub(crate) notes: &'r mut Notes,
+    pub(crate) scope: &'r PropertyScope<'r>,
+    pub(crate) notes: &'r mut SubstitutionNotes,
     /// The names of the composites around, each with a `/` behind it.
     pub(crate) prefix: &'r str,
     /// Where the value being resolved was written.
@@ -37,7 +37,11 @@ pub struct Resolver<'r> {
 }
 
 impl<'r> Resolver<'r> {
-    pub(crate) fn new(scope: &'r Scope<'r>, prefix: &'r str, notes: &'r mut Notes) -> Self {
+    pub(crate) fn new(
+        scope: &'r PropertyScope<'r>,
+        prefix: &'r str,
+        notes: &'r mut SubstitutionNotes,
+    ) -> Self {
         let at = Span::default();
         Self {
             scope,
@@ -96,7 +100,7 @@ plain! {
     bool => bool: |it| *it;
     u64 => u64: |it| *it;
     f64 => f64: |it| *it;
-    Path => String: |it| it.to_string();
+    MessagePath => String: |it| it.to_string();
     Condition => String: |it| it.text.value.clone();
     End => end::End: |it| end::End {
         component: it.component.value.clone(),
@@ -140,9 +144,9 @@ impl Resolve for Amount {
 }
 
 impl Resolve for Node {
-    type Resolved = Value;
+    type Resolved = SettingValue;
 
-    fn resolve(&self, _: &Key, to: &mut Resolver<'_>) -> Option<Value> {
+    fn resolve(&self, _: &Key, to: &mut Resolver<'_>) -> Option<SettingValue> {
         to.scope.node(self, to.notes)
     }
 }

@@ -9,7 +9,7 @@ use crate::At;
 use crate::environment::EmptyEnvironment;
 use crate::model::{Amount, Delivery};
 use crate::read::keys::Reader;
-use crate::scope::{Notes, Scope};
+use crate::scope::{PropertyScope, SubstitutionNotes};
 use crate::tree;
 
 /// A lamp.
@@ -104,8 +104,8 @@ fn it_reads_what_is_there_and_says_what_is_wrong() {
 #[test]
 fn its_twin_has_the_defaults_and_is_written_again() {
     let (lamp, _) = read("watt = 5\nnear = [\"b\"]\nwall = true");
-    let (sources, mut notes) = (Sources::new(), Notes::default());
-    let scope = Scope::new(
+    let (sources, mut notes) = (Sources::new(), SubstitutionNotes::default());
+    let scope = PropertyScope::new(
         &[],
         Default::default(),
         &EmptyEnvironment,

@@ -11,9 +11,9 @@ use crate::At;
 use crate::codes::c008::UnknownSchema;
 use crate::finding::Findings;
 use crate::model::{
-    Address, Amount, BridgeKind, Builtin, Busy, Cancel, Condition, Delivery, Direction, End, Flow,
-    Outage, Path, PropertyType, ProxyMode, RestartPolicy, Scalar, Template, Terminal, Tls,
-    Transport,
+    Address, Amount, BridgeKind, BuiltinComponent, Busy, Cancel, Condition, Delivery, Direction,
+    End, Flow, MessagePath, Outage, PropertyType, ProxyMode, RestartPolicy, Scalar, Template,
+    Terminal, Tls, Transport,
 };
 use crate::nearest::nearest_name;
 use crate::read::keys::Reader;
@@ -57,7 +57,7 @@ texts! {
     String: |reader, text| Some(text.value);
     End: |reader, text| name::end(reader, &text);
     Terminal: |reader, text| name::terminal(reader, &text);
-    Path: |reader, text| name::path(reader, &text);
+    MessagePath: |reader, text| name::path(reader, &text);
     Condition: |reader, text| Some(name::condition(reader, text));
 }
 
@@ -91,7 +91,7 @@ macro_rules! words {
 }
 
 words! {
-    BridgeKind Builtin Busy Cancel Codec Delivery Direction Flow Lock OnDeadline OnException OnStale Outage Overrun
+    BridgeKind BuiltinComponent Busy Cancel Codec Delivery Direction Flow Lock OnDeadline OnException OnStale Outage Overrun
     ProxyMode PublishWhen Receive RestartPolicy Scheduler Sharing Tls Transport
 }
 

@@ -8,7 +8,7 @@ use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Key as Name, Table, Val
 
 use crate::address::Endpoint;
 use crate::end::{End, Terminal};
-use crate::value::{REDACTED, Settings, Value};
+use crate::value::{PropertyValues, REDACTED, SettingValue};
 
 /// A value that can be written.
 pub(crate) trait Written: Sized {
@@ -160,7 +160,7 @@ impl Written for Endpoint {
     }
 }
 
-impl Written for Value {
+impl Written for SettingValue {
     fn toml(&self) -> Option<Toml> {
         Some(toml(self))
     }
@@ -184,7 +184,7 @@ impl<T: Written> Written for Vec<T> {
     }
 }
 
-impl Written for Settings {
+impl Written for PropertyValues {
     fn toml(&self) -> Option<Toml> {
         let mut keys = Lines::new();
         for (name, value) in &self.0 {
@@ -195,18 +195,18 @@ impl Written for Settings {
 }
 
 /// A value, in which a dollar stands for itself.
-pub(crate) fn toml(value: &Value) -> Toml {
+pub(crate) fn toml(value: &SettingValue) -> Toml {
     match value {
-        Value::Boolean(truth) => (*truth).into(),
-        Value::Integer(number) => (*number).into(),
-        Value::Real(number) => (*number).into(),
-        Value::Text(text) if text.contains("${") || text.contains("$$") => {
+        SettingValue::Boolean(truth) => (*truth).into(),
+        SettingValue::Integer(number) => (*number).into(),
+        SettingValue::Real(number) => (*number).into(),
+        SettingValue::Text(text) if text.contains("${") || text.contains("$$") => {
             text.replace('$', "$$").into()
         }
-        Value::Text(text) => text.into(),
-        Value::Secret(_) => REDACTED.into(),
-        Value::List(items) => Toml::Array(items.iter().map(self::toml).collect()),
-        Value::Record(fields) => {
+        SettingValue::Text(text) => text.into(),
+        SettingValue::Secret(_) => REDACTED.into(),
+        SettingValue::List(items) => Toml::Array(items.iter().map(self::toml).collect()),
+        SettingValue::Record(fields) => {
             let fields = fields.iter();
             let fields = fields.map(|(name, field)| (name.clone(), self::toml(field)));
             Toml::InlineTable(fields.collect())
@@ -216,7 +216,7 @@ pub(crate) fn toml(value: &Value) -> Toml {
 
 /// A constant of a binding, secrets left out.
 pub(crate) fn constant(constant: &Constant) -> Toml {
-    match (constant.secret, Value::of_datum(&constant.datum)) {
+    match (constant.secret, SettingValue::of_datum(&constant.datum)) {
         (false, Some(shown)) => toml(&shown),
         (true, _) | (_, None) => REDACTED.into(),
     }

@@ -7,7 +7,7 @@ use crate::codes::c113::TypeDiffersFromBuild;
 use crate::codes::c116::{MAX_DEPTH, MAX_FIELDS, TypesTooLarge};
 use std::collections::BTreeMap;
 
-use asmotion_datum::{Field, Schema, Shape};
+use asmotion_datum::{OutlineKey, Schema, Shape};
 use asmotion_diagnostics::{Report, Span};
 
 use super::{Definition, PRIMITIVES, TypeText, many, primitive};
@@ -42,7 +42,7 @@ impl<'d> Builder<'d, '_, '_> {
         }
         self.open.push(&definition.name);
         let fields = (definition.fields.iter())
-            .map(|it| Field::new(it.name.value.clone(), "", self.value(&it.text)));
+            .map(|it| OutlineKey::new(it.name.value.clone(), "", self.value(&it.text)));
         let fields = fields.collect();
         self.open.pop();
         Schema {

@@ -9,7 +9,7 @@ use crate::codes::c115::UnknownField;
 use std::collections::BTreeMap;
 
 use asmotion_component::BusHealth;
-use asmotion_datum::{Field, Message, Schema, Shape};
+use asmotion_datum::{Message, OutlineKey, Schema, Shape};
 use asmotion_derive::Table;
 use asmotion_diagnostics::{Report, Span};
 
@@ -185,7 +185,7 @@ impl<'c> Types<'c> {
     pub(crate) fn field(
         &self,
         name: &str,
-        path: &crate::model::Path,
+        path: &crate::model::MessagePath,
     ) -> Result<Option<Schema>, UnknownField> {
         self.steps(name, &path.steps)
     }
@@ -232,7 +232,7 @@ impl<'c> Types<'c> {
         Ok(Some(schema))
     }
 
-    fn no_field(&self, schema: &Schema, step: &At<String>, fields: &[Field]) -> UnknownField {
+    fn no_field(&self, schema: &Schema, step: &At<String>, fields: &[OutlineKey]) -> UnknownField {
         UnknownField {
             name: schema.to_string(),
             field: step.value.clone(),
@@ -291,7 +291,7 @@ const PRIMITIVES: [(&str, Shape); 22] = [
 
 fn primitive(name: &str) -> Option<Schema> {
     if name == "time" {
-        let field = |name: &'static str, shape| Field::new(name, "", Schema::plain(shape));
+        let field = |name: &'static str, shape| OutlineKey::new(name, "", Schema::plain(shape));
         let fields = vec![field("sec", Shape::I32), field("nanosec", Shape::U32)];
         return Some(Schema::record("builtin_interfaces/Time", fields));
     }

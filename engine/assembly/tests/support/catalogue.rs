@@ -4,9 +4,9 @@ use asmotion_assembly::declaration::{
     Declaration, OperationDeclaration, PortDeclaration, PropertyDeclaration, ReferenceDeclaration,
     ServiceDeclaration,
 };
-use asmotion_assembly::model::Builtin;
+use asmotion_assembly::model::BuiltinComponent;
 use asmotion_assembly::{Catalogue, Constructor};
-use asmotion_datum::{Datum, Field, Schema, Shape};
+use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
 /// A few components, messages and interfaces.
 pub struct SmallBuild;
@@ -82,10 +82,12 @@ impl Catalogue for SmallBuild {
         })
     }
 
-    fn has(&self, builtin: Builtin) -> bool {
+    fn has(&self, builtin: BuiltinComponent) -> bool {
         matches!(
             builtin,
-            Builtin::PortProxy | Builtin::RosBridge | Builtin::WebMonitor
+            BuiltinComponent::PortProxy
+                | BuiltinComponent::RosBridge
+                | BuiltinComponent::WebMonitor
         )
     }
 
@@ -174,8 +176,8 @@ impl Catalogue for SmallBuild {
     }
 }
 
-fn field(name: &'static str, schema: Schema) -> Field {
-    Field::new(name, "", schema)
+fn field(name: &'static str, schema: Schema) -> OutlineKey {
+    OutlineKey::new(name, "", schema)
 }
 
 fn port(name: &str, message: &str) -> PortDeclaration {

@@ -6,7 +6,7 @@ pub mod files;
 pub mod render;
 pub mod specification;
 
-use asmotion_assembly::{Context, Environment, Opened};
+use asmotion_assembly::{Context, Opened, VariableSource};
 
 pub use catalogue::SmallBuild;
 pub use files::Files;
@@ -14,7 +14,7 @@ pub use files::Files;
 /// A few variables, and a secret.
 pub struct Variables;
 
-impl Environment for Variables {
+impl VariableSource for Variables {
     fn variable(&self, name: &str) -> Option<String> {
         match name {
             "ROBOT_USER" => Some("robot".to_owned()),

@@ -5,18 +5,18 @@ use std::time::Duration;
 use asmotion_component::{Cycle, Dynamic, Interface, Required};
 use asmotion_datum::Datum;
 
-use super::Notify;
+use super::ProxyNotification;
 
 /// What is told, to whom.
-pub(super) struct Events {
+pub(super) struct ProxyEvents {
     listener: Required<Dynamic>,
-    notify: Notify,
+    notify: ProxyNotification,
     /// That nothing comes has been told, and nothing has come since.
     is_stale: bool,
 }
 
-impl Events {
-    pub(super) fn declare(notify: &Notify, interface: &mut Interface) -> Self {
+impl ProxyEvents {
+    pub(super) fn declare(notify: &ProxyNotification, interface: &mut Interface) -> Self {
         let (reference, service) = (&notify.reference, &notify.interface);
         let doc = "hears of the target";
         Self {
@@ -41,7 +41,7 @@ impl Events {
     /// A sample came. Whether it is faulty.
     pub(super) fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) -> bool {
         self.is_stale = false;
-        let is = |condition: &Option<crate::Condition>| {
+        let is = |condition: &Option<crate::MessageCondition>| {
             (condition.as_ref())
                 .filter(|condition| condition.port == port)
                 .filter(|condition| condition.holds(sample))

@@ -4,20 +4,20 @@
 use asmotion_component::Time;
 use asmotion_datum::Datum;
 
-use super::Idle;
-use crate::fit::{Misfit, wrong_count};
+use super::IdleCriterion;
+use crate::fit::{SchemaMisfit, wrong_count};
 
 /// The motion under way, if one is.
-pub(super) struct Motion {
-    idle: Idle,
+pub(super) struct MotionMonitor {
+    idle: IdleCriterion,
     goal: Option<Vec<f64>>,
     near_since: Option<Time>,
     /// How many numbers the target measures, learnt from its samples: its joints.
     count: Option<usize>,
 }
 
-impl Motion {
-    pub(super) fn new(idle: Idle) -> Self {
+impl MotionMonitor {
+    pub(super) fn new(idle: IdleCriterion) -> Self {
         Self {
             idle,
             goal: None,
@@ -32,7 +32,7 @@ impl Motion {
     }
 
     /// A command begins a motion, and ends the one before.
-    pub(super) fn command(&mut self, message: &Datum) -> Result<(), Misfit> {
+    pub(super) fn command(&mut self, message: &Datum) -> Result<(), SchemaMisfit> {
         let path = &self.idle.commanded.1;
         let goal = message.get(path).map(|goal| numbers(&goal));
         let goal = goal.unwrap_or_default();
@@ -108,8 +108,8 @@ mod tests {
         Datum::record([("position", Datum::List(values))])
     }
 
-    fn motion() -> Motion {
-        Motion::new(Idle {
+    fn motion() -> MotionMonitor {
+        MotionMonitor::new(IdleCriterion {
             within: 0.01,
             commanded: ("commands".to_owned(), "position".to_owned()),
             measured: ("status".to_owned(), "position".to_owned()),

@@ -7,7 +7,7 @@ use asmotion_component::{
 };
 use asmotion_datum::Datum;
 
-use super::{Mapped, Mode};
+use super::{Mapped, ReplyMode};
 use crate::Conversion;
 
 /// What a caller hears whose command another one has replaced.
@@ -17,12 +17,12 @@ pub(super) const TAKEN_BACK: &str = "another command came before the motion had 
 const MAX_KEPT: usize = 1024;
 
 /// An operation, with those who wait for its reply.
-pub(super) struct Served {
+pub(super) struct ProxiedOperation {
     pub port: String,
     pub conversion: Conversion,
     handle: Provided<Dynamic>,
-    mode: Mode,
-    /// The samples since the last call, for [`Mode::All`].
+    mode: ReplyMode,
+    /// The samples since the last call, for [`ReplyMode::All`].
     kept: VecDeque<Datum>,
     waiting: Vec<Waiting>,
 }
@@ -34,14 +34,14 @@ struct Waiting {
     left: Option<Time>,
 }
 
-impl Served {
+impl ProxiedOperation {
     pub(super) fn declare(mapped: &Mapped, interface: &mut Interface) -> Self {
         let doc = match mapped.mode {
-            Mode::OneWay => "writes a port of the target",
-            Mode::Taken => "writes a port of the target; replies when it was read",
-            Mode::Done => "writes a port of the target; replies when the motion has ended",
-            Mode::Last => "reads the last sample of a port of the target",
-            Mode::All => "reads the samples of a port of the target since the last call",
+            ReplyMode::OneWay => "writes a port of the target",
+            ReplyMode::Taken => "writes a port of the target; replies when it was read",
+            ReplyMode::Done => "writes a port of the target; replies when the motion has ended",
+            ReplyMode::Last => "reads the last sample of a port of the target",
+            ReplyMode::All => "reads the samples of a port of the target since the last call",
         };
         let handle = interface.serve_of(&mapped.service, &mapped.interface, &mapped.operation, doc);
         Self {
@@ -61,8 +61,8 @@ impl Served {
     /// Whether it reads a port; it writes one otherwise.
     pub(super) fn reads(&self) -> bool {
         match self.mode {
-            Mode::Last | Mode::All => true,
-            Mode::OneWay | Mode::Taken | Mode::Done => false,
+            ReplyMode::Last | ReplyMode::All => true,
+            ReplyMode::OneWay | ReplyMode::Taken | ReplyMode::Done => false,
         }
     }
 
@@ -79,17 +79,17 @@ impl Served {
     /// A command was written: who asked for it hears so now, or later.
     pub(super) fn accepted(&mut self, request: RequestId, cycle: &mut Cycle<'_>) {
         match self.mode {
-            Mode::Taken | Mode::Done => self.waiting.push(Waiting {
+            ReplyMode::Taken | ReplyMode::Done => self.waiting.push(Waiting {
                 request,
                 left: None,
             }),
-            Mode::OneWay | Mode::Last | Mode::All => self.reply(request, cycle),
+            ReplyMode::OneWay | ReplyMode::Last | ReplyMode::All => self.reply(request, cycle),
         }
     }
 
     /// The target has written a sample in a cycle that began then: what had left before, it has taken.
     pub(super) fn taken(&mut self, began: Time, cycle: &mut Cycle<'_>) {
-        if self.mode != Mode::Taken {
+        if self.mode != ReplyMode::Taken {
             return;
         }
         let is_taken = |waiting: &mut Waiting| waiting.left.is_some_and(|left| left <= began);
@@ -101,7 +101,7 @@ impl Served {
 
     /// The motion has ended.
     pub(super) fn done(&mut self, cycle: &mut Cycle<'_>) {
-        if self.mode != Mode::Done {
+        if self.mode != ReplyMode::Done {
             return;
         }
         for waiting in std::mem::take(&mut self.waiting) {
@@ -111,7 +111,7 @@ impl Served {
 
     /// The motion will not end.
     pub(super) fn refuse_waiting(&mut self, code: &str, detail: &str, cycle: &mut Cycle<'_>) {
-        if self.mode != Mode::Done {
+        if self.mode != ReplyMode::Done {
             return;
         }
         for waiting in self.waiting.drain(..) {
@@ -121,7 +121,7 @@ impl Served {
 
     /// Keeps a sample for whoever reads all of them.
     pub(super) fn keep(&mut self, port: &str, sample: &Datum) {
-        if self.mode != Mode::All || self.port != port {
+        if self.mode != ReplyMode::All || self.port != port {
             return;
         }
         if self.kept.len() == MAX_KEPT {
@@ -136,7 +136,7 @@ impl Served {
         port: In<Datum>,
         cycle: &Cycle<'_>,
     ) -> Result<Datum, ServiceFault> {
-        if self.mode == Mode::All {
+        if self.mode == ReplyMode::All {
             let kept = Datum::List(self.kept.drain(..).collect());
             return Ok(self.conversion.apply(&kept));
         }

@@ -4,11 +4,11 @@ use std::time::Duration;
 
 use asmotion_datum::Schema;
 
-use crate::{Condition, Conversion};
+use crate::{Conversion, MessageCondition};
 
 /// What a proxy does.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Settings {
+pub struct ProxySettings {
     /// What it reads: outputs of the target.
     pub inputs: Vec<ProxyPort>,
     /// What it writes: inputs of the target.
@@ -16,7 +16,7 @@ pub struct Settings {
     /// The operations that it serves.
     pub operations: Vec<Mapped>,
     /// Whom it tells what.
-    pub notify: Option<Notify>,
+    pub notify: Option<ProxyNotification>,
 }
 
 /// A port, with the name that it has at the target.
@@ -40,14 +40,14 @@ pub struct Mapped {
     /// The port.
     pub port: String,
     /// How it uses the port.
-    pub mode: Mode,
+    pub mode: ReplyMode,
     /// From argument to message, or from message to result.
     pub conversion: Conversion,
 }
 
 /// How an operation uses a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
+pub enum ReplyMode {
     /// It writes; a reply means that the sample is on its way.
     OneWay,
     /// It writes; a reply means that the target has taken the sample.
@@ -62,7 +62,7 @@ pub enum Mode {
 
 /// Whom a proxy tells what.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Notify {
+pub struct ProxyNotification {
     /// The reference it calls.
     pub reference: String,
     /// The interface of the reference.
@@ -74,18 +74,18 @@ pub struct Notify {
     /// Whether `busy` is told: a command was accepted.
     pub busy: bool,
     /// Whether and when `idle` is told: the motion has ended.
-    pub idle: Option<Idle>,
+    pub idle: Option<IdleCriterion>,
     /// Whether and when `refresh` is told, sample by sample.
-    pub refresh: Option<Condition>,
+    pub refresh: Option<MessageCondition>,
     /// Whether and when `fault` is told, sample by sample.
-    pub fault: Option<Condition>,
+    pub fault: Option<MessageCondition>,
     /// After how long without samples `stale` is told.
     pub stale: Option<Duration>,
 }
 
 /// A motion has ended when what is measured is near what was commanded, for some time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Idle {
+pub struct IdleCriterion {
     /// How near, each number.
     pub within: f64,
     /// Port and part of what was commanded.

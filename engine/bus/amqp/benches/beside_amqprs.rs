@@ -14,9 +14,10 @@ use amqprs::channel::{
     ConsumerMessage, QueueBindArguments, QueueDeclareArguments,
 };
 use amqprs::connection::{Connection, OpenConnectionArguments};
-use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_amqp::{AmqpBus, AmqpSettings};
 use asmotion_bus::{
-    Bus, Notifier, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+    Bus, Notifier, Overflow, Pattern, Payload, PublishOptions, Publisher, QueuePolicy, SenderId,
+    Subscription,
 };
 use asmotion_datum::{Codec, Datum, Message, Schema};
 use tokio::runtime::Runtime;
@@ -38,8 +39,9 @@ struct Ours {
 
 impl Ours {
     fn new(url: &str) -> Self {
-        let bus = AmqpBus::connect(Settings::parse(url).unwrap(), Duration::from_secs(10)).unwrap();
-        let queue = Queue::All {
+        let bus =
+            AmqpBus::connect(AmqpSettings::parse(url).unwrap(), Duration::from_secs(10)).unwrap();
+        let queue = QueuePolicy::All {
             size: 2 * AHEAD,
             overflow: Overflow::DropNewest,
         };
@@ -51,13 +53,13 @@ impl Ours {
                 Arc::new(Notifier::new()),
             )
             .unwrap();
-        let origin = Origin::new("Bench", 1);
+        let origin = SenderId::new("Bench", 1);
         let publisher = bus
             .publisher(
                 "ours",
                 &origin,
                 &Schema::opaque("test/Bytes"),
-                Sending::default(),
+                PublishOptions::default(),
             )
             .unwrap();
         let bytes = Codec::Cbor
@@ -119,7 +121,7 @@ struct Bare {
 }
 
 impl Bare {
-    fn new(broker: &asmotion_broker::Broker, vhost: &str) -> Self {
+    fn new(broker: &asmotion_broker::TestBroker, vhost: &str) -> Self {
         let runtime = Runtime::new().unwrap();
         let (connection, channel, messages) = runtime.block_on(async {
             let mut arguments = OpenConnectionArguments::new(

@@ -6,21 +6,21 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use asmotion_bus::{
-    Bus, BusError, Health, Inlet, Notifier, Origin, Pattern, Pending, Publisher, Queue, Request,
-    Sending, Serving, Spans, Subscription,
+    Bus, BusError, Health, Notifier, Pattern, PendingCall, PublishOptions, Publisher, QueuePolicy,
+    Request, SenderId, ServedAddress, SpanGenerator, Subscription, SubscriptionSender,
 };
 use asmotion_datum::Schema;
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::oneshot;
 
-use crate::channel::Broken;
+use crate::channel::ChannelError;
+use crate::first_declaration::FirstDeclaration;
 use crate::link::Link;
-use crate::names::{Names, short};
-use crate::publisher::{self, AmqpPublisher, Lane};
-use crate::ready::Ready;
+use crate::names::{RoutingNames, short};
+use crate::publisher::{self, AmqpPublisher, PublisherShared};
 use crate::service::Services;
-use crate::wire::Author;
-use crate::{Settings, subscriber, supervisor};
+use crate::wire::MessageSource;
+use crate::{AmqpSettings, subscriber, supervisor};
 
 /// What goes out and what comes in at once: with one, throughput is a third less.
 const WORKERS: usize = 2;
@@ -31,12 +31,12 @@ static LIVES: AtomicU64 = AtomicU64::new(1);
 /// The bus over RabbitMQ. Dropping it sends what is under way, for a while, and closes its connections.
 pub struct AmqpBus {
     link: Arc<Link>,
-    names: Names,
+    names: RoutingNames,
     /// Unique among all buses there are.
     life: String,
     /// Numbers publishers and subscriptions.
     number: AtomicU64,
-    lanes: Mutex<Vec<Weak<Lane>>>,
+    lanes: Mutex<Vec<Weak<PublisherShared>>>,
     services: Services,
     tasks: Handle,
     thread: Option<JoinHandle<()>>,
@@ -44,7 +44,7 @@ pub struct AmqpBus {
 
 impl AmqpBus {
     /// A bus that begins to connect, and keeps doing so: see its [`health`](Bus::health).
-    pub fn open(settings: Settings) -> Result<Self, BusError> {
+    pub fn open(settings: AmqpSettings) -> Result<Self, BusError> {
         for name in [&settings.process, &settings.services(), &settings.vhost] {
             // The longest name made of it is a queue's, which is cut.
             short(name, &format!("{name} (publishers)"))?;
@@ -60,7 +60,7 @@ impl AmqpBus {
             .map_err(disconnected)?;
         let life = life();
         let (robot, process) = (settings.robot.clone(), settings.process.clone());
-        let names = Names::new(robot, process, life.clone());
+        let names = RoutingNames::new(robot, process, life.clone());
         let link = Arc::new(Link::new(settings));
         let tasks = runtime.handle().clone();
         let supervisor = supervisor::supervise(Arc::clone(&link));
@@ -87,17 +87,16 @@ impl AmqpBus {
     }
 
     /// A bus that is connected, or why it is not within so long. A wrong password is known at once.
-    pub fn connect(settings: Settings, within: Duration) -> Result<Self, BusError> {
+    pub fn connect(settings: AmqpSettings, within: Duration) -> Result<Self, BusError> {
         let bus = Self::open(settings)?;
         let notifier = Arc::new(Notifier::new());
         bus.watch(&notifier);
         let until = Instant::now() + within;
         loop {
             let reason = match bus.health().link {
-                asmotion_bus::Link::Up => return Ok(bus),
-                asmotion_bus::Link::Blocked { reason } | asmotion_bus::Link::Down { reason } => {
-                    reason
-                }
+                asmotion_bus::LinkState::Up => return Ok(bus),
+                asmotion_bus::LinkState::Blocked { reason }
+                | asmotion_bus::LinkState::Down { reason } => reason,
             };
             if let Some(reason) = reason.strip_prefix("refused: ") {
                 let reason = reason.to_owned();
@@ -129,19 +128,19 @@ impl Bus for AmqpBus {
     fn publisher(
         &self,
         topic: &str,
-        origin: &Origin,
+        origin: &SenderId,
         schema: &Schema,
-        sending: Sending,
+        sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError> {
         let key = self.names.key(topic)?;
         short(&schema.name, &schema.name)?;
-        let lane = Lane::new(sending);
+        let lane = PublisherShared::new(sending);
         let settings = &self.link.settings;
-        let task = publisher::Task {
+        let task = publisher::PublisherTask {
             link: Arc::clone(&self.link),
             lane: Arc::clone(&lane),
             key,
-            author: Author {
+            author: MessageSource {
                 source: Arc::clone(&origin.source),
                 incarnation: origin.incarnation,
                 stream: format!("{}.{}", self.life, self.next_number()),
@@ -160,7 +159,7 @@ impl Bus for AmqpBus {
         Ok(Box::new(AmqpPublisher {
             link: Arc::clone(&self.link),
             lane,
-            spans: Spans::new(&origin.source, origin.incarnation, topic),
+            spans: SpanGenerator::new(&origin.source, origin.incarnation, topic),
             sequence: 0,
         }))
     }
@@ -170,14 +169,14 @@ impl Bus for AmqpBus {
         &self,
         reader: &str,
         pattern: &Pattern,
-        queue: Queue,
+        queue: QueuePolicy,
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
         let binding = self.names.binding(pattern)?;
-        let inlet = Inlet::new(queue, notifier);
+        let inlet = SubscriptionSender::new(queue, notifier);
         let (leaving, leave) = oneshot::channel();
-        let (ready, told) = Ready::new();
-        let task = subscriber::Task {
+        let (ready, told) = FirstDeclaration::new();
+        let task = subscriber::SubscriberTask {
             link: Arc::clone(&self.link),
             names: self.names.clone(),
             pattern: pattern.clone(),
@@ -191,7 +190,7 @@ impl Bus for AmqpBus {
         let is_open = self.link.is_open();
         self.link.spawn(&self.tasks, task.run());
         if is_open
-            && let Ok(Err(Broken::Closed { reason, .. })) =
+            && let Ok(Err(ChannelError::Closed { reason, .. })) =
                 told.recv_timeout(self.link.settings.timing.connect)
         {
             return Err(BusError::Refused { reason });
@@ -208,7 +207,7 @@ impl Bus for AmqpBus {
         address: &str,
         size: usize,
         notifier: Arc<Notifier>,
-    ) -> Result<Serving, BusError> {
+    ) -> Result<ServedAddress, BusError> {
         self.services.serve(address, size, notifier)
     }
 
@@ -217,7 +216,7 @@ impl Bus for AmqpBus {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         self.services.call(address, request, notifier)
     }
 
@@ -226,7 +225,7 @@ impl Bus for AmqpBus {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         self.services.tell(address, request, notifier)
     }
 

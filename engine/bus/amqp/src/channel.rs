@@ -11,11 +11,11 @@ use async_trait::async_trait;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
 /// What the client's calls end with.
-pub(crate) type Ends<T> = Result<T, amqprs::error::Error>;
+pub(crate) type AmqpResult<T> = Result<T, amqprs::error::Error>;
 
 /// What the broker says on a channel of its own accord.
 #[derive(Debug)]
-pub(crate) enum Word {
+pub(crate) enum BrokerEvent {
     /// It has this publication, and all before it if `multiple`.
     Ack { tag: u64, multiple: bool },
     /// It will not take it.
@@ -31,43 +31,43 @@ pub(crate) enum Word {
 /// What RabbitMQ closes a channel with when somebody else holds the queue alone.
 pub(crate) const LOCKED: u16 = 405;
 
-struct Ear(UnboundedSender<Word>);
+struct ChannelListener(UnboundedSender<BrokerEvent>);
 
-impl Ear {
+impl ChannelListener {
     /// Whoever does not listen any more has left the channel.
-    fn tell(&self, word: Word) {
+    fn tell(&self, word: BrokerEvent) {
         let _ = self.0.send(word);
     }
 }
 
 #[async_trait]
-impl ChannelCallback for Ear {
-    async fn close(&mut self, _: &Channel, close: CloseChannel) -> Ends<()> {
-        self.tell(Word::Closed {
+impl ChannelCallback for ChannelListener {
+    async fn close(&mut self, _: &Channel, close: CloseChannel) -> AmqpResult<()> {
+        self.tell(BrokerEvent::Closed {
             code: close.reply_code(),
             reason: close.reply_text().to_owned(),
         });
         Ok(())
     }
 
-    async fn cancel(&mut self, _: &Channel, _: Cancel) -> Ends<()> {
-        self.tell(Word::Cancelled);
+    async fn cancel(&mut self, _: &Channel, _: Cancel) -> AmqpResult<()> {
+        self.tell(BrokerEvent::Cancelled);
         Ok(())
     }
 
-    async fn flow(&mut self, _: &Channel, active: bool) -> Ends<bool> {
+    async fn flow(&mut self, _: &Channel, active: bool) -> AmqpResult<bool> {
         Ok(active)
     }
 
     async fn publish_ack(&mut self, _: &Channel, ack: Ack) {
-        self.tell(Word::Ack {
+        self.tell(BrokerEvent::Ack {
             tag: ack.delivery_tag(),
             multiple: ack.mutiple(),
         });
     }
 
     async fn publish_nack(&mut self, _: &Channel, nack: Nack) {
-        self.tell(Word::Nack {
+        self.tell(BrokerEvent::Nack {
             tag: nack.delivery_tag(),
             multiple: nack.multiple(),
         });
@@ -80,7 +80,7 @@ impl ChannelCallback for Ear {
         properties: BasicProperties,
         _: Vec<u8>,
     ) {
-        self.tell(Word::Returned {
+        self.tell(BrokerEvent::Returned {
             message: properties.message_id().cloned(),
         });
     }
@@ -89,26 +89,28 @@ impl ChannelCallback for Ear {
 /// Lets a question to the broker come to its end, whatever becomes of who asked: the client's own tasks break when
 /// nobody is there to take an answer.
 pub(crate) async fn to_the_end<T: Send + 'static>(
-    question: impl Future<Output = Ends<T>> + Send + 'static,
-) -> Ends<T> {
+    question: impl Future<Output = AmqpResult<T>> + Send + 'static,
+) -> AmqpResult<T> {
     let broke = |_| amqprs::error::Error::InternalChannelError("the client broke".to_owned());
     tokio::spawn(question).await.map_err(broke)?
 }
 
 /// Opens a channel and listens.
-pub(crate) async fn open(connection: &Connection) -> Ends<(Channel, UnboundedReceiver<Word>)> {
+pub(crate) async fn open(
+    connection: &Connection,
+) -> AmqpResult<(Channel, UnboundedReceiver<BrokerEvent>)> {
     let connection = connection.clone();
     to_the_end(async move {
         let channel = connection.open_channel(None).await?;
         let (ear, words) = unbounded_channel();
-        channel.register_callback(Ear(ear)).await?;
+        channel.register_callback(ChannelListener(ear)).await?;
         Ok((channel, words))
     })
     .await
 }
 
 /// Lets the broker confirm what is published on a channel.
-pub(crate) async fn confirm(channel: &Channel) -> Ends<()> {
+pub(crate) async fn confirm(channel: &Channel) -> AmqpResult<()> {
     let channel = channel.clone();
     let confirm = ConfirmSelectArguments::new(false);
     to_the_end(async move { channel.confirm_select(confirm).await }).await
@@ -121,7 +123,7 @@ pub(crate) async fn consume(
     binding: QueueBindArguments,
     prefetch: u16,
     consume: BasicConsumeArguments,
-) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
     let channel = channel.clone();
     let prefetch = BasicQosArguments::new(0, prefetch, false);
     to_the_end(async move {
@@ -135,7 +137,7 @@ pub(crate) async fn consume(
 }
 
 /// Throws away what waits in a queue.
-pub(crate) async fn purge(connection: &Connection, queue: &str) -> Ends<()> {
+pub(crate) async fn purge(connection: &Connection, queue: &str) -> AmqpResult<()> {
     let (channel, _words) = open(connection).await?;
     let queue = QueuePurgeArguments::new(queue);
     to_the_end(async move { channel.queue_purge(queue).await.map(drop) }).await
@@ -152,24 +154,24 @@ pub(crate) async fn delete(channel: Channel, queue: &str) {
 }
 
 /// Asks something harmless: its answer says that the broker has read everything before it on this channel.
-pub(crate) async fn barrier(channel: Channel) -> Ends<()> {
+pub(crate) async fn barrier(channel: Channel) -> AmqpResult<()> {
     let any = BasicQosArguments::new(0, 0, false);
     to_the_end(async move { channel.basic_qos(any).await }).await
 }
 
 /// Why a call on the channel failed, in the broker's words if it had any.
-pub(crate) fn why(words: &mut UnboundedReceiver<Word>) -> Broken {
+pub(crate) fn why(words: &mut UnboundedReceiver<BrokerEvent>) -> ChannelError {
     while let Ok(word) = words.try_recv() {
-        if let Word::Closed { code, reason } = word {
-            return Broken::Closed { code, reason };
+        if let BrokerEvent::Closed { code, reason } = word {
+            return ChannelError::Closed { code, reason };
         }
     }
-    Broken::Lost
+    ChannelError::Lost
 }
 
 /// Why a channel is of no use any more.
 #[derive(Debug, Clone)]
-pub(crate) enum Broken {
+pub(crate) enum ChannelError {
     /// The broker closed it.
     Closed { code: u16, reason: String },
     /// A queue was taken away.

@@ -20,15 +20,15 @@
 mod backoff;
 mod bus;
 mod channel;
-mod knock;
+mod duplicate_filter;
+mod first_declaration;
 mod link;
 mod names;
 mod notice;
 mod outbox;
+mod probe;
 mod publisher;
 mod pulse;
-mod ready;
-mod repeats;
 mod service;
 mod settings;
 mod subscriber;
@@ -37,6 +37,6 @@ mod tls;
 pub mod wire;
 
 pub use bus::AmqpBus;
-pub use notice::Notice;
-pub use settings::{AddressError, Credentials, Settings, Timing};
-pub use tls::{Identity, Tls};
+pub use notice::BusNotice;
+pub use settings::{AddressError, AmqpSettings, AmqpTiming, Credentials};
+pub use tls::{ClientIdentity, TlsSettings};

@@ -13,7 +13,7 @@ use tokio::runtime::Handle;
 use tokio::sync::{Notify, watch};
 use tokio::time::timeout;
 
-use crate::{Notice, Settings, channel};
+use crate::{AmqpSettings, BusNotice, channel};
 
 /// How long to wait where the link is not at fault.
 const REST: Duration = Duration::from_millis(500);
@@ -25,33 +25,33 @@ const REFUSALS: usize = 1000;
 const POISON: usize = 8;
 
 /// The two connections of one life of the link.
-pub(crate) struct Pair {
+pub(crate) struct ConnectionPair {
     pub publishers: Connection,
     pub consumers: Connection,
 }
 
 /// What tasks see of the link.
 #[derive(Clone, Default)]
-pub(crate) struct State {
+pub(crate) struct LinkStatus {
     /// The connections, if there are any.
-    pub pair: Option<Arc<Pair>>,
+    pub pair: Option<Arc<ConnectionPair>>,
     /// Whether the broker takes nothing.
     pub blocked: bool,
     /// Whether the bus is being closed.
     pub closing: bool,
 }
 
-impl State {
+impl LinkStatus {
     /// The connections, if messages go out.
-    pub(crate) fn open(&self) -> Option<&Arc<Pair>> {
+    pub(crate) fn open(&self) -> Option<&Arc<ConnectionPair>> {
         self.pair.as_ref().filter(|_| !self.blocked)
     }
 }
 
 /// The link, for everybody in the bus.
 pub(crate) struct Link {
-    pub settings: Settings,
-    state: watch::Sender<State>,
+    pub settings: AmqpSettings,
+    state: watch::Sender<LinkStatus>,
     health: Mutex<Health>,
     watchers: Mutex<Vec<Weak<Notifier>>>,
     /// How many tasks use the link.
@@ -65,28 +65,28 @@ pub(crate) struct Link {
 }
 
 /// A task that uses the link, until it ends.
-struct Shift(Arc<Link>);
+struct TaskGuard(Arc<Link>);
 
-impl Shift {
+impl TaskGuard {
     fn new(link: &Arc<Link>) -> Self {
         link.crew.send_modify(|crew| *crew += 1);
         Self(Arc::clone(link))
     }
 }
 
-impl Drop for Shift {
+impl Drop for TaskGuard {
     fn drop(&mut self) {
         self.0.crew.send_modify(|crew| *crew -= 1);
     }
 }
 
 impl Link {
-    pub(crate) fn new(settings: Settings) -> Self {
+    pub(crate) fn new(settings: AmqpSettings) -> Self {
         let reason = "not connected yet".into();
         Self {
             settings,
-            state: watch::Sender::new(State::default()),
-            health: Mutex::new(Health::now(asmotion_bus::Link::Down { reason })),
+            state: watch::Sender::new(LinkStatus::default()),
+            health: Mutex::new(Health::now(asmotion_bus::LinkState::Down { reason })),
             watchers: Mutex::default(),
             crew: watch::Sender::new(0),
             refusals: AtomicUsize::new(0),
@@ -101,7 +101,7 @@ impl Link {
         tasks: &Handle,
         work: impl Future<Output = ()> + Send + 'static,
     ) {
-        let shift = Shift::new(self);
+        let shift = TaskGuard::new(self);
         tasks.spawn(async move {
             work.await;
             drop(shift);
@@ -120,7 +120,7 @@ impl Link {
     }
 
     /// The state as it is, and as it changes.
-    pub(crate) fn state(&self) -> watch::Receiver<State> {
+    pub(crate) fn state(&self) -> watch::Receiver<LinkStatus> {
         self.state.subscribe()
     }
 
@@ -132,7 +132,7 @@ impl Link {
         self.state.borrow().pair.is_some()
     }
 
-    pub(crate) fn note(&self, notice: Notice) {
+    pub(crate) fn note(&self, notice: BusNotice) {
         (self.settings.notices)(&notice);
     }
 
@@ -142,7 +142,7 @@ impl Link {
     }
 
     /// The next pair of connections. `None` if the bus is closed.
-    pub(crate) async fn pair(&self) -> Option<Arc<Pair>> {
+    pub(crate) async fn pair(&self) -> Option<Arc<ConnectionPair>> {
         let mut state = self.state();
         let state = state
             .wait_for(|state| state.closing || state.pair.is_some())
@@ -152,9 +152,9 @@ impl Link {
     }
 
     /// Waits until a pair is of no use any more.
-    pub(crate) async fn gone(&self, pair: &Arc<Pair>) {
+    pub(crate) async fn gone(&self, pair: &Arc<ConnectionPair>) {
         let mut state = self.state();
-        let same = |current: &Arc<Pair>| Arc::ptr_eq(current, pair);
+        let same = |current: &Arc<ConnectionPair>| Arc::ptr_eq(current, pair);
         // The sender is ours.
         let _ = state
             .wait_for(|state| !state.pair.as_ref().is_some_and(same))
@@ -163,7 +163,7 @@ impl Link {
 
     /// After something broke on a pair: waits until the supervisor has seen it too. If it is something else, and the pair
     /// is well, not long.
-    pub(crate) async fn rest(&self, pair: &Arc<Pair>) {
+    pub(crate) async fn rest(&self, pair: &Arc<ConnectionPair>) {
         let _ = timeout(REST, self.gone(pair)).await;
     }
 
@@ -177,7 +177,7 @@ impl Link {
     /// The broker has closed a channel.
     pub(crate) fn refused(&self, what: &str, reason: String) {
         let what = what.to_owned();
-        self.note(Notice::Refused { what, reason });
+        self.note(BusNotice::Refused { what, reason });
         if self.refusals.fetch_add(1, Ordering::Relaxed) == REFUSALS {
             self.worn.notify_one();
         }
@@ -201,19 +201,19 @@ impl Link {
     }
 
     /// New connections are there.
-    pub(crate) fn begin(&self, pair: &Arc<Pair>) {
+    pub(crate) fn begin(&self, pair: &Arc<ConnectionPair>) {
         self.refusals.store(0, Ordering::Relaxed);
         self.state.send_modify(|state| {
             state.pair = Some(Arc::clone(pair));
             state.blocked = false;
         });
-        self.announce(asmotion_bus::Link::Up);
+        self.announce(asmotion_bus::LinkState::Up);
         let broker = self.settings.place();
-        self.note(Notice::Connected { broker });
+        self.note(BusNotice::Connected { broker });
     }
 
     /// They are of no use any more.
-    pub(crate) fn end(&self) -> Option<Arc<Pair>> {
+    pub(crate) fn end(&self) -> Option<Arc<ConnectionPair>> {
         let mut ended = None;
         self.state.send_modify(|state| {
             ended = state.pair.take();
@@ -229,7 +229,7 @@ impl Link {
     }
 
     /// Says how it is, to those who ask and to those who listen.
-    pub(crate) fn announce(&self, link: asmotion_bus::Link) {
+    pub(crate) fn announce(&self, link: asmotion_bus::LinkState) {
         let mut health = self.health.lock().unwrap_or_else(PoisonError::into_inner);
         if health.link == link {
             return;
@@ -243,22 +243,22 @@ impl Link {
     }
 
     pub(crate) fn set_blocked(&self, blocked: bool) {
-        let change = |state: &mut State| {
+        let change = |state: &mut LinkStatus| {
             let changed = state.blocked != blocked;
             state.blocked = blocked;
             changed
         };
         if self.state.send_if_modified(change) {
             self.note(if blocked {
-                Notice::Blocked
+                BusNotice::Blocked
             } else {
-                Notice::Unblocked
+                BusNotice::Unblocked
             });
         }
     }
 }
 
-impl Pair {
+impl ConnectionPair {
     /// Says goodbye, to whom still listens.
     pub(crate) async fn hang_up(&self) {
         let (publishers, consumers) = (self.publishers.clone(), self.consumers.clone());

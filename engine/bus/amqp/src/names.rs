@@ -7,7 +7,7 @@ pub(crate) const LONGEST: usize = 255;
 
 /// How names become keys: below the robot's, if there is one.
 #[derive(Debug, Clone)]
-pub(crate) struct Names {
+pub(crate) struct RoutingNames {
     robot: Option<String>,
     /// Begins the name of every queue: what a user may configure is said by it.
     process: String,
@@ -15,7 +15,7 @@ pub(crate) struct Names {
     life: String,
 }
 
-impl Names {
+impl RoutingNames {
     pub(crate) fn new(robot: Option<String>, process: String, life: String) -> Self {
         Self {
             robot,
@@ -82,11 +82,11 @@ mod tests {
 
     #[test]
     fn keys_are_below_the_robot_and_come_back_as_topics() {
-        let names = Names::new(Some("rover1".into()), "onboard".into(), "l".into());
+        let names = RoutingNames::new(Some("rover1".into()), "onboard".into(), "l".into());
         assert_eq!(names.key("odom").unwrap(), "rover1.odom");
         assert_eq!(names.topic("rover1.odom"), "odom");
         assert_eq!(names.topic("rover10.odom"), "rover10.odom");
-        let tool = Names::new(None, "tool".into(), "l".into());
+        let tool = RoutingNames::new(None, "tool".into(), "l".into());
         assert_eq!(tool.key("rover1.odom").unwrap(), "rover1.odom");
         assert_eq!(tool.topic("rover1.odom"), "rover1.odom");
     }
@@ -94,18 +94,18 @@ mod tests {
     #[test]
     fn a_queue_shows_who_reads_what() {
         let pattern = Pattern::new("map");
-        let names = Names::new(Some("rover1".into()), "onboard".into(), "l".into());
+        let names = RoutingNames::new(Some("rover1".into()), "onboard".into(), "l".into());
         assert_eq!(
             names.queue("Planner", &pattern, 7),
             "onboard.rover1.Planner.map.l.7"
         );
-        let tool = Names::new(None, "tool".into(), "l".into());
+        let tool = RoutingNames::new(None, "tool".into(), "l".into());
         assert_eq!(tool.queue("echo", &pattern, 7), "tool.echo.map.l.7");
     }
 
     #[test]
     fn a_name_too_long_is_refused_and_a_queue_of_it_cut() {
-        let names = Names::new(Some("rover1".into()), "onboard".into(), "l".into());
+        let names = RoutingNames::new(Some("rover1".into()), "onboard".into(), "l".into());
         assert!(names.key(&"x".repeat(248)).is_ok());
         assert!(names.key(&"x".repeat(249)).is_err());
         let pattern = Pattern::new("ü".repeat(200));

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// An event in the life of a bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Notice {
+pub enum BusNotice {
     /// Connected, with everything declared again.
     Connected {
         /// The broker's address.
@@ -42,7 +42,7 @@ pub enum Notice {
     },
 }
 
-impl fmt::Display for Notice {
+impl fmt::Display for BusNotice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Connected { broker } => write!(f, "connected to {broker}"),

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use amqprs::BasicProperties;
-use asmotion_bus::{Assurance, Outage, Payload, Sending, Sent, Trace};
+use asmotion_bus::{Assurance, Outage, Payload, PublishOptions, PublisherCounts, TraceContext};
 
 /// How many messages may wait while the link is open: a burst, not an outage.
 const BURST: usize = 4096;
@@ -15,53 +15,53 @@ const WINDOW_BYTES: usize = 2 << 20;
 
 /// A message of ours.
 #[derive(Clone)]
-pub(crate) struct Item {
+pub(crate) struct OutgoingMessage {
     pub sequence: u64,
     pub stamp: i64,
     pub payload: Payload,
-    pub trace: Trace,
+    pub trace: TraceContext,
 }
 
 /// What a message has become once it is written; kept until it is known to have arrived.
 #[derive(Clone)]
-pub(crate) struct Written {
+pub(crate) struct EncodedMessage {
     pub properties: Box<BasicProperties>,
     pub bytes: Arc<[u8]>,
 }
 
-struct Underway {
+struct UnconfirmedMessage {
     tag: u64,
     size: usize,
     /// Kept where it may have to go again.
-    written: Option<Written>,
+    written: Option<EncodedMessage>,
 }
 
 /// A publisher's outbox.
-pub(crate) struct Outbox {
-    sending: Sending,
-    waiting: VecDeque<Item>,
+pub(crate) struct PublisherOutbox {
+    sending: PublishOptions,
+    waiting: VecDeque<OutgoingMessage>,
     /// Written, and to be sent again before anything else.
-    again: VecDeque<Written>,
+    again: VecDeque<EncodedMessage>,
     /// In the order of their tags.
-    underway: VecDeque<Underway>,
+    underway: VecDeque<UnconfirmedMessage>,
     underway_bytes: usize,
     /// How many go one by one, to find out which of them the broker refuses.
     careful: usize,
-    pub sent: Sent,
+    pub sent: PublisherCounts,
     /// The last message that was put in, where it is kept.
-    last: Option<Item>,
+    last: Option<OutgoingMessage>,
 }
 
 /// The next thing to send.
-pub(crate) enum Next {
+pub(crate) enum NextToSend {
     /// A message that has not been written yet.
-    Fresh(Item),
+    Fresh(OutgoingMessage),
     /// One that goes again.
-    Again(Written),
+    Again(EncodedMessage),
 }
 
-impl Outbox {
-    pub(crate) fn new(sending: Sending) -> Self {
+impl PublisherOutbox {
+    pub(crate) fn new(sending: PublishOptions) -> Self {
         Self {
             sending,
             waiting: VecDeque::new(),
@@ -69,7 +69,7 @@ impl Outbox {
             underway: VecDeque::new(),
             underway_bytes: 0,
             careful: 0,
-            sent: Sent::default(),
+            sent: PublisherCounts::default(),
             last: None,
         }
     }
@@ -79,7 +79,7 @@ impl Outbox {
     }
 
     /// Takes a message in, if the policy does. What is dropped is counted.
-    pub(crate) fn put(&mut self, item: Item, open: bool) -> bool {
+    pub(crate) fn put(&mut self, item: OutgoingMessage, open: bool) -> bool {
         self.sent.published += 1;
         if self.sending.init {
             self.last = Some(item.clone());
@@ -108,7 +108,8 @@ impl Outbox {
 
     /// Takes the last message in again, if it is kept and does not wait already. Says whether it has.
     pub(crate) fn repeat(&mut self, open: bool) -> bool {
-        let waits = |last: &Item| (self.waiting.iter()).any(|one| one.sequence == last.sequence);
+        let waits =
+            |last: &OutgoingMessage| (self.waiting.iter()).any(|one| one.sequence == last.sequence);
         match self.last.clone().filter(|last| !waits(last)) {
             Some(last) => self.put(last, open),
             None => false,
@@ -129,21 +130,21 @@ impl Outbox {
     }
 
     /// The next to send, if there is room under way.
-    pub(crate) fn next(&mut self) -> Option<Next> {
+    pub(crate) fn next(&mut self) -> Option<NextToSend> {
         let window = if self.careful > 0 { 1 } else { WINDOW };
         if self.underway.len() >= window || self.underway_bytes > WINDOW_BYTES {
             return None;
         }
-        let again = self.again.pop_front().map(Next::Again);
-        again.or_else(|| self.waiting.pop_front().map(Next::Fresh))
+        let again = self.again.pop_front().map(NextToSend::Again);
+        again.or_else(|| self.waiting.pop_front().map(NextToSend::Fresh))
     }
 
     /// Something is sent: what goes on the wire, and is kept if it may have to go again.
-    pub(crate) fn went(&mut self, tag: u64, written: Written) -> Written {
+    pub(crate) fn went(&mut self, tag: u64, written: EncodedMessage) -> EncodedMessage {
         let size = written.bytes.len();
         self.underway_bytes += size;
         let kept = self.is_confirmed().then(|| written.clone());
-        self.underway.push_back(Underway {
+        self.underway.push_back(UnconfirmedMessage {
             tag,
             size,
             written: kept,
@@ -152,7 +153,7 @@ impl Outbox {
     }
 
     /// Something could not be sent: it is the next again.
-    pub(crate) fn stayed(&mut self, written: Written) {
+    pub(crate) fn stayed(&mut self, written: EncodedMessage) {
         self.again.push_front(written);
     }
 
@@ -229,33 +230,33 @@ mod tests {
 
     use super::*;
 
-    fn item(sequence: u64) -> Item {
-        Item {
+    fn item(sequence: u64) -> OutgoingMessage {
+        OutgoingMessage {
             sequence,
             stamp: 0,
             payload: Payload::of(Datum::Null),
-            trace: asmotion_bus::Spans::new("", 0, "").of(sequence, None),
+            trace: asmotion_bus::SpanGenerator::new("", 0, "").of(sequence, None),
         }
     }
 
-    fn outbox(sending: Sending, messages: u64, open: bool) -> Outbox {
-        let mut outbox = Outbox::new(sending);
+    fn outbox(sending: PublishOptions, messages: u64, open: bool) -> PublisherOutbox {
+        let mut outbox = PublisherOutbox::new(sending);
         for sequence in 1..=messages {
             outbox.put(item(sequence), open);
         }
         outbox
     }
 
-    fn waiting(outbox: &Outbox) -> Vec<u64> {
+    fn waiting(outbox: &PublisherOutbox) -> Vec<u64> {
         outbox.waiting.iter().map(|item| item.sequence).collect()
     }
 
-    fn send(outbox: &mut Outbox, tags: std::ops::RangeInclusive<u64>) {
+    fn send(outbox: &mut PublisherOutbox, tags: std::ops::RangeInclusive<u64>) {
         for tag in tags {
             let next = outbox.next().expect("there is room");
             let written = match next {
-                Next::Again(written) => written,
-                Next::Fresh(item) => Written {
+                NextToSend::Again(written) => written,
+                NextToSend::Fresh(item) => EncodedMessage {
                     properties: Box::default(),
                     bytes: vec![0; item.sequence as usize].into(),
                 },
@@ -265,19 +266,19 @@ mod tests {
     }
 
     /// The sizes of those that go again name them.
-    fn again(outbox: &Outbox) -> Vec<usize> {
+    fn again(outbox: &PublisherOutbox) -> Vec<usize> {
         outbox.again.iter().map(|one| one.bytes.len()).collect()
     }
 
-    fn events(size: usize) -> Sending {
-        Sending::events(NonZeroUsize::new(size).expect("a size"))
+    fn events(size: usize) -> PublishOptions {
+        PublishOptions::events(NonZeroUsize::new(size).expect("a size"))
     }
 
     #[test]
     fn each_outage_policy_keeps_what_it_says_and_counts_the_rest() {
         for (sending, kept, dropped) in [
-            (Sending::default(), vec![], 5),
-            (Sending::state(), vec![5], 4),
+            (PublishOptions::default(), vec![], 5),
+            (PublishOptions::state(), vec![5], 4),
             (events(3), vec![1, 2, 3], 2),
         ] {
             let outbox = outbox(sending, 5, false);
@@ -289,8 +290,8 @@ mod tests {
     #[test]
     fn a_link_that_closes_leaves_what_the_policy_keeps() {
         for (sending, kept) in [
-            (Sending::default(), vec![]),
-            (Sending::state(), vec![5]),
+            (PublishOptions::default(), vec![]),
+            (PublishOptions::state(), vec![5]),
             (events(3), vec![1, 2, 3, 4, 5]),
         ] {
             let mut outbox = outbox(sending, 5, true);
@@ -307,7 +308,7 @@ mod tests {
         confirmed.broke(false);
         assert_eq!(again(&confirmed), [1, 3, 4]);
         assert_eq!((confirmed.sent.arrived, confirmed.sent.open()), (1, 4));
-        let mut once = outbox(Sending::default(), 5, true);
+        let mut once = outbox(PublishOptions::default(), 5, true);
         send(&mut once, 1..=4);
         once.arrived(2, true);
         once.broke(false);
@@ -339,7 +340,7 @@ mod tests {
         assert!(many.next().is_some());
         let mut big = outbox(events(9), 2, true);
         big.next();
-        let written = Written {
+        let written = EncodedMessage {
             properties: Box::default(),
             bytes: vec![0; WINDOW_BYTES + 1].into(),
         };

@@ -10,16 +10,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use amqprs::channel::{BasicPublishArguments, Channel};
-use asmotion_bus::{BusError, Payload, Publisher, Sending, Sent, Spans, Trace};
+use asmotion_bus::{
+    BusError, Payload, PublishOptions, Publisher, PublisherCounts, SpanGenerator, TraceContext,
+};
 use tokio::sync::Notify;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::time::{Instant, sleep, sleep_until};
 
-use crate::Notice;
-use crate::channel::{self, Broken, Ends, Word};
-use crate::link::{Link, Pair};
-use crate::outbox::{Item, Next, Outbox, Written};
-use crate::wire::Author;
+use crate::BusNotice;
+use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
+use crate::link::{ConnectionPair, Link};
+use crate::outbox::{EncodedMessage, NextToSend, OutgoingMessage, PublisherOutbox};
+use crate::wire::MessageSource;
 
 /// A barrier is set behind so many messages,
 const BARRIER: u64 = 256;
@@ -29,24 +31,24 @@ const BARRIER_AFTER: Duration = Duration::from_millis(250);
 const REFUSED_REST: Duration = Duration::from_millis(200);
 
 /// What a publisher's handle and its task share.
-pub(crate) struct Lane {
-    outbox: Mutex<Outbox>,
+pub(crate) struct PublisherShared {
+    outbox: Mutex<PublisherOutbox>,
     /// There is something to send, or nobody to send it any more.
     wake: Notify,
     /// The handle is gone.
     left: AtomicBool,
 }
 
-impl Lane {
-    pub(crate) fn new(sending: Sending) -> Arc<Self> {
+impl PublisherShared {
+    pub(crate) fn new(sending: PublishOptions) -> Arc<Self> {
         Arc::new(Self {
-            outbox: Mutex::new(Outbox::new(sending)),
+            outbox: Mutex::new(PublisherOutbox::new(sending)),
             wake: Notify::new(),
             left: AtomicBool::new(false),
         })
     }
 
-    fn outbox(&self) -> MutexGuard<'_, Outbox> {
+    fn outbox(&self) -> MutexGuard<'_, PublisherOutbox> {
         self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -66,8 +68,8 @@ impl Lane {
 /// The handle.
 pub(crate) struct AmqpPublisher {
     pub link: Arc<Link>,
-    pub lane: Arc<Lane>,
-    pub spans: Spans,
+    pub lane: Arc<PublisherShared>,
+    pub spans: SpanGenerator,
     pub sequence: u64,
 }
 
@@ -76,10 +78,10 @@ impl Publisher for AmqpPublisher {
         &mut self,
         stamp: i64,
         payload: Payload,
-        cause: Option<Trace>,
+        cause: Option<TraceContext>,
     ) -> Result<(), BusError> {
         self.sequence += 1;
-        let item = Item {
+        let item = OutgoingMessage {
             sequence: self.sequence,
             stamp,
             payload,
@@ -87,10 +89,9 @@ impl Publisher for AmqpPublisher {
         };
         if !self.lane.outbox().put(item, self.link.is_open()) {
             let reason = match self.link.health().link {
-                asmotion_bus::Link::Up => "more comes than goes".to_owned(),
-                asmotion_bus::Link::Blocked { reason } | asmotion_bus::Link::Down { reason } => {
-                    reason.to_string()
-                }
+                asmotion_bus::LinkState::Up => "more comes than goes".to_owned(),
+                asmotion_bus::LinkState::Blocked { reason }
+                | asmotion_bus::LinkState::Down { reason } => reason.to_string(),
             };
             return Err(BusError::Disconnected { reason });
         }
@@ -98,7 +99,7 @@ impl Publisher for AmqpPublisher {
         Ok(())
     }
 
-    fn sent(&self) -> Sent {
+    fn sent(&self) -> PublisherCounts {
         self.lane.outbox().sent
     }
 }
@@ -111,17 +112,17 @@ impl Drop for AmqpPublisher {
 }
 
 /// The task.
-pub(crate) struct Task {
+pub(crate) struct PublisherTask {
     pub link: Arc<Link>,
-    pub lane: Arc<Lane>,
+    pub lane: Arc<PublisherShared>,
     pub key: String,
-    pub author: Author,
+    pub author: MessageSource,
 }
 
 /// What a session on one channel keeps.
-struct Session {
+struct PublisherSession {
     channel: Channel,
-    words: UnboundedReceiver<Word>,
+    words: UnboundedReceiver<BrokerEvent>,
     confirmed: bool,
     /// The tag of the last publication. The broker counts them from 1 on each channel, and so do we.
     tag: u64,
@@ -129,25 +130,25 @@ struct Session {
     covered: u64,
     /// When those after it shall have a barrier behind them.
     barrier_due: Instant,
-    barrier: Option<Pin<Box<dyn Future<Output = Ends<()>> + Send>>>,
+    barrier: Option<Pin<Box<dyn Future<Output = AmqpResult<()>> + Send>>>,
 }
 
-impl Task {
+impl PublisherTask {
     pub(crate) async fn run(self) {
         while let Some(pair) = self.link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair) => end,
-                () = self.link.gone(&pair) => Err(Broken::Lost),
+                () = self.link.gone(&pair) => Err(ChannelError::Lost),
                 () = self.link.closing() => break,
             };
             match end {
                 Ok(()) => return,
-                Err(Broken::Closed { reason, .. }) => {
+                Err(ChannelError::Closed { reason, .. }) => {
                     self.lane.outbox().broke(true);
                     self.link.refused(&self.key, reason);
                     sleep(REFUSED_REST).await;
                 }
-                Err(Broken::Cancelled | Broken::Lost) => {
+                Err(ChannelError::Cancelled | ChannelError::Lost) => {
                     self.lane.outbox().broke(false);
                     self.lane.outbox().close();
                     self.link.rest(&pair).await;
@@ -158,9 +159,9 @@ impl Task {
     }
 
     /// Publishes on one channel until the handle is gone and everything has arrived.
-    async fn session(&self, pair: &Pair) -> Result<(), Broken> {
+    async fn session(&self, pair: &ConnectionPair) -> Result<(), ChannelError> {
         let confirmed = self.lane.outbox().is_confirmed();
-        let mut session = Session::open(pair, confirmed).await?;
+        let mut session = PublisherSession::open(pair, confirmed).await?;
         let mut state = self.link.state();
         loop {
             if state.borrow_and_update().open().is_some() {
@@ -185,17 +186,17 @@ impl Task {
     }
 
     /// Sends what there is room for.
-    async fn send(&self, session: &mut Session) -> Result<(), Broken> {
+    async fn send(&self, session: &mut PublisherSession) -> Result<(), ChannelError> {
         loop {
             let next = self.lane.outbox().next();
             let written = match next {
-                Some(Next::Again(written)) => written,
-                Some(Next::Fresh(item)) => match self.write(&item) {
+                Some(NextToSend::Again(written)) => written,
+                Some(NextToSend::Fresh(item)) => match self.write(&item) {
                     Ok(written) => written,
                     Err(reason) => {
                         self.lane.outbox().unwritable();
                         let what = self.key.clone();
-                        self.link.note(Notice::Unwritable { what, reason });
+                        self.link.note(BusNotice::Unwritable { what, reason });
                         continue;
                     }
                 },
@@ -223,7 +224,7 @@ impl Task {
         }
     }
 
-    fn write(&self, item: &Item) -> Result<Written, String> {
+    fn write(&self, item: &OutgoingMessage) -> Result<EncodedMessage, String> {
         let bytes = (item.payload)
             .encode(self.author.codec, &self.author.schema)
             .map_err(|error| error.to_string())?;
@@ -231,24 +232,34 @@ impl Task {
             .author
             .properties(item.sequence, item.stamp, item.trace);
         let properties = Box::new(properties);
-        Ok(Written { properties, bytes })
+        Ok(EncodedMessage { properties, bytes })
     }
 
-    fn hear(&self, word: Option<Word>, session: &mut Session) -> Result<(), Broken> {
+    fn hear(
+        &self,
+        word: Option<BrokerEvent>,
+        session: &mut PublisherSession,
+    ) -> Result<(), ChannelError> {
         let mut outbox = self.lane.outbox();
         match word {
-            Some(Word::Ack { tag, multiple }) => outbox.arrived(tag, multiple),
-            Some(Word::Nack { tag, multiple }) => outbox.refused(tag, multiple),
-            Some(Word::Returned { .. }) => outbox.sent.unheard += 1,
-            Some(Word::Cancelled) => {}
-            Some(Word::Closed { code, reason }) => return Err(Broken::Closed { code, reason }),
+            Some(BrokerEvent::Ack { tag, multiple }) => outbox.arrived(tag, multiple),
+            Some(BrokerEvent::Nack { tag, multiple }) => outbox.refused(tag, multiple),
+            Some(BrokerEvent::Returned { .. }) => outbox.sent.unheard += 1,
+            Some(BrokerEvent::Cancelled) => {}
+            Some(BrokerEvent::Closed { code, reason }) => {
+                return Err(ChannelError::Closed { code, reason });
+            }
             None => return Err(session.why_closed()),
         }
         Ok(())
     }
 
     /// A barrier was answered: all before it has arrived.
-    fn pass(&self, end: Ends<()>, session: &mut Session) -> Result<(), Broken> {
+    fn pass(
+        &self,
+        end: AmqpResult<()>,
+        session: &mut PublisherSession,
+    ) -> Result<(), ChannelError> {
         session.barrier = None;
         end.map_err(|_| channel::why(&mut session.words))?;
         self.lane.outbox().arrived(session.covered, true);
@@ -256,9 +267,9 @@ impl Task {
     }
 }
 
-impl Session {
-    async fn open(pair: &Pair, confirmed: bool) -> Result<Self, Broken> {
-        let lost = |_| Broken::Lost;
+impl PublisherSession {
+    async fn open(pair: &ConnectionPair, confirmed: bool) -> Result<Self, ChannelError> {
+        let lost = |_| ChannelError::Lost;
         let (channel, words) = channel::open(&pair.publishers).await.map_err(lost)?;
         if confirmed {
             channel::confirm(&channel).await.map_err(lost)?;
@@ -284,7 +295,7 @@ impl Session {
         self.barrier = Some(Box::pin(channel::barrier(self.channel.clone())));
     }
 
-    fn why_closed(&mut self) -> Broken {
+    fn why_closed(&mut self) -> ChannelError {
         channel::why(&mut self.words)
     }
 }

@@ -11,17 +11,17 @@ use amqprs::channel::{BasicPublishArguments, Channel};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::time::{MissedTickBehavior, interval};
 
-use crate::channel::{self, Ends, Word};
-use crate::link::{Link, Pair};
+use crate::channel::{self, AmqpResult, BrokerEvent};
+use crate::link::{ConnectionPair, Link};
 
 /// Feels the pulse of both connections; says what is wrong when one is dead.
-pub(crate) async fn feel(link: &Link, pair: &Pair) -> String {
+pub(crate) async fn feel(link: &Link, pair: &ConnectionPair) -> String {
     let timing = link.settings.timing;
     let (mut publishing, mut consuming) = match (
-        Publishing::open(link, pair).await,
+        PublisherPulse::open(link, pair).await,
         channel::open(&pair.consumers).await,
     ) {
-        (Ok(publishing), Ok((channel, _))) => (publishing, Asking::new(channel)),
+        (Ok(publishing), Ok((channel, _))) => (publishing, ConsumerPulse::new(channel)),
         (Err(error), _) | (_, Err(error)) => return error.to_string(),
     };
     let mut ticks = interval(timing.pulse);
@@ -41,22 +41,22 @@ pub(crate) async fn feel(link: &Link, pair: &Pair) -> String {
         }
         let health = if silence > timing.silent {
             let reason = "the broker does not answer".into();
-            asmotion_bus::Link::Down { reason }
+            asmotion_bus::LinkState::Down { reason }
         } else if publishing.silence() > timing.silent {
             let reason = "the broker takes no messages: it is short of memory or disk".into();
-            asmotion_bus::Link::Blocked { reason }
+            asmotion_bus::LinkState::Blocked { reason }
         } else {
-            asmotion_bus::Link::Up
+            asmotion_bus::LinkState::Up
         };
-        link.set_blocked(health != asmotion_bus::Link::Up);
+        link.set_blocked(health != asmotion_bus::LinkState::Up);
         link.announce(health);
     }
 }
 
 /// The publishers' pulse.
-struct Publishing {
+struct PublisherPulse {
     channel: Channel,
-    words: UnboundedReceiver<Word>,
+    words: UnboundedReceiver<BrokerEvent>,
     exchange: String,
     /// Since when the last beat waits for its echo.
     waiting: Option<Instant>,
@@ -64,8 +64,8 @@ struct Publishing {
     possible: bool,
 }
 
-impl Publishing {
-    async fn open(link: &Link, pair: &Pair) -> Ends<Self> {
+impl PublisherPulse {
+    async fn open(link: &Link, pair: &ConnectionPair) -> AmqpResult<Self> {
         let (channel, words) = channel::open(&pair.publishers).await?;
         channel::confirm(&channel).await?;
         Ok(Self {
@@ -92,12 +92,12 @@ impl Publishing {
 
     async fn listen(&mut self) {
         match self.words.recv().await {
-            Some(Word::Ack { .. } | Word::Nack { .. }) => self.waiting = None,
-            Some(Word::Closed { .. }) => {
+            Some(BrokerEvent::Ack { .. } | BrokerEvent::Nack { .. }) => self.waiting = None,
+            Some(BrokerEvent::Closed { .. }) => {
                 self.possible = false;
                 self.waiting = None;
             }
-            Some(Word::Returned { .. } | Word::Cancelled) => {}
+            Some(BrokerEvent::Returned { .. } | BrokerEvent::Cancelled) => {}
             None => std::future::pending().await,
         }
     }
@@ -108,7 +108,7 @@ impl Publishing {
 }
 
 /// The consumers' pulse.
-struct Asking {
+struct ConsumerPulse {
     channel: Channel,
     /// Since when the last question waits for its answer.
     waiting: Option<Instant>,
@@ -116,7 +116,7 @@ struct Asking {
     answered: UnboundedSender<()>,
 }
 
-impl Asking {
+impl ConsumerPulse {
     fn new(channel: Channel) -> Self {
         let (answered, answers) = unbounded_channel();
         Self {

@@ -15,17 +15,19 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use asmotion_bus::{BusError, CallFailure, Desk, Notifier, Pending, Request, Serving};
+use asmotion_bus::{
+    AddressQueue, BusError, CallFailure, Notifier, PendingCall, Request, ServedAddress,
+};
 use asmotion_datum::{Codec, Datum, Message};
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
 
-use crate::channel::{Broken, LOCKED};
+use crate::channel::{ChannelError, LOCKED};
+use crate::first_declaration::FirstDeclaration;
 use crate::link::Link;
-use crate::names::{Names, short};
-use crate::ready::Ready;
-use caller::{Open, Wait};
+use crate::names::{RoutingNames, short};
+use caller::{AwaitedReply, OpenCall};
 
 /// How long a server that leaves waits for the broker to have forgotten it.
 const FAREWELL: Duration = Duration::from_secs(2);
@@ -33,18 +35,21 @@ const FAREWELL: Duration = Duration::from_secs(2);
 /// The services' side of a bus.
 pub(crate) struct Services {
     link: Arc<Link>,
-    names: Names,
+    names: RoutingNames,
     life: String,
     number: AtomicU64,
     tasks: Handle,
-    calls: UnboundedSender<Open>,
+    calls: UnboundedSender<OpenCall>,
     served: Arc<Mutex<BTreeSet<String>>>,
 }
 
 impl Services {
-    pub(crate) fn new(link: Arc<Link>, names: Names, life: String, tasks: Handle) -> Self {
+    pub(crate) fn new(link: Arc<Link>, names: RoutingNames, life: String, tasks: Handle) -> Self {
         let (calls, opened) = unbounded_channel();
-        link.spawn(&tasks, caller::Task::new(Arc::clone(&link), opened).run());
+        link.spawn(
+            &tasks,
+            caller::CallerTask::new(Arc::clone(&link), opened).run(),
+        );
         Self {
             link,
             names,
@@ -61,7 +66,7 @@ impl Services {
         address: &str,
         size: usize,
         notifier: Arc<Notifier>,
-    ) -> Result<Serving, BusError> {
+    ) -> Result<ServedAddress, BusError> {
         let served = || BusError::Served {
             address: address.to_owned(),
         };
@@ -71,11 +76,11 @@ impl Services {
         if !lock(&self.served).insert(key.clone()) {
             return Err(served());
         }
-        let desk = Desk::new(size, notifier);
+        let desk = AddressQueue::new(size, notifier);
         let (leaving, leave) = oneshot::channel();
         let (gone, left) = sync_channel(1);
-        let (ready, told) = Ready::new();
-        let task = provider::Task::new(provider::Post {
+        let (ready, told) = FirstDeclaration::new();
+        let task = provider::ProviderTask::new(provider::ProviderSetup {
             link: Arc::clone(&self.link),
             key: key.clone(),
             queue,
@@ -90,7 +95,7 @@ impl Services {
             let _ = gone.try_send(());
         });
         if is_open
-            && let Ok(Err(Broken::Closed { code, reason })) =
+            && let Ok(Err(ChannelError::Closed { code, reason })) =
                 told.recv_timeout(self.link.settings.timing.connect)
         {
             lock(&self.served).remove(&key);
@@ -101,7 +106,7 @@ impl Services {
             });
         }
         let all = Arc::clone(&self.served);
-        Ok(Serving::new(desk, move || {
+        Ok(ServedAddress::new(desk, move || {
             if leaving.send(()).is_ok() {
                 // Then the address is free; a broker that does not answer frees it when it can.
                 let _ = left.recv_timeout(FAREWELL);
@@ -115,10 +120,10 @@ impl Services {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         let message = self.message(address, &request)?;
-        let (pending, call) = Pending::new(request, notifier);
-        self.open(message, Wait::Answer(call));
+        let (pending, call) = PendingCall::new(request, notifier);
+        self.open(message, AwaitedReply::Answer(call));
         Ok(pending)
     }
 
@@ -127,19 +132,23 @@ impl Services {
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
-    ) -> Result<Pending, BusError> {
+    ) -> Result<PendingCall, BusError> {
         let message = self.message(address, &request)?;
-        let (pending, _call, delivered) = Pending::one_way(request, notifier);
-        self.open(message, Wait::Delivery(delivered));
+        let (pending, _call, delivered) = PendingCall::one_way(request, notifier);
+        self.open(message, AwaitedReply::Delivery(delivered));
         Ok(pending)
     }
 
-    fn message(&self, address: &str, request: &Request) -> Result<message::Asking, BusError> {
+    fn message(
+        &self,
+        address: &str,
+        request: &Request,
+    ) -> Result<message::OutgoingRequest, BusError> {
         let key = self.names.key(address)?;
         let codec = Codec::Cbor;
         let bytes = request.argument.encode(codec, Datum::schema());
         let number = self.number.fetch_add(1, Ordering::Relaxed);
-        Ok(message::Asking {
+        Ok(message::OutgoingRequest {
             id: format!("{}.{number}", self.life),
             key,
             codec,
@@ -157,11 +166,11 @@ impl Services {
     }
 
     /// Without a link nobody is there.
-    fn open(&self, message: message::Asking, wait: Wait) {
+    fn open(&self, message: message::OutgoingRequest, wait: AwaitedReply) {
         if !self.link.is_connected() {
             return wait.end(Err(CallFailure::Unavailable));
         }
-        if let Err(unsent) = self.calls.send(Open::new(message, wait)) {
+        if let Err(unsent) = self.calls.send(OpenCall::new(message, wait)) {
             unsent.0.end(Err(CallFailure::Unavailable));
         }
     }

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::names::LONGEST;
-use crate::{Notice, Tls};
+use crate::{BusNotice, TlsSettings};
 
 /// Everything a bus needs to know.
 #[derive(Clone)]
-pub struct Settings {
+pub struct AmqpSettings {
     /// The broker's host.
     pub host: String,
     /// The broker's port.
@@ -18,7 +18,7 @@ pub struct Settings {
     /// The virtual host, one for a robot or a cell.
     pub vhost: String,
     /// How the link is encrypted; not at all, if this is absent.
-    pub tls: Option<Tls>,
+    pub tls: Option<TlsSettings>,
     /// Who we are to the broker.
     pub credentials: Credentials,
     /// Whose topics these are: keys are `<robot>.<topic>`. Without, topics are whole keys, as tools like them.
@@ -32,14 +32,14 @@ pub struct Settings {
     /// Decides the jitter of reconnecting.
     pub seed: u64,
     /// How patient to be.
-    pub timing: Timing,
-    /// Who hears the [`Notice`]s. Called from the bus' thread; must not take long.
-    pub notices: Arc<dyn Fn(&Notice) + Send + Sync>,
+    pub timing: AmqpTiming,
+    /// Who hears the [`BusNotice`]s. Called from the bus' thread; must not take long.
+    pub notices: Arc<dyn Fn(&BusNotice) + Send + Sync>,
 }
 
 /// How patient a bus is.
 #[derive(Debug, Clone, Copy)]
-pub struct Timing {
+pub struct AmqpTiming {
     /// Limit of connecting, as a whole.
     pub connect: Duration,
     /// Heartbeat of AMQP, in seconds, at least 2. The client notices a dead peer after twice that.
@@ -60,7 +60,7 @@ pub struct Timing {
     pub drain: Duration,
 }
 
-impl Default for Timing {
+impl Default for AmqpTiming {
     fn default() -> Self {
         Self {
             connect: Duration::from_secs(5),
@@ -159,7 +159,7 @@ pub enum AddressError {
     },
 }
 
-impl Settings {
+impl AmqpSettings {
     /// Reads `amqp://user:password@host:port/vhost`; what is left out is `guest`, 5672 and `/`. With `amqps` the link is
     /// encrypted, and the port left out is 5671.
     pub fn parse(address: &str) -> Result<Self, AddressError> {
@@ -167,7 +167,7 @@ impl Settings {
         let (scheme, rest) = address.split_once("://").unwrap_or_default();
         let (tls, usual_port) = match scheme {
             "amqp" => (None, 5672),
-            "amqps" => (Some(Tls::default()), 5671),
+            "amqps" => (Some(TlsSettings::default()), 5671),
             _ => return Err(wrong("it begins with another scheme")),
         };
         let (authority, vhost) = match rest.split_once('/') {
@@ -203,7 +203,7 @@ impl Settings {
             exchange: "robots".to_owned(),
             clock: "wall".to_owned(),
             seed: 0,
-            timing: Timing::default(),
+            timing: AmqpTiming::default(),
             notices: Arc::new(|_| ()),
         })
     }
@@ -219,7 +219,7 @@ impl Settings {
     }
 }
 
-impl fmt::Debug for Settings {
+impl fmt::Debug for AmqpSettings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -258,14 +258,14 @@ mod tests {
 
     #[test]
     fn an_address_is_read_whole_or_in_part() {
-        let settings = Settings::parse("amqp://ann:p%40ss@rover1:5673/cell%2F1").unwrap();
+        let settings = AmqpSettings::parse("amqp://ann:p%40ss@rover1:5673/cell%2F1").unwrap();
         assert_eq!(settings.place(), "rover1:5673/cell/1");
         assert_eq!(settings.credentials, Credentials::new("ann", "p@ss"));
-        assert_eq!(Settings::parse("amqp://h").unwrap().place(), "h:5672//");
-        let encrypted = Settings::parse("amqps://h").unwrap();
+        assert_eq!(AmqpSettings::parse("amqp://h").unwrap().place(), "h:5672//");
+        let encrypted = AmqpSettings::parse("amqps://h").unwrap();
         assert_eq!(
             (encrypted.place(), encrypted.tls),
-            ("h:5671//".into(), Some(Tls::default()))
+            ("h:5671//".into(), Some(TlsSettings::default()))
         );
         for wrong in [
             "http://h",
@@ -274,13 +274,13 @@ mod tests {
             "amqp://a@h",
             "amqp://h/%2",
         ] {
-            assert!(Settings::parse(wrong).is_err(), "{wrong}");
+            assert!(AmqpSettings::parse(wrong).is_err(), "{wrong}");
         }
     }
 
     #[test]
     fn no_password_is_shown() {
-        let settings = Settings::parse("amqp://ann:secret@h").unwrap();
+        let settings = AmqpSettings::parse("amqp://ann:secret@h").unwrap();
         let shown = format!(
             "{settings:?} {:?} {}",
             settings.credentials,

@@ -12,17 +12,17 @@ use amqprs::channel::{
     BasicAckArguments, BasicConsumeArguments, Channel, ConsumerMessage, QueueBindArguments,
     QueueDeclareArguments,
 };
-use asmotion_bus::{Inlet, Overflow, Pattern, Queue};
+use asmotion_bus::{Overflow, Pattern, QueuePolicy, SubscriptionSender};
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::sync::oneshot;
 use tokio::time::{Instant, sleep, sleep_until};
 
-use crate::Notice;
-use crate::channel::{self, Broken, Ends, Word};
-use crate::link::{Link, Pair};
-use crate::names::Names;
-use crate::ready::Ready;
-use crate::repeats::Repeats;
+use crate::BusNotice;
+use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
+use crate::duplicate_filter::DuplicateFilter;
+use crate::first_declaration::FirstDeclaration;
+use crate::link::{ConnectionPair, Link};
+use crate::names::RoutingNames;
 use crate::wire::{self, Headers};
 
 /// How many events may be under way to us,
@@ -37,32 +37,32 @@ const OWED: u64 = 256;
 const REST: Duration = Duration::from_millis(100);
 
 /// The task of a subscription.
-pub(crate) struct Task {
+pub(crate) struct SubscriberTask {
     pub link: Arc<Link>,
-    pub names: Names,
+    pub names: RoutingNames,
     pub pattern: Pattern,
     /// The binding key.
     pub binding: String,
     /// The queue's name.
     pub queue: String,
-    pub policy: Queue,
-    pub inlet: Inlet,
+    pub policy: QueuePolicy,
+    pub inlet: SubscriptionSender,
     /// Resolved when the subscription is dropped.
     pub leave: oneshot::Receiver<()>,
     /// Told how the first declaration ended.
-    pub ready: Ready,
+    pub ready: FirstDeclaration,
 }
 
 /// What is handed on and not acknowledged, by the tags of its channel.
 #[derive(Default)]
-struct Owed {
+struct PendingAcknowledgement {
     last: u64,
     paid: u64,
     /// When it is to be acknowledged.
     due: Option<Instant>,
 }
 
-impl Owed {
+impl PendingAcknowledgement {
     fn count(&self) -> u64 {
         self.last.saturating_sub(self.paid)
     }
@@ -75,7 +75,7 @@ impl Owed {
         }
     }
 
-    async fn pay(&mut self, channel: &Channel) -> Ends<()> {
+    async fn pay(&mut self, channel: &Channel) -> AmqpResult<()> {
         self.due = None;
         if self.count() > 0 {
             self.paid = self.last;
@@ -86,40 +86,44 @@ impl Owed {
     }
 }
 
-impl Task {
+impl SubscriberTask {
     pub(crate) async fn run(mut self) {
-        let mut repeats = Repeats::default();
+        let mut repeats = DuplicateFilter::default();
         let link = Arc::clone(&self.link);
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair, &mut repeats) => end,
-                () = link.gone(&pair) => Err(Broken::Lost),
+                () = link.gone(&pair) => Err(ChannelError::Lost),
             };
             match end {
                 Ok(()) => return,
                 Err(broken) if self.ready.tell(Err(broken.clone())) => return,
-                Err(Broken::Closed { reason, .. }) => {
+                Err(ChannelError::Closed { reason, .. }) => {
                     link.refused(self.pattern.as_str(), reason);
                     sleep(REST).await;
                 }
-                Err(Broken::Cancelled) => link.note(Notice::Refused {
+                Err(ChannelError::Cancelled) => link.note(BusNotice::Refused {
                     what: self.pattern.to_string(),
                     reason: "its queue was deleted".to_owned(),
                 }),
-                Err(Broken::Lost) => link.rest(&pair).await,
+                Err(ChannelError::Lost) => link.rest(&pair).await,
             }
         }
     }
 
     /// Reads one queue until the subscription is dropped.
-    async fn session(&mut self, pair: &Pair, repeats: &mut Repeats) -> Result<(), Broken> {
+    async fn session(
+        &mut self,
+        pair: &ConnectionPair,
+        repeats: &mut DuplicateFilter,
+    ) -> Result<(), ChannelError> {
         let (channel, mut words) = channel::open(&pair.consumers)
             .await
-            .map_err(|_| Broken::Lost)?;
+            .map_err(|_| ChannelError::Lost)?;
         if self.link.is_poisoned() && channel::purge(&pair.consumers, &self.queue).await.is_ok() {
             let what = self.pattern.to_string();
             let reason = "the client broke at it again and again; what waited was thrown away";
-            self.link.note(Notice::Unreadable {
+            self.link.note(BusNotice::Unreadable {
                 what,
                 reason: reason.to_owned(),
             });
@@ -129,26 +133,26 @@ impl Task {
         self.ready.tell(Ok(()));
         let link = Arc::clone(&self.link);
         let mut closing = pin!(link.closing());
-        let mut owed = Owed::default();
+        let mut owed = PendingAcknowledgement::default();
         loop {
             tokio::select! {
                 _ = &mut self.leave => break,
                 () = &mut closing => break,
                 word = words.recv() => match word {
-                    Some(Word::Closed { code, reason }) => {
-                        return Err(Broken::Closed { code, reason });
+                    Some(BrokerEvent::Closed { code, reason }) => {
+                        return Err(ChannelError::Closed { code, reason });
                     }
-                    Some(Word::Cancelled) => return Err(Broken::Cancelled),
-                    Some(Word::Ack { .. } | Word::Nack { .. } | Word::Returned { .. }) => {}
-                    None => return Err(Broken::Lost),
+                    Some(BrokerEvent::Cancelled) => return Err(ChannelError::Cancelled),
+                    Some(BrokerEvent::Ack { .. } | BrokerEvent::Nack { .. } | BrokerEvent::Returned { .. }) => {}
+                    None => return Err(ChannelError::Lost),
                 },
                 message = messages.recv() => {
                     let Some(message) = message else {
-                        return Err(Broken::Cancelled);
+                        return Err(ChannelError::Cancelled);
                     };
                     owed.last = owed.last.max(self.take(message, &mut messages, repeats));
                     // of a state the next one comes when this one is acknowledged
-                    if self.policy == Queue::Latest || owed.count() >= OWED {
+                    if self.policy == QueuePolicy::Latest || owed.count() >= OWED {
                         owed.pay(&channel).await.map_err(|_| channel::why(&mut words))?;
                     } else {
                         owed.due.get_or_insert_with(|| Instant::now() + ACKNOWLEDGED_AFTER);
@@ -165,14 +169,14 @@ impl Task {
         Ok(())
     }
 
-    async fn declare(&self, channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+    async fn declare(&self, channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
         let mut queue = QueueDeclareArguments::new(&self.queue);
         let (prefetch, length, overflow) = match self.policy {
-            Queue::Latest => {
+            QueuePolicy::Latest => {
                 queue.exclusive(true).auto_delete(true);
                 (1, 1, Overflow::DropOldest)
             }
-            Queue::All { size, overflow } => {
+            QueuePolicy::All { size, overflow } => {
                 queue.durable(true);
                 (PREFETCH, size.max(PREFETCH.into()), overflow)
             }
@@ -202,7 +206,7 @@ impl Task {
         &self,
         first: ConsumerMessage,
         messages: &mut UnboundedReceiver<ConsumerMessage>,
-        repeats: &mut Repeats,
+        repeats: &mut DuplicateFilter,
     ) -> u64 {
         let mut last = 0;
         let mut next = Some(first);
@@ -218,7 +222,7 @@ impl Task {
     }
 
     /// Hands on one message; its tag.
-    fn hand_on(&self, message: ConsumerMessage, repeats: &mut Repeats) -> Option<u64> {
+    fn hand_on(&self, message: ConsumerMessage, repeats: &mut DuplicateFilter) -> Option<u64> {
         let deliver = message.deliver?;
         let properties = message.basic_properties.unwrap_or_default();
         let topic = self.names.topic(deliver.routing_key());
@@ -226,7 +230,7 @@ impl Task {
             self.inlet.count_duplicate();
             return Some(deliver.delivery_tag());
         }
-        if self.policy != Queue::Latest {
+        if self.policy != QueuePolicy::Latest {
             self.inlet.set_missed(repeats.missed());
         }
         match wire::payload(&properties, message.content.unwrap_or_default()) {
@@ -234,7 +238,7 @@ impl Task {
             Err(reason) => {
                 self.inlet.count_unreadable();
                 let what = topic.to_owned();
-                self.link.note(Notice::Unreadable { what, reason });
+                self.link.note(BusNotice::Unreadable { what, reason });
             }
         }
         Some(deliver.delivery_tag())

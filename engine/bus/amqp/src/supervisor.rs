@@ -15,11 +15,11 @@ use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsConnector;
 
 use crate::backoff::Backoff;
-use crate::channel::{self, Ends};
-use crate::knock::knock;
-use crate::link::{Link, Pair};
+use crate::channel::{self, AmqpResult};
+use crate::link::{ConnectionPair, Link};
+use crate::probe::knock;
 use crate::pulse;
-use crate::{Notice, Settings, Tls};
+use crate::{AmqpSettings, BusNotice, TlsSettings};
 
 /// A life that breaks sooner was hardly one.
 const SHORT: Duration = Duration::from_secs(3);
@@ -36,15 +36,15 @@ pub(crate) async fn supervise(link: Arc<Link>) {
                     backoff.reset();
                     live(&link, pair, closes).await
                 }
-                Ok(Err(reason)) => End::Said(reason),
-                Err(_) => End::Said(format!("no answer within {:?}", timing.connect)),
+                Ok(Err(reason)) => LinkFailure::Said(reason),
+                Err(_) => LinkFailure::Said(format!("no answer within {:?}", timing.connect)),
             };
-            link.broke_in_reading(end == End::Reading && begun.elapsed() < SHORT);
+            link.broke_in_reading(end == LinkFailure::Reading && begun.elapsed() < SHORT);
             let reason = end.to_string();
-            link.announce(asmotion_bus::Link::Down {
+            link.announce(asmotion_bus::LinkState::Down {
                 reason: reason.as_str().into(),
             });
-            link.note(Notice::Disconnected { reason });
+            link.note(BusNotice::Disconnected { reason });
             sleep(backoff.wait()).await;
         };
         tokio::select! {
@@ -59,12 +59,12 @@ pub(crate) async fn supervise(link: Arc<Link>) {
     // The client's tasks end after their connection, and break if they are ended.
     sleep(Duration::from_millis(20)).await;
     let reason = "the bus is closed".into();
-    link.announce(asmotion_bus::Link::Down { reason });
+    link.announce(asmotion_bus::LinkState::Down { reason });
 }
 
 /// Why a life of the connections ended, or never began.
 #[derive(PartialEq)]
-enum End {
+enum LinkFailure {
     /// For a reason that somebody has said.
     Said(String),
     /// The connection that we read broke.
@@ -73,7 +73,7 @@ enum End {
     Writing,
 }
 
-impl fmt::Display for End {
+impl fmt::Display for LinkFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Said(reason) => f.write_str(reason),
@@ -83,16 +83,20 @@ impl fmt::Display for End {
 }
 
 /// One life of the connections; why it ended.
-async fn live(link: &Link, pair: Pair, mut closes: UnboundedReceiver<String>) -> End {
+async fn live(
+    link: &Link,
+    pair: ConnectionPair,
+    mut closes: UnboundedReceiver<String>,
+) -> LinkFailure {
     let pair = Arc::new(pair);
     link.begin(&pair);
     let end = tokio::select! {
         biased;
-        Some(reason) = closes.recv() => End::Said(reason),
-        reason = pulse::feel(link, &pair) => End::Said(reason),
-        _ = pair.publishers.listen_network_io_failure() => End::Writing,
-        _ = pair.consumers.listen_network_io_failure() => End::Reading,
-        () = link.worn() => End::Said("too many channels were refused on it".to_owned()),
+        Some(reason) = closes.recv() => LinkFailure::Said(reason),
+        reason = pulse::feel(link, &pair) => LinkFailure::Said(reason),
+        _ = pair.publishers.listen_network_io_failure() => LinkFailure::Writing,
+        _ = pair.consumers.listen_network_io_failure() => LinkFailure::Reading,
+        () = link.worn() => LinkFailure::Said("too many channels were refused on it".to_owned()),
     };
     link.end();
     tokio::spawn(async move { pair.hang_up().await });
@@ -100,13 +104,19 @@ async fn live(link: &Link, pair: Pair, mut closes: UnboundedReceiver<String>) ->
 }
 
 /// Knocks, opens both connections and declares the exchanges; or says why not.
-async fn connect(settings: &Settings) -> Result<(Pair, UnboundedReceiver<String>), String> {
-    let connector = settings.tls.as_ref().map(Tls::connector).transpose()?;
+async fn connect(
+    settings: &AmqpSettings,
+) -> Result<(ConnectionPair, UnboundedReceiver<String>), String> {
+    let connector = settings
+        .tls
+        .as_ref()
+        .map(TlsSettings::connector)
+        .transpose()?;
     knock(settings, connector.as_ref())
         .await
         .map_err(|refusal| refusal.to_string())?;
     let (ear, closes) = unbounded_channel();
-    let pair = Pair {
+    let pair = ConnectionPair {
         publishers: open(settings, connector.as_ref(), "publishers", &ear)
             .await
             .map_err(|error| error.to_string())?,
@@ -126,11 +136,11 @@ async fn connect(settings: &Settings) -> Result<(Pair, UnboundedReceiver<String>
 }
 
 async fn open(
-    settings: &Settings,
+    settings: &AmqpSettings,
     connector: Option<&TlsConnector>,
     purpose: &str,
     ear: &UnboundedSender<String>,
-) -> Ends<Connection> {
+) -> AmqpResult<Connection> {
     let credentials = &settings.credentials;
     let mut arguments = OpenConnectionArguments::new(
         &settings.host,
@@ -147,12 +157,14 @@ async fn open(
         arguments.tls_adaptor(TlsAdaptor::new(connector.clone(), settings.host.clone()));
     }
     let connection = Connection::open(&arguments).await?;
-    connection.register_callback(Ear(ear.clone())).await?;
+    connection
+        .register_callback(CloseListener(ear.clone()))
+        .await?;
     Ok(connection)
 }
 
 /// Declares an exchange, or finds it there if we may not.
-async fn declare(connection: &Connection, exchange: &str, kind: &str) -> Ends<()> {
+async fn declare(connection: &Connection, exchange: &str, kind: &str) -> AmqpResult<()> {
     let mut arguments = ExchangeDeclareArguments::new(exchange, kind);
     arguments.durable(true);
     let mut end = Ok(());
@@ -169,11 +181,11 @@ async fn declare(connection: &Connection, exchange: &str, kind: &str) -> Ends<()
 }
 
 /// Hears why the broker closes a connection.
-struct Ear(UnboundedSender<String>);
+struct CloseListener(UnboundedSender<String>);
 
 #[async_trait]
-impl ConnectionCallback for Ear {
-    async fn close(&mut self, _: &Connection, close: Close) -> Ends<()> {
+impl ConnectionCallback for CloseListener {
+    async fn close(&mut self, _: &Connection, close: Close) -> AmqpResult<()> {
         // Nobody listens to a connection that was given up.
         let _ = self
             .0

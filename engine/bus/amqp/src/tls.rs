@@ -11,23 +11,23 @@ use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
 /// How a link is encrypted. Files are PEM.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Tls {
+pub struct TlsSettings {
     /// Who vouches for the broker; without, the authorities that browsers trust.
     pub authority: Option<PathBuf>,
     /// Who we are, where the broker wants to know: a certificate and its key.
-    pub identity: Option<Identity>,
+    pub identity: Option<ClientIdentity>,
 }
 
 /// A certificate and its key.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Identity {
+pub struct ClientIdentity {
     /// The file of the certificate, and of those between it and the authority.
     pub certificate: PathBuf,
     /// The file of its private key.
     pub key: PathBuf,
 }
 
-impl Tls {
+impl TlsSettings {
     /// What the client connects with. Read anew each time, so that a certificate can be renewed.
     pub(crate) fn connector(&self) -> Result<TlsConnector, String> {
         let provider = Arc::new(ring::default_provider());

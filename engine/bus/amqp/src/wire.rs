@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
-use asmotion_bus::{Envelope, Payload, Trace};
+use asmotion_bus::{Envelope, Payload, TraceContext};
 use asmotion_datum::{Codec, Schema};
 
 /// The component that sent it.
@@ -117,7 +117,7 @@ fn count(properties: &BasicProperties, name: &str) -> Option<u64> {
 }
 
 /// What is the same in all messages of a publisher.
-pub(crate) struct Author {
+pub(crate) struct MessageSource {
     pub source: Arc<str>,
     pub incarnation: u64,
     /// This publisher, of all there are.
@@ -130,9 +130,14 @@ pub(crate) struct Author {
     pub schema: Schema,
 }
 
-impl Author {
+impl MessageSource {
     /// The properties of one message.
-    pub(crate) fn properties(&self, sequence: u64, stamp: i64, trace: Trace) -> BasicProperties {
+    pub(crate) fn properties(
+        &self,
+        sequence: u64,
+        stamp: i64,
+        trace: TraceContext,
+    ) -> BasicProperties {
         let headers = Headers::default()
             .text(SOURCE, &self.source)
             .count(INCARNATION, self.incarnation)
@@ -154,7 +159,7 @@ impl Author {
 
 /// Which message this is, if it says.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Identity {
+pub(crate) enum MessageIdentity {
     /// One of a numbered stream.
     Numbered { stream: String, sequence: u64 },
     /// One with a name of its own.
@@ -165,16 +170,18 @@ pub(crate) enum Identity {
 
 /// Which message this is: an id that ends in its number (`<stream>-<sequence>`) is one of a stream; else the numbers are
 /// a component's on the topic; else it has a message id, or nothing.
-pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> Identity {
+pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> MessageIdentity {
     let id = properties.message_id();
     let Some(sequence) = count(properties, SEQUENCE) else {
-        return id.cloned().map_or(Identity::Unknown, Identity::Named);
+        return id
+            .cloned()
+            .map_or(MessageIdentity::Unknown, MessageIdentity::Named);
     };
     let ours = id.and_then(|id| {
         let (stream, number) = id.rsplit_once('-')?;
         (number.parse() == Ok(sequence)).then(|| stream.to_owned())
     });
-    let numbered = |stream| Identity::Numbered { stream, sequence };
+    let numbered = |stream| MessageIdentity::Numbered { stream, sequence };
     if let Some(stream) = ours {
         return numbered(stream);
     }
@@ -183,12 +190,14 @@ pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> Identity {
             let incarnation = count(properties, INCARNATION).unwrap_or(0);
             numbered(format!("{source}/{incarnation}/{topic}"))
         }
-        None => id.cloned().map_or(Identity::Unknown, Identity::Named),
+        None => id
+            .cloned()
+            .map_or(MessageIdentity::Unknown, MessageIdentity::Named),
     }
 }
 
 /// Its place in a trace, if it says one.
-pub(crate) fn trace(properties: &BasicProperties) -> Option<Trace> {
+pub(crate) fn trace(properties: &BasicProperties) -> Option<TraceContext> {
     text(properties, TRACE)?.parse().ok()
 }
 

@@ -7,16 +7,16 @@ use std::process::Child;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::files::{Files, PASSWORD, USER};
+use crate::files::{BrokerFiles, PASSWORD, USER};
 use crate::process::{self, SERVER};
 
 /// A cold start takes 5 s on a quiet machine, twice that on a loaded one.
 pub(crate) const START: Duration = Duration::from_secs(90);
 
 /// A RabbitMQ of our own.
-pub struct Broker {
-    pub(crate) ports: Ports,
-    pub(crate) files: Files,
+pub struct TestBroker {
+    pub(crate) ports: BrokerPorts,
+    pub(crate) files: BrokerFiles,
     /// Another after each [`revive`](Self::revive).
     server: Mutex<Child>,
     epmd: Child,
@@ -25,7 +25,7 @@ pub struct Broker {
 
 /// Where a broker listens, on loopback only.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ports {
+pub(crate) struct BrokerPorts {
     pub amqp: u16,
     pub amqps: u16,
     pub distribution: u16,
@@ -57,7 +57,7 @@ pub enum BrokerError {
     },
 }
 
-impl Ports {
+impl BrokerPorts {
     fn free() -> io::Result<Self> {
         // Held together, so that they differ.
         let bind = || TcpListener::bind((Ipv4Addr::LOCALHOST, 0));
@@ -72,7 +72,7 @@ impl Ports {
     }
 }
 
-impl Broker {
+impl TestBroker {
     /// Whether the package is there.
     pub fn is_installed() -> bool {
         std::path::Path::new(SERVER).exists()
@@ -83,8 +83,8 @@ impl Broker {
         if !Self::is_installed() {
             return Err(BrokerError::NotInstalled);
         }
-        let ports = Ports::free()?;
-        let files = Files::new(ports)?;
+        let ports = BrokerPorts::free()?;
+        let files = BrokerFiles::new(ports)?;
         let epmd = process::epmd(ports.epmd)?;
         let server = process::server(&files, ports)?;
         let reaper = process::reaper(files.folder())?;
@@ -208,7 +208,7 @@ impl Broker {
     }
 }
 
-impl Drop for Broker {
+impl Drop for TestBroker {
     fn drop(&mut self) {
         // The broker first: it would start another epmd. What fails here has ended already.
         let _ = self.kill();

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::broker::START;
-use crate::{Broker, BrokerError};
+use crate::{BrokerError, TestBroker};
 
 /// What `erl_call` says of a node that does not answer.
 const UNREACHED: &str = "failed to connect";
@@ -13,7 +13,7 @@ const UNREACHED: &str = "failed to connect";
 const AWAKE: Duration = Duration::from_secs(10);
 const ALARM: &str = "{resource_limit,memory,node()}";
 
-impl Broker {
+impl TestBroker {
     /// Evaluates an Erlang expression in the broker; its value as text.
     pub fn evaluate(&self, expression: &str) -> Result<String, BrokerError> {
         let until = Instant::now() + AWAKE;

@@ -9,7 +9,7 @@ use rcgen::{
 };
 use tempfile::TempDir;
 
-use crate::broker::Ports;
+use crate::broker::BrokerPorts;
 
 /// The name of every node; each has an epmd of its own, so they do not meet.
 pub(crate) const NODE: &str = "rmq@localhost";
@@ -19,13 +19,13 @@ pub(crate) const USER: &str = "tester";
 pub(crate) const PASSWORD: &str = "test-pass";
 
 /// The broker's folder.
-pub(crate) struct Files {
+pub(crate) struct BrokerFiles {
     folder: TempDir,
     pub cookie: String,
 }
 
-impl Files {
-    pub(crate) fn new(ports: Ports) -> io::Result<Self> {
+impl BrokerFiles {
+    pub(crate) fn new(ports: BrokerPorts) -> io::Result<Self> {
         let folder = tempfile::Builder::new().prefix("broker-").tempdir()?;
         let cookie = folder
             .path()
@@ -48,7 +48,7 @@ impl Files {
         Ok(files)
     }
 
-    fn configuration(&self, ports: Ports) -> String {
+    fn configuration(&self, ports: BrokerPorts) -> String {
         format!(
             "listeners.tcp.1 = 127.0.0.1:{}\n\
              default_user = {USER}\n\

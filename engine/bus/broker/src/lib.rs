@@ -1,6 +1,6 @@
 //! A real RabbitMQ for tests: our own process on loopback, broken on demand, gone when the test run is.
 //!
-//! One [`Broker`] serves a test run, one [`Vhost`] a test. Ordinary tests share it through [`calm`]; a test that breaks
+//! One [`TestBroker`] serves a test run, one [`Vhost`] a test. Ordinary tests share it through [`calm`]; a test that breaks
 //! it takes it alone through [`alone`], and whoever comes next finds it mended. It is Debian's package, started by its
 //! inner script with an epmd of its own: no service of the machine is used or touched.
 
@@ -11,6 +11,6 @@ mod process;
 mod shared;
 mod vhost;
 
-pub use broker::{Broker, BrokerError};
-pub use shared::{Alone, Calm, alone, calm};
+pub use broker::{BrokerError, TestBroker};
+pub use shared::{ExclusiveBroker, SharedBroker, alone, calm};
 pub use vhost::Vhost;

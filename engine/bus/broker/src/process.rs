@@ -4,8 +4,8 @@ use std::io;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use crate::broker::Ports;
-use crate::files::{Files, NODE};
+use crate::broker::BrokerPorts;
+use crate::files::{BrokerFiles, NODE};
 
 /// The inner script: runs under any user. The outer one changes to the package's user.
 pub(crate) const SERVER: &str = "/usr/lib/rabbitmq/bin/rabbitmq-server";
@@ -23,7 +23,7 @@ pub(crate) fn epmd(port: u16) -> io::Result<Child> {
 }
 
 /// The broker. The script becomes the broker's process, so its id is the broker's.
-pub(crate) fn server(files: &Files, ports: Ports) -> io::Result<Child> {
+pub(crate) fn server(files: &BrokerFiles, ports: BrokerPorts) -> io::Result<Child> {
     quiet(SERVER)
         .env_clear()
         .env("PATH", "/usr/bin:/bin")

@@ -4,42 +4,42 @@ use std::io::Write;
 use std::ops::Deref;
 use std::sync::{Once, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-use crate::Broker;
+use crate::TestBroker;
 
-static BROKER: OnceLock<Option<RwLock<Broker>>> = OnceLock::new();
+static BROKER: OnceLock<Option<RwLock<TestBroker>>> = OnceLock::new();
 static NOTICE: Once = Once::new();
 
 /// The run's broker, shared and well.
-pub struct Calm(RwLockReadGuard<'static, Broker>);
+pub struct SharedBroker(RwLockReadGuard<'static, TestBroker>);
 
 /// The run's broker, alone: to be broken. It is mended when this ends.
-pub struct Alone(RwLockWriteGuard<'static, Broker>);
+pub struct ExclusiveBroker(RwLockWriteGuard<'static, TestBroker>);
 
 /// The broker, for a test that does not break it; none where RabbitMQ cannot be had, which is said aloud.
 ///
 /// # Panics
 /// If the broker does not start; and, where `CI` is set, if the package is missing.
-pub fn calm() -> Option<Calm> {
+pub fn calm() -> Option<SharedBroker> {
     let broker = shared()?.read().unwrap_or_else(PoisonError::into_inner);
-    Some(Calm(broker))
+    Some(SharedBroker(broker))
 }
 
 /// The broker, for a test that breaks it; none where RabbitMQ cannot be had, which is said aloud.
 ///
 /// # Panics
 /// As [`calm`] does.
-pub fn alone() -> Option<Alone> {
+pub fn alone() -> Option<ExclusiveBroker> {
     let broker = shared()?.write().unwrap_or_else(PoisonError::into_inner);
-    Some(Alone(broker))
+    Some(ExclusiveBroker(broker))
 }
 
 #[allow(clippy::panic, reason = "a test without its broker has failed")]
-fn shared() -> Option<&'static RwLock<Broker>> {
+fn shared() -> Option<&'static RwLock<TestBroker>> {
     let start = || {
-        if !Broker::is_installed() && std::env::var_os("CI").is_none() {
+        if !TestBroker::is_installed() && std::env::var_os("CI").is_none() {
             return None;
         }
-        match Broker::start() {
+        match TestBroker::start() {
             Ok(broker) => Some(RwLock::new(broker)),
             Err(error) => panic!("{error}"),
         }
@@ -57,24 +57,24 @@ fn notice() {
     let _ = std::io::stderr().write_all(words.as_bytes());
 }
 
-impl Deref for Calm {
-    type Target = Broker;
+impl Deref for SharedBroker {
+    type Target = TestBroker;
 
-    fn deref(&self) -> &Broker {
+    fn deref(&self) -> &TestBroker {
         &self.0
     }
 }
 
-impl Deref for Alone {
-    type Target = Broker;
+impl Deref for ExclusiveBroker {
+    type Target = TestBroker;
 
-    fn deref(&self) -> &Broker {
+    fn deref(&self) -> &TestBroker {
         &self.0
     }
 }
 
 #[allow(clippy::panic, reason = "a run without its broker has failed")]
-impl Drop for Alone {
+impl Drop for ExclusiveBroker {
     fn drop(&mut self) {
         if let Err(error) = self.0.mend()
             && !std::thread::panicking()

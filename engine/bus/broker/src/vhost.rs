@@ -2,17 +2,17 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::{Broker, BrokerError};
+use crate::{BrokerError, TestBroker};
 
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
 /// A virtual host of one test, deleted with it.
 pub struct Vhost<'a> {
-    broker: &'a Broker,
+    broker: &'a TestBroker,
     name: String,
 }
 
-impl Broker {
+impl TestBroker {
     /// A new virtual host; the first user may do everything in it.
     pub fn vhost(&self) -> Result<Vhost<'_>, BrokerError> {
         let name = format!("test-{}", NEXT.fetch_add(1, Ordering::Relaxed));

@@ -18,7 +18,7 @@ fn it_obeys_and_keeps_tests_apart() {
 #[test]
 fn it_is_mended_after_each_fault() {
     for fault in [
-        (|broker| broker.kill().unwrap()) as fn(&asmotion_broker::Broker),
+        (|broker| broker.kill().unwrap()) as fn(&asmotion_broker::TestBroker),
         |broker| broker.stop_app().unwrap(),
         |broker| broker.raise_alarm().unwrap(),
         |broker| broker.freeze().unwrap(),

@@ -7,14 +7,15 @@ use std::time::{Duration, Instant};
 use asmotion_datum::{Codec, Datum, Message, Schema};
 
 use crate::{
-    Bus, BusError, CallFailure, Envelope, Notifier, Origin, Overflow, Pattern, Payload, Pending,
-    Publisher, Queue, Refusal, Request, Sending, Serving, Spans, Subscription,
+    Bus, BusError, CallFailure, Envelope, Notifier, Overflow, Pattern, Payload, PendingCall,
+    PublishOptions, Publisher, QueuePolicy, Refusal, Request, SenderId, ServedAddress,
+    SpanGenerator, Subscription,
 };
 
 /// A case: a bus and a name of its own in; what went wrong out.
-pub(super) type Case = fn(&dyn Bus, &str) -> Result<(), String>;
+pub(super) type ContractCase = fn(&dyn Bus, &str) -> Result<(), String>;
 
-pub(super) const CASES: &[(&str, Case)] = &[
+pub(super) const CASES: &[(&str, ContractCase)] = &[
     ("delivers what is published", delivers),
     ("keeps the order of a publisher", keeps_order),
     ("numbers messages without gaps", numbers),
@@ -54,7 +55,7 @@ pub(super) const CASES: &[(&str, Case)] = &[
 const CROSSING: Duration = Duration::from_secs(5);
 /// Long enough to believe that nothing comes.
 const SILENCE: Duration = Duration::from_millis(200);
-const EVERY: Queue = Queue::All {
+const EVERY: QueuePolicy = QueuePolicy::All {
     size: 1000,
     overflow: Overflow::DropOldest,
 };
@@ -64,24 +65,24 @@ fn below(name: &str, word: &str) -> String {
     format!("{name}.{word}")
 }
 
-fn origin() -> Origin {
-    Origin::new("contract", 7)
+fn origin() -> SenderId {
+    SenderId::new("contract", 7)
 }
 
 fn publisher(bus: &dyn Bus, topic: &str) -> Result<Box<dyn Publisher>, String> {
-    publisher_of(bus, topic, Sending::default())
+    publisher_of(bus, topic, PublishOptions::default())
 }
 
 fn publisher_of(
     bus: &dyn Bus,
     topic: &str,
-    sending: Sending,
+    sending: PublishOptions,
 ) -> Result<Box<dyn Publisher>, String> {
     bus.publisher(topic, &origin(), &Schema::opaque("test/Number"), sending)
         .map_err(said)
 }
 
-fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Result<Subscription, String> {
+fn subscribe(bus: &dyn Bus, pattern: &str, queue: QueuePolicy) -> Result<Subscription, String> {
     bus.subscribe(
         "contract",
         &Pattern::new(pattern),
@@ -234,7 +235,7 @@ fn matches_patterns(bus: &dyn Bus, name: &str) -> Result<(), String> {
 }
 
 /// Sends to a subscription that is not read, and waits until all has arrived at another that is.
-fn fill(bus: &dyn Bus, name: &str, queue: Queue, count: i64) -> Result<Subscription, String> {
+fn fill(bus: &dyn Bus, name: &str, queue: QueuePolicy, count: i64) -> Result<Subscription, String> {
     let subscription = subscribe(bus, name, queue)?;
     let witness = subscribe(bus, name, EVERY)?;
     send(&mut *publisher(bus, name)?, 0..count)?;
@@ -246,13 +247,13 @@ fn fill(bus: &dyn Bus, name: &str, queue: Queue, count: i64) -> Result<Subscript
 }
 
 fn keeps_latest(bus: &dyn Bus, name: &str) -> Result<(), String> {
-    let subscription = fill(bus, name, Queue::Latest, 10)?;
+    let subscription = fill(bus, name, QueuePolicy::Latest, 10)?;
     expect(receive(&subscription, 1)?, vec![9])?;
     expect(subscription.dropped(), 0)
 }
 
 fn drops_oldest(bus: &dyn Bus, name: &str) -> Result<(), String> {
-    let queue = Queue::All {
+    let queue = QueuePolicy::All {
         size: 3,
         overflow: Overflow::DropOldest,
     };
@@ -262,7 +263,7 @@ fn drops_oldest(bus: &dyn Bus, name: &str) -> Result<(), String> {
 }
 
 fn drops_newest(bus: &dyn Bus, name: &str) -> Result<(), String> {
-    let queue = Queue::All {
+    let queue = QueuePolicy::All {
         size: 3,
         overflow: Overflow::DropNewest,
     };
@@ -282,7 +283,7 @@ fn has_no_past(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn repeats_last(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let early = subscribe(bus, name, EVERY)?;
-    let mut state = publisher_of(bus, name, Sending::state().init(true))?;
+    let mut state = publisher_of(bus, name, PublishOptions::state().init(true))?;
     let mut event = publisher(bus, name)?;
     send(&mut *state, 1..=2)?;
     expect(receive(&early, 2)?, vec![1, 2])?;
@@ -307,7 +308,7 @@ fn forgets(bus: &dyn Bus, name: &str) -> Result<(), String> {
 }
 
 fn never_stalls(bus: &dyn Bus, name: &str) -> Result<(), String> {
-    let small = Queue::All {
+    let small = QueuePolicy::All {
         size: 1,
         overflow: Overflow::DropNewest,
     };
@@ -315,11 +316,11 @@ fn never_stalls(bus: &dyn Bus, name: &str) -> Result<(), String> {
     keeps_order(bus, name)
 }
 
-fn serve(bus: &dyn Bus, address: &str, size: usize) -> Result<Serving, String> {
+fn serve(bus: &dyn Bus, address: &str, size: usize) -> Result<ServedAddress, String> {
     (bus.serve(address, size, Arc::new(Notifier::new()))).map_err(said)
 }
 
-fn call(bus: &dyn Bus, address: &str, n: i64, timeout: Duration) -> Result<Pending, String> {
+fn call(bus: &dyn Bus, address: &str, n: i64, timeout: Duration) -> Result<PendingCall, String> {
     bus.call(address, request(n, timeout), Arc::new(Notifier::new()))
         .map_err(said)
 }
@@ -329,12 +330,12 @@ fn request(n: i64, timeout: Duration) -> Request {
 }
 
 /// The end of a call, as something to compare.
-fn end(pending: Pending) -> Result<Option<i64>, CallFailure> {
+fn end(pending: PendingCall) -> Result<Option<i64>, CallFailure> {
     let payload = pending.wait()?;
     Ok(payload.to_datum().ok().and_then(|datum| datum.as_int()))
 }
 
-fn next_call(serving: &Serving) -> Result<crate::Call, String> {
+fn next_call(serving: &ServedAddress) -> Result<crate::IncomingCall, String> {
     let next = serving.next_within(CROSSING);
     next.ok_or_else(|| "a request did not come".to_owned())
 }
@@ -495,8 +496,8 @@ fn calls_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
 fn carries_trace(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let subscription = subscribe(bus, name, EVERY)?;
     let mut publisher = publisher(bus, name)?;
-    let cause = Spans::new("somebody", 1, "elsewhere").of(1, None);
-    let spans = Spans::new(&origin().source, origin().incarnation, name);
+    let cause = SpanGenerator::new("somebody", 1, "elsewhere").of(1, None);
+    let spans = SpanGenerator::new(&origin().source, origin().incarnation, name);
     for (number, cause) in (1..).zip([Some(cause), None]) {
         publisher
             .publish_within(0, Payload::of(Datum::Int(1)), cause)
@@ -515,7 +516,7 @@ fn carries_trace(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn confirms(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let subscription = subscribe(bus, name, EVERY)?;
-    let sending = Sending::events(NonZeroUsize::MIN.saturating_add(999));
+    let sending = PublishOptions::events(NonZeroUsize::MIN.saturating_add(999));
     let mut publisher = publisher_of(bus, name, sending)?;
     send(&mut *publisher, 0..300)?;
     expect(bus.drain(CROSSING), true)?;

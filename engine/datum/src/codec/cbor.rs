@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::DEPTH;
-use crate::{Datum, DatumError, Name, Numbers, Problem};
+use crate::{Datum, DatumError, DatumProblem, FieldName, Numbers};
 
 /// Any serde value as CBOR.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, DatumError> {
@@ -39,15 +39,15 @@ pub(super) fn read_whole(bytes: &[u8]) -> Result<Datum, DatumError> {
 }
 
 fn malformed(reason: impl ToString) -> DatumError {
-    DatumError::new(Problem::Malformed {
+    DatumError::new(DatumProblem::Malformed {
         codec: "CBOR",
         reason: reason.to_string(),
     })
 }
 
-type Written<W> = Result<(), enc::Error<<W as enc::Write>::Error>>;
+type EncodeResult<W> = Result<(), enc::Error<<W as enc::Write>::Error>>;
 
-fn write<W: enc::Write>(datum: &Datum, writer: &mut W) -> Written<W> {
+fn write<W: enc::Write>(datum: &Datum, writer: &mut W) -> EncodeResult<W> {
     match datum {
         Datum::Null => types::Null.encode(writer),
         Datum::Bool(value) => value.encode(writer),
@@ -78,7 +78,7 @@ fn write<W: enc::Write>(datum: &Datum, writer: &mut W) -> Written<W> {
 /// Reads one datum that may nest `depth` levels deep.
 fn read<'de>(reader: &mut SliceReader<'de>, depth: usize) -> Result<Datum, DatumError> {
     let Some(depth) = depth.checked_sub(1) else {
-        return Err(DatumError::new(Problem::TooDeep(DEPTH)));
+        return Err(DatumError::new(DatumProblem::TooDeep(DEPTH)));
     };
     let first = peek(reader)?;
     match dec::if_major(first) {
@@ -136,10 +136,10 @@ fn list(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError>
 
 fn record(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
     let announced = types::Map::len(reader).map_err(malformed)?;
-    let mut entries: Vec<(Name, Datum)> = Vec::new();
+    let mut entries: Vec<(FieldName, Datum)> = Vec::new();
     each(reader, announced, |reader| {
         if dec::if_major(peek(reader)?) != major::STRING {
-            return Err(DatumError::new(Problem::KeyNotText));
+            return Err(DatumError::new(DatumProblem::KeyNotText));
         }
         let name = text(reader)?.into_owned();
         entries.push((name.into(), read(reader, depth)?));

@@ -8,7 +8,7 @@ mod read;
 mod write;
 
 use super::DEPTH;
-use crate::{DatumError, Message, Problem, Schema, Shape};
+use crate::{DatumError, DatumProblem, Message, Schema, Shape};
 
 pub(super) use read::read_whole;
 pub(super) use write::write_whole;
@@ -62,12 +62,12 @@ fn within(schema: &Schema, depth: usize) -> Result<(), DatumError> {
 fn deeper(depth: usize) -> Result<usize, DatumError> {
     depth
         .checked_sub(1)
-        .ok_or_else(|| DatumError::new(Problem::TooDeep(DEPTH)))
+        .ok_or_else(|| DatumError::new(DatumProblem::TooDeep(DEPTH)))
 }
 
 /// There is no CDR of this.
 fn shapeless(schema: &Schema) -> DatumError {
-    DatumError::new(Problem::Uncarried {
+    DatumError::new(DatumProblem::Uncarried {
         codec: "CDR",
         shape: match (&schema.shape, schema.name.is_empty()) {
             (Shape::Any, true) => "what is known at run time only".to_owned(),
@@ -78,7 +78,7 @@ fn shapeless(schema: &Schema) -> DatumError {
 }
 
 fn malformed(reason: impl ToString) -> DatumError {
-    DatumError::new(Problem::Malformed {
+    DatumError::new(DatumProblem::Malformed {
         codec: "CDR",
         reason: reason.to_string(),
     })

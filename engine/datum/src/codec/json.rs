@@ -3,16 +3,16 @@
 use serde::de::DeserializeOwned;
 use serde::ser::{Serialize, Serializer};
 
-use crate::{Datum, DatumError, Problem};
+use crate::{Datum, DatumError, DatumProblem};
 
 /// Any serde value as JSON text on one line.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
-    serde_json::to_string(&Json(&Datum::of(value)?)).map_err(malformed)
+    serde_json::to_string(&JsonDatum(&Datum::of(value)?)).map_err(malformed)
 }
 
 /// Any serde value as indented JSON text.
 pub fn encode_pretty<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
-    serde_json::to_string_pretty(&Json(&Datum::of(value)?)).map_err(malformed)
+    serde_json::to_string_pretty(&JsonDatum(&Datum::of(value)?)).map_err(malformed)
 }
 
 /// Any serde value from JSON text.
@@ -26,16 +26,16 @@ pub(super) fn read_whole(text: &[u8]) -> Result<Datum, DatumError> {
 }
 
 fn malformed(error: serde_json::Error) -> DatumError {
-    DatumError::new(Problem::Malformed {
+    DatumError::new(DatumProblem::Malformed {
         codec: "JSON",
         reason: error.to_string(),
     })
 }
 
 /// A datum as JSON wants it written.
-struct Json<'a>(&'a Datum);
+struct JsonDatum<'a>(&'a Datum);
 
-impl Serialize for Json<'_> {
+impl Serialize for JsonDatum<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.0 {
             Datum::Float(value) if value.is_nan() => serializer.serialize_str("NaN"),
@@ -43,10 +43,10 @@ impl Serialize for Json<'_> {
                 serializer.serialize_str("Infinity")
             }
             Datum::Float(value) if value.is_infinite() => serializer.serialize_str("-Infinity"),
-            Datum::List(elements) => serializer.collect_seq(elements.iter().map(Json)),
-            Datum::Numbers(numbers) => serializer.collect_seq(numbers.iter().map(Owned)),
+            Datum::List(elements) => serializer.collect_seq(elements.iter().map(JsonDatum)),
+            Datum::Numbers(numbers) => serializer.collect_seq(numbers.iter().map(OwnedJsonDatum)),
             Datum::Record(entries) => {
-                serializer.collect_map(entries.iter().map(|(name, value)| (name, Json(value))))
+                serializer.collect_map(entries.iter().map(|(name, value)| (name, JsonDatum(value))))
             }
             Datum::Null
             | Datum::Bool(_)
@@ -59,10 +59,10 @@ impl Serialize for Json<'_> {
 }
 
 /// One of a run of packed numbers.
-struct Owned(Datum);
+struct OwnedJsonDatum(Datum);
 
-impl Serialize for Owned {
+impl Serialize for OwnedJsonDatum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Json(&self.0).serialize(serializer)
+        JsonDatum(&self.0).serialize(serializer)
     }
 }

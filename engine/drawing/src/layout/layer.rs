@@ -2,7 +2,7 @@
 
 /// A line between two boxes.
 #[derive(Clone, Debug)]
-pub(crate) struct Link {
+pub(crate) struct LayerEdge {
     /// The number of its edge.
     pub edge: usize,
     pub from: usize,
@@ -14,8 +14,8 @@ pub(crate) struct Link {
 
 /// Boxes in layers. Behind the boxes stand the places of long lines.
 pub(crate) struct Layered {
-    pub links: Vec<Link>,
-    pub slots: Vec<Slot>,
+    pub links: Vec<LayerEdge>,
+    pub slots: Vec<LayerSlot>,
     /// The slots of each layer, from top to bottom.
     pub layers: Vec<Vec<usize>>,
     /// The slots that each link goes through, from layer to layer; its boxes first and last, unless it
@@ -27,7 +27,7 @@ pub(crate) struct Layered {
 
 /// A box, or the place of a line in a layer.
 #[derive(Clone, Debug)]
-pub(crate) struct Slot {
+pub(crate) struct LayerSlot {
     pub layer: usize,
     pub width: f64,
     pub height: f64,
@@ -41,7 +41,7 @@ impl Layered {
     /// Puts boxes of these sizes into layers; those of `left` stand in the first, those of `right` in the last.
     pub(crate) fn new(
         sizes: &[(f64, f64)],
-        links: Vec<Link>,
+        links: Vec<LayerEdge>,
         left: &[usize],
         right: &[usize],
     ) -> Self {
@@ -59,7 +59,7 @@ impl Layered {
         let slots = sizes
             .iter()
             .zip(&layer)
-            .map(|((width, height), layer)| Slot {
+            .map(|((width, height), layer)| LayerSlot {
                 layer: *layer,
                 width: *width,
                 height: *height,
@@ -90,7 +90,7 @@ impl Layered {
             let mut chain = Vec::new();
             for layer in crossed {
                 chain.push(self.slots.len());
-                self.slots.push(Slot {
+                self.slots.push(LayerSlot {
                     layer,
                     width: 0.0,
                     height: 4.0,
@@ -209,7 +209,7 @@ impl Layered {
 }
 
 /// An order in which few lines run backwards: after Eades, Lin and Smyth.
-fn ranks(count: usize, links: &[Link], left: &[usize], right: &[usize]) -> Vec<usize> {
+fn ranks(count: usize, links: &[LayerEdge], left: &[usize], right: &[usize]) -> Vec<usize> {
     let mut open: Vec<usize> = (0..count)
         .filter(|it| !left.contains(it) && !right.contains(it))
         .collect();

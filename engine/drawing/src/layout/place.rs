@@ -1,6 +1,6 @@
 //! Places: how far down and how far to the right everything is.
 
-use super::Point;
+use super::LinePoint;
 use super::layer::Layered;
 
 /// Space between layers, and within them.
@@ -12,17 +12,17 @@ const BETWEEN_LINES: f64 = 12.0;
 const ROUNDS: usize = 40;
 
 /// Where everything is.
-pub(crate) struct Placed {
+pub(crate) struct Coordinates {
     pub width: f64,
     pub height: f64,
     /// The upper left corner of each slot.
     pub corners: Vec<(f64, f64)>,
     /// The points of each link.
-    pub lines: Vec<Vec<Point>>,
+    pub lines: Vec<Vec<LinePoint>>,
 }
 
 /// A line between two slots: where it meets each, from the top.
-struct Joint {
+struct SlotEdge {
     one: usize,
     one_y: f64,
     other: usize,
@@ -32,7 +32,7 @@ struct Joint {
 }
 
 /// Places all slots.
-pub(crate) fn place(layered: &Layered) -> Placed {
+pub(crate) fn place(layered: &Layered) -> Coordinates {
     let y = heights(layered);
     let (x, right) = widths(layered);
     let corners: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).collect();
@@ -41,7 +41,7 @@ pub(crate) fn place(layered: &Layered) -> Placed {
         .zip(&layered.slots)
         .map(|(y, slot)| y + slot.height);
     let height = bottoms.fold(0.0, f64::max);
-    Placed {
+    Coordinates {
         width: right.last().map_or(0.0, |(_, right)| *right),
         height,
         lines: lines(layered, &corners, &right),
@@ -49,7 +49,7 @@ pub(crate) fn place(layered: &Layered) -> Placed {
     }
 }
 
-fn joints(layered: &Layered) -> Vec<Joint> {
+fn joints(layered: &Layered) -> Vec<SlotEdge> {
     let mut joints = Vec::new();
     for ((link, chain), backwards) in layered
         .links
@@ -65,7 +65,7 @@ fn joints(layered: &Layered) -> Vec<Joint> {
             let lines = [one, other]
                 .into_iter()
                 .filter(|it| layered.slots.get(**it).is_some_and(|it| !it.is_box));
-            joints.push(Joint {
+            joints.push(SlotEdge {
                 one: *one,
                 one_y: middle(one, link.from_y),
                 other: *other,
@@ -78,7 +78,7 @@ fn joints(layered: &Layered) -> Vec<Joint> {
                 (link.to, link.to_y, *first),
                 (link.from, link.from_y, *last),
             ] {
-                joints.push(Joint {
+                joints.push(SlotEdge {
                     one,
                     one_y,
                     other,
@@ -122,7 +122,7 @@ fn heights(layered: &Layered) -> Vec<f64> {
 }
 
 /// Where a slot would like to be, and how much.
-fn wanted(slot: usize, joints: &[Joint], y: &[f64]) -> (f64, f64) {
+fn wanted(slot: usize, joints: &[SlotEdge], y: &[f64]) -> (f64, f64) {
     let at = |slot: usize| y.get(slot).copied().unwrap_or(0.0);
     let (mut sum, mut weight) = (at(slot) * 0.05, 0.05);
     for joint in joints {
@@ -200,7 +200,7 @@ fn widths(layered: &Layered) -> (Vec<f64>, Vec<(f64, f64)>) {
 }
 
 /// The points of each link: out at the right of its box, through its places, in at the left of the other.
-fn lines(layered: &Layered, corners: &[(f64, f64)], borders: &[(f64, f64)]) -> Vec<Vec<Point>> {
+fn lines(layered: &Layered, corners: &[(f64, f64)], borders: &[(f64, f64)]) -> Vec<Vec<LinePoint>> {
     let corner = |slot: usize| corners.get(slot).copied().unwrap_or_default();
     let all = layered
         .links
@@ -210,7 +210,7 @@ fn lines(layered: &Layered, corners: &[(f64, f64)], borders: &[(f64, f64)]) -> V
     all.map(|((link, chain), backwards)| {
         let (from, to) = (corner(link.from), corner(link.to));
         let width = layered.slots.get(link.from).map_or(0.0, |slot| slot.width);
-        let point = |x: f64, y: f64, backwards: bool| Point { x, y, backwards };
+        let point = |x: f64, y: f64, backwards: bool| LinePoint { x, y, backwards };
         let mut points = vec![point(from.0 + width, from.1 + link.from_y, false)];
         let inner = chain
             .iter()

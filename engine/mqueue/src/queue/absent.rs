@@ -2,27 +2,27 @@
 
 use std::time::Duration;
 
-use crate::{Name, QueueError, Room};
+use crate::{QueueCapacity, QueueCheckError, QueueName};
 
 /// No queue: none can be opened.
-pub(crate) enum Queue {}
+pub(crate) enum KernelQueue {}
 
 /// What became of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pushed {
+pub(crate) enum SendOutcome {
     Stored,
     Full,
 }
 
-impl Queue {
-    pub(crate) fn create(name: &Name, _: Room) -> Result<Self, QueueError> {
-        Err(QueueError::Unsupported {
+impl KernelQueue {
+    pub(crate) fn create(name: &QueueName, _: QueueCapacity) -> Result<Self, QueueCheckError> {
+        Err(QueueCheckError::Unsupported {
             queue: name.to_string(),
         })
     }
 
-    pub(crate) fn find(name: &Name) -> Result<Option<Self>, QueueError> {
-        Err(QueueError::Unsupported {
+    pub(crate) fn find(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
+        Err(QueueCheckError::Unsupported {
             queue: name.to_string(),
         })
     }
@@ -31,11 +31,11 @@ impl Queue {
         match *self {}
     }
 
-    pub(crate) fn push(&self, _: &[u8]) -> Result<Pushed, QueueError> {
+    pub(crate) fn push(&self, _: &[u8]) -> Result<SendOutcome, QueueCheckError> {
         match *self {}
     }
 
-    pub(crate) fn pop(&self, _: &mut [u8]) -> Result<Option<usize>, QueueError> {
+    pub(crate) fn pop(&self, _: &mut [u8]) -> Result<Option<usize>, QueueCheckError> {
         match *self {}
     }
 

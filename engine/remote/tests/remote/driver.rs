@@ -6,7 +6,7 @@ use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided,
 };
 use asmotion_datum::{Message, Schema};
-use asmotion_lang::Files;
+use asmotion_lang::MemoryFiles;
 
 asmotion_datum::message! {
     /// Where the joints are.
@@ -96,8 +96,8 @@ publish = { status = "test/Joints" }
 "#;
 
 /// The files of the composite.
-pub fn files() -> Files {
-    let mut files = Files::new();
+pub fn files() -> MemoryFiles {
+    let mut files = MemoryFiles::new();
     files.add("arm.composite.toml", COMPOSITE);
     files
 }

@@ -3,10 +3,10 @@
 use std::sync::mpsc;
 use std::time::Duration;
 
-use asmotion_bus::{Bus, Origin, Payload, Sending};
+use asmotion_bus::{Bus, Payload, PublishOptions, SenderId};
 use asmotion_component::{CallError, SendStatus, State, Transition};
 use asmotion_datum::{Datum, Numbers, Schema};
-use asmotion_remote::{Reason, Remote, RemoteError};
+use asmotion_remote::{OrderErrorCode, Remote, RemoteError};
 
 use crate::driver::{Joints, joints, open};
 use crate::robot::Robot;
@@ -86,12 +86,21 @@ fn j13_ports_are_written_read_and_watched_and_errors_have_types() {
         other => panic!("{other:?}"),
     };
     let read = |port: &str| driver.read::<Datum>(port).map(drop);
-    assert_eq!(refused(read("status")), Reason::NoData);
-    assert_eq!(refused(read("state")), Reason::NoPort);
-    assert_eq!(refused(read("commands")), Reason::WrongDirection);
-    assert_eq!(refused(driver.write("commands", 1)), Reason::WrongType);
-    assert_eq!(refused(driver.write("status", 1)), Reason::WrongDirection);
-    assert_eq!(refused(driver.watch("statu").map(drop)), Reason::NoPort);
+    assert_eq!(refused(read("status")), OrderErrorCode::NoData);
+    assert_eq!(refused(read("state")), OrderErrorCode::NoPort);
+    assert_eq!(refused(read("commands")), OrderErrorCode::WrongDirection);
+    assert_eq!(
+        refused(driver.write("commands", 1)),
+        OrderErrorCode::WrongType
+    );
+    assert_eq!(
+        refused(driver.write("status", 1)),
+        OrderErrorCode::WrongDirection
+    );
+    assert_eq!(
+        refused(driver.watch("statu").map(drop)),
+        OrderErrorCode::NoPort
+    );
 
     let mut watch = driver.watch("status").expect("an output");
     let ways = [[0.5, 1.0], [1.0, 1.5], [1.5, 2.0]];
@@ -120,7 +129,8 @@ fn j15_what_is_seen_of_a_component_is_plain_data() {
     assert_eq!(present.state, "Running");
     assert_eq!(present.period_ms, 10);
     let json = asmotion_datum::json::encode(&Datum::of(&present).expect("data")).expect("JSON");
-    let back: asmotion_remote::Present = asmotion_datum::json::decode(&json).expect("the same");
+    let back: asmotion_remote::PresentComponent =
+        asmotion_datum::json::decode(&json).expect("the same");
     assert_eq!(back, present);
 }
 
@@ -226,7 +236,7 @@ fn j18_whatever_is_written_a_component_keeps_running() {
     for value in &strange {
         match driver.write("commands", value) {
             Err(RemoteError::Refused { reason, detail }) => {
-                assert_eq!(reason, Reason::WrongType, "{value}: {detail}");
+                assert_eq!(reason, OrderErrorCode::WrongType, "{value}: {detail}");
                 assert!(detail.contains("test/Joints"), "{value}: {detail}");
             }
             other => panic!("{value}: {other:?}"),
@@ -234,8 +244,8 @@ fn j18_whatever_is_written_a_component_keeps_running() {
     }
     // on its topic, too, and of a type that nobody knows
     let unknown = Schema::opaque("strange/Type");
-    let origin = Origin::new("stranger", 1);
-    let publisher = (robot.bus).publisher("commands", &origin, &unknown, Sending::state());
+    let origin = SenderId::new("stranger", 1);
+    let publisher = (robot.bus).publisher("commands", &origin, &unknown, PublishOptions::state());
     let mut publisher = publisher.expect("a topic");
     for value in strange {
         publisher.publish(0, Payload::of(value)).expect("a bus");

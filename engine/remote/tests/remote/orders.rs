@@ -3,7 +3,7 @@
 use asmotion_assembly::Standard;
 use asmotion_component::{Span, State};
 use asmotion_datum::Datum;
-use asmotion_remote::{Begun, Newest, Order, Wish};
+use asmotion_remote::{LastSamples, Order, OrderKind, OrderOutcome};
 use asmotion_runtime::{Run, Simulation};
 
 use crate::driver::{self, BUILD, files, open};
@@ -11,7 +11,7 @@ use crate::driver::{self, BUILD, files, open};
 /// A system in simulated time, and what has left its outputs.
 struct Driven {
     run: Simulation,
-    newest: Newest,
+    newest: LastSamples,
 }
 
 fn driver() -> Driven {
@@ -24,21 +24,21 @@ fn driver() -> Driven {
     };
     let plan = opened.plan(None).expect("a plan");
     let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");
-    let newest = Newest::default();
+    let newest = LastSamples::default();
     system.observe(newest.clone());
     let run = system.simulate();
     Driven { run, newest }
 }
 
 /// What is answered, or the code and the words of a refusal.
-fn order(driven: &mut Driven, component: &str, wish: Wish) -> Result<Datum, String> {
+fn order(driven: &mut Driven, component: &str, wish: OrderKind) -> Result<Datum, String> {
     let component = component.to_owned();
     let begun = Order { component, wish }.begin(&mut driven.run, &driven.newest);
     let refused = |code: &str, reason: String| format!("{code}: {reason}");
     match begun.map_err(|error| refused(error.reason().code(), error.to_string()))? {
-        Begun::Done(answer) => Ok(answer),
-        Begun::Watched(port, _) => Ok(Datum::text(port)),
-        Begun::Asked(asked) => match asked.try_take() {
+        OrderOutcome::Done(answer) => Ok(answer),
+        OrderOutcome::Watched(port, _) => Ok(Datum::text(port)),
+        OrderOutcome::Asked(asked) => match asked.try_take() {
             Some(Ok(())) => Ok(Datum::Null),
             Some(Err(error)) => Err(refused("REFUSED", error.to_string())),
             None => panic!("in simulated time all is done at once"),
@@ -54,10 +54,10 @@ fn joints(position: [f64; 2]) -> Datum {
 fn j13_a_port_is_written_and_read_from_outside() {
     let mut driver = driver();
     let there = joints([0.5, 1.0]);
-    let write = Wish::Write("commands".to_owned(), there.clone());
+    let write = OrderKind::Write("commands".to_owned(), there.clone());
     assert_eq!(order(&mut driver, "Driver", write), Ok(Datum::Null));
     driver.run.run_for(20.ms());
-    let read = order(&mut driver, "Driver", Wish::Read("status".to_owned()));
+    let read = order(&mut driver, "Driver", OrderKind::Read("status".to_owned()));
     assert_eq!(read, Ok(there));
 }
 
@@ -65,8 +65,8 @@ fn j13_a_port_is_written_and_read_from_outside() {
 fn j13_j18_every_way_to_be_wrong_has_its_code_and_harms_nobody() {
     let mut driver = driver();
     driver.run.run_for(20.ms());
-    let write = |port: &str, value| Wish::Write(port.to_owned(), value);
-    let read = |port: &str| Wish::Read(port.to_owned());
+    let write = |port: &str, value| OrderKind::Write(port.to_owned(), value);
+    let read = |port: &str| OrderKind::Read(port.to_owned());
     let fields = |name: &'static str, value| Datum::record([(name, value)]);
     let nothing = || Datum::Record(Vec::new());
     let refused = [
@@ -95,7 +95,7 @@ fn j13_j18_every_way_to_be_wrong_has_its_code_and_harms_nobody() {
 
 #[test]
 fn j15_what_a_component_declares_is_stable_json() {
-    let described = order(&mut driver(), "Driver", Wish::Describe).expect("a declaration");
+    let described = order(&mut driver(), "Driver", OrderKind::Describe).expect("a declaration");
     let text = asmotion_datum::json::encode_pretty(&described).expect("JSON");
     insta::assert_snapshot!(text);
 }
@@ -104,12 +104,17 @@ fn j15_what_a_component_declares_is_stable_json() {
 fn j8_the_life_cycle_is_driven_from_outside_with_its_guards() {
     let mut driver = driver();
     let mut go = |wish| order(&mut driver, "Driver", wish);
-    let refused = go(Wish::Cleanup).expect_err("it runs");
+    let refused = go(OrderKind::Cleanup).expect_err("it runs");
     assert!(refused.contains("it is Running"), "{refused}");
-    for wish in [Wish::Stop, Wish::Cleanup, Wish::Configure, Wish::Start] {
+    for wish in [
+        OrderKind::Stop,
+        OrderKind::Cleanup,
+        OrderKind::Configure,
+        OrderKind::Start,
+    ] {
         assert_eq!(go(wish.clone()), Ok(Datum::Null), "{wish:?}");
     }
-    for wish in [Wish::Reset, Wish::Recover] {
+    for wish in [OrderKind::Reset, OrderKind::Recover] {
         let refused = go(wish).expect_err("it is well");
         assert!(refused.contains("it is Running"), "{refused}");
     }

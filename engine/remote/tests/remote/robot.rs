@@ -5,16 +5,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
 use asmotion_assembly::{Assembled, Part, Standard};
-use asmotion_bus::Local;
+use asmotion_bus::LocalBus;
 use asmotion_component::Span;
-use asmotion_remote::{Contact, Newest, Remote};
+use asmotion_remote::{LastSamples, ProcessContact, Remote};
 use asmotion_runtime::Run;
 
 use crate::driver::{BUILD, files, open};
 
 /// A running system; it ends with this.
 pub struct Robot {
-    pub bus: Local,
+    pub bus: LocalBus,
     ends: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -22,7 +22,7 @@ pub struct Robot {
 impl Robot {
     /// A driver, on a bus of its own.
     pub fn start() -> Self {
-        let (bus, ends) = (Local::new(), Arc::new(AtomicBool::new(false)));
+        let (bus, ends) = (LocalBus::new(), Arc::new(AtomicBool::new(false)));
         let (on, until) = (bus.clone(), Arc::clone(&ends));
         let thread = std::thread::spawn(move || live(&on, &until));
         Self {
@@ -47,7 +47,7 @@ impl Drop for Robot {
     }
 }
 
-fn live(bus: &Local, until: &AtomicBool) {
+fn live(bus: &LocalBus, until: &AtomicBool) {
     let opened = open(&[]);
     let plan = opened.plan(None).expect("a plan");
     let files = files();
@@ -65,9 +65,9 @@ fn live(bus: &Local, until: &AtomicBool) {
     } = assembled.expect("a system");
     let attached = network.attach(&mut system, Arc::new(bus.clone()), 1);
     attached.expect("a bus");
-    let newest = Newest::default();
+    let newest = LastSamples::default();
     system.observe(newest.clone());
-    let mut contact = Contact::new(plan, part, "arm", bus, 1, newest).expect("a bus");
+    let mut contact = ProcessContact::new(plan, part, "arm", bus, 1, newest).expect("a bus");
     let mut run = system.live();
     while !until.load(Ordering::Acquire) {
         contact.attend(&mut run);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asmotion_datum::{DatumError, Message};
-use asmotion_port::{Delivery, PortSender, Stamped};
+use asmotion_port::{PortSender, PushOutcome, Stamped};
 
 use crate::handle::RunHandle;
 
@@ -60,8 +60,8 @@ impl<T: Message> PortWriter<T> {
             port: port(),
             source,
         })?;
-        self.dropped += u64::from(delivery != Delivery::Stored);
-        if delivery == Delivery::DroppedNewest {
+        self.dropped += u64::from(delivery != PushOutcome::Stored);
+        if delivery == PushOutcome::DroppedNewest {
             return match self.mandatory {
                 true => Err(WriteError::Full { port: port() }),
                 false => Ok(()),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asmotion_bus::Trace;
+use asmotion_bus::TraceContext;
 use asmotion_component::{CallError, CallId, OperationSlot};
 use asmotion_datum::Sample;
 use asmotion_port::Time;
@@ -62,7 +62,7 @@ struct OutstandingCall {
     /// Kept for another attempt.
     argument: Arc<dyn Sample>,
     /// What the cycle that made it followed from.
-    cause: Option<Trace>,
+    cause: Option<TraceContext>,
 }
 
 /// The end of a call.
@@ -70,7 +70,7 @@ pub(crate) struct EndedCall {
     pub number: u64,
     slot: OperationSlot,
     /// What the cycle that made it followed from.
-    pub cause: Option<Trace>,
+    pub cause: Option<TraceContext>,
     pub result: Result<Arc<dyn Sample>, CallError>,
 }
 

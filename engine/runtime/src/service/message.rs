@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, mpsc};
 
-use asmotion_bus::Trace;
+use asmotion_bus::TraceContext;
 use asmotion_component::CallError;
 use asmotion_datum::Sample;
 use asmotion_port::Time;
@@ -40,7 +40,7 @@ pub struct ServiceRequest {
     /// When the caller gives up; absent for a one-way call.
     pub deadline: Option<Time>,
     /// What the request follows from.
-    pub trace: Option<Trace>,
+    pub trace: Option<TraceContext>,
     /// Where the answer goes; absent for a one-way call.
     pub reply_to: Option<ReplyTo>,
 }

@@ -6,7 +6,7 @@ use asmotion_component::declaration::{
     Declaration, OperationDeclaration, ReferenceDeclaration, ServiceDeclaration,
 };
 use asmotion_component::{BusHealth, Drive, HEALTH_TOPIC, Wire, suggestion_among};
-use asmotion_datum::{DatumError, Message, Problem, Schema};
+use asmotion_datum::{DatumError, DatumProblem, Message, Schema};
 use asmotion_port::{ConnectionId, OutputLink, Policy};
 
 use super::{ComponentId, System};
@@ -118,7 +118,7 @@ impl System {
         let port = InjectionPort::open(unit, to.index, policy, self.connections.number())
             .ok_or_else(|| BuildError::NoZero {
                 to: to.name,
-                source: DatumError::new(Problem::Mismatch("it is no record".to_owned())),
+                source: DatumError::new(DatumProblem::Mismatch("it is no record".to_owned())),
             })?;
         self.streams.push(SourceStream { source, port });
         Ok(())

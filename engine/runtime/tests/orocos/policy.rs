@@ -1,6 +1,6 @@
 //! The connection policy: O7, O8.
 
-use asmotion_component::{Fault, Kind, Lock, Policy, Sharing, State};
+use asmotion_component::{BufferKind, Fault, Lock, Policy, Sharing, State};
 use asmotion_runtime::Run;
 
 use crate::support::Bench;
@@ -12,7 +12,7 @@ fn o8_the_defaults_are_those_of_the_book() {
     assert_eq!(
         policy,
         Policy {
-            kind: Kind::Data,
+            kind: BufferKind::Data,
             lock: Lock::LockFree,
             sharing: Sharing::PerConnection,
             queue: String::new(),

@@ -7,14 +7,15 @@ use asmotion_diagnostics::Span;
 
 use super::{Exporter, contract, target, written};
 use crate::model::{
-    Bound, Component, Contract, Implementation, Interface, Multiplicity, Property, Target,
+    ScdlBinding, ScdlComponent, ScdlContract, ScdlImplementation, ScdlInterface, ScdlMultiplicity,
+    ScdlProperty, ScdlTarget,
 };
-use crate::tca::{self, Task};
+use crate::tca::{self, TcaTask};
 use crate::toml::TIMEOUT_MS;
 use crate::{name, value};
 
 impl Exporter<'_> {
-    pub(super) fn component(&mut self, component: &here::Component) -> Component {
+    pub(super) fn component(&mut self, component: &here::Component) -> ScdlComponent {
         let outer = std::mem::take(&mut self.notes);
         let mut properties = Vec::new();
         if component.pace().is_some() || !component.rename.is_empty() {
@@ -28,7 +29,7 @@ impl Exporter<'_> {
         self.only_here(component);
         let (services, mut references) = contracts(component);
         self.wires(component, &mut references);
-        Component {
+        ScdlComponent {
             name: component.name.clone(),
             doc: component.doc.as_ref().map(|doc| doc.value.clone()),
             autowire: None,
@@ -41,7 +42,7 @@ impl Exporter<'_> {
     }
 
     /// What the ten properties say; an activity is a task without a broker.
-    fn task(&mut self, component: &here::Component) -> Task {
+    fn task(&mut self, component: &here::Component) -> TcaTask {
         let name = &component.name;
         let pace = component.pace();
         let id = pace.and_then(|pace| pace.id.as_ref()).unwrap_or(name);
@@ -51,7 +52,7 @@ impl Exporter<'_> {
             brokers.find(|it| it.name.value == named.value)
         });
         let rename = component.rename.iter();
-        Task {
+        TcaTask {
             id: id.value.clone(),
             period: self.time(pace.and_then(|it| it.period_ms.as_ref()), name),
             delay: self.time(pace.and_then(|it| it.delay_ms.as_ref()), name),
@@ -81,7 +82,7 @@ impl Exporter<'_> {
         &mut self,
         component: &here::Component,
         setting: &here::Setting,
-    ) -> Option<Property> {
+    ) -> Option<ScdlProperty> {
         let at = setting.value.span;
         let source = match &setting.value.value {
             Branch::Text(text) => text
@@ -96,7 +97,7 @@ impl Exporter<'_> {
             return None;
         };
         let values = texts.into_iter().map(|text| At::new(text, at));
-        Some(Property {
+        Some(ScdlProperty {
             name: setting.name.clone(),
             kind: None,
             values: if source.is_some() {
@@ -111,23 +112,23 @@ impl Exporter<'_> {
         })
     }
 
-    fn implementation(&mut self, component: &here::Component) -> Option<Implementation> {
+    fn implementation(&mut self, component: &here::Component) -> Option<ScdlImplementation> {
         let made_of = component.implementation.as_ref()?;
         match made_of {
-            Made::Rust(name) => Some(Implementation::Java(
+            Made::Rust(name) => Some(ScdlImplementation::Java(
                 name.clone().map(|name| name::class(&name)),
             )),
             Made::Asm { file, main } => {
                 if let Some(main) = main {
                     self.unsayable("the main rule", &component.name, main.span);
                 }
-                Some(Implementation::Asm(file.clone()))
+                Some(ScdlImplementation::Asm(file.clone()))
             }
-            Made::Composite(file) => Some(Implementation::Composite(
+            Made::Composite(file) => Some(ScdlImplementation::Composite(
                 file.clone().map(|file| name::of_file(&file).to_owned()),
             )),
             Made::Process { command, arguments } if command.value == "python3" => {
-                arguments.first().cloned().map(Implementation::Python)
+                arguments.first().cloned().map(ScdlImplementation::Python)
             }
             Made::Process { .. }
             | Made::Builtin { .. }
@@ -189,7 +190,7 @@ impl Exporter<'_> {
     }
 
     /// Puts the wires of a component to its references.
-    fn wires(&mut self, component: &here::Component, references: &mut Vec<Contract>) {
+    fn wires(&mut self, component: &here::Component, references: &mut Vec<ScdlContract>) {
         let composite = self.composite;
         let own = composite.wires.iter();
         let own = own.filter(|wire| wire.reference.component.value == component.name.value);
@@ -202,21 +203,25 @@ impl Exporter<'_> {
             let name = &wire.reference.name;
             let known = references.iter().position(|it| it.name.value == name.value);
             let index = known.unwrap_or_else(|| {
-                references.push(contract(name.clone(), Multiplicity::default()));
+                references.push(contract(name.clone(), ScdlMultiplicity::default()));
                 references.len() - 1
             });
             let binding = self.wire(wire);
             if let Some(reference) = references.get_mut(index) {
-                reference.targets = wire.services.iter().map(target).collect::<Vec<Target>>();
+                reference.targets = wire
+                    .services
+                    .iter()
+                    .map(target)
+                    .collect::<Vec<ScdlTarget>>();
                 reference.multiplicity.many = wire.services.len() > 1;
-                let bound = |over| Bound { over, uri: None };
+                let bound = |over| ScdlBinding { over, uri: None };
                 reference.bindings = binding.map(bound).into_iter().collect();
             }
         }
     }
 
     /// What a wire goes over; what else it says, SCDL cannot.
-    fn wire(&mut self, wire: &here::Wire) -> Option<crate::model::Binding> {
+    fn wire(&mut self, wire: &here::Wire) -> Option<crate::model::ScdlTransport> {
         let of = wire.reference.to_string();
         self.profiles(&wire.profiles, &of);
         let many = wire.services.len() > 1;
@@ -241,13 +246,13 @@ impl Exporter<'_> {
 
 /// Services and references with their interfaces; a reference that calls back is part of the interface of
 /// its service, and so on the other side.
-fn contracts(component: &here::Component) -> (Vec<Contract>, Vec<Contract>) {
+fn contracts(component: &here::Component) -> (Vec<ScdlContract>, Vec<ScdlContract>) {
     let services = component.services.iter();
-    let services: Vec<Contract> = services
+    let services: Vec<ScdlContract> = services
         .map(|it| with_interface(&it.name, &it.kind, false))
         .collect();
     let references = component.references.iter();
-    let references: Vec<Contract> = references
+    let references: Vec<ScdlContract> = references
         .map(|it| with_interface(&it.name, &it.interface, it.optional))
         .collect();
     (
@@ -256,28 +261,28 @@ fn contracts(component: &here::Component) -> (Vec<Contract>, Vec<Contract>) {
     )
 }
 
-fn with_interface(name: &At<String>, interface: &At<String>, optional: bool) -> Contract {
-    let interface = Interface {
+fn with_interface(name: &At<String>, interface: &At<String>, optional: bool) -> ScdlContract {
+    let interface = ScdlInterface {
         name: interface.clone(),
         callback: None,
     };
-    let multiplicity = Multiplicity {
+    let multiplicity = ScdlMultiplicity {
         optional,
         many: false,
     };
-    Contract {
+    ScdlContract {
         interface: Some(interface),
         ..contract(name.clone(), multiplicity)
     }
 }
 
 /// These, with what is called back on the other side; those that are called back themselves left out.
-pub(super) fn called_back(these: &[Contract], others: &[Contract]) -> Vec<Contract> {
-    let is_callback = |it: &&Contract| {
+pub(super) fn called_back(these: &[ScdlContract], others: &[ScdlContract]) -> Vec<ScdlContract> {
+    let is_callback = |it: &&ScdlContract| {
         let mut others = others.iter();
         !others.any(|other| name::callback(&other.name) == it.name.value)
     };
-    let complete = |it: &Contract| {
+    let complete = |it: &ScdlContract| {
         let mut it = it.clone();
         let callback = name::callback(&it.name);
         let back = others.iter().find(|other| other.name.value == callback);

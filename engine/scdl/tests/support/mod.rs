@@ -3,7 +3,7 @@
 
 use asmotion_assembly::{Context, Opened, Tables};
 use asmotion_diagnostics::{Report, Sources};
-use asmotion_lang::{Files, Style};
+use asmotion_lang::{MemoryFiles, Style};
 use asmotion_scdl::Imported;
 
 /// The text of a file of `tests/scdl`.
@@ -29,7 +29,7 @@ pub fn rendered(report: &Report, sources: &Sources) -> String {
 
 /// Opens the first of these composite files.
 pub fn open(files: &[(String, String)]) -> Opened {
-    let mut loader = Files::new();
+    let mut loader = MemoryFiles::new();
     for (name, text) in files {
         loader.add(name, text.as_str());
     }

@@ -7,7 +7,7 @@ use asmotion_diagnostics::{Report, Span};
 use super::{Bound, argument, function};
 use crate::At;
 use crate::check::component::unknown;
-use crate::check::face::{find, nearest_service};
+use crate::check::endpoints::{find, nearest_service};
 use crate::finding::Findings;
 use crate::model::binding::{Action, Bind, Call, Effect};
 use crate::nearest::nearest;

@@ -13,10 +13,10 @@ use asmotion_diagnostics::{Report, Span};
 use super::{Bound, action};
 use crate::At;
 use crate::check::component::unknown;
-use crate::check::face::{Port, find, nearest_service};
+use crate::check::endpoints::{EndpointPort, find, nearest_service};
 use crate::finding::Findings;
 use crate::model::binding::{Effect, Monitored, Out, Source};
-use crate::model::{End, Path};
+use crate::model::{End, MessagePath};
 use crate::nearest::nearest;
 use crate::signature::{Codomain, FunctionInfo, FunctionKind};
 use crate::tree::{Branch, Node};
@@ -206,7 +206,7 @@ pub(super) fn input<'b>(
     bound: &Bound<'b>,
     name: &At<String>,
     report: &mut Report,
-) -> Option<&'b Port> {
+) -> Option<&'b EndpointPort> {
     port(&bound.part.face.inputs, "input", name, report)
 }
 
@@ -215,16 +215,16 @@ pub(super) fn output<'b>(
     bound: &Bound<'b>,
     name: &At<String>,
     report: &mut Report,
-) -> Option<&'b Port> {
+) -> Option<&'b EndpointPort> {
     port(&bound.part.face.outputs, "output", name, report)
 }
 
 fn port<'b>(
-    ports: &'b [Port],
+    ports: &'b [EndpointPort],
     what: &'static str,
     name: &At<String>,
     report: &mut Report,
-) -> Option<&'b Port> {
+) -> Option<&'b EndpointPort> {
     let found = ports.iter().find(|port| port.name.text == name.value);
     if found.is_none() {
         let known = ports
@@ -241,7 +241,7 @@ fn field(
     function: Option<&FunctionInfo>,
     name: &At<String>,
     message: &str,
-    path: Option<&Path>,
+    path: Option<&MessagePath>,
     report: &mut Report,
 ) {
     let types = bound.scene.types;

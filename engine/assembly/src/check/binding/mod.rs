@@ -10,14 +10,14 @@ use crate::codes::c101::OtherMainRule;
 use asmotion_diagnostics::Report;
 
 use super::annotation;
-use super::scene::{Part, Scene};
+use super::scene::{CheckedComponent, CheckedComposite};
 use crate::finding::Findings;
 use crate::model::Implementation;
 use crate::signature::{FunctionKind, Signature};
 
 pub(crate) use function::chosen_field;
 
-pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
+pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for part in &scene.parts {
         let Some(Implementation::Asm { file, main }) = &part.component.implementation else {
             continue;
@@ -53,8 +53,8 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
 
 /// An ASM component with its signature, where that could be had.
 pub(crate) struct Bound<'b> {
-    pub scene: &'b Scene<'b>,
-    pub part: &'b Part<'b>,
+    pub scene: &'b CheckedComposite<'b>,
+    pub part: &'b CheckedComponent<'b>,
     pub signature: Option<&'b dyn Signature>,
 }
 

@@ -1,17 +1,17 @@
 //! The binding of a specification, as the plan has it.
 
-use super::Source;
+use super::PartSource;
 use crate::check::chosen_field;
-use crate::check::face;
+use crate::check::endpoints;
 use crate::model::{self, binding as written};
-use crate::scope::Notes;
+use crate::scope::SubstitutionNotes;
 use asmotion_coordinator::{
     Action, Argument, Binding, Call, Case, Constant, Effect, Monitored, Out, Receive,
     Source as From,
 };
 
 /// The binding without places, with everything substituted.
-pub(super) fn binding(source: &Source<'_>, notes: &mut Notes) -> Option<Binding> {
+pub(super) fn binding(source: &PartSource<'_>, notes: &mut SubstitutionNotes) -> Option<Binding> {
     let bind = &source.component.bind;
     let asm = matches!(
         source.component.implementation,
@@ -27,7 +27,11 @@ pub(super) fn binding(source: &Source<'_>, notes: &mut Notes) -> Option<Binding>
     })
 }
 
-fn monitored(source: &Source<'_>, written: &written::Monitored, notes: &mut Notes) -> Monitored {
+fn monitored(
+    source: &PartSource<'_>,
+    written: &written::Monitored,
+    notes: &mut SubstitutionNotes,
+) -> Monitored {
     let edge = written.received().value == Receive::Edge;
     let mut value = |node: &Option<crate::tree::Node>| {
         node.as_ref()
@@ -63,20 +67,24 @@ fn monitored(source: &Source<'_>, written: &written::Monitored, notes: &mut Note
 }
 
 /// The same of a request.
-fn chosen_of_request(source: &Source<'_>, end: &model::End) -> Option<String> {
-    let service = face::find(&source.face.services, &end.component)?;
+fn chosen_of_request(source: &PartSource<'_>, end: &model::End) -> Option<String> {
+    let service = endpoints::find(&source.face.services, &end.component)?;
     let operations = source.catalogue.operations(&service.interface.text)?;
     let operation = (operations.iter()).find(|known| known.name == end.name.value)?;
     chosen_field(&operation.request)
 }
 
 /// The field that is meant where none is named.
-fn chosen(source: &Source<'_>, ports: &[face::Port], name: &str) -> Option<String> {
+fn chosen(
+    source: &PartSource<'_>,
+    ports: &[endpoints::EndpointPort],
+    name: &str,
+) -> Option<String> {
     let port = ports.iter().find(|port| port.name.text == name)?;
     chosen_field(&source.types.schema(&port.kind.as_ref()?.text)?)
 }
 
-fn out(source: &Source<'_>, written: &written::Out, notes: &mut Notes) -> Out {
+fn out(source: &PartSource<'_>, written: &written::Out, notes: &mut SubstitutionNotes) -> Out {
     let effect = match &written.effect {
         written::Effect::Publish(it) => Effect::Publish {
             port: it.topic.value.clone(),
@@ -103,7 +111,11 @@ fn out(source: &Source<'_>, written: &written::Out, notes: &mut Notes) -> Out {
     }
 }
 
-fn action(source: &Source<'_>, written: &written::Action, notes: &mut Notes) -> Action {
+fn action(
+    source: &PartSource<'_>,
+    written: &written::Action,
+    notes: &mut SubstitutionNotes,
+) -> Action {
     let text = |text: &Option<crate::At<String>>| text.as_ref().map(|text| text.value.clone());
     match written {
         written::Action::Publish { topic, value } => Action::Publish {
@@ -128,7 +140,11 @@ fn action(source: &Source<'_>, written: &written::Action, notes: &mut Notes) -> 
     }
 }
 
-fn argument(source: &Source<'_>, written: &written::Argument, notes: &mut Notes) -> Argument {
+fn argument(
+    source: &PartSource<'_>,
+    written: &written::Argument,
+    notes: &mut SubstitutionNotes,
+) -> Argument {
     match written {
         written::Argument::Kept { name, path } => {
             let steps: Vec<&str> = path.iter().map(|step| step.value.as_str()).collect();

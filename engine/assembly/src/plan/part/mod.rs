@@ -6,26 +6,30 @@ mod proxy;
 
 use super::{Asm, BuiltinSettings, Component, Implementation, Pace, Port, Service};
 use crate::catalogue::Catalogue;
-use crate::check::face::{self, Face};
+use crate::check::endpoints::{self, Endpoints};
 use crate::family::Member;
 use crate::model::{self, MapEntry};
-use crate::scope::{Notes, Scope, Set};
+use crate::scope::{OutsideSettings, PropertyScope, SubstitutionNotes};
 use crate::table::Resolver;
 use crate::types::Types;
 
 /// What a component of the plan is made of.
-pub(super) struct Source<'p> {
+pub(super) struct PartSource<'p> {
     pub member: &'p Member,
     pub component: &'p model::Component,
-    pub face: &'p Face,
+    pub face: &'p Endpoints,
     pub types: &'p Types<'p>,
     /// The names of the composites it is nested in.
     pub prefix: &'p str,
-    pub scope: &'p Scope<'p>,
+    pub scope: &'p PropertyScope<'p>,
     pub catalogue: &'p dyn Catalogue,
 }
 
-pub(super) fn component(source: &Source<'_>, set: Set, notes: &mut Notes) -> Component {
+pub(super) fn component(
+    source: &PartSource<'_>,
+    set: OutsideSettings,
+    notes: &mut SubstitutionNotes,
+) -> Component {
     let component = source.component;
     let name = format!("{}{}", source.prefix, component.name.value);
     let id = component.pace().and_then(|pace| pace.id.as_ref());
@@ -68,7 +72,7 @@ pub(super) fn component(source: &Source<'_>, set: Set, notes: &mut Notes) -> Com
     }
 }
 
-fn port(port: &face::Port) -> Port {
+fn port(port: &endpoints::EndpointPort) -> Port {
     Port {
         name: port.name.text.clone(),
         kind: port
@@ -79,14 +83,14 @@ fn port(port: &face::Port) -> Port {
     }
 }
 
-fn service(service: &face::Service) -> Service {
+fn service(service: &endpoints::EndpointService) -> Service {
     Service {
         name: service.name.text.clone(),
         interface: service.interface.text.clone(),
     }
 }
 
-fn implementation(source: &Source<'_>) -> Implementation {
+fn implementation(source: &PartSource<'_>) -> Implementation {
     use model::Implementation as Written;
     let list = |first: &str, rest: Vec<String>| {
         let mut all = vec![first.to_owned()];
@@ -143,7 +147,7 @@ fn implementation(source: &Source<'_>) -> Implementation {
 }
 
 /// A component that no broker is named for may be on the composite's only one.
-fn pace(source: &Source<'_>, to: &mut Resolver<'_>) -> Pace {
+fn pace(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Pace {
     let broker = source.member.composite.broker_of(source.component);
     Pace {
         broker: broker.map(|name| to.local(name)),

@@ -1,13 +1,17 @@
 //! The properties of a component, as it takes them.
 
-use super::Source;
-use crate::lawful::lawful;
+use super::PartSource;
+use crate::admissible::lawful;
 use crate::model;
-use crate::plan::Settings;
-use crate::scope::{Notes, Set};
+use crate::plan::PropertyValues;
+use crate::scope::{OutsideSettings, SubstitutionNotes};
 
 /// The properties that are set, in the order of the file, then those set from outside.
-pub(super) fn properties(source: &Source<'_>, mut set: Set, notes: &mut Notes) -> Settings {
+pub(super) fn properties(
+    source: &PartSource<'_>,
+    mut set: OutsideSettings,
+    notes: &mut SubstitutionNotes,
+) -> PropertyValues {
     let declaration = match &source.component.implementation {
         Some(model::Implementation::Rust(name)) => source.catalogue.declaration(name),
         _ => None,
@@ -23,7 +27,7 @@ pub(super) fn properties(source: &Source<'_>, mut set: Set, notes: &mut Notes) -
         .filter(|name| !names.contains(name))
         .cloned()
         .collect();
-    let mut settings = Settings::default();
+    let mut settings = PropertyValues::default();
     for name in names.into_iter().chain(later) {
         let Some((Some(value), at)) = set.remove(&name) else {
             continue;

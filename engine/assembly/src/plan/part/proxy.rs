@@ -2,24 +2,24 @@
 
 use std::time::Duration;
 
-use asmotion_bridge::{Conversion, Mapped, Mode, ProxyPort};
+use asmotion_bridge::{Conversion, Mapped, ProxyPort, ReplyMode};
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::Schema;
 
-use super::Source;
-use crate::check::face::{Port, find};
+use super::PartSource;
+use crate::check::endpoints::{EndpointPort, find};
 use crate::map;
-use crate::model::{self, Builtin, MapEntry, ProxyMode};
+use crate::model::{self, BuiltinComponent, MapEntry, ProxyMode};
 
 /// What the bridge does, with every conversion decided; `None` for what is no port-proxy.
-pub(super) fn settings(source: &Source<'_>) -> Option<asmotion_bridge::Settings> {
+pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::ProxySettings> {
     let component = source.component;
     let made_of = component.implementation.as_ref()?;
-    if made_of.builtin() != Some(Builtin::PortProxy) {
+    if made_of.builtin() != Some(BuiltinComponent::PortProxy) {
         return None;
     }
-    let ports = |ports: &[Port]| ports.iter().map(|it| port(source, it)).collect();
-    Some(asmotion_bridge::Settings {
+    let ports = |ports: &[EndpointPort]| ports.iter().map(|it| port(source, it)).collect();
+    Some(asmotion_bridge::ProxySettings {
         inputs: ports(&source.face.inputs),
         outputs: ports(&source.face.outputs),
         operations: (component.map.iter())
@@ -36,7 +36,7 @@ pub(super) fn settings(source: &Source<'_>) -> Option<asmotion_bridge::Settings>
 }
 
 /// A port as the target declares it.
-fn port(source: &Source<'_>, port: &Port) -> ProxyPort {
+fn port(source: &PartSource<'_>, port: &EndpointPort) -> ProxyPort {
     let kind = port.kind.as_ref().map_or("", |kind| &kind.text);
     ProxyPort {
         name: port.name.text.clone(),
@@ -44,12 +44,12 @@ fn port(source: &Source<'_>, port: &Port) -> ProxyPort {
     }
 }
 
-fn schema(source: &Source<'_>, kind: &str) -> Schema {
+fn schema(source: &PartSource<'_>, kind: &str) -> Schema {
     let known = source.types.schema(kind);
     known.unwrap_or_else(|| Schema::opaque(kind.to_owned()))
 }
 
-fn mapped(source: &Source<'_>, entry: &model::ProxyEntry) -> Option<Mapped> {
+fn mapped(source: &PartSource<'_>, entry: &model::ProxyEntry) -> Option<Mapped> {
     let (service, operation) = (&entry.operation.component, &entry.operation.name);
     let interface = &find(&source.face.services, service)?.interface.text;
     let way = match entry.mode.value {
@@ -76,17 +76,20 @@ fn mapped(source: &Source<'_>, entry: &model::ProxyEntry) -> Option<Mapped> {
         operation: operation.value.clone(),
         port: port.name.text.clone(),
         mode: match entry.mode.value {
-            ProxyMode::Oneway => Mode::OneWay,
-            ProxyMode::Taken => Mode::Taken,
-            ProxyMode::Done => Mode::Done,
-            ProxyMode::Last => Mode::Last,
-            ProxyMode::All => Mode::All,
+            ProxyMode::Oneway => ReplyMode::OneWay,
+            ProxyMode::Taken => ReplyMode::Taken,
+            ProxyMode::Done => ReplyMode::Done,
+            ProxyMode::Last => ReplyMode::Last,
+            ProxyMode::All => ReplyMode::All,
         },
         conversion: map::conversion(entry, &declared, &message)?,
     })
 }
 
-fn listener(source: &Source<'_>, told: &model::Notify) -> Option<asmotion_bridge::Notify> {
+fn listener(
+    source: &PartSource<'_>,
+    told: &model::Notify,
+) -> Option<asmotion_bridge::ProxyNotification> {
     let interface = &find(&source.face.references, &told.reference)?
         .interface
         .text;
@@ -95,7 +98,7 @@ fn listener(source: &Source<'_>, told: &model::Notify) -> Option<asmotion_bridge
         None => ("notify".to_owned(), Conversion::Same),
     };
     let condition = |told: &Option<model::Condition>| told.as_ref()?.text.parse().ok();
-    Some(asmotion_bridge::Notify {
+    Some(asmotion_bridge::ProxyNotification {
         reference: told.reference.value.clone(),
         interface: interface.clone(),
         operation,
@@ -111,13 +114,13 @@ fn listener(source: &Source<'_>, told: &model::Notify) -> Option<asmotion_bridge
     })
 }
 
-fn idle(idle: &model::Idle) -> Option<asmotion_bridge::Idle> {
-    let split = |path: &model::Path| {
+fn idle(idle: &model::Idle) -> Option<asmotion_bridge::IdleCriterion> {
+    let split = |path: &model::MessagePath| {
         let text = path.to_string();
         let (port, field) = text.split_once('.').unwrap_or((&text, ""));
         (port.to_owned(), field.to_owned())
     };
-    Some(asmotion_bridge::Idle {
+    Some(asmotion_bridge::IdleCriterion {
         within: idle.within.value,
         commanded: split(&idle.of),
         measured: split(&idle.on),

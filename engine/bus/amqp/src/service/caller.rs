@@ -6,13 +6,13 @@ use std::time::Duration;
 
 use amqprs::BasicProperties;
 use amqprs::channel::{BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage};
-use asmotion_bus::{Call, CallFailure, Delivered, Payload};
+use asmotion_bus::{CallFailure, DeliveryReceipt, IncomingCall, Payload};
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 
-use super::message::{self, Asking, REPLY_TO};
-use crate::channel::{self, Broken, Ends, Word};
-use crate::link::{Link, Pair};
+use super::message::{self, OutgoingRequest, REPLY_TO};
+use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
+use crate::link::{ConnectionPair, Link};
 use crate::wire;
 
 /// How often open calls are looked after.
@@ -25,14 +25,14 @@ const GRACE: Duration = Duration::from_secs(5);
 const REST: Duration = Duration::from_millis(200);
 
 /// What a call waits for.
-pub(crate) enum Wait {
+pub(crate) enum AwaitedReply {
     /// The answer.
-    Answer(Call),
+    Answer(IncomingCall),
     /// The server's queue to have it.
-    Delivery(Delivered),
+    Delivery(DeliveryReceipt),
 }
 
-impl Wait {
+impl AwaitedReply {
     pub(crate) fn end(self, end: Result<Payload, CallFailure>) {
         match self {
             Self::Answer(call) => call.end(end),
@@ -56,9 +56,9 @@ impl Wait {
 }
 
 /// An open call.
-pub(crate) struct Open {
-    message: Asking,
-    wait: Wait,
+pub(crate) struct OpenCall {
+    message: OutgoingRequest,
+    wait: AwaitedReply,
     /// When its provider was last asked after it.
     enquired: Instant,
     /// Until when it is sent again where nobody serves: the link broke, and its provider may be on its way back.
@@ -67,8 +67,8 @@ pub(crate) struct Open {
     unsent: bool,
 }
 
-impl Open {
-    pub(crate) fn new(message: Asking, wait: Wait) -> Self {
+impl OpenCall {
+    pub(crate) fn new(message: OutgoingRequest, wait: AwaitedReply) -> Self {
         Self {
             message,
             wait,
@@ -84,14 +84,14 @@ impl Open {
 }
 
 /// The task.
-pub(crate) struct Task {
+pub(crate) struct CallerTask {
     link: Arc<Link>,
-    opened: UnboundedReceiver<Open>,
-    open: HashMap<String, Open>,
+    opened: UnboundedReceiver<OpenCall>,
+    open: HashMap<String, OpenCall>,
 }
 
 /// What a session on one channel keeps.
-struct Session {
+struct CallerSession {
     channel: Channel,
     exchange: String,
     /// The tag of the last publication.
@@ -100,8 +100,8 @@ struct Session {
     tellings: VecDeque<(u64, String)>,
 }
 
-impl Task {
-    pub(crate) fn new(link: Arc<Link>, opened: UnboundedReceiver<Open>) -> Self {
+impl CallerTask {
+    pub(crate) fn new(link: Arc<Link>, opened: UnboundedReceiver<OpenCall>) -> Self {
         Self {
             link,
             opened,
@@ -114,17 +114,17 @@ impl Task {
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair) => end,
-                () = link.gone(&pair) => Err(Broken::Lost),
+                () = link.gone(&pair) => Err(ChannelError::Lost),
                 () = link.closing() => break,
             };
             match end {
                 Ok(()) => return,
-                Err(Broken::Closed { reason, .. }) => {
+                Err(ChannelError::Closed { reason, .. }) => {
                     link.refused("calls", reason);
                     self.fail_all();
                     sleep(REST).await;
                 }
-                Err(Broken::Cancelled | Broken::Lost) => link.rest(&pair).await,
+                Err(ChannelError::Cancelled | ChannelError::Lost) => link.rest(&pair).await,
             }
         }
         self.fail_all();
@@ -137,12 +137,12 @@ impl Task {
         }
     }
 
-    async fn session(&mut self, pair: &Pair) -> Result<(), Broken> {
-        let lost = |_| Broken::Lost;
+    async fn session(&mut self, pair: &ConnectionPair) -> Result<(), ChannelError> {
+        let lost = |_| ChannelError::Lost;
         let (channel, mut words) = channel::open(&pair.publishers).await.map_err(lost)?;
         let begun = begin(&channel).await;
         let mut answers = begun.map_err(|_| channel::why(&mut words))?;
-        let mut session = Session {
+        let mut session = CallerSession {
             channel,
             exchange: self.link.settings.services(),
             tag: 0,
@@ -161,21 +161,21 @@ impl Task {
                     None => return Ok(()),
                 },
                 word = words.recv() => match word {
-                    Some(Word::Closed { code, reason }) => {
-                        return Err(Broken::Closed { code, reason });
+                    Some(BrokerEvent::Closed { code, reason }) => {
+                        return Err(ChannelError::Closed { code, reason });
                     }
                     Some(word) => {
                         self.hear(word, &mut session);
                         Ok(())
                     }
-                    None => return Err(Broken::Lost),
+                    None => return Err(ChannelError::Lost),
                 },
                 answer = answers.recv() => match answer {
                     Some(answer) => {
                         self.answered(answer);
                         Ok(())
                     }
-                    None => return Err(Broken::Lost),
+                    None => return Err(ChannelError::Lost),
                 },
                 _ = ticks.tick(), if !self.open.is_empty() => self.look_after(&mut session).await,
             };
@@ -183,7 +183,7 @@ impl Task {
         }
     }
 
-    async fn begin(&mut self, open: Open, session: &mut Session) -> Ends<()> {
+    async fn begin(&mut self, open: OpenCall, session: &mut CallerSession) -> AmqpResult<()> {
         let end = session.send(&open).await;
         // A telling that nobody asks after has been told.
         if open.wait.is_awaited() {
@@ -192,27 +192,27 @@ impl Task {
         end
     }
 
-    fn hear(&mut self, word: Word, session: &mut Session) {
+    fn hear(&mut self, word: BrokerEvent, session: &mut CallerSession) {
         match word {
-            Word::Ack { tag, multiple } => {
+            BrokerEvent::Ack { tag, multiple } => {
                 for id in session.settle(tag, multiple) {
                     if let Some(open) = self.open.remove(&id) {
                         open.end(Ok(Payload::of(asmotion_datum::Datum::Null)));
                     }
                 }
             }
-            Word::Nack { tag, multiple } => {
+            BrokerEvent::Nack { tag, multiple } => {
                 for id in session.settle(tag, multiple) {
                     self.nobody(&id);
                 }
             }
             // It comes before its acknowledgement.
-            Word::Returned { message } => {
+            BrokerEvent::Returned { message } => {
                 let id = message.unwrap_or_default();
                 session.tellings.retain(|(_, telling)| *telling != id);
                 self.nobody(&id);
             }
-            Word::Cancelled | Word::Closed { .. } => {}
+            BrokerEvent::Cancelled | BrokerEvent::Closed { .. } => {}
         }
     }
 
@@ -240,12 +240,12 @@ impl Task {
     }
 
     /// Takes back what nobody waits for, sends again what was not sent, asks after the rest.
-    async fn look_after(&mut self, session: &mut Session) -> Ends<()> {
+    async fn look_after(&mut self, session: &mut CallerSession) -> AmqpResult<()> {
         let (awaited, given_up): (HashMap<_, _>, HashMap<_, _>) =
             (self.open.drain()).partition(|(_, open)| open.wait.is_awaited());
         self.open = awaited;
         for open in given_up.values() {
-            if let Wait::Answer(_) = open.wait {
+            if let AwaitedReply::Answer(_) = open.wait {
                 session.mention(&open.message, wire::CANCEL, false).await?;
             }
         }
@@ -253,7 +253,7 @@ impl Task {
             if open.unsent {
                 open.unsent = false;
                 session.send(open).await?;
-            } else if let Wait::Answer(_) = open.wait
+            } else if let AwaitedReply::Answer(_) = open.wait
                 && open.enquired.elapsed() > ENQUIRY
             {
                 open.enquired = Instant::now();
@@ -265,7 +265,7 @@ impl Task {
 }
 
 /// Confirms for tellings, and a consumer for answers: RabbitMQ wants it on the channel of the requests, before them.
-async fn begin(channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+async fn begin(channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
     channel::confirm(channel).await?;
     let mut consume = BasicConsumeArguments::new(REPLY_TO, "");
     consume.auto_ack(true);
@@ -275,32 +275,37 @@ async fn begin(channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
     Ok(answers)
 }
 
-impl Session {
-    async fn send(&mut self, open: &Open) -> Ends<()> {
+impl CallerSession {
+    async fn send(&mut self, open: &OpenCall) -> AmqpResult<()> {
         let message = &open.message;
         let kind = open.wait.kind();
         let bytes = message.bytes.to_vec();
         self.publish(message, message.request(kind), bytes, true)
             .await?;
-        if let Wait::Delivery(_) = open.wait {
+        if let AwaitedReply::Delivery(_) = open.wait {
             self.tellings.push_back((self.tag, message.id.clone()));
         }
         Ok(())
     }
 
     /// Sends a message about a request.
-    async fn mention(&mut self, message: &Asking, kind: &str, mandatory: bool) -> Ends<()> {
+    async fn mention(
+        &mut self,
+        message: &OutgoingRequest,
+        kind: &str,
+        mandatory: bool,
+    ) -> AmqpResult<()> {
         self.publish(message, message.about(kind), Vec::new(), mandatory)
             .await
     }
 
     async fn publish(
         &mut self,
-        message: &Asking,
+        message: &OutgoingRequest,
         properties: BasicProperties,
         bytes: Vec<u8>,
         mandatory: bool,
-    ) -> Ends<()> {
+    ) -> AmqpResult<()> {
         let mut arguments = BasicPublishArguments::new(&self.exchange, &message.key);
         arguments.mandatory(mandatory);
         self.tag += 1;

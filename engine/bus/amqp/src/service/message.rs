@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use amqprs::BasicProperties;
-use asmotion_bus::{CallFailure, Origin, Payload, Refusal, Request, Trace};
+use asmotion_bus::{CallFailure, Payload, Refusal, Request, SenderId, TraceContext};
 use asmotion_datum::{Codec, Datum, Message};
 
 use crate::wire::{self, Headers};
@@ -13,7 +13,7 @@ use crate::wire::{self, Headers};
 pub(crate) const REPLY_TO: &str = "amq.rabbitmq.reply-to";
 
 /// A request on its way.
-pub(crate) struct Asking {
+pub(crate) struct OutgoingRequest {
     /// Unique among all requests there are: executed once.
     pub id: String,
     pub key: String,
@@ -25,7 +25,7 @@ pub(crate) struct Asking {
     /// Nanoseconds of Unix time.
     pub deadline: i64,
     pub callback: Option<Arc<str>>,
-    pub trace: Option<Trace>,
+    pub trace: Option<TraceContext>,
     pub user: String,
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn deadline(timeout: Duration) -> i64 {
     wire::unix_now().saturating_add(timeout)
 }
 
-impl Asking {
+impl OutgoingRequest {
     /// The request itself. The broker drops it when its time is over.
     pub(crate) fn request(&self, kind: &str) -> BasicProperties {
         let nanos = u64::try_from(self.timeout.as_nanos()).unwrap_or(u64::MAX);
@@ -78,7 +78,7 @@ pub(crate) fn read_request(
     let argument = wire::payload(properties, content)?;
     let source = wire::text(properties, wire::SOURCE).unwrap_or_default();
     let incarnation = wire::number(properties, wire::INCARNATION).unwrap_or(0);
-    let origin = Origin::new(source, u64::try_from(incarnation).unwrap_or(0));
+    let origin = SenderId::new(source, u64::try_from(incarnation).unwrap_or(0));
     Ok(Some(Request {
         origin,
         argument,
@@ -90,14 +90,14 @@ pub(crate) fn read_request(
 
 /// An answer on its way. Kept, in case it is asked for again.
 #[derive(Clone)]
-pub(crate) struct Answer {
+pub(crate) struct OutgoingReply {
     kind: &'static str,
     code: Option<String>,
     content_type: &'static str,
     pub bytes: Arc<[u8]>,
 }
 
-impl Answer {
+impl OutgoingReply {
     /// The answer that ends a call like this; none where the caller knows it already.
     pub(crate) fn of(end: Result<Payload, CallFailure>) -> Option<Self> {
         let codec = Codec::Cbor;

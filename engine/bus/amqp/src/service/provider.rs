@@ -10,16 +10,16 @@ use amqprs::channel::{
     BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage,
     QueueBindArguments, QueueDeclareArguments,
 };
-use asmotion_bus::{CallFailure, Desk, Notifier, Pending, Request};
+use asmotion_bus::{AddressQueue, CallFailure, Notifier, PendingCall, Request};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
-use super::message::{self, Answer};
-use crate::Notice;
-use crate::channel::{self, Broken, Ends, Word};
-use crate::link::{Link, Pair};
-use crate::ready::Ready;
+use super::message::{self, OutgoingReply};
+use crate::BusNotice;
+use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
+use crate::first_declaration::FirstDeclaration;
+use crate::link::{ConnectionPair, Link};
 use crate::wire::{self, Headers};
 
 /// How many requests may be under way to us.
@@ -32,28 +32,31 @@ const TICK: Duration = Duration::from_millis(500);
 const REST: Duration = Duration::from_millis(100);
 
 /// Where a provider serves.
-pub(crate) struct Post {
+pub(crate) struct ProviderSetup {
     pub link: Arc<Link>,
     pub key: String,
     pub queue: String,
     pub size: usize,
-    pub desk: Arc<Desk>,
+    pub desk: Arc<AddressQueue>,
     /// Told how the first declaration ended.
-    pub ready: Ready,
+    pub ready: FirstDeclaration,
 }
 
 /// A request, by its id.
-enum Known {
+enum RequestState {
     /// Handed over, with where its answer goes.
-    Begun { pending: Pending, reply_to: String },
+    Begun {
+        pending: PendingCall,
+        reply_to: String,
+    },
     /// Ended, with what was answered.
-    Ended(Option<Answer>),
+    Ended(Option<OutgoingReply>),
 }
 
 /// The task.
-pub(crate) struct Task {
-    post: Post,
-    known: HashMap<String, Known>,
+pub(crate) struct ProviderTask {
+    post: ProviderSetup,
+    known: HashMap<String, RequestState>,
     /// The ended ones, oldest first.
     ended: VecDeque<String>,
     /// The ids of requests that have just been answered.
@@ -61,8 +64,8 @@ pub(crate) struct Task {
     answering: UnboundedSender<String>,
 }
 
-impl Task {
-    pub(crate) fn new(post: Post) -> Self {
+impl ProviderTask {
+    pub(crate) fn new(post: ProviderSetup) -> Self {
         let (answering, answered) = unbounded_channel();
         Self {
             post,
@@ -84,26 +87,26 @@ impl Task {
             let Some(pair) = pair else { return };
             let end = tokio::select! {
                 end = self.session(&pair, &mut leave) => end,
-                () = link.gone(&pair) => Err(Broken::Lost),
+                () = link.gone(&pair) => Err(ChannelError::Lost),
             };
             match end {
                 Ok(()) => return,
                 Err(broken) if self.post.ready.tell(Err(broken.clone())) => return,
-                Err(Broken::Closed { reason, .. }) => {
+                Err(ChannelError::Closed { reason, .. }) => {
                     link.refused(&self.post.key, reason);
                     sleep(REST).await;
                 }
-                Err(Broken::Cancelled | Broken::Lost) => link.rest(&pair).await,
+                Err(ChannelError::Cancelled | ChannelError::Lost) => link.rest(&pair).await,
             }
         }
     }
 
     async fn session(
         &mut self,
-        pair: &Pair,
+        pair: &ConnectionPair,
         leave: &mut oneshot::Receiver<()>,
-    ) -> Result<(), Broken> {
-        let lost = |_| Broken::Lost;
+    ) -> Result<(), ChannelError> {
+        let lost = |_| ChannelError::Lost;
         let (channel, mut words) = channel::open(&pair.consumers).await.map_err(lost)?;
         // Answers are published, and publishers may be blocked where readers are not.
         let (replies, mut refusals) = channel::open(&pair.publishers).await.map_err(lost)?;
@@ -125,7 +128,7 @@ impl Task {
                 word = refusals.recv() => return Err(broken(word)),
                 request = requests.recv() => match request {
                     Some(request) => self.take(request, &channel, &replies).await,
-                    None => return Err(Broken::Cancelled),
+                    None => return Err(ChannelError::Cancelled),
                 },
                 _ = ticks.tick(), if !self.known.is_empty() => {
                     self.put_away();
@@ -139,7 +142,7 @@ impl Task {
     }
 
     /// Declares a queue that nobody else may have: an address has one server.
-    async fn declare(&self, channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+    async fn declare(&self, channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
         let post = &self.post;
         let length = post.size.max(PREFETCH.into());
         let arguments = Headers::default()
@@ -159,7 +162,7 @@ impl Task {
         message: ConsumerMessage,
         channel: &Channel,
         replies: &Channel,
-    ) -> Ends<()> {
+    ) -> AmqpResult<()> {
         let properties = message.basic_properties.unwrap_or_default();
         let content = message.content.unwrap_or_default();
         if let Some(answer) = self.understand(&properties, content) {
@@ -177,28 +180,32 @@ impl Task {
     }
 
     /// Does what a message asks; the answer to it, if there is one already.
-    fn understand(&mut self, properties: &BasicProperties, content: Vec<u8>) -> Option<Answer> {
+    fn understand(
+        &mut self,
+        properties: &BasicProperties,
+        content: Vec<u8>,
+    ) -> Option<OutgoingReply> {
         let kind = properties.message_type().map_or("", String::as_str);
         let id = properties.correlation_id().or(properties.message_id());
         let id = id.cloned().unwrap_or_default();
         if let Some(known) = self.known.get_mut(&id) {
             return match (known, kind) {
-                (Known::Begun { pending, .. }, wire::CANCEL) => {
+                (RequestState::Begun { pending, .. }, wire::CANCEL) => {
                     pending.cancel();
                     None
                 }
                 // The link was broken meanwhile: the answer goes where the caller is now.
-                (Known::Begun { reply_to, .. }, _) => {
+                (RequestState::Begun { reply_to, .. }, _) => {
                     *reply_to = properties.reply_to().cloned().unwrap_or_default();
                     None
                 }
-                (Known::Ended(_), wire::CANCEL) => None,
-                (Known::Ended(answer), _) => answer.clone(),
+                (RequestState::Ended(_), wire::CANCEL) => None,
+                (RequestState::Ended(answer), _) => answer.clone(),
             };
         }
         match kind {
             wire::CANCEL => None,
-            wire::ENQUIRY => Answer::of(Err(CallFailure::Unavailable)),
+            wire::ENQUIRY => OutgoingReply::of(Err(CallFailure::Unavailable)),
             _ => match message::read_request(properties, content) {
                 Ok(Some(request)) => {
                     self.begin(id, request, kind == wire::TELLING, properties.reply_to());
@@ -208,11 +215,12 @@ impl Task {
                 Ok(None) => None,
                 Err(reason) => {
                     let what = self.post.key.clone();
-                    let answer = Answer::of(Err(CallFailure::Refused(asmotion_bus::Refusal {
-                        code: "UNREADABLE".to_owned(),
-                        detail: reason.clone(),
-                    })));
-                    self.post.link.note(Notice::Unreadable { what, reason });
+                    let answer =
+                        OutgoingReply::of(Err(CallFailure::Refused(asmotion_bus::Refusal {
+                            code: "UNREADABLE".to_owned(),
+                            detail: reason.clone(),
+                        })));
+                    self.post.link.note(BusNotice::Unreadable { what, reason });
                     answer
                 }
             },
@@ -221,7 +229,7 @@ impl Task {
 
     fn begin(&mut self, id: String, request: Request, one_way: bool, reply_to: Option<&String>) {
         if one_way {
-            let (_, call, _) = Pending::one_way(request, Arc::new(Notifier::new()));
+            let (_, call, _) = PendingCall::one_way(request, Arc::new(Notifier::new()));
             // The desk ends what it refuses, and nobody waits for it.
             let _ = self.post.desk.put(call);
             self.remember(id, None);
@@ -232,23 +240,24 @@ impl Task {
             // A task that has ended answers nothing any more.
             let _ = answering.send(answered.clone());
         });
-        let (pending, call) = Pending::new(request, Arc::new(notifier));
+        let (pending, call) = PendingCall::new(request, Arc::new(notifier));
         let reply_to = reply_to.cloned().unwrap_or_default();
-        self.known.insert(id, Known::Begun { pending, reply_to });
+        self.known
+            .insert(id, RequestState::Begun { pending, reply_to });
         // What the desk refuses it answers.
         let _ = self.post.desk.put(call);
     }
 
     /// A request has been answered, or taken back.
-    async fn answer(&mut self, id: Option<String>, replies: &Channel) -> Ends<()> {
+    async fn answer(&mut self, id: Option<String>, replies: &Channel) -> AmqpResult<()> {
         let Some(id) = id else { return Ok(()) };
-        let Some(Known::Begun { pending, reply_to }) = self.known.get(&id) else {
+        let Some(RequestState::Begun { pending, reply_to }) = self.known.get(&id) else {
             return Ok(());
         };
         let Some(end) = pending.try_take() else {
             return Ok(());
         };
-        let (answer, reply_to) = (Answer::of(end), reply_to.clone());
+        let (answer, reply_to) = (OutgoingReply::of(end), reply_to.clone());
         self.remember(id.clone(), answer.clone());
         match answer {
             Some(answer) => self.send(&answer, &id, &reply_to, replies).await,
@@ -256,7 +265,13 @@ impl Task {
         }
     }
 
-    async fn send(&self, answer: &Answer, id: &str, reply_to: &str, replies: &Channel) -> Ends<()> {
+    async fn send(
+        &self,
+        answer: &OutgoingReply,
+        id: &str,
+        reply_to: &str,
+        replies: &Channel,
+    ) -> AmqpResult<()> {
         if reply_to.is_empty() {
             return Ok(());
         }
@@ -271,8 +286,8 @@ impl Task {
             .await
     }
 
-    fn remember(&mut self, id: String, answer: Option<Answer>) {
-        self.known.insert(id.clone(), Known::Ended(answer));
+    fn remember(&mut self, id: String, answer: Option<OutgoingReply>) {
+        self.known.insert(id.clone(), RequestState::Ended(answer));
         self.ended.push_back(id);
         if self.ended.len() > REMEMBERED
             && let Some(oldest) = self.ended.pop_front()
@@ -283,9 +298,9 @@ impl Task {
 
     /// Ends requests whose time is over. Asking for the answer does.
     fn put_away(&mut self) {
-        let over = |known: &Known| match known {
-            Known::Begun { pending, .. } => pending.is_over(),
-            Known::Ended(_) => false,
+        let over = |known: &RequestState| match known {
+            RequestState::Begun { pending, .. } => pending.is_over(),
+            RequestState::Ended(_) => false,
         };
         let over: Vec<_> = (self.known.iter())
             .filter(|(_, known)| over(known))
@@ -301,8 +316,8 @@ impl Task {
         channel::delete(channel.clone(), &self.post.queue).await;
         let known = std::mem::take(&mut self.known);
         for (id, known) in known {
-            if let Known::Begun { reply_to, .. } = known
-                && let Some(answer) = Answer::of(Err(CallFailure::Unavailable))
+            if let RequestState::Begun { reply_to, .. } = known
+                && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable))
             {
                 // Whom it does not reach asks after its call, and finds nobody.
                 let _ = self.send(&answer, &id, &reply_to, replies).await;
@@ -311,10 +326,11 @@ impl Task {
     }
 }
 
-fn broken(word: Option<Word>) -> Broken {
+fn broken(word: Option<BrokerEvent>) -> ChannelError {
     match word {
-        Some(Word::Closed { code, reason }) => Broken::Closed { code, reason },
-        Some(Word::Cancelled) => Broken::Cancelled,
-        Some(Word::Ack { .. } | Word::Nack { .. } | Word::Returned { .. }) | None => Broken::Lost,
+        Some(BrokerEvent::Closed { code, reason }) => ChannelError::Closed { code, reason },
+        Some(BrokerEvent::Cancelled) => ChannelError::Cancelled,
+        Some(BrokerEvent::Ack { .. } | BrokerEvent::Nack { .. } | BrokerEvent::Returned { .. })
+        | None => ChannelError::Lost,
     }
 }

@@ -4,37 +4,37 @@ use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use asmotion_amqp::{AmqpBus, Notice, Settings};
+use asmotion_amqp::{AmqpBus, AmqpSettings, BusNotice};
 use asmotion_bus::{
-    Bus, Link, Notifier, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending,
-    Subscription,
+    Bus, LinkState, Notifier, Overflow, Pattern, Payload, PublishOptions, Publisher, QueuePolicy,
+    SenderId, Subscription,
 };
 use asmotion_datum::{Datum, Schema};
 
 /// Long enough for anything on a loaded machine.
 pub const LONG: Duration = Duration::from_secs(30);
 
-pub fn settings(url: &str) -> Settings {
-    Settings::parse(url).unwrap()
+pub fn settings(url: &str) -> AmqpSettings {
+    AmqpSettings::parse(url).unwrap()
 }
 
-pub fn connect(settings: Settings) -> AmqpBus {
+pub fn connect(settings: AmqpSettings) -> AmqpBus {
     AmqpBus::connect(settings, LONG).unwrap()
 }
 
 /// Settings that give a silent broker up soon.
-pub fn quick(url: &str) -> Settings {
+pub fn quick(url: &str) -> AmqpSettings {
     let mut settings = settings(url);
     settings.timing.dead = Duration::from_secs(3);
     settings
 }
 
 pub fn is_down(bus: &AmqpBus) -> bool {
-    matches!(bus.health().link, Link::Down { .. })
+    matches!(bus.health().link, LinkState::Down { .. })
 }
 
 /// Settings whose notices are kept.
-pub fn noted(url: &str) -> (Settings, Arc<Mutex<Vec<Notice>>>) {
+pub fn noted(url: &str) -> (AmqpSettings, Arc<Mutex<Vec<BusNotice>>>) {
     let notices = Arc::new(Mutex::new(Vec::new()));
     let kept = Arc::clone(&notices);
     let mut settings = settings(url);
@@ -42,18 +42,18 @@ pub fn noted(url: &str) -> (Settings, Arc<Mutex<Vec<Notice>>>) {
     (settings, notices)
 }
 
-pub fn all(size: usize) -> Queue {
-    Queue::All {
+pub fn all(size: usize) -> QueuePolicy {
+    QueuePolicy::All {
         size,
         overflow: Overflow::DropNewest,
     }
 }
 
-pub fn events() -> Sending {
-    Sending::events(NonZeroUsize::new(100_000).unwrap())
+pub fn events() -> PublishOptions {
+    PublishOptions::events(NonZeroUsize::new(100_000).unwrap())
 }
 
-pub fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Subscription {
+pub fn subscribe(bus: &dyn Bus, pattern: &str, queue: QueuePolicy) -> Subscription {
     bus.subscribe(
         "Tester",
         &Pattern::new(pattern),
@@ -63,10 +63,10 @@ pub fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Subscription {
     .unwrap()
 }
 
-pub fn publisher(bus: &dyn Bus, topic: &str, sending: Sending) -> Box<dyn Publisher> {
+pub fn publisher(bus: &dyn Bus, topic: &str, sending: PublishOptions) -> Box<dyn Publisher> {
     bus.publisher(
         topic,
-        &Origin::new("Tester", 1),
+        &SenderId::new("Tester", 1),
         &Schema::opaque("test/Number"),
         sending,
     )

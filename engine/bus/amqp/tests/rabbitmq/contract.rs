@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asmotion_bus::Sending;
+use asmotion_bus::PublishOptions;
 
 use crate::common::{LONG, all, connect, number, publisher, settings, subscribe};
 
@@ -35,7 +35,7 @@ fn without_a_robot_a_tool_sees_the_keys_of_all() {
         connect(settings)
     });
     for robot in &robots {
-        let mut publisher = publisher(robot, "left.odom", Sending::default());
+        let mut publisher = publisher(robot, "left.odom", PublishOptions::default());
         publisher.publish(0, number(1)).unwrap();
     }
     let next = || subscription.next_within(LONG).unwrap().topic.to_string();

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use asmotion_amqp::{AmqpBus, Notice};
-use asmotion_bus::{Bus, BusError, Link, Notifier, Queue, Sending};
+use asmotion_amqp::{AmqpBus, BusNotice};
+use asmotion_bus::{Bus, BusError, LinkState, Notifier, PublishOptions, QueuePolicy};
 
 use crate::common::{
     LONG, all, connect, events, eventually, is_down, noted, number, numbers, publisher, quick,
@@ -12,16 +12,16 @@ use crate::common::{
 };
 
 /// A life with events before and after a fault: none is lost or repeated.
-fn survives(fault: impl FnOnce(&asmotion_broker::Broker, &AmqpBus)) {
+fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) {
     let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
     let (reader, writer) = (connect(quick(&vhost.url())), connect(quick(&vhost.url())));
     let subscription = subscribe(&reader, "events", all(10_000));
-    let state = subscribe(&reader, "state", Queue::Latest);
+    let state = subscribe(&reader, "state", QueuePolicy::Latest);
     let mut events = publisher(&writer, "events", events());
-    let mut states = publisher(&writer, "state", Sending::state());
+    let mut states = publisher(&writer, "state", PublishOptions::state());
     for n in 0..500 {
         events.publish(0, number(n)).unwrap();
     }
@@ -115,10 +115,10 @@ fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() 
     let (bus, reader) = (connect(settings), connect(quick(&vhost.url())));
     let subscription = subscribe(&reader, "t", all(10_000));
     let mut kept = publisher(&bus, "t", events());
-    let mut dropped = publisher(&bus, "t", Sending::default());
+    let mut dropped = publisher(&bus, "t", PublishOptions::default());
     broker.raise_alarm().unwrap();
     eventually("it is blocked", || {
-        matches!(bus.health().link, Link::Blocked { .. })
+        matches!(bus.health().link, LinkState::Blocked { .. })
     });
     let memory = memory();
     let big = asmotion_bus::Payload::of(asmotion_datum::Datum::Bytes(vec![0; 16 * 1024].into()));
@@ -144,7 +144,7 @@ fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() 
         (0..100).collect::<Vec<_>>()
     );
     let notices = notices.lock().unwrap();
-    assert!(notices.contains(&Notice::Blocked) && notices.contains(&Notice::Unblocked));
+    assert!(notices.contains(&BusNotice::Blocked) && notices.contains(&BusNotice::Unblocked));
 }
 
 /// Resident memory of this process.
@@ -178,7 +178,7 @@ fn a_queue_deleted_under_its_reader_is_made_again() {
             .is_some()
     });
     let notices = notices.lock().unwrap();
-    let deleted = |notice: &Notice| matches!(notice, Notice::Refused { reason, .. } if reason.contains("deleted"));
+    let deleted = |notice: &BusNotice| matches!(notice, BusNotice::Refused { reason, .. } if reason.contains("deleted"));
     assert!(notices.iter().any(deleted), "{notices:?}");
 }
 
@@ -234,7 +234,7 @@ fn who_may_not_is_told_and_others_go_on() {
     assert_eq!(numbers(&subscription, Duration::from_millis(500)), [2]);
     assert!(bus.health().is_up());
     let notices = notices.lock().unwrap();
-    let said = |notice: &Notice| notice.to_string().contains("ACCESS_REFUSED");
+    let said = |notice: &BusNotice| notice.to_string().contains("ACCESS_REFUSED");
     assert!(notices.iter().any(said), "{notices:?}");
 }
 
@@ -266,7 +266,7 @@ fn a_publication_on_a_channel_that_the_broker_closed_is_not_taken_for_sent() {
     let (settings, notices) = noted(&vhost.url());
     let bus = connect(settings);
     let mut publishers =
-        [events(), Sending::default()].map(|sending| publisher(&bus, "t", sending));
+        [events(), PublishOptions::default()].map(|sending| publisher(&bus, "t", sending));
     broker
         .evaluate(&format!(
             "rabbit_exchange:delete(rabbit_misc:r(<<\"{}\">>, exchange, <<\"robots\">>), false, <<\"test\">>)",
@@ -371,7 +371,7 @@ fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
         .unwrap();
     eventually("it is thrown away", || {
         let notices = notices.lock().unwrap();
-        let thrown = |notice: &Notice| notice.to_string().contains("thrown away");
+        let thrown = |notice: &BusNotice| notice.to_string().contains("thrown away");
         notices.iter().any(thrown)
     });
     let mut publisher = publisher(&bus, "t", events());
@@ -393,7 +393,7 @@ mod raw {
     use amqprs::connection::{Connection, OpenConnectionArguments};
     use amqprs::{BasicProperties, FieldTable};
 
-    pub async fn open(broker: &asmotion_broker::Broker, vhost: &str) -> (Connection, Channel) {
+    pub async fn open(broker: &asmotion_broker::TestBroker, vhost: &str) -> (Connection, Channel) {
         let address = broker.address();
         let mut arguments = OpenConnectionArguments::new(
             "127.0.0.1",
@@ -421,7 +421,7 @@ mod raw {
     }
 
     pub async fn publish(
-        broker: &asmotion_broker::Broker,
+        broker: &asmotion_broker::TestBroker,
         vhost: &str,
         key: &str,
         content_type: Option<&str>,
@@ -443,7 +443,7 @@ mod raw {
 
     /// Publishes under a name; whether the channel survived it.
     pub async fn publish_as(
-        broker: &asmotion_broker::Broker,
+        broker: &asmotion_broker::TestBroker,
         vhost: &str,
         user: &str,
         key: &str,

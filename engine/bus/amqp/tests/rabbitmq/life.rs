@@ -4,8 +4,10 @@ use std::net::TcpListener;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use asmotion_amqp::{AmqpBus, Credentials, Identity, Notice, Settings, Tls};
-use asmotion_bus::{Bus, BusError, CallFailure, Link, Notifier, Origin, Pattern, Request, Sending};
+use asmotion_amqp::{AmqpBus, AmqpSettings, BusNotice, ClientIdentity, Credentials, TlsSettings};
+use asmotion_bus::{
+    Bus, BusError, CallFailure, LinkState, Notifier, Pattern, PublishOptions, Request, SenderId,
+};
 use asmotion_datum::{Datum, Message, Schema};
 
 use crate::common::{
@@ -83,17 +85,17 @@ fn names_that_the_client_breaks_at_are_refused() {
     };
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
-    let (long, origin) = ("x".repeat(256), Origin::new("Tester", 1));
+    let (long, origin) = ("x".repeat(256), SenderId::new("Tester", 1));
     let notifier = || Arc::new(Notifier::new());
     let request = || Request::new(origin.clone(), number(1), LONG);
     let ends = [
-        bus.publisher(&long, &origin, Datum::schema(), Sending::default())
+        bus.publisher(&long, &origin, Datum::schema(), PublishOptions::default())
             .map(drop),
         bus.publisher(
             "topic",
             &origin,
             &Schema::opaque(long.clone()),
-            Sending::default(),
+            PublishOptions::default(),
         )
         .map(drop),
         bus.subscribe("Tester", &Pattern::new(&*long), all(1), notifier())
@@ -107,7 +109,7 @@ fn names_that_the_client_breaks_at_are_refused() {
     }
     let longest = "y".repeat(255);
     let subscription = subscribe(&bus, &longest, all(1));
-    publisher(&bus, &longest, Sending::default())
+    publisher(&bus, &longest, PublishOptions::default())
         .publish(0, number(1))
         .unwrap();
     assert!(subscription.next_within(LONG).is_some());
@@ -121,9 +123,9 @@ fn a_source_or_an_argument_may_be_of_any_length() {
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
     let subscription = subscribe(&bus, "t", all(4));
-    let origin = Origin::new("ü".repeat(1000), 1);
+    let origin = SenderId::new("ü".repeat(1000), 1);
     let mut publisher = bus
-        .publisher("t", &origin, Datum::schema(), Sending::default())
+        .publisher("t", &origin, Datum::schema(), PublishOptions::default())
         .unwrap();
     publisher.publish(0, number(1)).unwrap();
     let envelope = subscription.next_within(LONG).unwrap();
@@ -161,17 +163,17 @@ fn without_a_broker_a_bus_waits_for_it_and_keeps_what_it_is_told_to() {
     let vhost = broker.vhost().unwrap();
     broker.kill().unwrap();
     let bus = AmqpBus::open(settings(&vhost.url())).unwrap();
-    assert!(matches!(bus.health().link, Link::Down { .. }));
+    assert!(matches!(bus.health().link, LinkState::Down { .. }));
     let subscription = subscribe(&bus, "kept", all(100));
     let mut kept = publisher(&bus, "kept", events());
-    let mut latest = publisher(&bus, "kept", Sending::state());
-    let mut dropped = publisher(&bus, "kept", Sending::default());
+    let mut latest = publisher(&bus, "kept", PublishOptions::state());
+    let mut dropped = publisher(&bus, "kept", PublishOptions::default());
     for n in 0..10 {
         kept.publish(0, number(n)).unwrap();
         latest.publish(0, number(100 + n)).unwrap();
         assert!(dropped.publish(0, number(200)).is_err());
     }
-    let request = Request::new(Origin::new("Tester", 1), number(1), LONG);
+    let request = Request::new(SenderId::new("Tester", 1), number(1), LONG);
     let pending = bus
         .call("nobody", request, Arc::new(Notifier::new()))
         .unwrap();
@@ -248,12 +250,15 @@ fn credentials_come_from_a_file_and_are_not_shown() {
     assert!(!shown.contains(broker.password()), "{shown}");
     assert!(matches!(
         notices.lock().unwrap()[0],
-        Notice::Connected { .. }
+        BusNotice::Connected { .. }
     ));
 }
 
 /// Settings of an encrypted link to the broker.
-fn encrypted(broker: &asmotion_broker::Broker, vhost: &asmotion_broker::Vhost<'_>) -> Settings {
+fn encrypted(
+    broker: &asmotion_broker::TestBroker,
+    vhost: &asmotion_broker::Vhost<'_>,
+) -> AmqpSettings {
     let port = broker.encrypted_port();
     let (certificate, key) = broker.client_identity();
     let mut settings = settings(&format!(
@@ -262,9 +267,9 @@ fn encrypted(broker: &asmotion_broker::Broker, vhost: &asmotion_broker::Vhost<'_
         broker.password(),
         vhost.name()
     ));
-    settings.tls = Some(Tls {
+    settings.tls = Some(TlsSettings {
         authority: Some(broker.authority()),
-        identity: Some(Identity { certificate, key }),
+        identity: Some(ClientIdentity { certificate, key }),
     });
     settings
 }
@@ -286,7 +291,7 @@ fn an_encrypted_link_is_refused_where_the_certificates_do_not_fit() {
     };
     let vhost = broker.vhost().unwrap();
     let right = encrypted(&broker, &vhost);
-    let with = |change: fn(&mut Tls)| {
+    let with = |change: fn(&mut TlsSettings)| {
         let mut settings = right.clone();
         change(settings.tls.as_mut().unwrap());
         let end = AmqpBus::connect(settings, Duration::from_secs(1));

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use asmotion_bus::{Bus, Queue, Sending};
+use asmotion_bus::{Bus, PublishOptions, QueuePolicy};
 
 use crate::common::{
     LONG, all, connect, events, eventually, is_down, number, numbers, publisher, quick, subscribe,
@@ -71,10 +71,10 @@ fn a_line_that_goes_silent_is_given_up_and_taken_up_again_without_a_loss() {
     behind.timing.connect = Duration::from_secs(2);
     let (writer, reader) = (connect(behind), connect(quick(&vhost.url())));
     let subscription = subscribe(&reader, "events", all(1000));
-    let state = subscribe(&reader, "state", Queue::Latest);
+    let state = subscribe(&reader, "state", QueuePolicy::Latest);
     let mut events = publisher(&writer, "events", events());
-    let mut states = publisher(&writer, "state", Sending::state());
-    let mut dropped = publisher(&writer, "dropped", Sending::default());
+    let mut states = publisher(&writer, "state", PublishOptions::state());
+    let mut dropped = publisher(&writer, "dropped", PublishOptions::default());
     for n in 0..100 {
         events.publish(0, number(n)).unwrap();
     }

@@ -5,7 +5,10 @@ use std::time::{Duration, Instant};
 
 use asmotion_amqp::AmqpBus;
 use asmotion_broker::Vhost;
-use asmotion_bus::{Bus, Call, CallFailure, Notifier, Origin, Payload, Pending, Request, Serving};
+use asmotion_bus::{
+    Bus, CallFailure, IncomingCall, Notifier, Payload, PendingCall, Request, SenderId,
+    ServedAddress,
+};
 use asmotion_datum::Datum;
 
 use crate::common::{LONG, connect, eventually, number, settings};
@@ -16,18 +19,18 @@ fn two(vhost: &Vhost<'_>) -> (AmqpBus, AmqpBus) {
     (one(), one())
 }
 
-fn serve(bus: &dyn Bus, size: usize) -> Serving {
+fn serve(bus: &dyn Bus, size: usize) -> ServedAddress {
     bus.serve("planner.plan", size, Arc::new(Notifier::new()))
         .unwrap()
 }
 
-fn call(bus: &dyn Bus, n: i64, timeout: Duration) -> Pending {
-    let request = Request::new(Origin::new("Tester", 1), number(n), timeout);
+fn call(bus: &dyn Bus, n: i64, timeout: Duration) -> PendingCall {
+    let request = Request::new(SenderId::new("Tester", 1), number(n), timeout);
     bus.call("planner.plan", request, Arc::new(Notifier::new()))
         .unwrap()
 }
 
-fn next(serving: &Serving) -> Call {
+fn next(serving: &ServedAddress) -> IncomingCall {
     serving.next_within(LONG).expect("a request comes")
 }
 
@@ -147,7 +150,7 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
     let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     let back = here.serve("back", 8, Arc::new(Notifier::new())).unwrap();
-    let request = Request::new(Origin::new("Tester", 1), number(1), LONG).with_callback("back");
+    let request = Request::new(SenderId::new("Tester", 1), number(1), LONG).with_callback("back");
     (here.tell("planner.plan", request, Arc::new(Notifier::new())))
         .unwrap()
         .wait()
@@ -161,7 +164,7 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
     let mut told = 0;
     eventually("it is told", || {
         told += 1;
-        let word = Request::new(Origin::new("Planner", 1), number(3), LONG);
+        let word = Request::new(SenderId::new("Planner", 1), number(3), LONG);
         let word = there
             .tell(&callback, word, Arc::new(Notifier::new()))
             .unwrap();

@@ -16,7 +16,7 @@ fn soak(count: i64, restarts: i64) {
         connect(settings(&vhost.url())),
         connect(settings(&vhost.url())),
     );
-    let queue = asmotion_bus::Queue::All {
+    let queue = asmotion_bus::QueuePolicy::All {
         size: 200_000,
         overflow: asmotion_bus::Overflow::DropNewest,
     };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_bus::{Payload, Sending};
+use asmotion_bus::{Payload, PublishOptions};
 use asmotion_component::{
     Activity, Component, Cycle, Fault, In, Operation, Out, Policy, Provided, Required, Span, Time,
     Wire,
@@ -50,7 +50,7 @@ impl Component for Teller {
 }
 
 /// A system that counts, on a bus of its own.
-fn counting(url: &str, sending: Sending) -> System {
+fn counting(url: &str, sending: PublishOptions) -> System {
     let mut system = System::new();
     let counter = |interface: &mut asmotion_component::Interface| {
         let out = interface.output("out", "the count");

@@ -1,7 +1,7 @@
 //! A datum of a shape, read. What is announced is believed only as far as there are bytes.
 
 use super::{BIG, DEPTH, LITTLE, deeper, malformed, shapeless};
-use crate::{Datum, DatumError, Field, Numbers, Problem, Schema, Shape};
+use crate::{Datum, DatumError, DatumProblem, Numbers, OutlineKey, Schema, Shape};
 
 /// What some writers add, so that a message ends at a multiple of four.
 const PADDING: usize = 3;
@@ -21,7 +21,7 @@ pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumEr
             )));
         }
     };
-    let mut reader = Reader {
+    let mut reader = CdrReader {
         body,
         at: 0,
         big_first,
@@ -33,13 +33,13 @@ pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumEr
     Ok(datum)
 }
 
-struct Reader<'b> {
+struct CdrReader<'b> {
     body: &'b [u8],
     at: usize,
     big_first: bool,
 }
 
-impl<'b> Reader<'b> {
+impl<'b> CdrReader<'b> {
     fn one(&mut self, schema: &Schema, depth: usize) -> Result<Datum, DatumError> {
         let depth = deeper(depth)?;
         Ok(match &schema.shape {
@@ -58,7 +58,7 @@ impl<'b> Reader<'b> {
             Shape::U32 => Datum::Int(u32::from_le_bytes(self.number()?).into()),
             Shape::U64 => {
                 let value = u64::from_le_bytes(self.number()?);
-                let too_big = |_| DatumError::new(Problem::IntegerTooBig(value.to_string()));
+                let too_big = |_| DatumError::new(DatumProblem::IntegerTooBig(value.to_string()));
                 Datum::Int(i64::try_from(value).map_err(too_big)?)
             }
             Shape::F32 => Datum::Float(f32::from_le_bytes(self.number()?).into()),
@@ -155,7 +155,7 @@ impl<'b> Reader<'b> {
         (numbers.map(Datum::Numbers)).ok_or_else(|| malformed("numbers of no kind"))
     }
 
-    fn record(&mut self, fields: &[Field], depth: usize) -> Result<Datum, DatumError> {
+    fn record(&mut self, fields: &[OutlineKey], depth: usize) -> Result<Datum, DatumError> {
         if fields.is_empty() {
             self.take(1)?;
         }

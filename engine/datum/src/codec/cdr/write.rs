@@ -4,19 +4,19 @@ use std::borrow::Cow;
 
 use super::{DEPTH, LITTLE, deeper, shapeless};
 use crate::codec::special_float;
-use crate::{Datum, DatumError, Field, Name, Problem, Schema, Shape};
+use crate::{Datum, DatumError, DatumProblem, FieldName, OutlineKey, Schema, Shape};
 
 /// A datum as CDR.
 pub(crate) fn write_whole(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
-    let mut writer = Writer(LITTLE.to_vec());
+    let mut writer = CdrWriter(LITTLE.to_vec());
     writer.one(datum, schema, DEPTH)?;
     Ok(writer.0)
 }
 
 /// What is written so far.
-struct Writer(Vec<u8>);
+struct CdrWriter(Vec<u8>);
 
-impl Writer {
+impl CdrWriter {
     fn one(&mut self, datum: &Datum, schema: &Schema, depth: usize) -> Result<(), DatumError> {
         let depth = deeper(depth)?;
         match &schema.shape {
@@ -79,8 +79,9 @@ impl Writer {
     }
 
     fn count(&mut self, count: usize) -> Result<(), DatumError> {
-        let count = u32::try_from(count)
-            .map_err(|_| DatumError::new(Problem::Mismatch(format!("{count} are too many"))))?;
+        let count = u32::try_from(count).map_err(|_| {
+            DatumError::new(DatumProblem::Mismatch(format!("{count} are too many")))
+        })?;
         self.put(count.to_le_bytes());
         Ok(())
     }
@@ -123,8 +124,8 @@ impl Writer {
 
     fn record(
         &mut self,
-        entries: &[(Name, Datum)],
-        fields: &[Field],
+        entries: &[(FieldName, Datum)],
+        fields: &[OutlineKey],
         depth: usize,
     ) -> Result<(), DatumError> {
         if fields.is_empty() {
@@ -133,7 +134,7 @@ impl Writer {
         }
         for (index, field) in fields.iter().enumerate() {
             // Nearly always they stand in the schema's order.
-            let named = |entry: &&(Name, Datum)| entry.0 == field.name;
+            let named = |entry: &&(FieldName, Datum)| entry.0 == field.name;
             let there = entries.get(index).filter(named);
             let there = there.or_else(|| entries.iter().find(named));
             let datum = match there {
@@ -142,10 +143,11 @@ impl Writer {
             };
             (self.one(&datum, &field.schema, depth)).map_err(|error| error.within(&field.name))?;
         }
-        let unknown = |(name, _): &&(Name, Datum)| fields.iter().all(|field| field.name != *name);
+        let unknown =
+            |(name, _): &&(FieldName, Datum)| fields.iter().all(|field| field.name != *name);
         if let Some((name, _)) = entries.iter().find(unknown) {
             let unknown = format!("unknown field `{name}`");
-            return Err(DatumError::new(Problem::Mismatch(unknown)));
+            return Err(DatumError::new(DatumProblem::Mismatch(unknown)));
         }
         Ok(())
     }
@@ -168,7 +170,7 @@ fn integer<N: TryFrom<i64>>(datum: &Datum, schema: &Schema) -> Result<N, DatumEr
     let value = datum.as_int().ok_or_else(|| misfit(datum, schema))?;
     N::try_from(value).map_err(|_| {
         let reason = format!("{value} does not fit `{schema}`");
-        DatumError::new(Problem::Mismatch(reason))
+        DatumError::new(DatumProblem::Mismatch(reason))
     })
 }
 
@@ -183,5 +185,5 @@ fn misfit(datum: &Datum, schema: &Schema) -> DatumError {
         Some(count) => format!("{} of {count}", datum.kind()),
         None => datum.kind().to_owned(),
     };
-    DatumError::new(Problem::Mismatch(format!("{found} is no `{schema}`")))
+    DatumError::new(DatumProblem::Mismatch(format!("{found} is no `{schema}`")))
 }

@@ -1,0 +1,90 @@
+//! What a step under way hears of messages, and what becomes of an agent that received some.
+
+use crate::messages::{MessagesInTransit, PerformedAction};
+use crate::record::StepInput;
+use crate::run::{CodomainCheck, RuleStopped, StepContext};
+use asmotion_ir::{Messages, Slot};
+use asmotion_stdlib::{MessageAction, MessageQuery};
+use asmotion_value::Value;
+
+impl StepContext<'_> {
+    /// What is heard about messages; the arguments of the question are on the stack from `arguments` on.
+    /// Silence is no input.
+    pub fn hear(
+        &mut self,
+        slot: Slot,
+        mail: MessageQuery,
+        messages: &Messages,
+        arguments: usize,
+    ) -> Value {
+        let asked = &self.stack[arguments..];
+        let known = self.post.answer(mail, asked, messages, self.now_ns);
+        // nobody has to script what no message said
+        let function = self.state.function(self.program, slot);
+        let heard = known.or_else(|| self.environment.read(function?, asked).ok()?);
+        self.stack.truncate(arguments);
+        self.asked(slot);
+        let silence = MessagesInTransit::silence(mail, messages);
+        let value = match heard {
+            Some(value) if value != silence => {
+                self.record.inputs.push(StepInput {
+                    slot,
+                    value: value.clone(),
+                });
+                value
+            }
+            Some(_) | None => silence,
+        };
+        self.state.store.slots[slot as usize] = value.clone();
+        value
+    }
+
+    /// Whoever has received a message is ready, and whoever has found none is blocked, unless a rule
+    /// says otherwise.
+    pub fn settle_status(&mut self) -> Result<(), RuleStopped> {
+        let Some(messages) = &self.program.messages else {
+            return Ok(());
+        };
+        let done = std::mem::take(&mut self.record.done);
+        for agent in done.iter().filter_map(|done| done.arguments.first()) {
+            self.settle_status_of(agent, &done, messages)?;
+        }
+        self.record.done = done;
+        Ok(())
+    }
+
+    fn settle_status_of(
+        &mut self,
+        agent: &Value,
+        done: &[PerformedAction],
+        messages: &Messages,
+    ) -> Result<(), RuleStopped> {
+        let mut own = done
+            .iter()
+            .filter(|done| done.arguments.first() == Some(agent));
+        let has_received = own.clone().any(|done| done.act == MessageAction::Take);
+        let Some(origin) = own.find_map(|done| match done.act {
+            MessageAction::Take | MessageAction::Wait => Some(done.origin),
+            MessageAction::Send
+            | MessageAction::Call
+            | MessageAction::Reply
+            | MessageAction::Answer
+            | MessageAction::Cancel => None,
+        }) else {
+            return Ok(());
+        };
+        self.stack.push(agent.clone());
+        let slot = self.slot(messages.status, self.stack.len() - 1);
+        self.stack.pop();
+        self.checked()?;
+        let status = match has_received {
+            true => &messages.ready,
+            false => &messages.blocked,
+        };
+        if self.updates.given(slot).is_some() || self.state.store.slots[slot as usize] == *status {
+            return Ok(());
+        }
+        let codomain = CodomainCheck::of(self.program, messages.status);
+        self.write(slot, status.clone(), codomain, origin)
+    }
+}

@@ -1,0 +1,418 @@
+//! Messages on their way.
+//!
+//! They wait outside the state. A step sees what had arrived before it, of each sender and operation
+//! the oldest message; what it sends arrives with the next step at the earliest. So any number of
+//! messages can be sent in a step, in any order, and none hides another. (SCA-ASM, Riccobene and
+//! Scandurra, Formal Aspects of Computing 26, 2014.)
+
+mod packed;
+mod sent;
+
+pub use sent::{CallFault, MessageId, SentKind, SentMessage};
+
+use asmotion_ir::{Messages, Origin};
+use asmotion_stdlib::{MessageAction, MessageQuery};
+use asmotion_value::Value;
+use std::collections::BTreeMap;
+
+/// More messages than this do not wait: the oldest is dropped and counted.
+const MAX_WAITING: usize = 1024;
+
+/// Nanoseconds a millisecond.
+const MILLISECOND: i64 = 1_000_000;
+
+/// What an agent did with messages in a step.
+#[derive(Debug)]
+pub(crate) struct PerformedAction {
+    pub act: MessageAction,
+    pub arguments: Vec<Value>,
+    pub origin: Origin,
+}
+
+/// A message that waits.
+#[derive(Clone, Debug)]
+struct StoredMessage {
+    id: MessageId,
+    from: Value,
+    to: Value,
+    operation: Value,
+    data: Value,
+}
+
+/// A call that waits for its reply.
+#[derive(Clone, Debug)]
+struct WaitingCall {
+    id: MessageId,
+    from: Value,
+    to: Value,
+    operation: Value,
+    deadline_ns: Option<i64>,
+}
+
+/// An agent and an operation.
+type Concern = (Value, String);
+
+/// All messages of a machine that are on their way.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MessagesInTransit {
+    /// Agents outside.
+    partners: Vec<Value>,
+    /// Not received, the oldest first.
+    arrived: Vec<StoredMessage>,
+    /// Received and not answered, likewise.
+    received: Vec<StoredMessage>,
+    /// Replies that were not received.
+    answers: Vec<StoredMessage>,
+    calls: Vec<WaitingCall>,
+    faults: BTreeMap<Concern, CallFault>,
+    /// What could not be sent in the step before.
+    unsent: Vec<Concern>,
+    /// Calls that ended by themselves, until it is told.
+    ended: Vec<SentMessage>,
+    is_down: bool,
+    last: u64,
+    dropped: u64,
+}
+
+/// Sender and recipient of something, and its operation, as acts and questions name them.
+struct MessageRoute<'a> {
+    own: &'a Value,
+    other: &'a Value,
+    operation: &'a str,
+}
+
+impl<'a> MessageRoute<'a> {
+    /// The first three arguments.
+    fn of(arguments: &'a [Value]) -> Option<Self> {
+        let [own, other, operation, ..] = arguments else {
+            return None;
+        };
+        Some(Self {
+            own,
+            other,
+            operation: name(operation)?,
+        })
+    }
+
+    /// Whether a letter came this way.
+    fn is_from(&self, letter: &StoredMessage) -> bool {
+        letter.to == *self.own && letter.from == *self.other && self.is_about(&letter.operation)
+    }
+
+    /// Whether a call went this way.
+    fn is_of(&self, call: &WaitingCall) -> bool {
+        call.from == *self.own && call.to == *self.other && self.is_about(&call.operation)
+    }
+
+    fn is_about(&self, operation: &Value) -> bool {
+        name(operation) == Some(self.operation)
+    }
+
+    fn concern(&self) -> Concern {
+        (self.own.clone(), self.operation.to_owned())
+    }
+}
+
+/// The name of an operation.
+fn name(operation: &Value) -> Option<&str> {
+    match operation {
+        Value::Text(text) => Some(asmotion_stdlib::operation(text)),
+        _ => None,
+    }
+}
+
+impl MessagesInTransit {
+    /// Ends the calls whose time is over.
+    pub fn begin(&mut self, now_ns: i64) {
+        let is_over = |call: &mut WaitingCall| call.deadline_ns.is_some_and(|end| end <= now_ns);
+        let over: Vec<WaitingCall> = self.calls.extract_if(.., is_over).collect();
+        for call in over {
+            self.fail(call, CallFault::Timeout);
+        }
+    }
+
+    fn fail(&mut self, call: WaitingCall, fault: CallFault) {
+        if let Some(operation) = name(&call.operation) {
+            let concern = (call.from.clone(), operation.to_owned());
+            self.faults.insert(concern, fault);
+        }
+        let cancelled = self.cancelled(call);
+        self.ended.push(cancelled);
+    }
+
+    fn cancelled(&mut self, call: WaitingCall) -> SentMessage {
+        SentMessage {
+            id: self.number(),
+            leaves: self.partners.contains(&call.to),
+            from: call.from,
+            to: call.to,
+            operation: call.operation,
+            kind: SentKind::Cancel { call: call.id },
+        }
+    }
+
+    fn number(&mut self) -> MessageId {
+        self.last += 1;
+        MessageId(self.last)
+    }
+
+    /// What is known about messages; nothing where the environment may know more.
+    pub fn answer(
+        &self,
+        mail: MessageQuery,
+        arguments: &[Value],
+        messages: &Messages,
+        now_ns: i64,
+    ) -> Option<Value> {
+        let route = || MessageRoute::of(arguments);
+        let concern = || match arguments {
+            [agent, operation] => Some((agent.clone(), name(operation)?.to_owned())),
+            _ => None,
+        };
+        let oldest = |to: &Value| self.arrived.iter().find(|letter| letter.to == *to);
+        match mail {
+            MessageQuery::Next => Some(oldest(arguments.first()?)?.operation.clone()),
+            MessageQuery::Arrived => {
+                let route = route()?;
+                let mut letters = self.arrived.iter();
+                let letter = letters.find(|letter| route.is_from(letter))?;
+                Some(letter.data.clone())
+            }
+            MessageQuery::Answered => {
+                let route = route()?;
+                let mut letters = self.answers.iter();
+                let letter = letters.find(|letter| route.is_from(letter))?;
+                Some(letter.data.clone())
+            }
+            MessageQuery::Calling => {
+                let route = route()?;
+                let calls = self.calls.iter().any(|call| route.is_of(call));
+                Some(Value::Bool(calls))
+            }
+            MessageQuery::CallFault => {
+                let fault = self.faults.get(&concern()?)?;
+                Some(fault.value(messages))
+            }
+            MessageQuery::SendFault => self
+                .unsent
+                .contains(&concern()?)
+                .then_some(Value::Bool(true)),
+            MessageQuery::Channel => self.is_down.then(|| messages.unavailable.clone()),
+            MessageQuery::Time => Some(Value::Int(now_ns.div_euclid(MILLISECOND))),
+            MessageQuery::Client => {
+                let agent = arguments.first().unwrap_or(&Value::Undef);
+                let received = || self.received.iter().find(|letter| letter.to == *agent);
+                let letter = oldest(agent).or_else(received)?;
+                Some(letter.from.clone())
+            }
+        }
+    }
+
+    /// What is true where neither the post nor the environment knows more.
+    pub fn silence(mail: MessageQuery, messages: &Messages) -> Value {
+        match mail {
+            MessageQuery::SendFault | MessageQuery::Calling => Value::Bool(false),
+            MessageQuery::Channel => messages.available.clone(),
+            MessageQuery::Next
+            | MessageQuery::Arrived
+            | MessageQuery::Answered
+            | MessageQuery::CallFault
+            | MessageQuery::Time
+            | MessageQuery::Client => Value::Undef,
+        }
+    }
+
+    /// Does what the agents did in a step; gives what was sent.
+    pub fn settle(&mut self, all: &[PerformedAction], now_ns: i64, sent: &mut Vec<SentMessage>) {
+        self.unsent.clear();
+        sent.append(&mut self.ended);
+        for (index, done) in all.iter().enumerate() {
+            // whoever receives the same message twice in a step receives it once
+            let is_again = all[..index]
+                .iter()
+                .any(|other| other.act == done.act && other.arguments == done.arguments);
+            let Some(route) = MessageRoute::of(&done.arguments) else {
+                continue;
+            };
+            match done.act {
+                MessageAction::Send | MessageAction::Call | MessageAction::Reply => {
+                    if let Some(message) = self.send(done, &route, now_ns) {
+                        sent.push(message);
+                    }
+                }
+                MessageAction::Take | MessageAction::Answer if is_again => {}
+                MessageAction::Take => self.take(&route),
+                MessageAction::Answer => {
+                    let letter = remove_first(&mut self.answers, |letter| route.is_from(letter));
+                    if letter.is_none() {
+                        // the environment has answered
+                        remove_first(&mut self.calls, |call| route.is_of(call));
+                    }
+                }
+                MessageAction::Cancel => {
+                    self.faults.remove(&route.concern());
+                    self.answers.retain(|letter| !route.is_from(letter));
+                    let calls: Vec<WaitingCall> = self
+                        .calls
+                        .extract_if(.., |call| route.is_of(call))
+                        .collect();
+                    for call in calls {
+                        let cancelled = self.cancelled(call);
+                        sent.push(cancelled);
+                    }
+                }
+                MessageAction::Wait => {}
+            }
+        }
+    }
+
+    fn take(&mut self, route: &MessageRoute<'_>) {
+        if let Some(letter) = remove_first(&mut self.arrived, |letter| route.is_from(letter)) {
+            push_bounded(&mut self.received, letter, &mut self.dropped);
+        }
+    }
+
+    fn send(
+        &mut self,
+        done: &PerformedAction,
+        route: &MessageRoute<'_>,
+        now_ns: i64,
+    ) -> Option<SentMessage> {
+        let (operation, data) = (
+            done.arguments.get(2)?.clone(),
+            done.arguments.get(3)?.clone(),
+        );
+        let id = self.number();
+        let kind = match done.act {
+            MessageAction::Call => {
+                let deadline_ns = match done.arguments.get(4) {
+                    Some(&Value::Int(ms)) if ms > 0 => {
+                        Some(now_ns.saturating_add(ms.saturating_mul(MILLISECOND)))
+                    }
+                    _ => None,
+                };
+                self.calls.push(WaitingCall {
+                    id,
+                    from: route.own.clone(),
+                    to: route.other.clone(),
+                    operation: operation.clone(),
+                    deadline_ns,
+                });
+                SentKind::Call { data, deadline_ns }
+            }
+            MessageAction::Reply => {
+                let request = remove_first(&mut self.received, |letter| route.is_from(letter));
+                SentKind::Reply {
+                    data,
+                    to: request.map(|request| request.id),
+                }
+            }
+            MessageAction::Send
+            | MessageAction::Take
+            | MessageAction::Answer
+            | MessageAction::Wait
+            | MessageAction::Cancel => SentKind::Message { data },
+        };
+        let message = SentMessage {
+            id,
+            from: route.own.clone(),
+            to: route.other.clone(),
+            operation,
+            kind,
+            leaves: self.partners.contains(route.other),
+        };
+        if !message.leaves {
+            self.post(&message);
+        }
+        Some(message)
+    }
+
+    /// Brings a message to an agent of this specification.
+    fn post(&mut self, message: &SentMessage) {
+        let (data, answers) = match &message.kind {
+            SentKind::Message { data } | SentKind::Call { data, .. } => (data, None),
+            SentKind::Reply { data, to } => (data, *to),
+            SentKind::Cancel { .. } => return,
+        };
+        let letter = StoredMessage {
+            id: message.id,
+            from: message.from.clone(),
+            to: message.to.clone(),
+            operation: message.operation.clone(),
+            data: data.clone(),
+        };
+        let letters = match remove_first(&mut self.calls, |call| Some(call.id) == answers) {
+            Some(_) => &mut self.answers,
+            None => &mut self.arrived,
+        };
+        push_bounded(letters, letter, &mut self.dropped);
+    }
+
+    // ---- what comes from outside --------------------------------------------------------------
+
+    pub fn set_partners(&mut self, partners: Vec<Value>) {
+        self.partners = partners;
+    }
+
+    pub fn deliver(&mut self, from: Value, to: Value, operation: Value, data: Value) -> MessageId {
+        let id = self.number();
+        let letter = StoredMessage {
+            id,
+            from,
+            to,
+            operation,
+            data,
+        };
+        push_bounded(&mut self.arrived, letter, &mut self.dropped);
+        id
+    }
+
+    pub fn end_call(&mut self, id: MessageId, outcome: Result<Value, CallFault>) {
+        let Some(call) = remove_first(&mut self.calls, |call| call.id == id) else {
+            return;
+        };
+        match outcome {
+            Ok(data) => {
+                let letter = StoredMessage {
+                    id,
+                    from: call.to,
+                    to: call.from,
+                    operation: call.operation,
+                    data,
+                };
+                push_bounded(&mut self.answers, letter, &mut self.dropped);
+            }
+            Err(fault) => {
+                if let Some(operation) = name(&call.operation) {
+                    self.faults.insert((call.from, operation.to_owned()), fault);
+                }
+            }
+        }
+    }
+
+    pub fn set_unsent(&mut self, from: Value, operation: &str) {
+        let operation = asmotion_stdlib::operation(operation).to_owned();
+        self.unsent.push((from, operation));
+    }
+
+    pub fn set_down(&mut self, is_down: bool) {
+        self.is_down = is_down;
+    }
+
+    pub fn dropped(&self) -> u64 {
+        self.dropped
+    }
+}
+
+fn remove_first<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool) -> Option<T> {
+    let index = list.iter().position(is_it)?;
+    Some(list.remove(index))
+}
+
+fn push_bounded(letters: &mut Vec<StoredMessage>, letter: StoredMessage, dropped: &mut u64) {
+    if letters.len() >= MAX_WAITING {
+        letters.remove(0);
+        *dropped += 1;
+    }
+    letters.push(letter);
+}

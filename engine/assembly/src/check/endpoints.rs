@@ -1,0 +1,119 @@
+//! What a component shows to the wires and connections around it.
+
+use asmotion_diagnostics::Span;
+
+pub(crate) use crate::named::{NamedAt, TypeAt};
+use crate::nearest::{Nearest, nearest};
+
+/// What a component shows: what the composite lists, what the implementation declares, or what a
+/// nested composite promotes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Endpoints {
+    pub inputs: Vec<EndpointPort>,
+    pub outputs: Vec<EndpointPort>,
+    pub services: Vec<EndpointService>,
+    pub references: Vec<EndpointService>,
+    /// Topics that a nested composite promotes.
+    pub topics: Vec<PromotedTopic>,
+    /// `None` where nobody knows which there are.
+    pub properties: Option<Vec<NamedAt>>,
+    /// Nothing is known: the implementation could not be read, so no name can be wrong.
+    pub blank: bool,
+}
+
+/// A port.
+#[derive(Clone, Debug)]
+pub(crate) struct EndpointPort {
+    pub name: NamedAt,
+    /// The type of its messages and its place; `None` where nobody knows.
+    pub kind: Option<TypeAt>,
+    /// The topic it is on.
+    pub topic: Option<String>,
+    /// Whether the composite lists it; otherwise only the implementation declares it.
+    pub listed: bool,
+}
+
+/// A service or a reference.
+#[derive(Clone, Debug)]
+pub(crate) struct EndpointService {
+    pub name: NamedAt,
+    pub interface: TypeAt,
+    pub optional: bool,
+}
+
+/// A promoted topic.
+#[derive(Clone, Debug)]
+pub(crate) struct PromotedTopic {
+    pub name: NamedAt,
+    pub kind: Option<TypeAt>,
+    pub published: bool,
+    pub subscribed: bool,
+}
+
+/// Which way messages go through a port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PortDirection {
+    In,
+    Out,
+}
+
+impl PortDirection {
+    fn other(self) -> Self {
+        match self {
+            Self::In => Self::Out,
+            Self::Out => Self::In,
+        }
+    }
+
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::In => "input",
+            Self::Out => "output",
+        }
+    }
+}
+
+impl Endpoints {
+    /// The port of this name, of the wanted direction if there is one.
+    pub(crate) fn port(
+        &self,
+        name: &str,
+        wanted: PortDirection,
+    ) -> Option<(PortDirection, &EndpointPort)> {
+        let find = |way: PortDirection| {
+            let ports = match way {
+                PortDirection::In => &self.inputs,
+                PortDirection::Out => &self.outputs,
+            };
+            ports
+                .iter()
+                .find(|port| port.name.text == name)
+                .map(|port| (way, port))
+        };
+        find(wanted).or_else(|| find(wanted.other()))
+    }
+
+    /// The port that a misspelt name resembles.
+    pub(crate) fn nearest_port(&self, name: &str) -> Option<Nearest> {
+        let ports = self.inputs.iter().chain(&self.outputs);
+        nearest(
+            name,
+            ports.map(|port| (port.name.text.as_str(), port.name.at)),
+        )
+    }
+}
+
+/// The service or reference of this name.
+pub(crate) fn find<'s>(services: &'s [EndpointService], name: &str) -> Option<&'s EndpointService> {
+    services.iter().find(|service| service.name.text == name)
+}
+
+/// The service or reference that a misspelt name resembles.
+pub(crate) fn nearest_service(services: &[EndpointService], name: &str) -> Option<Nearest> {
+    nearest(
+        name,
+        services
+            .iter()
+            .map(|service| (service.name.text.as_str(), service.name.at)),
+    )
+}

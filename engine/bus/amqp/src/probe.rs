@@ -1,0 +1,168 @@
+//! Knocking: asks whether the broker would let us in, and why not.
+//!
+//! The client does not announce `authentication_failure_close`, so a broker that dislikes the password waits 3 s and
+//! hangs up without a word. This opens a connection as far as its virtual host, with the capability announced, and
+//! closes it again: a few milliseconds, and an answer in words.
+
+use std::io;
+
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio_rustls::TlsConnector;
+use tokio_rustls::rustls::pki_types::ServerName;
+
+use crate::AmqpSettings;
+
+/// Methods of class 10, `connection`.
+const START: u16 = 10;
+const START_OK: u16 = 11;
+const TUNE: u16 = 30;
+const TUNE_OK: u16 = 31;
+const OPEN: u16 = 40;
+const OPEN_OK: u16 = 41;
+const CLOSE: u16 = 50;
+
+const FRAME_END: u8 = 0xCE;
+/// No frame of a handshake is longer.
+const LONGEST_FRAME: u32 = 1 << 20;
+
+/// Why the broker does not let us in.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ProbeError {
+    #[error("{0}")]
+    Unreachable(#[from] io::Error),
+    #[error("refused: {0}")]
+    Refused(String),
+    #[error("this is no AMQP broker")]
+    Stranger,
+    #[error("no encrypted link: {0}")]
+    Encryption(String),
+}
+
+/// A method frame on channel 0.
+struct Method {
+    id: u16,
+    arguments: Vec<u8>,
+}
+
+/// Asks whether we may come in; through a connector, if the link is encrypted.
+pub(crate) async fn knock(
+    settings: &AmqpSettings,
+    connector: Option<&TlsConnector>,
+) -> Result<(), ProbeError> {
+    let stream = TcpStream::connect((&*settings.host, settings.port)).await?;
+    let Some(connector) = connector else {
+        return ask(settings, stream).await;
+    };
+    let encryption = |reason: String| ProbeError::Encryption(reason);
+    let name = ServerName::try_from(settings.host.clone());
+    let name = name.map_err(|error| encryption(error.to_string()))?;
+    let stream = connector.connect(name, stream).await;
+    ask(
+        settings,
+        stream.map_err(|error| encryption(error.to_string()))?,
+    )
+    .await
+}
+
+async fn ask(
+    settings: &AmqpSettings,
+    mut stream: impl AsyncRead + AsyncWrite + Unpin,
+) -> Result<(), ProbeError> {
+    stream.write_all(b"AMQP\0\0\x09\x01").await?;
+    expect(&mut stream, START).await?;
+    send(&mut stream, START_OK, &start_ok(settings)).await?;
+    let tune = expect(&mut stream, TUNE).await?;
+    send(&mut stream, TUNE_OK, &tune.arguments).await?;
+    let mut open = short(&settings.vhost);
+    open.extend([0, 0]);
+    send(&mut stream, OPEN, &open).await?;
+    expect(&mut stream, OPEN_OK).await?;
+    // Code 200, no words, no method at fault.
+    send(&mut stream, CLOSE, &[0, 200, 0, 0, 0, 0, 0]).await?;
+    Ok(())
+}
+
+fn start_ok(settings: &AmqpSettings) -> Vec<u8> {
+    let credentials = &settings.credentials;
+    let response = format!("\0{}\0{}", credentials.user(), credentials.password());
+    let mut capability = short("authentication_failure_close");
+    capability.extend(*b"t\x01");
+    let mut properties = short("capabilities");
+    properties.push(b'F');
+    properties.extend(long(&capability));
+    let mut arguments = long(&properties);
+    arguments.extend(short("PLAIN"));
+    arguments.extend(long(response.as_bytes()));
+    arguments.extend(short("en_US"));
+    arguments
+}
+
+/// A short string; longer ones were refused where they came in.
+fn short(text: &str) -> Vec<u8> {
+    let length = u8::try_from(text.len()).unwrap_or(u8::MAX);
+    let mut bytes = vec![length];
+    bytes.extend(text.bytes().take(length.into()));
+    bytes
+}
+
+fn long(bytes: &[u8]) -> Vec<u8> {
+    let length = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
+    let mut long = length.to_be_bytes().to_vec();
+    long.extend(bytes);
+    long
+}
+
+async fn send(
+    stream: &mut (impl AsyncRead + AsyncWrite + Unpin),
+    id: u16,
+    arguments: &[u8],
+) -> io::Result<()> {
+    let mut method = vec![0, 10];
+    method.extend(id.to_be_bytes());
+    method.extend(arguments);
+    let mut frame = vec![1, 0, 0];
+    frame.extend(long(&method));
+    frame.push(FRAME_END);
+    stream.write_all(&frame).await
+}
+
+/// The method that is due; or why it does not come.
+async fn expect(
+    stream: &mut (impl AsyncRead + AsyncWrite + Unpin),
+    due: u16,
+) -> Result<Method, ProbeError> {
+    let method = receive(stream).await?;
+    if method.id == due {
+        return Ok(method);
+    }
+    match (method.id, method.arguments.as_slice()) {
+        (CLOSE, [_, _, length, words @ ..]) => {
+            let words = words.get(..usize::from(*length)).unwrap_or(words);
+            Err(ProbeError::Refused(
+                String::from_utf8_lossy(words).into_owned(),
+            ))
+        }
+        (_, _) => Err(ProbeError::Stranger),
+    }
+}
+
+async fn receive(stream: &mut (impl AsyncRead + AsyncWrite + Unpin)) -> Result<Method, ProbeError> {
+    let mut header = [0; 7];
+    stream.read_exact(&mut header).await?;
+    let [kind, _, _, size @ ..] = header;
+    let size = u32::from_be_bytes(size);
+    if kind != 1 || !(4..LONGEST_FRAME).contains(&size) {
+        return Err(ProbeError::Stranger);
+    }
+    let mut payload = vec![0; size as usize + 1];
+    stream.read_exact(&mut payload).await?;
+    payload.pop();
+    match payload.as_slice() {
+        [0, 10, high, low, arguments @ ..] => Ok(Method {
+            id: u16::from_be_bytes([*high, *low]),
+            arguments: arguments.to_vec(),
+        }),
+        _ => Err(ProbeError::Stranger),
+    }
+}

@@ -1,0 +1,440 @@
+//! From updates to messages and calls.
+
+use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
+use crate::convert::{datum_of, literal_of};
+use crate::coordinator::BindError;
+use crate::inputs::MessageInputs;
+use crate::requests::{Requests, WaitingCaller, superseded};
+use asmotion_component::{
+    CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault,
+};
+use asmotion_datum::Datum;
+use asmotion_lang::Specification;
+use asmotion_lang::ir::{FunctionId, ValueShape};
+use asmotion_lang::machine::{Machine, Step};
+use asmotion_lang::value::Value;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// The handles of a component, by name.
+#[derive(Default)]
+pub(crate) struct EffectHandles {
+    pub inputs: Vec<(String, In<Datum>)>,
+    pub outputs: Vec<(String, Out<Datum>)>,
+    /// By reference and operation.
+    pub operations: Vec<((String, String), Required<Dynamic>)>,
+}
+
+/// The bound out functions of a specification, and the calls under way.
+pub(crate) struct EffectOutbox {
+    outs: Vec<BoundOutput>,
+    /// The replies that were kept.
+    kept: BTreeMap<String, Datum>,
+    pending: Vec<PendingOutcome>,
+    ports: Vec<(String, In<Datum>)>,
+    operations: Vec<Required<Dynamic>>,
+}
+
+struct BoundOutput {
+    function: FunctionId,
+    effect: BoundEffect,
+}
+
+enum BoundEffect {
+    Publish {
+        port: Out<Datum>,
+        field: Option<String>,
+        when: PublishWhen,
+    },
+    Literals(Vec<(Value, Vec<BoundAction>)>),
+}
+
+enum BoundAction {
+    Publish {
+        port: Out<Datum>,
+        value: Argument,
+    },
+    Call {
+        operation: Required<Dynamic>,
+        with: Argument,
+        outcome: OutcomeEffect,
+    },
+}
+
+/// A call under way.
+struct PendingOutcome {
+    call: CallId,
+    outcome: OutcomeEffect,
+    /// Whom it answers for.
+    caller: Option<WaitingCaller>,
+}
+
+/// What the end of a call does.
+#[derive(Clone)]
+struct OutcomeEffect {
+    /// The out function whose update made the call.
+    function: FunctionId,
+    keep: Option<String>,
+    /// The input that takes the event.
+    event: Option<usize>,
+    ok: Option<Value>,
+    failed: Option<Value>,
+    timeout: Option<Value>,
+    unavailable: Option<Value>,
+    /// The service whose caller hears of it.
+    reply: Option<String>,
+}
+
+impl OutcomeEffect {
+    fn fail(&self, inbox: &mut MessageInputs) {
+        if let (Some(input), Some(event)) = (self.event, self.failed.clone()) {
+            inbox.push(input, event, self.function);
+        }
+    }
+}
+
+impl EffectOutbox {
+    pub fn new(
+        binding: &Binding,
+        specification: &Specification,
+        handles: EffectHandles,
+        inbox: &mut MessageInputs,
+    ) -> Result<Self, BindError> {
+        let mut outs = Vec::new();
+        for out in &binding.out {
+            let unknown = || BindError::UnknownFunction {
+                function: out.function.clone(),
+            };
+            let function = specification
+                .function(&out.function, 0)
+                .ok_or_else(unknown)?;
+            let effect = match &out.effect {
+                Effect::Publish { port, field, when } => BoundEffect::Publish {
+                    port: handles.output(port)?,
+                    field: field.clone(),
+                    when: *when,
+                },
+                Effect::Literals(cases) => {
+                    let mut bound = Vec::new();
+                    for case in cases {
+                        let literal =
+                            literal(&out.function, &case.literal, function, specification)?;
+                        let actions = case.actions.iter();
+                        let actions = actions
+                            .map(|action| handles.action(action, function, specification, inbox));
+                        bound.push((literal, actions.collect::<Result<Vec<_>, _>>()?));
+                    }
+                    BoundEffect::Literals(bound)
+                }
+            };
+            outs.push(BoundOutput { function, effect });
+        }
+        let operations = handles
+            .operations
+            .iter()
+            .map(|(_, operation)| *operation)
+            .collect();
+        Ok(Self {
+            outs,
+            kept: BTreeMap::new(),
+            pending: Vec::new(),
+            ports: handles.inputs,
+            operations,
+        })
+    }
+
+    /// Takes in the calls that ended: replies are kept, outcomes become events.
+    pub fn receive(&mut self, cycle: &mut Cycle<'_>, inbox: &mut MessageInputs) {
+        for operation in &self.operations {
+            for Reply { call, result } in cycle.replies(*operation) {
+                let mut pending = self.pending.iter();
+                let Some(index) = pending.position(|pending| pending.call == call) else {
+                    continue;
+                };
+                let PendingOutcome {
+                    outcome, caller, ..
+                } = self.pending.remove(index);
+                if let Some((served, request)) = caller {
+                    cycle.reply(served, request, forwarded(&result));
+                }
+                let event = match result {
+                    Ok(reply) => {
+                        if let Some(name) = outcome.keep {
+                            self.kept.insert(name, reply);
+                        }
+                        outcome.ok
+                    }
+                    Err(CallError::Timeout) => outcome.timeout.or(outcome.failed),
+                    Err(CallError::Unavailable) => outcome.unavailable.or(outcome.failed),
+                    Err(CallError::Fault(_)) => outcome.failed,
+                    Err(CallError::Cancelled) => None,
+                };
+                if let (Some(input), Some(event)) = (outcome.event, event) {
+                    inbox.push(input, event, outcome.function);
+                }
+            }
+        }
+    }
+
+    /// The component stops, and its calls with it: they end as failed.
+    pub fn stop(&mut self, inbox: &mut MessageInputs) {
+        for pending in std::mem::take(&mut self.pending) {
+            pending.outcome.fail(inbox);
+        }
+    }
+
+    /// Does what the updates of a step ask for. What would need a message that has not come yet is
+    /// not sent, and reported; a call then ends as failed.
+    pub fn send(
+        &mut self,
+        machine: &Machine,
+        step: &Step<'_>,
+        cycle: &mut Cycle<'_>,
+        inbox: &mut MessageInputs,
+        requests: &mut Requests,
+    ) {
+        for out in &self.outs {
+            let slot = machine.state().slot(machine.program(), out.function, &[]);
+            let update = step
+                .updates()
+                .iter()
+                .zip(step.before())
+                .find(|(update, _)| Some(update.slot) == slot);
+            match &out.effect {
+                BoundEffect::Publish { port, field, when } => {
+                    let due = match (when, &update) {
+                        (PublishWhen::EveryStep, _) | (PublishWhen::OnUpdate, Some(_)) => true,
+                        (PublishWhen::OnChange, Some((update, before))) => update.value != **before,
+                        (PublishWhen::OnUpdate | PublishWhen::OnChange, None) => false,
+                    };
+                    if let (true, Some(slot)) = (due, slot) {
+                        let value = datum_of(machine.state().get(slot), &machine.naming());
+                        let message = match field {
+                            Some(field) => Datum::record([(field.clone(), value)]),
+                            None => value,
+                        };
+                        cycle.write(*port, message);
+                    }
+                }
+                BoundEffect::Literals(cases) => {
+                    let Some((update, _)) = update else { continue };
+                    let is_answered =
+                        |pending: &mut PendingOutcome| pending.outcome.function == out.function;
+                    for pending in self.pending.extract_if(.., is_answered) {
+                        cycle.cancel(pending.call);
+                        if let Some((served, request)) = pending.caller {
+                            cycle.reply(served, request, Err(superseded()));
+                        }
+                    }
+                    inbox.withdraw(out.function);
+                    let case = cases.iter().find(|(literal, _)| *literal == update.value);
+                    for action in case.into_iter().flat_map(|(_, actions)| actions) {
+                        match action {
+                            BoundAction::Publish { port, value } => {
+                                match compose(value, &self.known(requests), cycle) {
+                                    Ok(message) => cycle.write(*port, message),
+                                    Err(missing) => unsent(&missing, cycle),
+                                }
+                            }
+                            BoundAction::Call {
+                                operation,
+                                with,
+                                outcome,
+                            } => match compose(with, &self.known(requests), cycle) {
+                                Ok(argument) => {
+                                    let service = outcome.reply.as_ref();
+                                    let caller =
+                                        service.and_then(|name| requests.claim(name, cycle));
+                                    self.pending.push(PendingOutcome {
+                                        call: cycle.call(*operation, argument),
+                                        outcome: outcome.clone(),
+                                        caller,
+                                    });
+                                }
+                                Err(missing) => {
+                                    unsent(&missing, cycle);
+                                    outcome.fail(inbox);
+                                }
+                            },
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl EffectOutbox {
+    fn known<'k>(&'k self, requests: &'k Requests) -> EffectContext<'k> {
+        EffectContext {
+            kept: &self.kept,
+            ports: &self.ports,
+            requests,
+        }
+    }
+}
+
+impl EffectHandles {
+    fn output(&self, name: &str) -> Result<Out<Datum>, BindError> {
+        let found = self.outputs.iter().find(|(port, _)| port == name);
+        found
+            .map(|(_, port)| *port)
+            .ok_or_else(|| BindError::UnknownPort {
+                port: name.to_owned(),
+            })
+    }
+
+    fn action(
+        &self,
+        action: &Action,
+        function: FunctionId,
+        specification: &Specification,
+        inbox: &mut MessageInputs,
+    ) -> Result<BoundAction, BindError> {
+        match action {
+            Action::Publish { port, value } => Ok(BoundAction::Publish {
+                port: self.output(port)?,
+                value: value.clone(),
+            }),
+            Action::Call(call) => {
+                let name = (call.reference.clone(), call.operation.clone());
+                let found = self.operations.iter().find(|(known, _)| *known == name);
+                let Some((_, operation)) = found else {
+                    return Err(BindError::UnknownOperation {
+                        reference: name.0,
+                        operation: name.1,
+                    });
+                };
+                let event = match &call.event {
+                    Some(event) => Some(inbox.event(event, specification)?),
+                    None => None,
+                };
+                let literal = |name: &Option<String>| match (event, name) {
+                    (Some(event), Some(name)) => inbox
+                        .literal(event, name, &specification.program)
+                        .map(Some)
+                        .ok_or_else(|| BindError::NotAValue {
+                            function: call.event.clone().unwrap_or_default(),
+                            value: name.clone(),
+                        }),
+                    _ => Ok(None),
+                };
+                let outcome = OutcomeEffect {
+                    function,
+                    keep: call.keep.clone(),
+                    event,
+                    ok: literal(&call.ok)?,
+                    failed: literal(&call.failed)?,
+                    timeout: literal(&call.timeout)?,
+                    unavailable: literal(&call.unavailable)?,
+                    reply: call.reply.clone(),
+                };
+                Ok(BoundAction::Call {
+                    operation: *operation,
+                    with: call.with.clone(),
+                    outcome,
+                })
+            }
+        }
+    }
+}
+
+fn literal(
+    name: &str,
+    literal: &str,
+    function: FunctionId,
+    specification: &Specification,
+) -> Result<Value, BindError> {
+    let program = &specification.program;
+    let value = match program
+        .functions
+        .get(function.0 as usize)
+        .map(|function| &function.codomain)
+    {
+        Some(ValueShape::Domain(domain)) => literal_of(literal, *domain, program),
+        Some(ValueShape::Bool) => literal.parse().ok().map(Value::Bool),
+        Some(ValueShape::Int | ValueShape::Natural) => literal.parse().ok().map(Value::Int),
+        Some(ValueShape::Text) => Some(Value::text(literal)),
+        _ => None,
+    };
+    value.ok_or_else(|| BindError::NotAValue {
+        function: name.to_owned(),
+        value: literal.to_owned(),
+    })
+}
+
+/// The kind under which it is reported that something was not sent, with what was missing for it.
+pub const UNSENT_REPORT: &str = "asm/Unsent";
+
+fn unsent(missing: &str, cycle: &mut Cycle<'_>) {
+    cycle.report(UNSENT_REPORT, Datum::text(missing));
+}
+
+/// What a caller hears of the call that was made for it.
+fn forwarded(result: &Result<Datum, CallError>) -> Result<Datum, ServiceFault> {
+    let fault = match result {
+        Ok(_) => return Ok(Datum::Record(Vec::new())),
+        Err(CallError::Fault(fault)) => return Err(fault.clone()),
+        Err(CallError::Cancelled) => return Err(superseded()),
+        Err(error @ CallError::Timeout) => ("TIMEOUT", error),
+        Err(error @ CallError::Unavailable) => ("UNAVAILABLE", error),
+    };
+    Err(ServiceFault::new(fault.0, fault.1.to_string()))
+}
+
+/// What messages are put together from.
+struct EffectContext<'k> {
+    /// The replies that were kept.
+    kept: &'k BTreeMap<String, Datum>,
+    ports: &'k [(String, In<Datum>)],
+    requests: &'k Requests,
+}
+
+impl EffectContext<'_> {
+    /// The reply, message or request of this name.
+    fn get<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<&'k Datum> {
+        let received = || {
+            let (_, port) = self.ports.iter().find(|(port, _)| port == name)?;
+            cycle.read(*port).any()
+        };
+        let kept = self.kept.get(name).or_else(received);
+        kept.or_else(|| self.requests.last(name))
+    }
+}
+
+/// Puts a message or argument together.
+///
+/// # Errors
+/// The name of what it takes from a reply or port that nothing has come from yet: zeros in its place
+/// would be taken for real.
+fn compose(
+    argument: &Argument,
+    known: &EffectContext<'_>,
+    cycle: &Cycle<'_>,
+) -> Result<Datum, String> {
+    match argument {
+        Argument::Default => Ok(Datum::Record(Vec::new())),
+        Argument::Value(value) => Ok(value.datum.clone()),
+        Argument::Record(fields) => {
+            let compose_field = |(name, field): &(String, Argument)| {
+                Ok((name.clone(), compose(field, known, cycle)?))
+            };
+            let fields = fields
+                .iter()
+                .map(compose_field)
+                .collect::<Result<Vec<_>, String>>()?;
+            Ok(Datum::record(fields))
+        }
+        Argument::Kept { name, path } => {
+            let whole = known.get(name, cycle);
+            let part = match path {
+                Some(path) => whole.and_then(|whole| whole.get(path)),
+                None => whole.map(Cow::Borrowed),
+            };
+            part.map(Cow::into_owned).ok_or_else(|| match path {
+                Some(path) => format!("{name}.{path}"),
+                None => name.clone(),
+            })
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! From messages to inputs: the event frame.
+//!
+//! A step sees at most one event of a function that takes them `all`; further events wait, in order,
+//! for the steps that follow. So no event hides another one (two in one frame would: a REACHED could
+//! cover a BLOCKED).
+
+use crate::binding::{Binding, Constant, Monitored, Receive, Source};
+use crate::convert::{literal_of, value_of};
+use crate::coordinator::BindError;
+use crate::frame::InputFrame;
+use crate::requests::Requests;
+use asmotion_component::{Cycle, In, Losses, Time};
+use asmotion_datum::Datum;
+use asmotion_lang::Specification;
+use asmotion_lang::ir::{FunctionId, Program, ValueShape};
+use asmotion_lang::value::Value;
+use std::borrow::Cow;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// More events than this do not wait: the oldest is dropped and counted.
+const MAX_WAITING: usize = 256;
+
+/// The bound inputs of a specification.
+pub(crate) struct MessageInputs {
+    inputs: Vec<BoundInput>,
+    /// Events dropped because too many waited, and messages that did not fit the codomain.
+    pub losses: Losses,
+}
+
+struct BoundInput {
+    function: FunctionId,
+    shape: ValueShape,
+    from: MessageOrigin,
+    receive: Receive,
+    field: Option<String>,
+    is: Vec<String>,
+    none: Value,
+    stale: Option<(Duration, Value)>,
+    newest: Option<Time>,
+    last: Option<Value>,
+    /// Events, each with the out function whose call it answers, if it does.
+    waiting: VecDeque<(Option<FunctionId>, Value)>,
+}
+
+/// Where messages come from.
+#[derive(Clone, Copy)]
+enum MessageOrigin {
+    /// Only from calls that have ended.
+    Calls,
+    Port(In<Datum>),
+    /// Requests of this operation.
+    Requests(usize),
+}
+
+impl MessageInputs {
+    pub fn new(
+        binding: &Binding,
+        specification: &Specification,
+        ports: &[(String, In<Datum>)],
+        requests: &Requests,
+    ) -> Result<Self, BindError> {
+        let mut inputs = Vec::new();
+        for monitored in &binding.monitored {
+            let from = from(&monitored.from, ports, requests)?;
+            inputs.push(BoundInput::new(monitored, from, specification)?);
+        }
+        Ok(Self {
+            inputs,
+            losses: Losses::default(),
+        })
+    }
+
+    /// The input of an event function that calls report to; made if no port is bound to it.
+    pub fn event(&mut self, name: &str, specification: &Specification) -> Result<usize, BindError> {
+        let function = function(name, specification)?;
+        if let Some(index) = self
+            .inputs
+            .iter()
+            .position(|input| input.function == function)
+        {
+            return Ok(index);
+        }
+        let shape = codomain(function, &specification.program);
+        self.inputs.push(BoundInput {
+            function,
+            from: MessageOrigin::Calls,
+            receive: Receive::All,
+            field: None,
+            is: Vec::new(),
+            // an event that is true or false has not happened in the other steps
+            none: match shape {
+                ValueShape::Bool => Value::Bool(false),
+                _ => Value::Undef,
+            },
+            shape,
+            stale: None,
+            newest: None,
+            last: None,
+            waiting: VecDeque::new(),
+        });
+        Ok(self.inputs.len() - 1)
+    }
+
+    /// A literal of an event function.
+    pub fn literal(&self, input: usize, name: &str, program: &Program) -> Option<Value> {
+        match self.inputs.get(input)?.shape {
+            ValueShape::Domain(domain) => literal_of(name, domain, program),
+            ValueShape::Bool => name.parse().ok().map(Value::Bool),
+            _ => None,
+        }
+    }
+
+    /// Adds the outcome of a call that an update of the out function made.
+    pub fn push(&mut self, input: usize, value: Value, answers: FunctionId) {
+        if let Some(input) = self.inputs.get_mut(input) {
+            self.losses.dropped += input.wait(Some(answers), value);
+        }
+    }
+
+    /// Takes back the outcomes that still wait and answer calls of this out function.
+    pub fn withdraw(&mut self, answers: FunctionId) {
+        for input in &mut self.inputs {
+            input.waiting.retain(|(to, _)| *to != Some(answers));
+        }
+    }
+
+    /// Whether an event waits for a following step.
+    pub fn has_more(&self) -> bool {
+        self.inputs.iter().any(|input| !input.waiting.is_empty())
+    }
+
+    /// Takes in the messages of the cycle.
+    pub fn receive(&mut self, cycle: &Cycle<'_>, requests: &Requests, program: &Program) {
+        for input in &mut self.inputs {
+            let (messages, newest) = match input.from {
+                MessageOrigin::Calls => continue,
+                MessageOrigin::Port(port) => (cycle.all(port), cycle.read(port).new()),
+                MessageOrigin::Requests(position) => {
+                    let came = requests.came(position);
+                    (came, came.last())
+                }
+            };
+            match input.receive {
+                Receive::Edge if input.is.is_empty() => {
+                    if newest.is_some() {
+                        input.last = Some(Value::Bool(true));
+                    }
+                }
+                Receive::Edge => {
+                    let truth = Value::Bool(true);
+                    if (messages.iter()).any(|it| input.value(it, program).as_ref() == Some(&truth))
+                    {
+                        input.last = Some(truth);
+                    }
+                }
+                Receive::Last => {
+                    if let Some(message) = newest {
+                        match input.value(message, program) {
+                            Some(value) => {
+                                input.newest = Some(cycle.now());
+                                input.last = Some(value);
+                            }
+                            None => self.losses.misfits += 1,
+                        }
+                    }
+                }
+                Receive::All => {
+                    for message in messages {
+                        match input.value(message, program) {
+                            Some(value) => self.losses.dropped += input.wait(None, value),
+                            None => self.losses.misfits += 1,
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Fixes the inputs of the next step. An event that waits goes before the last message.
+    pub fn freeze(&mut self, now: Time, frame: &mut InputFrame) {
+        frame.clear();
+        for input in &mut self.inputs {
+            let event = input.waiting.pop_front().map(|(_, event)| event);
+            let value = match input.receive {
+                Receive::Edge => Value::Bool(input.last.take().is_some()),
+                Receive::All => event.unwrap_or_else(|| input.none.clone()),
+                Receive::Last => event.unwrap_or_else(|| input.latest(now)),
+            };
+            frame.set(input.function, value);
+        }
+    }
+}
+
+impl BoundInput {
+    fn new(
+        monitored: &Monitored,
+        from: MessageOrigin,
+        specification: &Specification,
+    ) -> Result<Self, BindError> {
+        let program = &specification.program;
+        let function = function(&monitored.function, specification)?;
+        let shape = codomain(function, program);
+        let constant = |constant: &Option<Constant>| match constant {
+            None => Ok(Value::Undef),
+            Some(it) => value_of(&it.datum, &shape, program).ok_or_else(|| BindError::NotAValue {
+                function: monitored.function.clone(),
+                value: format!("{it:?}"),
+            }),
+        };
+        let none = constant(&monitored.none)?;
+        let stale = match monitored.stale_ms {
+            Some(age) => Some((Duration::from_millis(age), constant(&monitored.on_stale)?)),
+            None => None,
+        };
+        Ok(Self {
+            function,
+            from,
+            receive: monitored.receive,
+            field: monitored.field.clone().or_else(|| monitored.map.clone()),
+            is: monitored.is.clone(),
+            none,
+            stale,
+            newest: None,
+            last: None,
+            waiting: VecDeque::new(),
+            shape,
+        })
+    }
+
+    fn value(&self, message: &Datum, program: &Program) -> Option<Value> {
+        let part = match &self.field {
+            Some(field) => message.get(field)?,
+            None => Cow::Borrowed(message),
+        };
+        if self.is.is_empty() {
+            return value_of(&part, &self.shape, program);
+        }
+        let text = part.as_text()?;
+        Some(Value::Bool(self.is.iter().any(|known| known == text)))
+    }
+
+    /// Adds an event; how many were dropped for it.
+    fn wait(&mut self, answers: Option<FunctionId>, value: Value) -> u64 {
+        self.waiting.push_back((answers, value));
+        match self.waiting.len() > MAX_WAITING {
+            true => {
+                self.waiting.pop_front();
+                1
+            }
+            false => 0,
+        }
+    }
+
+    fn latest(&self, now: Time) -> Value {
+        if let Some((age, value)) = &self.stale
+            && self.newest.is_none_or(|newest| now.since(newest) > *age)
+        {
+            return value.clone();
+        }
+        self.last.clone().unwrap_or_else(|| self.none.clone())
+    }
+}
+
+fn from(
+    source: &Source,
+    ports: &[(String, In<Datum>)],
+    requests: &Requests,
+) -> Result<MessageOrigin, BindError> {
+    match source {
+        Source::Port(name) => {
+            let port = ports.iter().find(|(known, _)| known == name);
+            let (_, port) = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
+            Ok(MessageOrigin::Port(*port))
+        }
+        Source::Request { service, operation } => {
+            let position = requests.position(service, operation);
+            position
+                .map(MessageOrigin::Requests)
+                .ok_or_else(|| BindError::UnknownOperation {
+                    reference: service.clone(),
+                    operation: operation.clone(),
+                })
+        }
+    }
+}
+
+fn function(name: &str, specification: &Specification) -> Result<FunctionId, BindError> {
+    specification
+        .function(name, 0)
+        .ok_or_else(|| BindError::UnknownFunction {
+            function: name.to_owned(),
+        })
+}
+
+fn codomain(function: FunctionId, program: &Program) -> ValueShape {
+    program
+        .functions
+        .get(function.0 as usize)
+        .map_or(ValueShape::Any, |function| function.codomain.clone())
+}

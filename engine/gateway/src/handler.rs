@@ -1,0 +1,189 @@
+//! A request comes in, an answer goes out.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use asmotion_bus::{Bus, CallFailure, LinkState, Payload, Request, SenderId};
+use asmotion_datum::{Codec, Datum, DatumError, Schema, Shape, json as written};
+use http_body_util::{BodyExt, LengthLimitError, Limited};
+use hyper::body::Incoming;
+use hyper::{Method, StatusCode, header};
+use serde_json::json;
+use tokio::time::timeout;
+
+use crate::call::call;
+use crate::gateway::GatewaySettings;
+use crate::listing;
+use crate::parameters::CallParameters;
+use crate::problem::Problem;
+use crate::response::{self, HttpResponse};
+use crate::{GatewayOperation, GatewayService};
+
+/// What comes in.
+type HttpRequest = hyper::Request<Incoming>;
+
+/// Who answers requests.
+pub(crate) struct RequestHandler {
+    pub services: Vec<GatewayService>,
+    pub bus: Arc<dyn Bus>,
+    pub settings: GatewaySettings,
+}
+
+impl RequestHandler {
+    /// Answers a request.
+    pub(crate) async fn answer(&self, asked: HttpRequest, from: SocketAddr) -> HttpResponse {
+        let answer = self.route(asked, from).await;
+        answer.unwrap_or_else(|problem| problem.response())
+    }
+
+    async fn route(&self, asked: HttpRequest, from: SocketAddr) -> Result<HttpResponse, Problem> {
+        // A browser says whose page asks; nobody else does.
+        if asked.headers().contains_key(header::ORIGIN) {
+            return Err(Problem::WebPage);
+        }
+        let path = asked.uri().path().to_owned();
+        let parts: Vec<&str> = path.trim_matches('/').split('/').collect();
+        match (parts.as_slice(), asked.method()) {
+            (["health"], &Method::GET) => Ok(self.health()),
+            (["services"], &Method::GET) => Ok(listing::all(&self.services)),
+            (["services", name], &Method::GET) => Ok(listing::one(self.service(name)?)),
+            (["services", name, operation], &Method::POST) => {
+                let service = self.service(name)?;
+                let operation = self::operation(service, operation)?;
+                self.call(service, operation, asked, from).await
+            }
+            (["health"] | ["services"] | ["services", _], _) => {
+                Err(Problem::Method { allowed: "GET" })
+            }
+            (["services", _, _], _) => Err(Problem::Method { allowed: "POST" }),
+            _ => Err(Problem::NoPath { path }),
+        }
+    }
+
+    /// Whether calls get anywhere.
+    fn health(&self) -> HttpResponse {
+        let (status, state, reason) = match self.bus.health().link {
+            LinkState::Up => (StatusCode::OK, "UP", None),
+            LinkState::Blocked { reason } => {
+                (StatusCode::SERVICE_UNAVAILABLE, "BLOCKED", Some(reason))
+            }
+            LinkState::Down { reason } => (StatusCode::SERVICE_UNAVAILABLE, "DOWN", Some(reason)),
+        };
+        let mut health = json!({ "state": state });
+        if let Some(reason) = reason {
+            health["reason"] = reason.to_string().into();
+        }
+        response::json(status, health.to_string())
+    }
+
+    fn service(&self, name: &str) -> Result<&GatewayService, Problem> {
+        let found = self.services.iter().find(|service| service.name == name);
+        found.ok_or_else(|| Problem::NoService {
+            name: name.to_owned(),
+            known: self.services.iter().map(|it| it.name.clone()).collect(),
+        })
+    }
+
+    async fn call(
+        &self,
+        service: &GatewayService,
+        operation: &GatewayOperation,
+        asked: HttpRequest,
+        from: SocketAddr,
+    ) -> Result<HttpResponse, Problem> {
+        let question = CallParameters::of(asked.uri().query())?;
+        let one_way = question.one_way || operation.one_way;
+        let time = question.timeout.unwrap_or(service.timeout);
+        let trace = asked.headers().get("traceparent");
+        let trace = trace.and_then(|trace| trace.to_str().ok()?.parse().ok());
+        let argument = self.argument(service, operation, asked).await?;
+        // it is in no life of a process of ours
+        let origin = SenderId::new(format!("http {from}"), 0);
+        let mut request = Request::new(origin, Payload::of(argument), time);
+        request.trace = trace;
+        let address = format!("{}.{}", service.name, operation.name);
+        match call(&*self.bus, &address, request, one_way).await {
+            Ok(_) if one_way => Ok(response::accepted()),
+            Ok(payload) => result(&payload, operation).map_err(Problem::Answer),
+            Err(CallFailure::Timeout) => Err(Problem::Timeout { after: time }),
+            Err(CallFailure::Unavailable | CallFailure::Cancelled) => Err(Problem::Unavailable {
+                service: service.name.clone(),
+            }),
+            Err(CallFailure::Refused(refusal)) => Err(Problem::Fault {
+                refusal,
+                path: schema_at(service),
+            }),
+        }
+    }
+
+    /// The argument of an operation, once it has come.
+    async fn argument(
+        &self,
+        service: &GatewayService,
+        operation: &GatewayOperation,
+        asked: HttpRequest,
+    ) -> Result<Datum, Problem> {
+        let kind = asked.headers().get(header::CONTENT_TYPE).cloned();
+        let limit = self.settings.max_body;
+        let body = Limited::new(asked.into_body(), limit).collect();
+        let within = self.settings.patience;
+        let body = timeout(within, body).await;
+        let body = body.map_err(|_| Problem::Slow { within })?;
+        let body = body.map_err(|error| match error.is::<LengthLimitError>() {
+            true => Problem::TooLarge { limit },
+            false => Problem::Broken,
+        })?;
+        let bytes = body.to_bytes();
+        if bytes.is_empty() {
+            return Ok(nothing(operation));
+        }
+        let kind = kind.as_ref().map_or("", |kind| kind.to_str().unwrap_or(""));
+        let essence = kind.split(';').next().unwrap_or(kind).trim();
+        if Codec::of_content_type(essence) != Some(Codec::Json) {
+            let found = kind.to_owned();
+            return Err(Problem::ContentType { found });
+        }
+        read(&bytes, &operation.request).map_err(|error| Problem::Argument {
+            error,
+            path: schema_at(service),
+        })
+    }
+}
+
+/// An argument, if it is one.
+fn read(json: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
+    let argument = Codec::Json.decode(json, schema)?;
+    schema.accepts(&argument)?;
+    Ok(argument)
+}
+
+/// Where the schema of a service's arguments is shown.
+fn schema_at(service: &GatewayService) -> String {
+    format!("/services/{}", service.name)
+}
+
+fn operation<'s>(service: &'s GatewayService, name: &str) -> Result<&'s GatewayOperation, Problem> {
+    let found = service.operations.iter().find(|it| it.name == name);
+    found.ok_or_else(|| Problem::NoOperation {
+        service: service.name.clone(),
+        name: name.to_owned(),
+        known: service
+            .operations
+            .iter()
+            .map(|it| it.name.clone())
+            .collect(),
+    })
+}
+
+/// The argument of who says none: of a record, all fields are left out.
+fn nothing(operation: &GatewayOperation) -> Datum {
+    match matches!(operation.request.shape, Shape::Record(_)) {
+        true => Datum::Record(Vec::new()),
+        false => Datum::Null,
+    }
+}
+
+fn result(payload: &Payload, operation: &GatewayOperation) -> Result<HttpResponse, DatumError> {
+    let datum = payload.to_datum_of(&operation.response)?;
+    Ok(response::json(StatusCode::OK, written::encode(&datum)?))
+}

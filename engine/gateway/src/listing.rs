@@ -1,0 +1,58 @@
+//! What can be called, as JSON: services, operations, and the JSON Schema of everything.
+
+use asmotion_datum::json_schema::SchemaDefinitions;
+use hyper::StatusCode;
+use serde_json::{Value, json};
+
+use crate::response::{self, HttpResponse};
+use crate::{GatewayOperation, GatewayService};
+
+/// Where the schemas of what has a name stand.
+const SCHEMAS: &str = "#/$defs";
+
+/// All services.
+pub(crate) fn all(services: &[GatewayService]) -> HttpResponse {
+    let mut definitions = SchemaDefinitions::at(SCHEMAS);
+    let services: Vec<Value> = services
+        .iter()
+        .map(|it| service(it, &mut definitions))
+        .collect();
+    let shown = json!({ "services": services, "$defs": definitions.into_value() });
+    response::json(StatusCode::OK, shown.to_string())
+}
+
+/// One service.
+pub(crate) fn one(of: &GatewayService) -> HttpResponse {
+    let mut definitions = SchemaDefinitions::at(SCHEMAS);
+    let mut shown = service(of, &mut definitions);
+    shown["$defs"] = definitions.into_value();
+    response::json(StatusCode::OK, shown.to_string())
+}
+
+fn service(service: &GatewayService, definitions: &mut SchemaDefinitions) -> Value {
+    let operations = service.operations.iter();
+    let operations = operations.map(|it| operation(service, it, definitions));
+    json!({
+        "name": service.name,
+        "interface": service.interface,
+        "timeout_ms": u64::try_from(service.timeout.as_millis()).unwrap_or(u64::MAX),
+        "operations": operations.collect::<Vec<_>>(),
+    })
+}
+
+fn operation(
+    service: &GatewayService,
+    operation: &GatewayOperation,
+    definitions: &mut SchemaDefinitions,
+) -> Value {
+    let mut shown = json!({
+        "name": operation.name,
+        "call": format!("POST /services/{}/{}", service.name, operation.name),
+        "oneway": operation.one_way,
+        "argument": definitions.schema(&operation.request),
+    });
+    if !operation.one_way {
+        shown["result"] = definitions.schema(&operation.response);
+    }
+    shown
+}

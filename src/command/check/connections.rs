@@ -1,0 +1,50 @@
+//! `asmotion check --connections`: the connections of a composite, and whether they are real-time capable.
+
+use crate::build;
+use crate::files::DiskLoader;
+use crate::table;
+use crate::terminal::TerminalOutput;
+use asmotion_assembly::Plan;
+
+/// Prints the connections of a composite for each of its profiles; prints nothing for other files.
+pub fn show(path: &str, terminal: &mut TerminalOutput) {
+    if !path.ends_with(".toml") {
+        return;
+    }
+    let opened = build::open(path, &[], &DiskLoader);
+    let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
+        true => vec![None],
+        false => opened.profiles.iter().map(|it| Some(&**it)).collect(),
+    };
+    for plan in profiles.into_iter().filter_map(|it| opened.plan(it)) {
+        of_plan(plan, terminal);
+    }
+}
+
+fn of_plan(plan: &Plan, terminal: &mut TerminalOutput) {
+    let ways = plan.ways();
+    let in_real_time = ways.iter().filter(|way| way.over.is_real_time()).count();
+    let profile = plan.profile.as_ref();
+    let profile = profile.map_or_else(String::new, |it| format!(" in profile `{it}`"));
+    terminal.result(format_args!(
+        "{}{profile}: {} joined, {in_real_time} in real time",
+        plan.name,
+        ways.len()
+    ));
+    let rows = ways.iter().map(|way| {
+        let real_time = match way.over.is_real_time() {
+            true => "real time",
+            false => "not real time",
+        };
+        vec![
+            way.from.to_string(),
+            way.to.to_string(),
+            way.topic.clone().unwrap_or_else(|| "-".to_owned()),
+            way.over.to_string(),
+            real_time.to_owned(),
+        ]
+    });
+    for line in table::lines(&["from", "to", "topic", "way", "promise"], rows) {
+        terminal.result(line);
+    }
+}

@@ -1,0 +1,127 @@
+//! Prints the events and the summary of a run, as text or as JSON.
+
+use asmotion_component::Time;
+use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_runtime::Event;
+use serde_json::json;
+
+use crate::mission::{MissionEnd, MissionOutcome};
+use crate::story::{DrivenPath, EventCounts};
+use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
+
+pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
+    let t = at.seconds();
+    match event {
+        Event::Report {
+            component,
+            kind,
+            what,
+        } if *kind == STEP_REPORT => {
+            let step: StepRecord = what.to().ok()?;
+            Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
+        }
+        Event::Called {
+            component,
+            reference,
+            operation,
+            call,
+            attempt,
+            ..
+        } => Some(json!({
+            "type": "call", "v": 1, "t": t, "component": component, "reference": reference,
+            "operation": operation, "call": call, "attempt": attempt,
+        })),
+        Event::Replied {
+            component,
+            reference,
+            operation,
+            call,
+            result,
+        } => Some(json!({
+            "type": "reply", "v": 1, "t": t, "component": component, "reference": reference,
+            "operation": operation, "call": call, "error": result.err(),
+        })),
+        Event::Fault { component, fault } => Some(
+            json!({ "type": "fault", "v": 1, "t": t, "component": component, "fault": fault.to_string() }),
+        ),
+        _ => None,
+    }
+}
+
+fn word(outcome: MissionOutcome) -> &'static str {
+    match outcome {
+        MissionOutcome::Reached => "reached",
+        MissionOutcome::Failed => "failed",
+        MissionOutcome::TimeUp => "time up",
+        MissionOutcome::Fault => "fault",
+        MissionOutcome::Stopped => "stopped",
+    }
+}
+
+pub(super) fn summary_json(ended: &MissionEnd) -> serde_json::Value {
+    let summary = &ended.summary;
+    let way = summary.way.as_ref();
+    json!({
+        "type": "summary", "v": 1, "outcome": word(ended.outcome),
+        "time_s": ended.time.as_secs_f64(), "wall_s": ended.wall.as_secs_f64(),
+        "steps": summary.steps, "transitions": summary.transitions,
+        "driven_m": way.map(|way| way.driven_m), "to_goal_m": way.and_then(DrivenPath::to_goal_m),
+        "failed_calls": summary.failed_calls, "control_state": summary.control_state,
+        "heard": tally_json(&summary.heard), "calls": tally_json(&summary.calls), "faults": summary.faults,
+    })
+}
+
+fn tally_json(tally: &EventCounts) -> Vec<serde_json::Value> {
+    let all = tally.0.iter();
+    all.map(|(name, count)| json!({ "name": name, "count": count }))
+        .collect()
+}
+
+pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
+    let summary = &ended.summary;
+    let style = match ended.outcome {
+        MissionOutcome::Reached => GOOD,
+        MissionOutcome::Failed | MissionOutcome::Fault => BAD,
+        MissionOutcome::TimeUp | MissionOutcome::Stopped => NOTE,
+    };
+    let state = summary
+        .control_state
+        .as_deref()
+        .unwrap_or("no control state");
+    let seconds = ended.time.as_secs_f64();
+    terminal.say("");
+    terminal.result(format_args!(
+        "{style}{}{style:#} in {state} after {seconds:.1} s",
+        word(ended.outcome)
+    ));
+    if let Some(way) = &summary.way {
+        let distance = match way.to_goal_m() {
+            Some(metres) => format!(", {metres:.2} m from the goal"),
+            None => String::new(),
+        };
+        let driven = way.driven_m;
+        terminal.result(format_args!("  driven     {driven:.1} m{distance}"));
+    }
+    if !summary.heard.0.is_empty() {
+        terminal.result(format_args!("  heard      {}", summary.heard));
+    }
+    if !summary.calls.0.is_empty() {
+        let failed = summary.failed_calls;
+        terminal.result(format_args!(
+            "  calls      {}; {failed} failed",
+            summary.calls
+        ));
+    }
+    terminal.result(format_args!(
+        "  steps      {} that wrote something, {} changes of control state",
+        summary.steps, summary.transitions
+    ));
+    for fault in &summary.faults {
+        terminal.result(format_args!("  {BAD}fault{BAD:#}      {fault}"));
+    }
+    let wall = ended.wall.as_secs_f64();
+    terminal.say(format_args!(
+        "  {FAINT}{wall:.2} s on the wall: {:.0} times real time{FAINT:#}",
+        seconds / wall.max(1e-9)
+    ));
+}

@@ -1,0 +1,153 @@
+//! Reconfiguration of a running mission: a new version of the composite arrives over the bus, is checked like the first
+//! one, compared with the running system, and applied completely or refused.
+
+use std::sync::Arc;
+
+use asmotion_assembly::reconfigure::changes;
+use asmotion_assembly::{Opened, Part, Plan};
+use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
+use asmotion_datum::{Datum, DatumError};
+use asmotion_lang::{Style, render_all};
+use asmotion_runtime::{Change, Run};
+use serde::{Deserialize, Serialize};
+
+use super::Mission;
+use crate::files::SentFiles;
+
+/// Maximum number of versions waiting.
+const WAITING: usize = 4;
+
+/// Address at which a process receives new versions: `reconfigure.onboard`.
+pub fn reconfigure_address(process: &str) -> String {
+    format!("reconfigure.{process}")
+}
+
+/// A version of a composite.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CompositeVersion {
+    /// The composite and all files it names: paths relative to its folder, and texts.
+    pub files: Vec<(String, String)>,
+    /// Path of the composite among the files.
+    pub composite: String,
+    /// Whether to report the changes without applying them.
+    pub only_try: bool,
+}
+
+/// Applies new versions to a running part of a composite.
+pub(super) struct VersionSwitch<'m> {
+    mission: &'m Mission,
+    part: Part,
+    /// The version at the start of the process.
+    opened: &'m Opened,
+    /// The running version.
+    plan: Plan,
+    calls: Vec<ServedAddress>,
+}
+
+impl<'m> VersionSwitch<'m> {
+    /// Serves the reconfigure address on these buses.
+    pub(super) fn new(
+        mission: &'m Mission,
+        opened: &'m Opened,
+        plan: &Plan,
+        part: &Part,
+        buses: impl Iterator<Item = &'m dyn Bus>,
+    ) -> Result<Self, BusError> {
+        let process = mission.process.as_deref().unwrap_or(&plan.name);
+        let address = reconfigure_address(process);
+        let serve = |bus: &dyn Bus| bus.serve(&address, WAITING, Arc::new(Notifier::new()));
+        Ok(Self {
+            mission,
+            part: part.clone(),
+            opened,
+            plan: plan.clone(),
+            calls: buses.map(serve).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Applies the versions that have arrived.
+    pub(super) fn attend(&mut self, run: &mut dyn Run) {
+        let calls = self.calls.iter();
+        let calls: Vec<IncomingCall> = calls.filter_map(ServedAddress::try_next).collect();
+        for call in calls {
+            let answer = self.answer(&call, run);
+            call.reply(answer.map(Payload::of));
+        }
+    }
+
+    fn answer(&mut self, call: &IncomingCall, run: &mut dyn Run) -> Result<Datum, Refusal> {
+        let bad = |error: DatumError| refusal("BAD_REQUEST", error);
+        let version: CompositeVersion = (call.argument.to_datum())
+            .and_then(|version| version.to())
+            .map_err(bad)?;
+        let wanted = self.open(&version)?;
+        let mut changes = changes(&self.plan, &wanted, &self.part, &*run).map_err(|fixed| {
+            let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
+            refusal("NEEDS_START", fixed.join("; "))
+        })?;
+        self.keep(&mut changes);
+        if !version.only_try {
+            let changed = run.change(&changes);
+            changed.map_err(|error| refusal("REFUSED", error))?;
+            self.plan = wanted;
+        }
+        let words: Vec<_> = changes.iter().map(ToString::to_string).collect();
+        Datum::of(&words).map_err(bad)
+    }
+
+    /// Returns the plan of a version, as this process would run it from the start.
+    fn open(&self, version: &CompositeVersion) -> Result<Plan, Refusal> {
+        let sent = SentFiles::beside(&self.opened.path, &version.files);
+        let opened = self.mission.open(&sent.path(&version.composite), &sent);
+        if opened.report.has_errors() {
+            let findings = render_all(&opened.report, &opened.sources, Style::Plain);
+            return Err(refusal("BAD_COMPOSITE", findings));
+        }
+        if let Some(path) = sent
+            .paths()
+            .find(|path| self.is_another_specification(path, &opened))
+        {
+            let detail = format!("`{path}` is another specification");
+            return Err(refusal("NEEDS_START", detail));
+        }
+        match opened.plan(self.mission.profile.as_deref()) {
+            None => Err(refusal("BAD_COMPOSITE", "it has no such profile")),
+            Some(plan) if !plan.missing.is_empty() => {
+                let missing = plan.missing.join(", ");
+                let detail = format!("these environment variables are not set: {missing}");
+                Err(refusal("BAD_COMPOSITE", detail))
+            }
+            Some(plan) => Ok(plan.clone()),
+        }
+    }
+
+    /// Returns `true` if the file differs from the one at the start of the process.
+    fn is_another_specification(&self, path: &str, opened: &Opened) -> bool {
+        let text = |opened: &Opened| {
+            let file = opened.sources.find(path)?;
+            Some(opened.sources.shared_text(file))
+        };
+        path.ends_with(".asm") && text(self.opened) != text(opened)
+    }
+
+    /// Removes changes of properties that were set on the command line, which keep their values.
+    fn keep(&self, changes: &mut Vec<Change>) {
+        let set = |of: &str, name: &str| {
+            let mut set = self.mission.properties.iter();
+            set.any(|(component, property, _)| component == of && property == name)
+        };
+        for change in &mut *changes {
+            if let Change::Set { component, values } = change {
+                values.retain(|(name, _)| !set(component, name));
+            }
+        }
+        changes.retain(|it| !matches!(it, Change::Set { values, .. } if values.is_empty()));
+    }
+}
+
+fn refusal(code: &str, detail: impl ToString) -> Refusal {
+    Refusal {
+        code: code.to_owned(),
+        detail: detail.to_string(),
+    }
+}
