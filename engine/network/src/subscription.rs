@@ -3,7 +3,7 @@
 //! In a live system the thread that brings a message puts it into the port: no other thread is woken for it. In a
 //! simulation messages come in between two steps, so there they wait for the adapter.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering, fence};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
 
 use asmotion_bus::{BusError, Notifier, Overflow, Pattern, QueuePolicy, Subscription};
@@ -30,14 +30,15 @@ pub(crate) struct TopicSubscription(Arc<DeliveryGate>);
 /// 2. The holder clears `pending` *after* it has the lock and *before* it drains, and looks at `pending` again *after* it
 ///    has released the lock.
 ///
-/// A thread that fails to get the lock has set `pending` while the holder held it, or before. If the holder cleared
-/// `pending` after that, it drains after that too, and finds the message. If not, the flag is still set when the holder
-/// looks again, and it goes round once more. So no message stays behind.
+/// A message is in the queue before its thread sets `pending`. If the holder clears the flag after that, its swap reads
+/// what the thread's swap wrote, or a later swap of the same chain, so it sees the message when it drains. If it clears
+/// the flag before that, it must see the flag when it looks again. This is the pattern of two threads that each write one
+/// location and read the other (flag and lock here), and release and acquire do not order it; hence the two `SeqCst`
+/// fences. Of the two fences one comes first. If it is the thread's, the holder's second look sees the flag. If it is the
+/// holder's, the thread's attempt comes after the release, so it fails because of another holder, to which the same
+/// applies. So no message stays behind.
 ///
-/// The argument needs one order of all accesses to `pending` that agrees with the lock: a failed `try_lock` does not
-/// synchronise with the holder, so with `Release` and `Acquire` the holder's second look might still miss the flag that
-/// the leaving thread has set. Therefore both are `SeqCst`. A blocking lock would be simpler, but a thread of the bus
-/// would then wait for a port whose reader copies and converts.
+/// A blocking lock would be simpler, but a thread of the bus would then wait for a port whose reader copies and converts.
 struct DeliveryGate {
     /// Wakes the adapter.
     notifier: Arc<Notifier>,
@@ -133,17 +134,23 @@ impl DeliveryGate {
 
     /// Puts into the port what has come, or leaves that to the thread that is doing so.
     fn drain(&self, now: impl Fn() -> Time, effects: &mut dyn Effects) {
-        self.pending.store(true, Ordering::SeqCst);
-        while self.pending.load(Ordering::SeqCst) {
+        self.pending.swap(true, Ordering::AcqRel);
+        fence(Ordering::SeqCst);
+        loop {
             let mut route = match self.route.try_lock() {
                 Ok(route) => route,
                 Err(TryLockError::Poisoned(route)) => route.into_inner(),
                 // the holder looks at `pending` again when it has released the lock
                 Err(TryLockError::WouldBlock) => return,
             };
-            self.pending.store(false, Ordering::SeqCst);
+            self.pending.swap(false, Ordering::AcqRel);
             if let Some(route) = &mut *route {
                 route.drain(now(), effects);
+            }
+            drop(route);
+            fence(Ordering::SeqCst);
+            if !self.pending.load(Ordering::Relaxed) {
+                return;
             }
         }
     }
