@@ -34,28 +34,9 @@ fn says_what_is_wrong() {
 /// Every code of the analysis and of the run has a file that earns it.
 #[test]
 fn has_an_example_of_every_code() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("asm-lang");
-    let sources = [
-        "hir/src/error.rs",
-        "ir/src/lower.rs",
-        "ir/src/lower/call.rs",
-        "ir/src/lower/rule.rs",
-        "ir/src/lower/term.rs",
-        "src/explain.rs",
-    ];
-    let is_code = |word: &&str| {
-        word.len() == 4
-            && word.starts_with(['A', 'W', 'R'])
-            && word[1..].bytes().all(|digit| digit.is_ascii_digit())
-    };
-    let texts: Vec<String> = sources
-        .iter()
-        .map(|source| std::fs::read_to_string(root.join(source)).unwrap())
-        .collect();
-    let codes: BTreeSet<&str> = texts
-        .iter()
-        .flat_map(|text| text.split('"'))
-        .filter(is_code)
+    let codes: BTreeSet<&str> = asmotion_lang::codes::all()
+        .map(|code| code.name)
+        .filter(|name| name.starts_with(['A', 'W', 'R']))
         .collect();
     let programs = super::programs(&super::folder().join("messages"));
     let mut examples: BTreeSet<&str> = programs

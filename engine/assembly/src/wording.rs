@@ -27,10 +27,18 @@ fn joined(names: &[&str], last_word: &str) -> String {
     }
 }
 
+/// The note of a finding about a value that was set outside all files.
+const OUTSIDE: &str = "set from outside the file";
+
+/// Returns `true` if [`label_or_outside`] found no place in a file for the value.
+pub(crate) fn is_outside(diagnostic: &Diagnostic) -> bool {
+    diagnostic.notes.iter().any(|note| note == OUTSIDE)
+}
+
 /// Labels the place of a value, or notes that it was set from outside the file.
 pub(crate) fn label_or_outside(diagnostic: Diagnostic, at: Option<Span>, text: &str) -> Diagnostic {
     match at {
         Some(at) => diagnostic.label(at, text),
-        None => diagnostic.note("set from outside the file"),
+        None => diagnostic.note(OUTSIDE),
     }
 }

@@ -44,6 +44,30 @@ fn pages_have_examples_that_are_true() {
     }
 }
 
+/// The findings of all wrong examples, as their reader sees them.
+#[test]
+fn findings_are_what_a_person_has_read() {
+    let shown: Vec<String> = CODES
+        .iter()
+        .map(|code| {
+            let findings = found(code, "wrong").diagnostics;
+            let of_code = findings.iter().filter(|it| it.code == *code);
+            let told: Vec<String> = of_code
+                .map(|it| {
+                    let labels = it.primary.iter().chain(&it.secondary);
+                    let labels: Vec<&str> = labels.map(|label| &*label.text).collect();
+                    format!(
+                        "{}: {}\n  {labels:?}\n  {:?}",
+                        code.name, it.message, it.helps
+                    )
+                })
+                .collect();
+            told.join("\n")
+        })
+        .collect();
+    insta::assert_snapshot!(shown.join("\n"));
+}
+
 #[test]
 fn codes_have_a_file_each() {
     let files = std::fs::read_dir("src/codes").expect("the codes");

@@ -23,6 +23,7 @@ use crate::read::template;
 use crate::table::Key;
 use crate::tree::{Branch, Node};
 use crate::value::{REDACTED, SettingValue};
+use crate::wording::is_outside;
 
 /// Findings about a value, which may be set from outside all files.
 const OF_VALUES: &[&Code] = &[
@@ -52,7 +53,7 @@ impl SubstitutionNotes {
 impl Findings for SubstitutionNotes {
     fn found(&mut self, finding: impl Finding) {
         let finding = finding.diagnostic();
-        self.outside |= finding.primary.is_none() && finding.is_any(OF_VALUES);
+        self.outside |= is_outside(&finding) && finding.is_any(OF_VALUES);
         self.report.push(finding);
     }
 }
