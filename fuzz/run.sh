@@ -1,13 +1,23 @@
 #!/bin/sh
-# Fuzzes a property for some seconds: run.sh parse|check|fmt [seconds]
+# Fuzzes a property for some seconds: run.sh TARGET [SECONDS]; the targets are the files of fuzz_targets.
 # Instrumented code takes about five times the time and twice the memory.
 set -eu
 cd "$(dirname "$0")/.."
-property=$1
+target=$1
 seconds=${2:-600}
-mkdir -p "fuzz/corpus/$property"
-exec cargo +nightly fuzz run "$property" "fuzz/corpus/$property" \
-    tests/language/semantics tests/language/messages \
-    asm-lang/syntax/tests/errors asm-lang/syntax/tests/layout asm-lang/syntax/tests/scenarios specs \
-    -- -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
-    -dict=fuzz/words.dict -max_len=16384
+words=
+case $target in
+parse | check | fmt)
+    seeds="tests/language/semantics tests/language/messages asm-lang/syntax/tests/errors \
+        asm-lang/syntax/tests/layout asm-lang/syntax/tests/scenarios specs"
+    words="-dict=fuzz/words.dict"
+    ;;
+composite) seeds="engine/assembly/tests/composites" ;;
+scdl) seeds="engine/scdl/tests/scdl" ;;
+*) seeds= ;;
+esac
+mkdir -p "fuzz/corpus/$target"
+# the lists of seeds and words are split on purpose
+# shellcheck disable=SC2086
+exec cargo +nightly fuzz run "$target" "fuzz/corpus/$target" $seeds \
+    -- -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 $words -max_len=16384

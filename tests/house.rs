@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::LazyLock;
 use xtask::checkout::Checkout;
 use xtask::debts::{self, HouseDebts};
-use xtask::type_names;
+use xtask::{printing, type_names};
 
 /// The rooms from the ground up; a room uses only rooms below it.
 const FLOORS: &[&[&str]] = &[
@@ -218,7 +218,7 @@ fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
 }
 
 /// Names used through `lib.rs`, arrows that climb between first-level modules, cycles of more than five
-/// files, and type names with several meanings.
+/// files, type names with several meanings, `_ =>` beside variants of our own, and errors without a word.
 #[test]
 fn debts_only_shrink() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -266,4 +266,13 @@ fn terms_of_the_glossary_are_types_with_one_meaning() {
         let places = definitions.get(name).map_or(&[][..], Vec::as_slice);
         assert_eq!(places.len(), 1, "`{name}` is defined in {places:?}");
     }
+}
+
+#[test]
+fn only_the_front_door_prints() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let checkout = Checkout::working_tree(root).expect("the sources");
+    assert!(printing::calls(&checkout, &[]).len() > 1);
+    let elsewhere = printing::calls(&checkout, &["src/", "xtask/src/main.rs"]);
+    assert!(elsewhere.is_empty(), "{elsewhere:?}");
 }

@@ -4,9 +4,10 @@
 //! it has shrunk and the record has not, so that it can only go down.
 
 use crate::checkout::Checkout;
+use crate::doc_blocks::{self, DocCount};
 use crate::modules::CrateModules;
 use crate::type_names::{self, NameReuse};
-use crate::{graph, modules};
+use crate::{arms, graph, modules};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -35,6 +36,10 @@ pub struct CrateDebt {
 pub struct HouseDebts {
     /// Type names with several meanings; 0 when they are fewer than [`REUSED_NAMES`] allows.
     pub reused_names: usize,
+    /// `match` expressions with `_ =>` beside a variant of our own.
+    pub wildcard_arms: usize,
+    /// Public functions that return a `Result` and have no `# Errors` section.
+    pub missing_errors: usize,
     /// Crates with a debt, by name.
     pub crates: BTreeMap<String, CrateDebt>,
 }
@@ -60,7 +65,13 @@ impl HouseDebts {
             debt.add(&modules);
         }
         crates.retain(|_, debt| *debt != CrateDebt::default());
+        let mut docs = DocCount::default();
+        for file in &checkout.files {
+            doc_blocks::count(file, &mut docs);
+        }
         Self {
+            wildcard_arms: arms::count(checkout).wildcards.len(),
+            missing_errors: docs.unexplained,
             reused_names: match reuse.percent() < REUSED_NAMES {
                 true => 0,
                 false => reuse.reused,
@@ -81,7 +92,12 @@ impl HouseDebts {
                 Some(table) => {
                     debts.crates.insert(key.clone(), CrateDebt::parse(table)?);
                 }
-                None => debts.reused_names = number(key, value)?,
+                None => match key.as_str() {
+                    "reused_names" => debts.reused_names = number(key, value)?,
+                    "wildcard_arms" => debts.wildcard_arms = number(key, value)?,
+                    "missing_errors" => debts.missing_errors = number(key, value)?,
+                    _ => return Err(DebtsError::Value(key.clone())),
+                },
             }
         }
         Ok(debts)
@@ -94,6 +110,8 @@ impl HouseDebts {
         );
         // writing to a string does not fail
         let _ = writeln!(text, "reused_names = {}", self.reused_names);
+        let _ = writeln!(text, "wildcard_arms = {}", self.wildcard_arms);
+        let _ = writeln!(text, "missing_errors = {}", self.missing_errors);
         for (name, debt) in &self.crates {
             let _ = writeln!(text, "\n[{name}]");
             let _ = writeln!(text, "hub_uses = {}", debt.hub_uses);
@@ -110,6 +128,18 @@ impl HouseDebts {
             found.push(format!(
                 "{} type names have several meanings, {} before: `cargo xtask names` lists them",
                 self.reused_names, recorded.reused_names
+            ));
+        }
+        if self.wildcard_arms > recorded.wildcard_arms {
+            found.push(format!(
+                "{} matches have `_ =>` beside a variant of our own, {} before: `cargo xtask wildcards` lists them",
+                self.wildcard_arms, recorded.wildcard_arms
+            ));
+        }
+        if self.missing_errors > recorded.missing_errors {
+            found.push(format!(
+                "{} public functions return a `Result` and have no `# Errors` section, {} before",
+                self.missing_errors, recorded.missing_errors
             ));
         }
         for (name, debt) in &self.crates {
@@ -130,6 +160,8 @@ impl HouseDebts {
         crates.retain(|_, debt| *debt != CrateDebt::default());
         Self {
             reused_names: self.reused_names.min(recorded.reused_names),
+            wildcard_arms: self.wildcard_arms.min(recorded.wildcard_arms),
+            missing_errors: self.missing_errors.min(recorded.missing_errors),
             crates,
         }
     }
@@ -225,6 +257,8 @@ mod tests {
         };
         HouseDebts {
             reused_names: 3,
+            wildcard_arms: 2,
+            missing_errors: 1,
             crates: [("one".to_owned(), debt)].into(),
         }
     }
@@ -254,8 +288,8 @@ mod tests {
     fn a_crate_without_an_entry_has_no_debt_allowed() {
         let now = debts(1, &[]);
         let before = HouseDebts {
-            reused_names: 3,
-            ..HouseDebts::default()
+            crates: [].into(),
+            ..debts(0, &[])
         };
         assert_eq!(now.grown(&before).len(), 1);
         assert_eq!(now.lowered(&before), before);

@@ -21,6 +21,8 @@ pub struct DocCount {
     pub errors: usize,
     /// Public functions that return a `Result`.
     pub fallible: usize,
+    /// Those of them without an `# Errors` section.
+    pub unexplained: usize,
 }
 
 /// Adds the doc comments of a file.
@@ -53,7 +55,12 @@ impl DocVisitor<'_> {
         self.count.errors += usize::from(lines.iter().any(|line| line.trim() == "# Errors"));
     }
 
-    fn signature(&mut self, visibility: &syn::Visibility, signature: &syn::Signature) {
+    fn signature(
+        &mut self,
+        attributes: &[syn::Attribute],
+        visibility: &syn::Visibility,
+        signature: &syn::Signature,
+    ) {
         let public = matches!(visibility, syn::Visibility::Public(_));
         let fallible = match &signature.output {
             syn::ReturnType::Type(_, output) => match &**output {
@@ -67,7 +74,12 @@ impl DocVisitor<'_> {
             syn::ReturnType::Default => false,
         };
         let test = self.file.is_test(signature.span().start().line);
-        self.count.fallible += usize::from(public && fallible && !test);
+        let mut docs = attributes.iter().filter_map(doc_line);
+        let explained = docs.any(|(line, _)| line.trim() == "# Errors");
+        if public && fallible && !test {
+            self.count.fallible += 1;
+            self.count.unexplained += usize::from(!explained);
+        }
     }
 }
 
@@ -92,13 +104,13 @@ impl<'ast> Visit<'ast> for DocVisitor<'_> {
     }
 
     fn visit_item_fn(&mut self, function: &'ast syn::ItemFn) {
-        self.signature(&function.vis, &function.sig);
+        self.signature(&function.attrs, &function.vis, &function.sig);
         visit::visit_item_fn(self, function);
     }
 
     fn visit_impl_item_fn(&mut self, function: &'ast syn::ImplItemFn) {
         self.attributes(&function.attrs);
-        self.signature(&function.vis, &function.sig);
+        self.signature(&function.attrs, &function.vis, &function.sig);
         visit::visit_impl_item_fn(self, function);
     }
 

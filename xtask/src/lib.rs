@@ -15,6 +15,8 @@ pub mod history;
 pub mod licences;
 pub mod lines;
 pub mod modules;
+pub mod new_component;
+pub mod printing;
 pub mod report;
 pub mod table;
 pub mod test_code;

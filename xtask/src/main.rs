@@ -3,11 +3,15 @@
 use clap::{Parser, Subcommand};
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 use xtask::checkout::Checkout;
 use xtask::debts::{self, HouseDebts};
 use xtask::modules::{self, CrateModules};
-use xtask::{build_cost, graph, report, table, type_names};
+use xtask::{arms, build_cost, graph, new_component, report, table, type_names};
+
+/// The lines around the table in docs/house.md.
+const TABLE_BEGINS: &str = "<!-- table -->";
+const TABLE_ENDS: &str = "<!-- end of table -->";
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", about = "Chores of this repository")]
@@ -23,6 +27,9 @@ enum Chore {
         /// Also measure this revision; can be repeated
         #[arg(long, value_name = "REVISION")]
         at: Vec<String>,
+        /// Replace the table in docs/house.md instead of printing it
+        #[arg(long)]
+        write: bool,
     },
     /// Lowers the recorded debts in tests/house.toml to what they are now
     Debts {
@@ -39,6 +46,19 @@ enum Chore {
     Hubs {
         /// Only of this package
         package: Option<String>,
+    },
+    /// Lists the matches with `_ =>` beside a variant of our own
+    Wildcards,
+    /// Makes a component in components/NAME and enters it wherever components are listed
+    NewComponent {
+        /// Lower-case, words joined by dashes: pan-tilt
+        name: String,
+    },
+    /// Runs `cargo test` with these arguments and accepts changed snapshots
+    Bless {
+        /// Arguments of `cargo test`
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
     },
     /// Lists the type names with several meanings, the most frequent first
     Names,
@@ -72,10 +92,13 @@ fn main() -> ExitCode {
 fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
     let root = root();
     match chore {
-        Chore::House { at } => house(&root, &at),
+        Chore::House { at, write } => house(&root, &at, write),
         Chore::Debts { grow } => debts(&root, grow),
         Chore::Cycles { package } => cycles(&root, package.as_deref()),
         Chore::Hubs { package } => hubs(&root, package.as_deref()),
+        Chore::Wildcards => wildcards(&root),
+        Chore::NewComponent { name } => make_component(&root, &name),
+        Chore::Bless { arguments } => bless(&root, &arguments),
         Chore::Names => names(&root),
         Chore::BuildCost(options) => build_costs(&root, &options),
     }
@@ -119,13 +142,29 @@ fn build_costs(root: &Path, options: &BuildCost) -> Result<(), Box<dyn Error>> {
     }
 }
 
-fn house(root: &Path, revisions: &[String]) -> Result<(), Box<dyn Error>> {
+fn house(root: &Path, revisions: &[String], write: bool) -> Result<(), Box<dyn Error>> {
     let mut columns = Vec::new();
     for revision in revisions {
         columns.push((revision.clone(), report::rows(root, Some(revision))?));
     }
     columns.push(("now".to_owned(), report::rows(root, None)?));
-    print!("{}", table::markdown(&columns));
+    let table = table::markdown(&columns);
+    if !write {
+        print!("{table}");
+        return Ok(());
+    }
+    let path = root.join("docs/house.md");
+    let text = std::fs::read_to_string(&path)?;
+    let (before, rest) = text
+        .split_once(TABLE_BEGINS)
+        .ok_or("docs/house.md has no table")?;
+    let (_, after) = rest
+        .split_once(TABLE_ENDS)
+        .ok_or("the table in docs/house.md has no end")?;
+    std::fs::write(
+        path,
+        format!("{before}{TABLE_BEGINS}\n{table}{TABLE_ENDS}{after}"),
+    )?;
     Ok(())
 }
 
@@ -196,6 +235,39 @@ fn hubs(root: &Path, package: Option<&str>) -> Result<(), Box<dyn Error>> {
         for hub in it.hub_uses {
             println!("{}:{}: {}", hub.path, hub.line, hub.name);
         }
+    }
+    Ok(())
+}
+
+fn make_component(root: &Path, name: &str) -> Result<(), Box<dyn Error>> {
+    let files = new_component::plan(root, name)?;
+    new_component::write(root, &files)?;
+    for file in files {
+        println!(
+            "{} {}",
+            if file.new { "new    " } else { "changed" },
+            file.path
+        );
+    }
+    Ok(())
+}
+
+fn bless(root: &Path, arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let status = Command::new("cargo")
+        .arg("test")
+        .args(arguments)
+        .env("INSTA_UPDATE", "always")
+        .current_dir(root)
+        .status()?;
+    match status.success() {
+        true => Ok(()),
+        false => Err("a test failed for another reason than a snapshot".into()),
+    }
+}
+
+fn wildcards(root: &Path) -> Result<(), Box<dyn Error>> {
+    for (path, line) in arms::count(&Checkout::working_tree(root)?).wildcards {
+        println!("{path}:{line}");
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use crate::lines::{self, LineCount};
 use crate::modules::{self, CrateModules};
 use crate::table::Rows;
 use crate::type_names::{self, NameReuse};
-use crate::{build_cost, graph};
+use crate::{build_cost, graph, new_component};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -38,6 +38,14 @@ pub fn rows(root: &Path, revision: Option<&str>) -> Result<Rows, CheckoutError> 
         rows.push((
             format!("files of code that spell the key `{key}`"),
             files.to_string(),
+        ));
+    }
+    if let Ok(files) = new_component::plan(&checkout.root, "pan-tilt") {
+        let new = files.iter().filter(|file| file.new).count();
+        let value = format!("{} changed, {new} made", files.len() - new);
+        rows.push((
+            "files that `cargo xtask new-component` writes".to_owned(),
+            value,
         ));
     }
     for addition in Addition::ALL {
