@@ -43,8 +43,12 @@ pub trait Bus: Send + Sync {
         notifier: Arc<Notifier>,
     ) -> Result<ServedAddress, BusError>;
 
-    /// Sends a request to an address. It ends with an answer, or with a [`CallFailure`](crate::CallFailure): at once
-    /// if nobody serves there, else at the deadline.
+    /// Sends a request to an address. The call ends with an answer or with a [`CallFailure`](crate::CallFailure):
+    /// immediately if no server is there, otherwise at the deadline.
+    ///
+    /// # Errors
+    /// [`BusError::BadName`] if the transport cannot carry the address; failures of the call itself arrive in the
+    /// [`PendingCall`].
     fn call(
         &self,
         address: &str,
@@ -52,8 +56,11 @@ pub trait Bus: Send + Sync {
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, BusError>;
 
-    /// Sends a request that has no answer (SCA `@OneWay`). It ends with nothing when the server's queue has it, else
-    /// with a failure; who does not care drops it.
+    /// Sends a request without an answer (SCA `@OneWay`). The call ends with nothing once the server's queue holds
+    /// the request, otherwise with a failure; drop the [`PendingCall`] to ignore both.
+    ///
+    /// # Errors
+    /// As [`call`](Self::call).
     fn tell(
         &self,
         address: &str,
@@ -61,8 +68,8 @@ pub trait Bus: Send + Sync {
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, BusError>;
 
-    /// Sends the last message of each publisher that [keeps it](PublishOptions::init) again, as the same message: those who
-    /// came late get it, those who have it take it out.
+    /// Sends again the last message of each publisher that [retains it](PublishOptions::init), with its original
+    /// number: late subscribers receive it, all others discard it as a duplicate.
     fn repeat(&self);
 
     /// The state of the transport.
@@ -71,17 +78,17 @@ pub trait Bus: Send + Sync {
     /// Notifies at every change of the [`health`](Self::health), as long as somebody else holds it too.
     fn watch(&self, notifier: &Arc<Notifier>);
 
-    /// Waits until all that was published has left, and was confirmed where that was asked for; or so long. Says
-    /// whether it has.
+    /// Waits until everything published has left, and has been confirmed where the publisher asked for that. Returns
+    /// false if `at_most` passes first.
     fn drain(&self, at_most: Duration) -> bool;
 }
 
-/// Who publishes or calls.
+/// Identity of a publisher or caller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SenderId {
-    /// The component.
+    /// Name of the component.
     pub source: Arc<str>,
-    /// Which life of its process: grows with every restart.
+    /// Number of its process's current run; grows with every restart.
     pub incarnation: u64,
 }
 
@@ -110,37 +117,37 @@ pub trait Publisher: Send {
         cause: Option<TraceContext>,
     ) -> Result<(), BusError>;
 
-    /// What has become of the messages so far.
+    /// Returns how many messages were published, delivered, dropped and lost so far.
     fn sent(&self) -> PublisherCounts;
 }
 
-/// Why a bus cannot do what is asked.
+/// Error of a bus operation.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BusError {
-    /// Somebody else serves there.
+    /// Another server is registered at this address.
     #[error("`{address}` is served already")]
     Served {
-        /// The address.
+        /// Address as the caller wrote it.
         address: String,
     },
     /// The transport is not there, and the topic's outage policy keeps nothing more; it is counted.
     #[error("no connection: {reason}")]
     Disconnected {
-        /// Why.
+        /// Cause, in the transport's words.
         reason: String,
     },
     /// The transport does not let us.
     #[error("refused: {reason}")]
     Refused {
-        /// Why.
+        /// Cause, in the transport's words.
         reason: String,
     },
     /// A name that the transport cannot carry.
     #[error("`{name}` cannot name a topic or an address: {reason}")]
     BadName {
-        /// The name.
+        /// Rejected name.
         name: String,
-        /// Why.
+        /// Limit that the name exceeds.
         reason: String,
     },
 }

@@ -12,7 +12,7 @@ use crate::Bus;
 pub struct Violation {
     /// The case: what a bus does.
     pub case: &'static str,
-    /// What this one did.
+    /// Behaviour observed instead.
     pub found: String,
 }
 

@@ -7,39 +7,39 @@ use asmotion_datum::{Codec, Datum, DatumError, DatumProblem, Message, Sample, Sc
 
 use crate::TraceContext;
 
-/// A message on a topic.
+/// A message on a topic, with the metadata that every transport carries.
 #[derive(Debug, Clone)]
 pub struct Envelope {
     /// The topic it was published on: words with dots between, `rover1.odom`.
     pub topic: Arc<str>,
     /// The component that published it.
     pub source: Arc<str>,
-    /// Which life of the source's process: grows with every restart.
+    /// Number of the source process's current run; grows with every restart.
     pub incarnation: u64,
-    /// Its number among all messages of this publisher, from 1, without gaps: a gap is a loss.
+    /// Number among all messages of this publisher, from 1 without gaps; a gap is a loss.
     pub sequence: u64,
-    /// When it was sent: nanoseconds of the sender's clock.
+    /// Time of sending, in nanoseconds of the sender's clock.
     pub stamp: i64,
-    /// Which clock that is, `wall:rover1`; empty if it is the reader's own.
+    /// Name of that clock, for example `wall:rover1`; empty if it is the reader's own.
     pub clock: Arc<str>,
-    /// Its place in a trace; none, if its sender keeps no traces.
+    /// Trace that the message belongs to; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
     /// The payload's message type, `geometry_msgs/Twist`; empty if unknown.
     pub type_name: Arc<str>,
-    /// What it says.
+    /// Content.
     pub payload: Payload,
 }
 
-/// A message's content: the sample itself while it stays in the process, bytes when it comes from outside.
+/// Content of a message: the shared sample itself within a process, bytes when it arrives from outside.
 #[derive(Clone)]
 pub enum Payload {
     /// The sample, shared. It is encoded only when a transport needs bytes.
     Sample(Arc<dyn Sample>),
-    /// Encoded.
+    /// Encoded, as it arrived from outside.
     Bytes {
-        /// How.
+        /// Encoding of `bytes`.
         codec: Codec,
-        /// The bytes.
+        /// Encoded content.
         bytes: Arc<[u8]>,
     },
 }
@@ -106,8 +106,8 @@ impl Envelope {
     }
 }
 
-/// Whether a message's type is that of a name, also in the words of ROS 2: `geometry_msgs/msg/Twist`. Who has no name
-/// is believed.
+/// Returns whether a message's type has a name, which may also be written as in ROS 2: `geometry_msgs/msg/Twist`. A
+/// missing name matches everything.
 fn is_named(type_name: &str, wanted: &str) -> bool {
     let anonymous = type_name.is_empty() || wanted.is_empty();
     let in_ros_2 = || type_name.split_once("/msg/");

@@ -1,4 +1,4 @@
-//! The state of a transport, for those who must act when it is gone.
+//! State of a transport, for callers that react to its loss.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,25 +7,25 @@ use std::time::Instant;
 /// The state of a bus' transport, and since when.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Health {
-    /// The state.
+    /// Current state.
     pub link: LinkState,
-    /// Since when.
+    /// Start of the current state.
     pub since: Instant,
 }
 
-/// Whether messages go through.
+/// State of the connection to the transport.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LinkState {
-    /// They do.
+    /// Messages flow in both directions.
     Up,
-    /// What is published waits: the broker takes nothing. What others published before still comes in.
+    /// Publishing is paused because the broker accepts nothing; messages still arrive.
     Blocked {
-        /// Why.
+        /// Cause, in the broker's words.
         reason: Arc<str>,
     },
-    /// Nothing goes out or comes in.
+    /// No connection: nothing is sent or received.
     Down {
-        /// Why.
+        /// Cause, for display.
         reason: Arc<str>,
     },
 }
@@ -39,7 +39,7 @@ impl Health {
         }
     }
 
-    /// Whether messages go through.
+    /// Returns whether messages flow in both directions.
     pub fn is_up(&self) -> bool {
         self.link == LinkState::Up
     }

@@ -27,7 +27,7 @@ struct LocalBusState {
     /// Grows with every change of the routes, so that publishers look at them only then.
     generation: AtomicU64,
     desks: Mutex<BTreeMap<String, Arc<AddressQueue>>>,
-    /// Of publishers that keep it, the last message.
+    /// Last messages of the publishers that retain one.
     lasts: Mutex<Vec<Weak<Mutex<RetainedMessage>>>>,
     /// Up from the beginning to the end.
     health: Health,
@@ -48,11 +48,11 @@ impl Default for LocalBusState {
 struct LocalRoute {
     pattern: Pattern,
     inlet: SubscriptionSender,
-    /// The generation that it came with.
+    /// Generation in which this route was added.
     since: u64,
 }
 
-/// The last message of a publisher, and who has it.
+/// Last message of a publisher, and the routes that have received it.
 #[derive(Default)]
 struct RetainedMessage {
     envelope: Option<Envelope>,
@@ -67,7 +67,7 @@ impl fmt::Debug for LocalBus {
 }
 
 impl LocalBus {
-    /// A bus without topics.
+    /// Creates a bus without topics.
     pub fn new() -> Self {
         Self::default()
     }
@@ -215,10 +215,10 @@ impl Bus for LocalBus {
         self.shared.health.clone()
     }
 
-    /// It never changes.
+    /// Does nothing: the health of a local bus never changes.
     fn watch(&self, _: &Arc<Notifier>) {}
 
-    /// What is published has arrived.
+    /// Returns true at once: a local message is delivered when it is published.
     fn drain(&self, _: Duration) -> bool {
         true
     }
@@ -232,9 +232,9 @@ struct LocalPublisher {
     type_name: Arc<str>,
     /// Number of the last message.
     sequence: u64,
-    /// How many found no subscription.
+    /// Number of messages without a subscription.
     unheard: u64,
-    /// The reader's own.
+    /// Empty: the reader's own clock.
     clock: Arc<str>,
     /// The routes that `inlets` was made from.
     generation: u64,

@@ -17,14 +17,14 @@ impl Pattern {
         Self::new("#")
     }
 
-    /// Whether a topic matches.
+    /// Returns whether a topic matches.
     pub fn matches(&self, topic: &str) -> bool {
         let pattern: Vec<_> = self.0.split('.').collect();
         let words: Vec<_> = topic.split('.').collect();
         matches(&pattern, &words)
     }
 
-    /// The pattern's text.
+    /// Returns the pattern as written.
     pub fn as_str(&self) -> &str {
         &self.0
     }

@@ -1,41 +1,42 @@
-//! How a topic is sent: its codec, how sure its messages are to arrive, and what becomes of them without a broker.
+//! Options of a publisher: codec, delivery assurance, and what to keep while the transport is down.
 
 use std::num::NonZeroUsize;
 
 use asmotion_datum::Codec;
 
-/// How the messages of a topic are sent.
+/// Options of a publisher.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PublishOptions {
-    /// How they are written where bytes are needed.
+    /// Encoding, where the transport needs bytes.
     pub codec: Codec,
-    /// How sure they are to arrive.
+    /// Delivery assurance.
     pub assurance: Assurance,
-    /// What becomes of them while the transport is away.
+    /// Messages to keep while the transport is down.
     pub outage: Outage,
-    /// Whether the last of them is kept for those who come late: see [`Bus::repeat`](crate::Bus::repeat).
+    /// Keeps the last message for late subscribers; see [`Bus::repeat`](crate::Bus::repeat).
     pub init: bool,
 }
 
-/// How sure messages are to arrive.
+/// Delivery assurance of a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assurance {
-    /// Sent once. What is under way when the transport breaks is lost, and counted: for what comes again anyhow.
+    /// Sent once. A message in flight when the transport breaks is lost and counted. For states that are published
+    /// again soon.
     #[default]
     Once,
     /// Kept until the transport has confirmed it, and sent again if it breaks before: for events and commands.
     Confirmed,
 }
 
-/// What becomes of messages published while the transport is away or takes nothing. What is dropped is counted.
+/// Policy for messages published while the transport is down or blocked. Dropped messages are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Outage {
-    /// They are dropped.
+    /// Drops every message.
     #[default]
     Drop,
-    /// The newest is kept.
+    /// Keeps the newest message.
     KeepLatest,
-    /// The oldest so many are kept, in order; one more is refused.
+    /// Keeps this many of the oldest messages, in order, and rejects the rest.
     Queue(NonZeroUsize),
 }
 
@@ -48,7 +49,8 @@ impl PublishOptions {
         }
     }
 
-    /// For events and commands: confirmed, and kept so many while the transport is away.
+    /// Options for events and commands: confirmed delivery, and up to `size` messages kept while the transport is
+    /// down.
     pub fn events(size: NonZeroUsize) -> Self {
         Self {
             assurance: Assurance::Confirmed,
@@ -57,14 +59,14 @@ impl PublishOptions {
         }
     }
 
-    /// The same, with the last message kept for those who come late, or not.
+    /// Sets whether the last message is kept for late subscribers.
     #[must_use]
     pub fn init(mut self, init: bool) -> Self {
         self.init = init;
         self
     }
 
-    /// The same, written by another codec.
+    /// Sets the encoding.
     #[must_use]
     pub fn by(mut self, codec: Codec) -> Self {
         self.codec = codec;
@@ -72,7 +74,7 @@ impl PublishOptions {
     }
 }
 
-/// What has become of a publisher's messages.
+/// Counts of a publisher's messages by outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PublisherCounts {
     /// Taken from the publisher.
@@ -81,16 +83,16 @@ pub struct PublisherCounts {
     pub arrived: u64,
     /// Dropped here, as the outage policy says, or because they could not be written.
     pub dropped: u64,
-    /// Under way when the transport broke: perhaps arrived, perhaps not.
+    /// In flight when the transport broke; may or may not have arrived.
     pub lost: u64,
     /// Refused by the transport: a full queue, a missing permission.
     pub refused: u64,
-    /// Arrived where nobody listens.
+    /// Delivered to the transport, but matched by no subscription.
     pub unheard: u64,
 }
 
 impl PublisherCounts {
-    /// How many are still kept or under way.
+    /// Returns how many messages are still queued or in flight.
     pub fn open(&self) -> u64 {
         let done = self.arrived + self.dropped + self.lost + self.refused;
         self.published.saturating_sub(done)

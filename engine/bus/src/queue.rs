@@ -10,40 +10,40 @@ use crossbeam_queue::ArrayQueue;
 use crate::deadline::later;
 use crate::{Envelope, Notifier};
 
-/// What a subscription keeps for its reader.
+/// Queueing policy of a subscription.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QueuePolicy {
     /// The newest message, for what is a state. What it replaces was out of date, and is not counted (TCA
     /// `receiveLast`).
     Latest,
-    /// Every message, so many, for what is a sequence (TCA `receiveAll`).
+    /// Every message, up to a limit, for sequences (TCA `receiveAll`).
     All {
-        /// How many at the most.
+        /// Capacity, in messages.
         size: usize,
-        /// What happens to one more; it is counted in any case.
+        /// Which message is dropped when the queue is full. Drops are counted in either case.
         overflow: Overflow,
     },
 }
 
-/// What happens to a message too many.
+/// Which message is dropped when a queue is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overflow {
     /// The oldest is dropped in its favour.
     DropOldest,
-    /// It is dropped itself.
+    /// Drops the new message.
     DropNewest,
 }
 
-/// What has become of a subscription's messages, apart from those it holds.
+/// Counts of a subscription's messages that were not handed to the reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SubscriptionCounts {
     /// Dropped because the queue was full.
     pub dropped: u64,
-    /// Never came: gaps in their publishers' numbers.
+    /// Never arrived, inferred from gaps in the publishers' numbers.
     pub missed: u64,
-    /// Came again, and were taken out.
+    /// Arrived again and discarded.
     pub duplicates: u64,
-    /// Came in a way that cannot be read.
+    /// Arrived in a form that could not be decoded.
     pub unreadable: u64,
 }
 
@@ -85,7 +85,7 @@ impl SubscriptionSender {
         }
     }
 
-    /// Puts a message in; never waits.
+    /// Appends a message; never blocks.
     pub fn push(&self, envelope: Envelope) {
         let kept = &self.kept;
         let dropped = match kept.policy {
@@ -108,12 +108,12 @@ impl SubscriptionSender {
         kept.notifier.notify();
     }
 
-    /// So many messages never came, all in all.
+    /// Sets the total number of messages that never arrived.
     pub fn set_missed(&self, missed: u64) {
         self.kept.counts.missed.store(missed, Ordering::Relaxed);
     }
 
-    /// A message came again.
+    /// Counts a message that arrived again.
     pub fn count_duplicate(&self) {
         self.kept.counts.duplicates.fetch_add(1, Ordering::Relaxed);
     }
@@ -131,7 +131,7 @@ impl SubscriptionSender {
         }
     }
 
-    /// Whether both are ends of one queue.
+    /// Returns whether both are ends of the same queue.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.kept, &other.kept)
     }
@@ -149,7 +149,7 @@ impl Subscription {
         self.kept.queue.pop()
     }
 
-    /// The next message, waiting for it at the longest so long.
+    /// Takes the next message, waiting at most for `at_most`.
     pub fn next_within(&self, at_most: Duration) -> Option<Envelope> {
         let until = later(at_most);
         loop {
@@ -164,12 +164,12 @@ impl Subscription {
         }
     }
 
-    /// How many messages were dropped because the queue was full.
+    /// Returns how many messages were dropped because the queue was full.
     pub fn dropped(&self) -> u64 {
         self.kept.counts.dropped.load(Ordering::Relaxed)
     }
 
-    /// What has become of the messages that were not handed out.
+    /// Returns the counts of the messages that were not handed out.
     pub fn received(&self) -> SubscriptionCounts {
         let counts = &self.kept.counts;
         SubscriptionCounts {

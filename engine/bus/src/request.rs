@@ -10,18 +10,18 @@ use crossbeam_queue::ArrayQueue;
 use crate::deadline::later;
 use crate::{Notifier, Payload, SenderId, TraceContext};
 
-/// What is asked of a server.
+/// A request to a server.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Who calls.
+    /// Caller.
     pub origin: SenderId,
-    /// What is asked.
+    /// Argument of the operation.
     pub argument: Payload,
     /// After how long the caller gives up; the server does not begin after that.
     pub timeout: Duration,
-    /// Where the caller serves what the server has to say later, if it does (SCA `@Callback`).
+    /// Address at which the caller serves later results, if it does (SCA `@Callback`).
     pub callback: Option<Arc<str>>,
-    /// Its place in a trace, if its sender keeps traces.
+    /// Trace of the request; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
 }
 
@@ -37,14 +37,14 @@ impl Request {
         }
     }
 
-    /// The same, at a place in a trace.
+    /// Sets the trace that the request belongs to.
     #[must_use]
     pub fn within(mut self, trace: TraceContext) -> Self {
         self.trace = Some(trace);
         self
     }
 
-    /// The same, with the address where the caller can be called back.
+    /// Sets the address at which the caller can be called back.
     #[must_use]
     pub fn with_callback(mut self, address: impl Into<Arc<str>>) -> Self {
         self.callback = Some(address.into());
@@ -52,16 +52,16 @@ impl Request {
     }
 }
 
-/// Why a call has no answer.
+/// Reason why a call has no answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CallFailure {
-    /// The deadline passed.
+    /// No answer arrived before the deadline.
     #[error("no answer before the deadline")]
     Timeout,
-    /// Nobody serves there, nobody does any more, or too many requests wait.
+    /// No server is registered, it has left, or its queue is full.
     #[error("nobody is there to answer")]
     Unavailable,
-    /// The server refused.
+    /// The server answered with an error of the operation.
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The caller took it back.
@@ -69,19 +69,19 @@ pub enum CallFailure {
     Cancelled,
 }
 
-/// Why a server cannot do what was asked.
+/// Error answer of a server.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{code}: {detail}")]
 pub struct Refusal {
     /// One of the operation's fault codes.
     pub code: String,
-    /// For people.
+    /// Explanation for people.
     pub detail: String,
 }
 
 type CallResult = Result<Payload, CallFailure>;
 
-/// Where the answer to one call is left.
+/// Receives the answer to one call.
 struct ReplySlot {
     answer: Mutex<Option<CallResult>>,
     answered: AtomicBool,
@@ -107,7 +107,7 @@ impl ReplySlot {
     }
 }
 
-/// A call under way, at the caller. Dropping it gives the call up.
+/// An outgoing call in progress. Dropping it abandons the call.
 pub struct PendingCall {
     slot: Arc<ReplySlot>,
     deadline: Instant,
@@ -134,18 +134,18 @@ impl PendingCall {
         (Self { slot, deadline }, call, delivered)
     }
 
-    /// Takes the call back: it ends with [`CallFailure::Cancelled`], unless it has ended. A server that has not begun
-    /// does not begin any more.
+    /// Cancels the call: it ends with [`CallFailure::Cancelled`] unless it has already ended. A server that has not
+    /// started the request never starts it.
     pub fn cancel(&self) {
         self.slot.put(Err(CallFailure::Cancelled));
     }
 
-    /// Whether the deadline has passed.
+    /// Returns whether the deadline has passed.
     pub fn is_over(&self) -> bool {
         Instant::now() >= self.deadline
     }
 
-    /// How the call ended, if it has. Handed over once.
+    /// Takes the result, if the call has ended. Returns it once.
     pub fn try_take(&self) -> Option<CallResult> {
         if self.is_over() {
             self.slot.put(Err(CallFailure::Timeout));
@@ -158,7 +158,7 @@ impl PendingCall {
         answer.take()
     }
 
-    /// How the call ended, waiting for it: never longer than the deadline.
+    /// Waits for the result, at most until the deadline.
     pub fn wait(self) -> CallResult {
         loop {
             if let Some(answer) = self.try_take() {
@@ -171,17 +171,17 @@ impl PendingCall {
     }
 }
 
-/// A request, at the server. Dropping it unanswered tells the caller that nobody is there.
+/// A request at its server. Dropping it unanswered ends the call with [`CallFailure::Unavailable`].
 pub struct IncomingCall {
-    /// Who calls.
+    /// Caller.
     pub origin: SenderId,
-    /// What is asked.
+    /// Argument of the operation.
     pub argument: Payload,
-    /// When the caller gives up.
+    /// Instant at which the caller gives up.
     pub deadline: Instant,
-    /// Where the caller serves what comes later, if it does.
+    /// Address at which the caller serves later results, if it does.
     pub callback: Option<Arc<str>>,
-    /// Its place in a trace, if its sender keeps traces.
+    /// Trace of the request; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
     slot: Arc<ReplySlot>,
     one_way: bool,
@@ -197,7 +197,7 @@ impl DeliveryReceipt {
             .put(end.map(|()| Payload::of(asmotion_datum::Datum::Null)));
     }
 
-    /// Whether the sender still wants to know.
+    /// Returns whether the sender still waits for the receipt.
     pub fn is_awaited(&self) -> bool {
         Arc::strong_count(&self.0) > 1 && !self.0.answered.load(Ordering::Acquire)
     }
@@ -216,12 +216,12 @@ impl IncomingCall {
         }
     }
 
-    /// Whether the caller wants no answer.
+    /// Returns whether the caller expects no answer.
     pub fn is_one_way(&self) -> bool {
         self.one_way
     }
 
-    /// Answers. An answer that nobody waits for any more goes nowhere.
+    /// Answers the request. An answer that is no longer awaited is discarded.
     pub fn reply(self, result: Result<Payload, Refusal>) {
         self.end(result.map_err(CallFailure::Refused));
     }
@@ -231,7 +231,7 @@ impl IncomingCall {
         self.slot.put(answer);
     }
 
-    /// Whether the caller still waits.
+    /// Returns whether the caller still waits for an answer.
     pub fn is_awaited(&self) -> bool {
         let wanted = self.one_way
             || Arc::strong_count(&self.slot) > 1 && !self.slot.answered.load(Ordering::Acquire);
@@ -239,7 +239,7 @@ impl IncomingCall {
     }
 }
 
-/// Where requests wait for their server, for back ends.
+/// Queue of requests for one server, filled by back ends.
 pub struct AddressQueue {
     waiting: ArrayQueue<IncomingCall>,
     open: AtomicBool,
@@ -256,7 +256,10 @@ impl AddressQueue {
         })
     }
 
-    /// Leaves a request; one too many finds nobody. Says whether it was taken.
+    /// Appends a request.
+    ///
+    /// # Errors
+    /// [`CallFailure::Unavailable`] if the queue is full or its server has left. The call ends with the same failure.
     pub fn put(&self, call: IncomingCall) -> Result<(), CallFailure> {
         if !self.open.load(Ordering::Acquire) {
             call.end(Err(CallFailure::Unavailable));
@@ -282,14 +285,15 @@ impl AddressQueue {
     }
 }
 
-/// The server's end of an address. Dropping it ends the service: whoever waits learns that nobody is there.
+/// Server's end of an address. Dropping it ends the service and fails the waiting calls.
 pub struct ServedAddress {
     desk: Arc<AddressQueue>,
     leave: Option<Box<dyn FnOnce() + Send>>,
 }
 
 impl ServedAddress {
-    /// The server's end of a desk. `leave` is called when it is dropped, after which nobody waits any more.
+    /// Creates the server's end of a queue. `withdraw` is called when it is dropped, after the waiting calls have
+    /// failed.
     pub fn new(desk: Arc<AddressQueue>, leave: impl FnOnce() + Send + 'static) -> Self {
         Self {
             desk,
@@ -297,12 +301,12 @@ impl ServedAddress {
         }
     }
 
-    /// The next request that somebody still waits for, if one is there.
+    /// Takes the next request that is still awaited.
     pub fn try_next(&self) -> Option<IncomingCall> {
         std::iter::from_fn(|| self.desk.waiting.pop()).find(IncomingCall::is_awaited)
     }
 
-    /// The next request, waiting for it at the longest so long.
+    /// Takes the next request that is still awaited, waiting at most for `at_most`.
     pub fn next_within(&self, at_most: Duration) -> Option<IncomingCall> {
         let until = later(at_most);
         loop {
@@ -328,7 +332,7 @@ impl Drop for ServedAddress {
     }
 }
 
-/// Whoever drops a request will not answer it any more.
+/// A request that is dropped will not be answered.
 impl Drop for IncomingCall {
     fn drop(&mut self) {
         self.slot.put(Err(if Instant::now() < self.deadline {

@@ -8,9 +8,9 @@ use std::str::FromStr;
 /// A place in a trace: of all messages that follow from one, this one. Its text is that of the header `traceparent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TraceContext {
-    /// What all of them have. Not zero.
+    /// Trace id, shared by all messages of the trace. Not zero.
     pub id: u128,
-    /// This one. Not zero.
+    /// Span id of this message. Not zero.
     pub span: u64,
 }
 
@@ -20,7 +20,7 @@ impl fmt::Display for TraceContext {
     }
 }
 
-/// It is no `traceparent`.
+/// The text is not a W3C `traceparent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("it is no `traceparent` of W3C")]
 pub struct InvalidTraceparent;
@@ -57,7 +57,8 @@ pub struct SpanGenerator {
 }
 
 impl SpanGenerator {
-    /// Those of a component in a life of its process, on a topic or to an address.
+    /// Creates the generator of one sender, from its name, the number of its process's run, and the topic or address
+    /// it sends to.
     pub fn new(source: &str, incarnation: u64, to: &str) -> Self {
         let seed = [source.as_bytes(), &incarnation.to_le_bytes(), to.as_bytes()]
             .into_iter()

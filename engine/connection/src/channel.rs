@@ -8,18 +8,18 @@ use crate::store::Store;
 use crate::unsync::Unsync;
 use crate::{BufferKind, Pool, ring, triple};
 
-/// What became of a sample.
+/// Outcome of sending a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PushOutcome {
-    /// It lies where its reader finds it.
+    /// Stored for the reader.
     Stored,
     /// The new one did not fit.
     DroppedNewest,
-    /// It fits, an older one had to go.
+    /// Stored; an older sample was dropped for it.
     DroppedOldest,
 }
 
-/// The writing end.
+/// Writing end of a connection.
 pub struct Sender<T>(SenderKind<T>);
 
 enum SenderKind<T> {
@@ -28,7 +28,7 @@ enum SenderKind<T> {
     Shared(SharedBuffer<T>),
 }
 
-/// The reading end.
+/// Reading end of a connection.
 pub struct Receiver<T>(ReceiverKind<T>);
 
 enum ReceiverKind<T> {
@@ -76,7 +76,7 @@ impl<T> Sender<T> {
         Self(SenderKind::Shared(shared))
     }
 
-    /// Sends a sample.
+    /// Sends a sample; never blocks, except on a locked pool.
     #[inline(always)]
     pub fn send(&mut self, sample: T) -> PushOutcome {
         match &mut self.0 {
@@ -98,7 +98,7 @@ impl<T> Receiver<T> {
         Self(ReceiverKind::Shared(shared))
     }
 
-    /// Takes the oldest sample that is there; of a data connection, the newest.
+    /// Takes the oldest sample, or the newest one of a data connection.
     #[inline(always)]
     pub fn take(&mut self) -> Option<T> {
         match &mut self.0 {
@@ -108,7 +108,7 @@ impl<T> Receiver<T> {
         }
     }
 
-    /// Whether it is the last end: nobody writes any more.
+    /// Returns whether every other end is gone.
     pub fn is_abandoned(&self) -> bool {
         match &self.0 {
             ReceiverKind::Newest(reader) => reader.is_abandoned(),
@@ -117,7 +117,7 @@ impl<T> Receiver<T> {
         }
     }
 
-    /// How many samples there are to take now, at the most.
+    /// Upper bound of the number of samples that can be taken now.
     fn len(&mut self) -> usize {
         match &mut self.0 {
             ReceiverKind::Newest(_) => 1,
@@ -150,7 +150,7 @@ impl<T> SharedBuffer<T> {
                 None => PushOutcome::Stored,
                 Some(_) => PushOutcome::DroppedOldest,
             },
-            // What had to go is dropped when nobody waits for the lock any more.
+            // The displaced sample is dropped after the lock is released, since its destructor may be slow.
             Self::Locked(store) => {
                 let (delivery, gone) = locked(store).push(sample);
                 drop(gone);
@@ -204,7 +204,7 @@ impl<T> Clone for SharedBuffer<T> {
     }
 }
 
-/// A queue is whole between any two of its changes, whatever its users did.
+/// Locks the store. A poisoned lock is safe to use: every change leaves the queue consistent.
 fn locked<T>(store: &Mutex<Store<T>>) -> MutexGuard<'_, Store<T>> {
     store.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -213,7 +213,7 @@ fn locked<T>(store: &Mutex<Store<T>>) -> MutexGuard<'_, Store<T>> {
 mod tests {
     use super::*;
 
-    /// Every way there is to keep samples of a kind, with one writer and one reader.
+    /// All implementations for a kind of buffer, each with one writer and one reader.
     fn every_way(kind: BufferKind) -> [(Sender<u64>, Receiver<u64>); 4] {
         let ends = |pool: Pool<u64>| (pool.sender(), pool.receiver());
         [

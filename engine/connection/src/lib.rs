@@ -1,5 +1,5 @@
-//! How samples get from a writer to a reader: the newest one, or a queue of them (Orocos RTT's data, buffer and circular
-//! buffer).
+//! Transport of samples from a writer to a reader within a process: the newest sample, or a queue (Orocos RTT's data,
+//! buffer and circular buffer).
 //!
 //! A [`channel`] has one writer and one reader, and neither ever waits. A [`Pool`] has as many as want to share it, and
 //! keeps them apart by no lock, by a lock, or not at all where all run in one thread.

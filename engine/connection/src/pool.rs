@@ -1,4 +1,4 @@
-//! A pool: one queue that several writers and readers share. A sample goes to the reader that comes first.
+//! A pool is one queue shared by several writers and readers. Each sample goes to the first reader that takes it.
 
 use std::sync::{Arc, Mutex};
 
@@ -12,7 +12,7 @@ use crate::{BufferKind, Receiver, Sender};
 pub struct Pool<T>(pub(crate) SharedBuffer<T>);
 
 impl<T> Pool<T> {
-    /// Kept apart by no lock: nobody ever waits. (The newest sample alone is a circular buffer of one here.)
+    /// Creates a lock-free pool. (A data pool is a circular buffer of one sample.)
     pub fn lock_free(kind: BufferKind) -> Self {
         let queue = Arc::new(ArrayQueue::new(kind.size()));
         Self(match kind {
@@ -22,17 +22,17 @@ impl<T> Pool<T> {
         })
     }
 
-    /// Kept apart by a lock: whoever comes second waits (RTT LOCKED).
+    /// Creates a pool guarded by a lock, so that ends may wait for each other (RTT LOCKED).
     pub fn locked(kind: BufferKind) -> Self {
         Self(SharedBuffer::Locked(Arc::new(Mutex::new(Store::new(kind)))))
     }
 
-    /// Another writing end.
+    /// Creates another writing end.
     pub fn sender(&self) -> Sender<T> {
         Sender::shared(self.0.clone())
     }
 
-    /// Another reading end.
+    /// Creates another reading end.
     pub fn receiver(&self) -> Receiver<T> {
         Receiver::shared(self.0.clone())
     }

@@ -1,4 +1,4 @@
-//! The ring of a buffer connection: one writer, one reader, every value in its order, nobody ever waits.
+//! Ring buffer of a buffer connection: one writer, one reader, in order, wait-free.
 //!
 //! Both ends count what they have done since the beginning; a value's number, without its high bits, is its slot. Each
 //! end remembers how far it has last seen the other one, and looks again only when that does not suffice.
@@ -18,11 +18,11 @@ struct Padded<T>(T);
 struct Ring<T> {
     /// A power of two of them, so that counting may wrap around.
     slots: Box<[UnsafeCell<MaybeUninit<T>>]>,
-    /// How many values may lie in it.
+    /// Capacity in values.
     size: usize,
-    /// How many values have been written.
+    /// Number of values written since the beginning; stored by the writer.
     written: Padded<AtomicUsize>,
-    /// How many values have been taken.
+    /// Number of values taken since the beginning; stored by the reader.
     taken: Padded<AtomicUsize>,
 }
 
@@ -35,23 +35,23 @@ unsafe impl<T: Send> Sync for Ring<T> {}
 // SAFETY: as above; the ring owns its values.
 unsafe impl<T: Send> Send for Ring<T> {}
 
-/// The writing end.
+/// Writing end of the ring.
 pub(crate) struct RingWriter<T> {
     ring: Arc<Ring<T>>,
     written: usize,
-    /// At least so many have been taken.
+    /// Lower bound of the values taken: the last number read from the reader.
     taken: usize,
 }
 
-/// The reading end.
+/// Reading end of the ring.
 pub(crate) struct RingReader<T> {
     ring: Arc<Ring<T>>,
     taken: usize,
-    /// At least so many have been written.
+    /// Lower bound of the values written: the last number read from the writer.
     written: usize,
 }
 
-/// A new ring, empty, for so many values.
+/// Creates an empty ring for `size` values.
 pub(crate) fn ring<T>(size: usize) -> (RingWriter<T>, RingReader<T>) {
     let size = size.max(1);
     let slots = (0..size.next_power_of_two()).map(|_| UnsafeCell::new(MaybeUninit::uninit()));
@@ -126,12 +126,12 @@ impl<T> RingReader<T> {
         })
     }
 
-    /// Whether the writer is gone.
+    /// Returns whether the writer is gone.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.ring) == 1
     }
 
-    /// How many values lie there now.
+    /// Returns how many values can be taken now.
     pub(crate) fn len(&mut self) -> usize {
         self.written = self.ring.written.0.load(Ordering::Acquire);
         self.written.wrapping_sub(self.taken)

@@ -1,4 +1,4 @@
-//! What lies between writers and readers that take turns: a queue of bounded length.
+//! A queue of bounded length for writers and readers that take turns.
 
 use std::collections::VecDeque;
 
@@ -18,7 +18,7 @@ impl<T> Store<T> {
         }
     }
 
-    /// Appends a value. Gives back what had to go, for the caller to drop where nobody waits.
+    /// Appends a value. Returns the displaced value, so that the caller can drop it outside the lock.
     pub(crate) fn push(&mut self, value: T) -> (PushOutcome, Option<T>) {
         if self.queue.len() < self.kind.size() {
             self.queue.push_back(value);

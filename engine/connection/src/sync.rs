@@ -1,4 +1,4 @@
-//! What threads share, from the standard library; or from loom, which tries every interleaving.
+//! Synchronisation primitives of the standard library, or of loom, which tries every interleaving.
 
 #[cfg(not(feature = "loom"))]
 pub(crate) use std::sync::{Arc, atomic::AtomicU8, atomic::AtomicUsize};
@@ -12,7 +12,7 @@ pub(crate) use loom::{
 
 pub(crate) use std::sync::atomic::Ordering;
 
-/// A cell with loom's way in: a pointer to the content, for as long as a closure runs.
+/// The standard cell with loom's interface: the content is reached through a pointer for the duration of a closure.
 #[cfg(not(feature = "loom"))]
 pub(crate) struct UnsafeCell<T>(std::cell::UnsafeCell<T>);
 

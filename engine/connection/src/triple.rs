@@ -1,4 +1,4 @@
-//! The triple buffer of a data connection: one writer, one reader, the newest value, nobody ever waits.
+//! Triple buffer of a data connection: one writer, one reader, the newest value, wait-free.
 //!
 //! Three slots: the writer fills one, the reader empties one, the third lies between them. Each side hands over
 //! by exchanging its slot with the middle one in a single atomic swap. (Simpson's four-slot mechanism serves the
@@ -28,19 +28,19 @@ struct Slots<T> {
 // threads, never shared: `T: Send` suffices.
 unsafe impl<T: Send> Sync for Slots<T> {}
 
-/// The writing end.
+/// Writing end of the buffer.
 pub(crate) struct TripleWriter<T> {
     shared: Arc<Slots<T>>,
     slot: u8,
 }
 
-/// The reading end.
+/// Reading end of the buffer.
 pub(crate) struct TripleReader<T> {
     shared: Arc<Slots<T>>,
     slot: u8,
 }
 
-/// A new buffer, empty.
+/// Creates an empty buffer.
 pub(crate) fn triple<T>() -> (TripleWriter<T>, TripleReader<T>) {
     let shared = Arc::new(Slots {
         slots: [const { None }; 3].map(UnsafeCell::new),
@@ -54,20 +54,20 @@ pub(crate) fn triple<T>() -> (TripleWriter<T>, TripleReader<T>) {
 }
 
 impl<T> Slots<T> {
-    /// Reaches into a slot.
+    /// Calls `act` with the content of a slot.
     ///
     /// # Safety
     /// The slot is the caller's own: see the argument at `Sync`.
     unsafe fn with<R>(&self, slot: u8, act: impl FnOnce(&mut Option<T>) -> R) -> R {
         self.slots[usize::from(slot)].with_mut(|content| {
-            // SAFETY: the caller owns the slot, so nobody else refers to its content.
+            // SAFETY: the caller owns the slot, so no other reference to its content exists.
             act(unsafe { &mut *content })
         })
     }
 }
 
 impl<T> TripleWriter<T> {
-    /// Makes a value the newest one. Says whether it took the place of a value that nobody had read.
+    /// Publishes a value. Returns whether it replaced a value that was never read.
     pub(crate) fn write(&mut self, value: T) -> bool {
         // SAFETY: `self.slot` is the writer's own, and `&mut self` keeps other writers away.
         unsafe {
@@ -81,12 +81,12 @@ impl<T> TripleWriter<T> {
 }
 
 impl<T> TripleReader<T> {
-    /// Whether the writer is gone.
+    /// Returns whether the writer is gone.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.shared) == 1
     }
 
-    /// Takes the newest value, if it has not been taken yet.
+    /// Takes the newest value, unless it was taken before.
     pub(crate) fn take(&mut self) -> Option<T> {
         // Only the writer sets FRESH; a stale answer here is the same as having come a moment earlier.
         if self.shared.middle.load(Ordering::Relaxed) & FRESH == 0 {

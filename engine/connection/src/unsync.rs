@@ -1,4 +1,4 @@
-//! A cell without any guard, for those who share one thread (RTT UNSYNC).
+//! A cell without synchronisation, for ends that share one thread (RTT UNSYNC).
 #![allow(
     unsafe_code,
     reason = "the promise of one thread is the caller's, and argued where it is made"
@@ -21,7 +21,7 @@ struct UnsyncCell<T>(UnsafeCell<T>);
 unsafe impl<T: Send> Sync for UnsyncCell<T> {}
 
 impl<T> Unsync<T> {
-    /// The first share.
+    /// Creates the first share.
     ///
     /// # Safety
     /// This share and its clones are used by one thread; or, if they change to another one, all of them together, what
@@ -30,17 +30,18 @@ impl<T> Unsync<T> {
         Self(Arc::new(UnsyncCell(UnsafeCell::new(content))))
     }
 
-    /// Reaches the content. What `act` calls must not come back here: it moves values in and out, and drops none.
+    /// Calls `act` with the content. `act` must not reach this cell again: it moves values in and out, and drops
+    /// none.
     #[inline]
     pub(crate) fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R {
-        // SAFETY: no other thread is here, by the promise given to `new`; nor are we twice, as all callers are in
-        // `channel` and move values in and out of a `Store`, which calls nobody back.
+        // SAFETY: no other thread is here, by the promise given to `new`; and this call is not nested, since all
+        // callers are in `channel` and only move values in and out of a `Store`, which calls no foreign code.
         act(unsafe { &mut *self.0.0.get() })
     }
 }
 
 impl<T> Unsync<T> {
-    /// How many shares there are.
+    /// Returns the number of shares.
     pub(crate) fn shares(&self) -> usize {
         Arc::strong_count(&self.0)
     }

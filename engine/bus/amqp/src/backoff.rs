@@ -5,7 +5,7 @@ use std::time::Duration;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// How long to wait before the next attempt.
+/// Delays between connection attempts: growing, and jittered.
 pub(crate) struct Backoff {
     first: Duration,
     last: Duration,
@@ -24,7 +24,7 @@ impl Backoff {
         }
     }
 
-    /// It worked: begin anew.
+    /// Resets the delay after a successful attempt.
     pub(crate) fn reset(&mut self) {
         self.next = self.first;
     }

@@ -22,13 +22,14 @@ use crate::service::Services;
 use crate::wire::MessageSource;
 use crate::{AmqpSettings, subscriber, supervisor};
 
-/// What goes out and what comes in at once: with one, throughput is a third less.
+/// One worker for each direction; with a single one, throughput drops by a third.
 const WORKERS: usize = 2;
 
-/// Tells lives of one process apart.
+/// Distinguishes the buses of one process.
 static LIVES: AtomicU64 = AtomicU64::new(1);
 
-/// The bus over RabbitMQ. Dropping it sends what is under way, for a while, and closes its connections.
+/// The bus over RabbitMQ. Dropping it sends pending messages for a while
+/// ([`AmqpTiming::drain`](crate::AmqpTiming::drain)) and closes its connections.
 pub struct AmqpBus {
     link: Arc<Link>,
     names: RoutingNames,
@@ -86,7 +87,11 @@ impl AmqpBus {
         })
     }
 
-    /// A bus that is connected, or why it is not within so long. A wrong password is known at once.
+    /// Connects, and returns once the bus is connected.
+    ///
+    /// # Errors
+    /// [`BusError::Refused`] as soon as the broker rejects the credentials or the virtual host,
+    /// [`BusError::Disconnected`] if no connection is up after `within`.
     pub fn connect(settings: AmqpSettings, within: Duration) -> Result<Self, BusError> {
         let bus = Self::open(settings)?;
         let notifier = Arc::new(Notifier::new());
@@ -116,7 +121,7 @@ impl AmqpBus {
     }
 }
 
-/// When and where: no other bus has it.
+/// Creates a bus id from time, process and a counter, so that no other bus has it.
 fn life() -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let nanos = now.unwrap_or_default().as_nanos();
@@ -196,7 +201,7 @@ impl Bus for AmqpBus {
             return Err(BusError::Refused { reason });
         }
         Ok(inlet.subscription(move || {
-            // A task that has ended needs not be told.
+            // A task that has already ended needs no signal.
             let _ = leaving.send(());
         }))
     }

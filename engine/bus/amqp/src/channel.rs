@@ -10,31 +10,31 @@ use amqprs::{Ack, BasicProperties, Cancel, CloseChannel, Nack, Return};
 use async_trait::async_trait;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
-/// What the client's calls end with.
+/// Result of the AMQP client's calls.
 pub(crate) type AmqpResult<T> = Result<T, amqprs::error::Error>;
 
-/// What the broker says on a channel of its own accord.
+/// Messages that the broker sends on a channel of its own accord.
 #[derive(Debug)]
 pub(crate) enum BrokerEvent {
-    /// It has this publication, and all before it if `multiple`.
+    /// Confirms this publication, and all before it if `multiple`.
     Ack { tag: u64, multiple: bool },
-    /// It will not take it.
+    /// Rejects this publication, and all before it if `multiple`.
     Nack { tag: u64, multiple: bool },
-    /// Nobody reads where this one was to go.
+    /// Returns a mandatory publication that no queue received.
     Returned { message: Option<String> },
     /// A queue that we read is gone.
     Cancelled,
-    /// It has closed the channel.
+    /// The broker closed the channel.
     Closed { code: u16, reason: String },
 }
 
-/// What RabbitMQ closes a channel with when somebody else holds the queue alone.
+/// Reply code of a channel closed because another connection holds the queue exclusively.
 pub(crate) const LOCKED: u16 = 405;
 
 struct ChannelListener(UnboundedSender<BrokerEvent>);
 
 impl ChannelListener {
-    /// Whoever does not listen any more has left the channel.
+    /// Forwards an event. A receiver that is gone has left the channel.
     fn tell(&self, word: BrokerEvent) {
         let _ = self.0.send(word);
     }
@@ -86,8 +86,8 @@ impl ChannelCallback for ChannelListener {
     }
 }
 
-/// Lets a question to the broker come to its end, whatever becomes of who asked: the client's own tasks break when
-/// nobody is there to take an answer.
+/// Runs a call to the broker to completion even if the caller's future is dropped: the client's own tasks fail when
+/// nobody receives the reply.
 pub(crate) async fn to_the_end<T: Send + 'static>(
     question: impl Future<Output = AmqpResult<T>> + Send + 'static,
 ) -> AmqpResult<T> {
@@ -109,7 +109,7 @@ pub(crate) async fn open(
     .await
 }
 
-/// Lets the broker confirm what is published on a channel.
+/// Enables publisher confirms on a channel.
 pub(crate) async fn confirm(channel: &Channel) -> AmqpResult<()> {
     let channel = channel.clone();
     let confirm = ConfirmSelectArguments::new(false);
@@ -143,7 +143,8 @@ pub(crate) async fn purge(connection: &Connection, queue: &str) -> AmqpResult<()
     to_the_end(async move { channel.queue_purge(queue).await.map(drop) }).await
 }
 
-/// Deletes a queue that nobody will read any more. What cannot be deleted expires, or goes with its connection.
+/// Deletes a queue that has no reader any more. A queue that cannot be deleted expires, or disappears with its
+/// connection.
 pub(crate) async fn delete(channel: Channel, queue: &str) {
     let queue = QueueDeleteArguments::new(queue);
     let _ = to_the_end(async move {
@@ -153,13 +154,13 @@ pub(crate) async fn delete(channel: Channel, queue: &str) {
     .await;
 }
 
-/// Asks something harmless: its answer says that the broker has read everything before it on this channel.
+/// Sends a harmless request. Its reply proves that the broker has read everything sent before it on this channel.
 pub(crate) async fn barrier(channel: Channel) -> AmqpResult<()> {
     let any = BasicQosArguments::new(0, 0, false);
     to_the_end(async move { channel.basic_qos(any).await }).await
 }
 
-/// Why a call on the channel failed, in the broker's words if it had any.
+/// Returns why a call on the channel failed, with the broker's reason if it gave one.
 pub(crate) fn why(words: &mut UnboundedReceiver<BrokerEvent>) -> ChannelError {
     while let Ok(word) = words.try_recv() {
         if let BrokerEvent::Closed { code, reason } = word {
@@ -169,10 +170,10 @@ pub(crate) fn why(words: &mut UnboundedReceiver<BrokerEvent>) -> ChannelError {
     ChannelError::Lost
 }
 
-/// Why a channel is of no use any more.
+/// Reason why a channel is unusable.
 #[derive(Debug, Clone)]
 pub(crate) enum ChannelError {
-    /// The broker closed it.
+    /// The broker closed the channel.
     Closed { code: u16, reason: String },
     /// A queue was taken away.
     Cancelled,

@@ -1,21 +1,21 @@
-//! Messages that come again: after a resend or a redelivery each is handed on once, in its publisher's order.
+//! Filters duplicates: after a resend or a redelivery, each message is handed on once and in its publisher's order.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 
 use crate::wire::MessageIdentity;
 
-/// How many gaps of a stream are remembered: a message that comes later than so many others is taken for new.
+/// Limit of remembered gaps per stream. An older message that fills a forgotten gap counts as a duplicate.
 const GAPS: usize = 1024;
-/// How many streams are remembered.
+/// Limit of remembered streams.
 const STREAMS: usize = 4096;
-/// How many message ids of strangers are remembered.
+/// Limit of remembered message ids of foreign publishers.
 const NAMES: usize = 8192;
 
-/// What is known of the messages that have come.
+/// Sequence numbers and message ids seen so far.
 #[derive(Default)]
 pub(crate) struct DuplicateFilter {
     streams: HashMap<String, MessageStream>,
-    /// When each stream was last heard, oldest first.
+    /// Streams by the time of their last message, oldest first.
     heard: BTreeMap<u64, String>,
     now: u64,
     names: HashSet<String>,
@@ -25,13 +25,13 @@ pub(crate) struct DuplicateFilter {
 
 struct MessageStream {
     highest: u64,
-    /// Numbers below the highest that have not come.
+    /// Numbers below the highest that have not arrived.
     gaps: BTreeSet<u64>,
     heard: u64,
 }
 
 impl DuplicateFilter {
-    /// Whether a message comes for the first time. Where it says nothing of itself it does.
+    /// Returns whether a message arrives for the first time. A message without identity always counts as new.
     pub(crate) fn is_new(&mut self, identity: MessageIdentity) -> bool {
         match identity {
             MessageIdentity::Numbered { stream, sequence } => self.is_new_in(stream, sequence),
@@ -40,7 +40,7 @@ impl DuplicateFilter {
         }
     }
 
-    /// How many messages have never come, as far as the numbers of later ones tell.
+    /// Returns how many messages are missing, judging by the numbers of later ones.
     pub(crate) fn missed(&self) -> u64 {
         self.missed
     }

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use crate::channel::ChannelError;
 
-/// Tells once how the first declaration ended.
+/// Reports the outcome of a task's first declaration to the thread that started the task, once.
 pub(crate) struct FirstDeclaration(Option<SyncSender<Result<(), ChannelError>>>);
 
 impl FirstDeclaration {
@@ -14,7 +14,8 @@ impl FirstDeclaration {
         (Self(Some(tell)), told)
     }
 
-    /// Tells, if it has not yet. Says whether the end is final: who is refused at once, and hears it, does not try again.
+    /// Reports the outcome, unless one was reported before. Returns whether the outcome is final: a refusal that
+    /// reached the waiting thread is not retried.
     pub(crate) fn tell(&mut self, end: Result<(), ChannelError>) -> bool {
         let refused = matches!(end, Err(ChannelError::Closed { .. }));
         match self.0.take() {

@@ -1,7 +1,7 @@
-//! The link to the broker: its connections, its health, and who uses it.
+//! The link to the broker: its connections, its health, and the tasks that use it.
 //!
-//! Publishers and consumers have a connection each: a broker short of memory stops reading from those who publish, and
-//! what comes in shall come in all the same.
+//! Publishers and consumers have a connection each: a broker short of memory stops reading from connections that
+//! publish, and incoming messages must not be affected.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -15,13 +15,14 @@ use tokio::time::timeout;
 
 use crate::{AmqpSettings, BusNotice, channel};
 
-/// How long to wait where the link is not at fault.
+/// Pause before a retry on a healthy link.
 const REST: Duration = Duration::from_millis(500);
-/// How long a goodbye may take.
+/// Time limit for an orderly close.
 const GOODBYE: Duration = Duration::from_secs(1);
 /// The client never uses the number of a channel again that the broker has closed, and has 2047 of them.
 const REFUSALS: usize = 1000;
-/// So many short lives in a row, with a broker that is there each time, are no accident.
+/// Number of consecutive short-lived connections, each to a responding broker, after which a waiting message is
+/// suspected of crashing the client.
 const POISON: usize = 8;
 
 /// The two connections of one life of the link.
@@ -30,14 +31,14 @@ pub(crate) struct ConnectionPair {
     pub consumers: Connection,
 }
 
-/// What tasks see of the link.
+/// State of the link as its tasks see it.
 #[derive(Clone, Default)]
 pub(crate) struct LinkStatus {
     /// The connections, if there are any.
     pub pair: Option<Arc<ConnectionPair>>,
-    /// Whether the broker takes nothing.
+    /// Whether the broker accepts no messages.
     pub blocked: bool,
-    /// Whether the bus is being closed.
+    /// Whether the bus is closing.
     pub closing: bool,
 }
 
@@ -48,19 +49,19 @@ impl LinkStatus {
     }
 }
 
-/// The link, for everybody in the bus.
+/// The link, shared by the bus and all its tasks.
 pub(crate) struct Link {
     pub settings: AmqpSettings,
     state: watch::Sender<LinkStatus>,
     health: Mutex<Health>,
     watchers: Mutex<Vec<Weak<Notifier>>>,
-    /// How many tasks use the link.
+    /// Number of tasks that use the link.
     crew: watch::Sender<usize>,
-    /// How many channels the broker has closed on these connections.
+    /// Number of channels that the broker has closed on the current connections.
     refusals: AtomicUsize,
-    /// So many that new connections are due.
+    /// Notified when `refusals` reaches its limit and new connections are needed.
     worn: Notify,
-    /// How many lives of the link in a row have broken in reading as soon as they had begun.
+    /// Number of consecutive connections that failed while reading shortly after they were opened.
     short_lives: AtomicUsize,
 }
 
@@ -136,7 +137,7 @@ impl Link {
         (self.settings.notices)(&notice);
     }
 
-    /// Ends the supervisor and everybody who uses the link.
+    /// Ends the supervisor and all tasks that use the link.
     pub(crate) fn close(&self) {
         self.state.send_modify(|state| state.closing = true);
     }
@@ -190,7 +191,7 @@ impl Link {
         self.short_lives.store(now, Ordering::Relaxed);
     }
 
-    /// Whether some message waiting for us seems to break the client whenever it comes.
+    /// Returns whether a waiting message seems to crash the client each time it is delivered.
     pub(crate) fn is_poisoned(&self) -> bool {
         self.short_lives.load(Ordering::Relaxed) >= POISON
     }
@@ -212,7 +213,7 @@ impl Link {
         self.note(BusNotice::Connected { broker });
     }
 
-    /// They are of no use any more.
+    /// Removes the current connections and returns them.
     pub(crate) fn end(&self) -> Option<Arc<ConnectionPair>> {
         let mut ended = None;
         self.state.send_modify(|state| {
@@ -222,13 +223,13 @@ impl Link {
         ended
     }
 
-    /// Waits until nobody uses the link any more; for whoever has not said goodbye by then no longer.
+    /// Waits until no task uses the link, at most for [`GOODBYE`].
     pub(crate) async fn deserted(&self) {
         let mut crew = self.crew.subscribe();
         let _ = timeout(GOODBYE, crew.wait_for(|crew| *crew == 0)).await;
     }
 
-    /// Says how it is, to those who ask and to those who listen.
+    /// Publishes a new state: sets the health and notifies the watchers.
     pub(crate) fn announce(&self, link: asmotion_bus::LinkState) {
         let mut health = self.health.lock().unwrap_or_else(PoisonError::into_inner);
         if health.link == link {
@@ -259,7 +260,7 @@ impl Link {
 }
 
 impl ConnectionPair {
-    /// Says goodbye, to whom still listens.
+    /// Closes both connections in order, if the broker still responds.
     pub(crate) async fn hang_up(&self) {
         let (publishers, consumers) = (self.publishers.clone(), self.consumers.clone());
         let both = channel::to_the_end(async move {

@@ -2,10 +2,10 @@
 
 use asmotion_bus::{BusError, Pattern};
 
-/// What a short string of AMQP holds.
+/// Length limit of an AMQP short string, in bytes.
 pub(crate) const LONGEST: usize = 255;
 
-/// How names become keys: below the robot's, if there is one.
+/// Maps names to routing keys: prefixed with the robot's name, if there is one.
 #[derive(Debug, Clone)]
 pub(crate) struct RoutingNames {
     robot: Option<String>,
@@ -46,8 +46,8 @@ impl RoutingNames {
         own.unwrap_or(key)
     }
 
-    /// The name of a subscription's queue, as operators look for it: the process, the robot, who reads there what. At
-    /// its end stands what makes it one's own; what comes before is cut to leave room for it.
+    /// Returns the queue name of a subscription, as operators see it: process, robot, reader, pattern, and a suffix
+    /// that makes it unique. The readable part is truncated to leave room for the suffix.
     pub(crate) fn queue(&self, reader: &str, pattern: &Pattern, number: u64) -> String {
         let mut name = self.process.clone();
         for word in self

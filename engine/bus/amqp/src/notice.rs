@@ -1,4 +1,4 @@
-//! What a bus has to say that no call returns: for a log.
+//! Events of a bus that no call returns, for a log.
 
 use std::fmt;
 
@@ -7,37 +7,37 @@ use std::fmt;
 pub enum BusNotice {
     /// Connected, with everything declared again.
     Connected {
-        /// The broker's address.
+        /// Address of the broker.
         broker: String,
     },
     /// No connection any more, or still none.
     Disconnected {
-        /// Why.
+        /// Cause, for display.
         reason: String,
     },
     /// The broker takes nothing from us.
     Blocked,
-    /// It does again.
+    /// The broker accepts messages again.
     Unblocked,
     /// The broker closed a channel, or took a queue away. It is made again.
     Refused {
         /// The topic, pattern or address.
         what: String,
-        /// Why.
+        /// Cause, in the broker's words.
         reason: String,
     },
     /// A message that cannot be read.
     Unreadable {
-        /// Its topic or address.
+        /// Topic or address of the message.
         what: String,
-        /// What is wrong with it.
+        /// Decoding error.
         reason: String,
     },
-    /// A message of ours that cannot be written.
+    /// A message could not be encoded.
     Unwritable {
-        /// Its topic or address.
+        /// Topic or address of the message.
         what: String,
-        /// What is wrong with it.
+        /// Encoding error.
         reason: String,
     },
 }

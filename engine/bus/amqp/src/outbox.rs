@@ -1,4 +1,4 @@
-//! A publisher's outbox: what waits, what is under way, and what has become of the rest.
+//! Outbox of a publisher: messages that wait, messages in flight, and the counts of the rest.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -6,14 +6,14 @@ use std::sync::Arc;
 use amqprs::BasicProperties;
 use asmotion_bus::{Assurance, Outage, Payload, PublishOptions, PublisherCounts, TraceContext};
 
-/// How many messages may wait while the link is open: a burst, not an outage.
+/// Capacity of the queue while the link is open: absorbs a burst, not an outage.
 const BURST: usize = 4096;
-/// How many messages may be under way.
+/// Limit of messages in flight.
 const WINDOW: usize = 512;
-/// How many bytes may be under way.
+/// Limit of bytes in flight.
 const WINDOW_BYTES: usize = 2 << 20;
 
-/// A message of ours.
+/// A message of this publisher, not yet encoded.
 #[derive(Clone)]
 pub(crate) struct OutgoingMessage {
     pub sequence: u64,
@@ -22,7 +22,7 @@ pub(crate) struct OutgoingMessage {
     pub trace: TraceContext,
 }
 
-/// What a message has become once it is written; kept until it is known to have arrived.
+/// An encoded message; kept until its delivery is confirmed.
 #[derive(Clone)]
 pub(crate) struct EncodedMessage {
     pub properties: Box<BasicProperties>,
@@ -36,7 +36,7 @@ struct UnconfirmedMessage {
     written: Option<EncodedMessage>,
 }
 
-/// A publisher's outbox.
+/// Outbox of one publisher, shared by its handle and its task.
 pub(crate) struct PublisherOutbox {
     sending: PublishOptions,
     waiting: VecDeque<OutgoingMessage>,
@@ -45,7 +45,7 @@ pub(crate) struct PublisherOutbox {
     /// In the order of their tags.
     underway: VecDeque<UnconfirmedMessage>,
     underway_bytes: usize,
-    /// How many go one by one, to find out which of them the broker refuses.
+    /// Number of messages to send one by one, to find the one that the broker refuses.
     careful: usize,
     pub sent: PublisherCounts,
     /// The last message that was put in, where it is kept.
@@ -56,7 +56,7 @@ pub(crate) struct PublisherOutbox {
 pub(crate) enum NextToSend {
     /// A message that has not been written yet.
     Fresh(OutgoingMessage),
-    /// One that goes again.
+    /// A message that is sent again.
     Again(EncodedMessage),
 }
 
@@ -78,7 +78,8 @@ impl PublisherOutbox {
         self.sending.assurance == Assurance::Confirmed
     }
 
-    /// Takes a message in, if the policy does. What is dropped is counted.
+    /// Enqueues a message, if the outage policy permits. Returns whether it was accepted; dropped messages are
+    /// counted.
     pub(crate) fn put(&mut self, item: OutgoingMessage, open: bool) -> bool {
         self.sent.published += 1;
         if self.sending.init {
@@ -106,7 +107,7 @@ impl PublisherOutbox {
         }
     }
 
-    /// Takes the last message in again, if it is kept and does not wait already. Says whether it has.
+    /// Enqueues the retained message again, unless it is still waiting. Returns whether it was enqueued.
     pub(crate) fn repeat(&mut self, open: bool) -> bool {
         let waits =
             |last: &OutgoingMessage| (self.waiting.iter()).any(|one| one.sequence == last.sequence);
@@ -116,7 +117,7 @@ impl PublisherOutbox {
         }
     }
 
-    /// The link has closed: what must not wait for it goes.
+    /// Drops the messages that the outage policy does not keep while the link is closed.
     pub(crate) fn close(&mut self) {
         let kept = match self.sending.outage {
             Outage::Drop => 0,
@@ -129,7 +130,7 @@ impl PublisherOutbox {
         }
     }
 
-    /// The next to send, if there is room under way.
+    /// Returns the next message to send, if the window has room.
     pub(crate) fn next(&mut self) -> Option<NextToSend> {
         let window = if self.careful > 0 { 1 } else { WINDOW };
         if self.underway.len() >= window || self.underway_bytes > WINDOW_BYTES {
@@ -139,7 +140,7 @@ impl PublisherOutbox {
         again.or_else(|| self.waiting.pop_front().map(NextToSend::Fresh))
     }
 
-    /// Something is sent: what goes on the wire, and is kept if it may have to go again.
+    /// Records a sent message. Returns it for publishing, and keeps a copy if it may have to be sent again.
     pub(crate) fn went(&mut self, tag: u64, written: EncodedMessage) -> EncodedMessage {
         let size = written.bytes.len();
         self.underway_bytes += size;
@@ -152,12 +153,12 @@ impl PublisherOutbox {
         written
     }
 
-    /// Something could not be sent: it is the next again.
+    /// Puts back a message that could not be sent, as the next one.
     pub(crate) fn stayed(&mut self, written: EncodedMessage) {
         self.again.push_front(written);
     }
 
-    /// These have arrived.
+    /// Marks messages as delivered.
     pub(crate) fn arrived(&mut self, tag: u64, multiple: bool) {
         self.sent.arrived += self.settle(tag, multiple);
     }
@@ -181,8 +182,9 @@ impl PublisherOutbox {
         count as u64
     }
 
-    /// The channel is gone, and with it what is known of those under way. Confirmed ones go again, in order; of others
-    /// nobody knows. If the broker `refused` one of them, they go one by one; and one that went alone was it.
+    /// Handles the loss of the channel. Confirmed messages in flight are sent again in order; the fate of others is
+    /// unknown, and they count as lost. If the broker `refused` one of them, they are sent one by one until the
+    /// refused message is alone.
     pub(crate) fn broke(&mut self, refused: bool) {
         self.underway_bytes = 0;
         let count = self.underway.len();
@@ -212,7 +214,7 @@ impl PublisherOutbox {
         self.sent.dropped += 1;
     }
 
-    /// The bus is closed: nothing goes any more.
+    /// Drops everything when the bus closes.
     pub(crate) fn give_up(&mut self) {
         self.broke(false);
         let left = self.waiting.len() + self.again.len();

@@ -26,7 +26,7 @@ const FRAME_END: u8 = 0xCE;
 /// No frame of a handshake is longer.
 const LONGEST_FRAME: u32 = 1 << 20;
 
-/// Why the broker does not let us in.
+/// Reason why the broker rejects a connection.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ProbeError {
     #[error("{0}")]
@@ -45,7 +45,10 @@ struct Method {
     arguments: Vec<u8>,
 }
 
-/// Asks whether we may come in; through a connector, if the link is encrypted.
+/// Opens a trial connection, through `connector` if the link is encrypted.
+///
+/// # Errors
+/// The reason why the broker is unreachable or rejects the credentials or the virtual host.
 pub(crate) async fn knock(
     settings: &AmqpSettings,
     connector: Option<&TlsConnector>,
@@ -98,7 +101,7 @@ fn start_ok(settings: &AmqpSettings) -> Vec<u8> {
     arguments
 }
 
-/// A short string; longer ones were refused where they came in.
+/// Encodes a short string. Settings with longer strings were rejected earlier.
 fn short(text: &str) -> Vec<u8> {
     let length = u8::try_from(text.len()).unwrap_or(u8::MAX);
     let mut bytes = vec![length];
@@ -127,7 +130,7 @@ async fn send(
     stream.write_all(&frame).await
 }
 
-/// The method that is due; or why it does not come.
+/// Reads the expected method, or the reason why the broker closes instead.
 async fn expect(
     stream: &mut (impl AsyncRead + AsyncWrite + Unpin),
     due: u16,

@@ -1,8 +1,8 @@
 //! A publisher: its handle in the component's thread, and its task, which owns a channel.
 //!
-//! What is known to have arrived is known in one of two ways. Confirmed messages are each confirmed by the broker. Others
-//! have a barrier behind them now and then: a question on the same channel, whose answer says that all before it was
-//! read. Either way no more is under way than the outbox's window.
+//! Delivery is known in one of two ways. Confirmed messages are each confirmed by the broker. Behind others, the task
+//! sets a barrier now and then: a request on the same channel, whose reply proves that everything before it was read.
+//! In both cases the messages in flight are limited to the outbox's window.
 
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,19 +23,19 @@ use crate::link::{ConnectionPair, Link};
 use crate::outbox::{EncodedMessage, NextToSend, OutgoingMessage, PublisherOutbox};
 use crate::wire::MessageSource;
 
-/// A barrier is set behind so many messages,
+/// Number of unconfirmed messages after which a barrier is set.
 const BARRIER: u64 = 256;
-/// or after so long.
+/// Time after which a barrier is set behind fewer messages.
 const BARRIER_AFTER: Duration = Duration::from_millis(250);
-/// How long to let a refused channel be.
+/// Pause after the broker refused a channel.
 const REFUSED_REST: Duration = Duration::from_millis(200);
 
-/// What a publisher's handle and its task share.
+/// State shared by a publisher's handle and its task.
 pub(crate) struct PublisherShared {
     outbox: Mutex<PublisherOutbox>,
-    /// There is something to send, or nobody to send it any more.
+    /// Notified when there is a message to send, or the handle is dropped.
     wake: Notify,
-    /// The handle is gone.
+    /// Set when the handle is dropped; the task ends once everything is delivered.
     left: AtomicBool,
 }
 
@@ -59,13 +59,13 @@ impl PublisherShared {
         }
     }
 
-    /// How many messages still wait or are under way.
+    /// Returns how many messages are still queued or in flight.
     pub(crate) fn open(&self) -> u64 {
         self.outbox().sent.open()
     }
 }
 
-/// The handle.
+/// Handle of a publisher, used in the component's thread.
 pub(crate) struct AmqpPublisher {
     pub link: Arc<Link>,
     pub lane: Arc<PublisherShared>,
@@ -111,7 +111,7 @@ impl Drop for AmqpPublisher {
     }
 }
 
-/// The task.
+/// Task of a publisher, run by the bus thread.
 pub(crate) struct PublisherTask {
     pub link: Arc<Link>,
     pub lane: Arc<PublisherShared>,
@@ -119,7 +119,7 @@ pub(crate) struct PublisherTask {
     pub author: MessageSource,
 }
 
-/// What a session on one channel keeps.
+/// State of one channel.
 struct PublisherSession {
     channel: Channel,
     words: UnboundedReceiver<BrokerEvent>,
@@ -128,7 +128,7 @@ struct PublisherSession {
     tag: u64,
     /// The last tag that a barrier covers.
     covered: u64,
-    /// When those after it shall have a barrier behind them.
+    /// Time at which the messages after it need a barrier.
     barrier_due: Instant,
     barrier: Option<Pin<Box<dyn Future<Output = AmqpResult<()>> + Send>>>,
 }
@@ -285,7 +285,7 @@ impl PublisherSession {
         })
     }
 
-    /// Whether there are messages that nothing will tell of.
+    /// Returns whether there are messages whose delivery nothing will report.
     fn may_set_barrier(&self) -> bool {
         !self.confirmed && self.barrier.is_none() && self.tag > self.covered
     }

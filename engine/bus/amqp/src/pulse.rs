@@ -1,8 +1,9 @@
 //! The pulse: whether the broker is there, and takes messages.
 //!
-//! A client that does not announce it never hears `connection.blocked`, and heartbeats notice a dead peer after twice
-//! their interval. So each connection has a pulse. The publishers' is a publication that goes nowhere and is confirmed:
-//! a broker that takes nothing does not confirm it. The consumers' is a question.
+//! A client that does not announce the capability never receives `connection.blocked`, and heartbeats detect a dead
+//! peer only after twice their interval. Each connection is therefore probed. The publishers' connection sends a
+//! message that is routed nowhere and must be confirmed: a blocked broker does not confirm it. The consumers'
+//! connection sends a request and awaits its reply.
 
 use std::time::{Duration, Instant};
 
@@ -53,12 +54,12 @@ pub(crate) async fn feel(link: &Link, pair: &ConnectionPair) -> String {
     }
 }
 
-/// The publishers' pulse.
+/// Probe of the publishers' connection.
 struct PublisherPulse {
     channel: Channel,
     words: UnboundedReceiver<BrokerEvent>,
     exchange: String,
-    /// Since when the last beat waits for its echo.
+    /// Start of the wait for the last probe's confirmation.
     waiting: Option<Instant>,
     /// Without permission to publish there is no pulse.
     possible: bool,
@@ -107,10 +108,10 @@ impl PublisherPulse {
     }
 }
 
-/// The consumers' pulse.
+/// Probe of the consumers' connection.
 struct ConsumerPulse {
     channel: Channel,
-    /// Since when the last question waits for its answer.
+    /// Start of the wait for the last probe's reply.
     waiting: Option<Instant>,
     answers: UnboundedReceiver<()>,
     answered: UnboundedSender<()>,

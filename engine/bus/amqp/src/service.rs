@@ -1,9 +1,10 @@
 //! Services: requests to an address, answered once, by their deadline or not at all.
 //!
-//! A request goes through the direct exchange to the queue of its address, mandatory: where nobody serves, the broker
-//! returns it at once. The answer comes over RabbitMQ's direct reply-to. While a call is open its caller asks now and
-//! then whether it is still known; a provider that is gone or has forgotten it ends the call before its deadline. When
-//! the link breaks, open calls are sent again with their ids, and providers execute an id once.
+//! A request goes through the direct exchange to the queue of its address and is mandatory: the broker returns it
+//! immediately if no server is registered. The answer uses RabbitMQ's direct reply-to. While a call is open, its
+//! caller asks periodically whether the provider still knows it; a provider that is gone or has forgotten the call
+//! ends it before its deadline. After a broken link, open calls are sent again with their ids, and providers execute
+//! an id once.
 
 mod caller;
 mod message;
@@ -29,7 +30,7 @@ use crate::link::Link;
 use crate::names::{RoutingNames, short};
 use caller::{AwaitedReply, OpenCall};
 
-/// How long a server that leaves waits for the broker to have forgotten it.
+/// Time that a leaving server waits for the broker to free its address.
 const FAREWELL: Duration = Duration::from_secs(2);
 
 /// The services' side of a bus.
@@ -165,7 +166,7 @@ impl Services {
         })
     }
 
-    /// Without a link nobody is there.
+    /// Starts a call. Without a link it fails immediately.
     fn open(&self, message: message::OutgoingRequest, wait: AwaitedReply) {
         if !self.link.is_connected() {
             return wait.end(Err(CallFailure::Unavailable));

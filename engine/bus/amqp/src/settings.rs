@@ -1,4 +1,4 @@
-//! What a bus needs to know: the broker, who we are, and how patient to be.
+//! Settings of a bus: broker, credentials, timing.
 
 use std::fmt;
 use std::path::Path;
@@ -11,33 +11,34 @@ use crate::{BusNotice, TlsSettings};
 /// Everything a bus needs to know.
 #[derive(Clone)]
 pub struct AmqpSettings {
-    /// The broker's host.
+    /// Host name or address of the broker.
     pub host: String,
-    /// The broker's port.
+    /// TCP port of the broker (AMQP: 5672, AMQPS: 5671).
     pub port: u16,
     /// The virtual host, one for a robot or a cell.
     pub vhost: String,
-    /// How the link is encrypted; not at all, if this is absent.
+    /// Encryption; `None` for a plain connection.
     pub tls: Option<TlsSettings>,
-    /// Who we are to the broker.
+    /// Credentials for the broker.
     pub credentials: Credentials,
-    /// Whose topics these are: keys are `<robot>.<topic>`. Without, topics are whole keys, as tools like them.
+    /// Robot name, used as the routing-key prefix: keys are `<robot>.<topic>`. Without it, topics are complete keys,
+    /// as tools need them.
     pub robot: Option<String>,
     /// The process, as operators see it among the connections and queues.
     pub process: String,
-    /// The topic exchange.
+    /// Name of the topic exchange.
     pub exchange: String,
-    /// Which clock stamps the messages, `wall:rover1`.
+    /// Name of the clock that stamps the messages, for example `wall:rover1`.
     pub clock: String,
     /// Decides the jitter of reconnecting.
     pub seed: u64,
-    /// How patient to be.
+    /// Intervals and time limits.
     pub timing: AmqpTiming,
-    /// Who hears the [`BusNotice`]s. Called from the bus' thread; must not take long.
+    /// Receives the bus's [`BusNotice`]s. Called in the bus thread; must return quickly.
     pub notices: Arc<dyn Fn(&BusNotice) + Send + Sync>,
 }
 
-/// How patient a bus is.
+/// Intervals and time limits of a bus.
 #[derive(Debug, Clone, Copy)]
 pub struct AmqpTiming {
     /// Limit of connecting, as a whole.
@@ -46,17 +47,17 @@ pub struct AmqpTiming {
     pub heartbeat: u16,
     /// The first wait before connecting again.
     pub first_retry: Duration,
-    /// The longest.
+    /// Longest delay between connection attempts.
     pub last_retry: Duration,
-    /// How often to ask whether the broker is there and takes messages.
+    /// Interval of the liveness probes.
     pub pulse: Duration,
-    /// How long it may take to answer before we say so.
+    /// Time without a reply after which the broker is reported as not responding.
     pub silent: Duration,
-    /// How long before we give the connection up.
+    /// Time without a reply after which the connection is closed.
     pub dead: Duration,
-    /// How long the broker keeps the queue of events of a client that is gone.
+    /// Time that the broker keeps the event queue of a disconnected client.
     pub remembered: Duration,
-    /// How long to wait for what is under way when the bus is closed.
+    /// Time limit for sending pending messages when the bus closes.
     pub drain: Duration,
 }
 
@@ -84,7 +85,7 @@ pub struct Credentials {
 }
 
 impl Credentials {
-    /// A user and a password.
+    /// Creates credentials from a user name and a password.
     pub fn new(user: impl Into<String>, password: impl Into<String>) -> Self {
         Self {
             user: user.into(),
@@ -118,7 +119,7 @@ impl Credentials {
         }
     }
 
-    /// The user.
+    /// Returns the user name.
     pub fn user(&self) -> &str {
         &self.user
     }
@@ -134,27 +135,27 @@ impl fmt::Debug for Credentials {
     }
 }
 
-/// Why an address or credentials cannot be used. It shows no password.
+/// Error in a broker address or its credentials. Never contains the password.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AddressError {
     /// Not `amqp://user:password@host:port/vhost`.
     #[error("a broker's address is `amqp://user:password@host:port/vhost`: {reason}")]
     Address {
-        /// What is wrong with it.
+        /// Part that is wrong.
         reason: &'static str,
     },
-    /// A variable is not set.
+    /// A referenced environment variable is not set.
     #[error("the environment has no variable `{name}`")]
     Variable {
-        /// Which.
+        /// Name of the variable.
         name: String,
     },
-    /// A file cannot be read.
+    /// A credentials file cannot be read.
     #[error("no credentials in `{path}`: {reason}")]
     File {
-        /// Which.
+        /// Path of the file.
         path: String,
-        /// Why.
+        /// Error of the operating system.
         reason: String,
     },
 }
@@ -208,7 +209,7 @@ impl AmqpSettings {
         })
     }
 
-    /// Where the broker is, without who we are.
+    /// Returns the broker's address without credentials.
     pub fn place(&self) -> String {
         format!("{}:{}/{}", self.host, self.port, self.vhost)
     }

@@ -1,8 +1,9 @@
 //! A subscription: a task that owns a channel and a queue, and fills the reader's end.
 //!
-//! The reader's end bounds, conflates and counts; the broker's queue does the same for what has not come so far. A state
-//! has a queue of length 1, and one message under way at a time: only so is the newest the next. Events have a durable
-//! queue of their own name, which outlives a restart of the broker and a broken connection.
+//! The reader's queue bounds, conflates and counts; the broker's queue does the same for messages not yet delivered.
+//! A state topic has a queue of length 1 and at most one unacknowledged message, so that the newest message is always
+//! the next. Event topics have a durable queue with its own name, which survives a restart of the broker and a broken
+//! connection.
 
 use std::pin::pin;
 use std::sync::Arc;
@@ -25,15 +26,15 @@ use crate::link::{ConnectionPair, Link};
 use crate::names::RoutingNames;
 use crate::wire::{self, Headers};
 
-/// How many events may be under way to us,
+/// Limit of unacknowledged events.
 const PREFETCH: u16 = 1024;
 /// and how many are taken at once.
 const TAKEN: usize = 64;
-/// How long an event waits to be acknowledged, with those after it: whoever acts on it goes first.
+/// Delay before an event is acknowledged together with later ones, so that handling it is not delayed.
 const ACKNOWLEDGED_AFTER: Duration = Duration::from_millis(1);
-/// So many do not wait.
+/// Number of unacknowledged events at which the acknowledgement is sent immediately.
 const OWED: u64 = 256;
-/// How long to wait before a queue is made again.
+/// Pause before a queue is declared again.
 const REST: Duration = Duration::from_millis(100);
 
 /// The task of a subscription.
@@ -41,24 +42,24 @@ pub(crate) struct SubscriberTask {
     pub link: Arc<Link>,
     pub names: RoutingNames,
     pub pattern: Pattern,
-    /// The binding key.
+    /// Binding key on the topic exchange.
     pub binding: String,
-    /// The queue's name.
+    /// Name of the queue at the broker.
     pub queue: String,
     pub policy: QueuePolicy,
     pub inlet: SubscriptionSender,
     /// Resolved when the subscription is dropped.
     pub leave: oneshot::Receiver<()>,
-    /// Told how the first declaration ended.
+    /// Receives the outcome of the first declaration.
     pub ready: FirstDeclaration,
 }
 
-/// What is handed on and not acknowledged, by the tags of its channel.
+/// Delivery tags handed on but not yet acknowledged.
 #[derive(Default)]
 struct PendingAcknowledgement {
     last: u64,
     paid: u64,
-    /// When it is to be acknowledged.
+    /// Time at which the acknowledgement is sent.
     due: Option<Instant>,
 }
 
@@ -163,7 +164,8 @@ impl SubscriberTask {
                 }
             }
         }
-        // what was handed on shall not come again in the next life; a channel that is gone takes nothing any more
+        // messages already handed on must not be delivered again to the next subscription; a closed channel accepts
+        // nothing
         let _ = owed.pay(&channel).await;
         self.end(channel).await;
         Ok(())
@@ -244,7 +246,7 @@ impl SubscriberTask {
         Some(deliver.delivery_tag())
     }
 
-    /// Takes the queue away: nobody will read it any more.
+    /// Deletes the queue when the subscription ends.
     async fn end(&self, channel: Channel) {
         channel::delete(channel, &self.queue).await;
     }

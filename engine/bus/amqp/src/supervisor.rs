@@ -62,10 +62,10 @@ pub(crate) async fn supervise(link: Arc<Link>) {
     link.announce(asmotion_bus::LinkState::Down { reason });
 }
 
-/// Why a life of the connections ended, or never began.
+/// Reason why the connections failed, or could not be opened.
 #[derive(PartialEq)]
 enum LinkFailure {
-    /// For a reason that somebody has said.
+    /// A cause stated by the broker or the operating system.
     Said(String),
     /// The connection that we read broke.
     Reading,

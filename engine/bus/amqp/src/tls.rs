@@ -1,4 +1,4 @@
-//! Encrypted links: whom we trust, and who we are.
+//! TLS: certificate authority and client certificate.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,12 +9,12 @@ use tokio_rustls::rustls::pki_types::pem::PemObject;
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
-/// How a link is encrypted. Files are PEM.
+/// TLS settings of a link. Files are in PEM format.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct TlsSettings {
-    /// Who vouches for the broker; without, the authorities that browsers trust.
+    /// Certificate authority of the broker; without it, the web's root certificates.
     pub authority: Option<PathBuf>,
-    /// Who we are, where the broker wants to know: a certificate and its key.
+    /// Client certificate and key, if the broker requires them.
     pub identity: Option<ClientIdentity>,
 }
 
@@ -28,7 +28,10 @@ pub struct ClientIdentity {
 }
 
 impl TlsSettings {
-    /// What the client connects with. Read anew each time, so that a certificate can be renewed.
+    /// Creates the TLS connector. Reads the files each time, so that certificates can be renewed while the bus runs.
+    ///
+    /// # Errors
+    /// A description of the file that cannot be read or is no PEM.
     pub(crate) fn connector(&self) -> Result<TlsConnector, String> {
         let provider = Arc::new(ring::default_provider());
         let config = ClientConfig::builder_with_provider(provider)

@@ -1,4 +1,4 @@
-//! What stands on the wire: properties, headers, content types. `docs/wire.md` says the same to strangers.
+//! Wire format: properties, headers, content types. `docs/wire.md` documents it for other implementations.
 
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -9,23 +9,23 @@ use asmotion_datum::{Codec, Schema};
 
 /// The component that sent it.
 pub const SOURCE: &str = "source";
-/// Which life of the sender's process.
+/// Header: number of the current run of the sender's process.
 pub const INCARNATION: &str = "incarnation";
 /// The message's number among its publisher's, from 1 without gaps.
 pub const SEQUENCE: &str = "sequence";
-/// When it was sent, in nanoseconds; AMQP's own `timestamp` has seconds.
+/// Header: time of sending in nanoseconds; AMQP's own `timestamp` has seconds.
 pub const STAMP: &str = "stamp";
-/// Of which clock, `wall:rover1`.
+/// Header: name of the sender's clock, for example `wall:rover1`.
 pub const CLOCK: &str = "clock";
 /// The trace it belongs to (W3C).
 pub const TRACE: &str = "traceparent";
-/// Of a request: when the caller gives up, in nanoseconds of Unix time.
+/// Header of a request: instant at which the caller gives up, in nanoseconds of Unix time.
 pub const DEADLINE: &str = "deadline";
-/// Of a request: how many nanoseconds the caller has given it.
+/// Header of a request: time limit in nanoseconds.
 pub const TIMEOUT: &str = "timeout";
-/// Of a request: where the caller can be called back.
+/// Header of a request: address at which the caller can be called back.
 pub const CALLBACK: &str = "callback";
-/// Of a refusal: its code.
+/// Header of a refusal: error code of the operation.
 pub const CODE: &str = "code";
 
 /// The `type` of a request that is answered.
@@ -40,10 +40,10 @@ pub const ENQUIRY: &str = "enquiry";
 pub const RESULT: &str = "result";
 /// The `type` of a refusal: a fault, in the provider's words.
 pub const REFUSAL: &str = "refusal";
-/// The `type` of the news that nobody answers.
+/// The `type` of the reply that no server is there.
 pub const UNAVAILABLE: &str = "unavailable";
 
-/// Header fields. Names are ours and short.
+/// Builder of a header table. Names are short and ASCII.
 #[derive(Default)]
 pub(crate) struct Headers(FieldTable);
 
@@ -78,7 +78,7 @@ impl Headers {
     }
 }
 
-/// A message's header field, whoever wrote it.
+/// Returns a header field of any sender.
 fn field<'a>(properties: &'a BasicProperties, name: &str) -> Option<&'a FieldValue> {
     let name = FieldName::try_from(name).ok()?;
     properties.headers()?.get(&name)
@@ -116,7 +116,7 @@ fn count(properties: &BasicProperties, name: &str) -> Option<u64> {
     number(properties, name).and_then(|value| u64::try_from(value).ok())
 }
 
-/// What is the same in all messages of a publisher.
+/// Properties common to all messages of a publisher.
 pub(crate) struct MessageSource {
     pub source: Arc<str>,
     pub incarnation: u64,
@@ -157,19 +157,19 @@ impl MessageSource {
     }
 }
 
-/// Which message this is, if it says.
+/// Identity of a message, for the detection of duplicates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum MessageIdentity {
     /// One of a numbered stream.
     Numbered { stream: String, sequence: u64 },
     /// One with a name of its own.
     Named(String),
-    /// Any.
+    /// No identity: never a duplicate.
     Unknown,
 }
 
-/// Which message this is: an id that ends in its number (`<stream>-<sequence>`) is one of a stream; else the numbers are
-/// a component's on the topic; else it has a message id, or nothing.
+/// Returns a message's identity: an id that ends in its number (`<stream>-<sequence>`) belongs to a stream; otherwise
+/// the number counts the component's messages on the topic; otherwise the message id, if any.
 pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> MessageIdentity {
     let id = properties.message_id();
     let Some(sequence) = count(properties, SEQUENCE) else {
@@ -196,7 +196,7 @@ pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> MessageIden
     }
 }
 
-/// Its place in a trace, if it says one.
+/// Returns the trace that a message belongs to.
 pub(crate) fn trace(properties: &BasicProperties) -> Option<TraceContext> {
     text(properties, TRACE)?.parse().ok()
 }
@@ -237,7 +237,7 @@ pub(crate) fn unix_now() -> i64 {
     i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX)
 }
 
-/// How much of its time a request has left; none, if the caller has given up.
+/// Returns the time a request has left; `None` if the caller has given up.
 ///
 /// The deadline is of the caller's clock. Where clocks differ, a request has never more time than its caller gave it.
 pub(crate) fn time_left(properties: &BasicProperties) -> Option<Duration> {

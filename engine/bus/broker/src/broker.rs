@@ -13,7 +13,7 @@ use crate::process::{self, SERVER};
 /// A cold start takes 5 s on a quiet machine, twice that on a loaded one.
 pub(crate) const START: Duration = Duration::from_secs(90);
 
-/// A RabbitMQ of our own.
+/// A RabbitMQ broker for tests.
 pub struct TestBroker {
     pub(crate) ports: BrokerPorts,
     pub(crate) files: BrokerFiles,
@@ -23,7 +23,7 @@ pub struct TestBroker {
     reaper: Child,
 }
 
-/// Where a broker listens, on loopback only.
+/// Ports of a broker on the loopback interface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BrokerPorts {
     pub amqp: u16,
@@ -32,7 +32,7 @@ pub(crate) struct BrokerPorts {
     pub epmd: u16,
 }
 
-/// Why there is no broker, or not the one wanted.
+/// Error of the test broker.
 #[derive(Debug, thiserror::Error)]
 pub enum BrokerError {
     /// The package is not there.
@@ -41,18 +41,18 @@ pub enum BrokerError {
     /// A process could not be started or talked to.
     #[error("cannot run the broker")]
     Process(#[from] io::Error),
-    /// It did not come up.
+    /// The broker did not start.
     #[error("the broker did not answer within {START:?}; the end of its log:\n{log}")]
     Mute {
-        /// The end of its log.
+        /// End of its log.
         log: String,
     },
-    /// It refused a command.
+    /// A command failed.
     #[error("the broker answered `{answer}` to `{command}`")]
     Refused {
-        /// What was asked.
+        /// Command sent to the node.
         command: String,
-        /// What it said.
+        /// Reply of the node.
         answer: String,
     },
 }
@@ -73,7 +73,7 @@ impl BrokerPorts {
 }
 
 impl TestBroker {
-    /// Whether the package is there.
+    /// Returns whether the package `rabbitmq-server` is installed.
     pub fn is_installed() -> bool {
         std::path::Path::new(SERVER).exists()
     }
@@ -100,7 +100,7 @@ impl TestBroker {
         Ok(broker)
     }
 
-    /// Where it listens.
+    /// Returns the broker's AMQP address.
     pub fn address(&self) -> SocketAddr {
         (Ipv4Addr::LOCALHOST, self.ports.amqp).into()
     }
@@ -120,12 +120,12 @@ impl TestBroker {
         (self.files.path("client.pem"), self.files.path("client.key"))
     }
 
-    /// The user who may do everything.
+    /// Returns the name of the administrator.
     pub fn user(&self) -> &'static str {
         USER
     }
 
-    /// That user's password.
+    /// Returns the administrator's password.
     pub fn password(&self) -> &'static str {
         PASSWORD
     }
@@ -152,12 +152,12 @@ impl TestBroker {
         Ok(process::signal("-STOP", &self.server())?)
     }
 
-    /// Lets a frozen broker go on.
+    /// Resumes a frozen broker.
     pub fn thaw(&self) -> Result<(), BrokerError> {
         Ok(process::signal("-CONT", &self.server())?)
     }
 
-    /// The broker as it should be, whatever a test has left of it.
+    /// Restores the broker to normal after a test.
     pub(crate) fn mend(&self) -> Result<(), BrokerError> {
         self.thaw()?;
         if self.is_running()? {
@@ -167,7 +167,7 @@ impl TestBroker {
         self.revive()
     }
 
-    /// Waits until it greets who connects.
+    /// Waits until the broker accepts connections.
     pub(crate) fn wait_until_up(&self) -> Result<(), BrokerError> {
         let until = Instant::now() + START;
         while !self.greets() {
@@ -189,7 +189,7 @@ impl TestBroker {
         self.server.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether it answers who connects.
+    /// Returns whether the broker answers an AMQP connection.
     pub(crate) fn greets(&self) -> bool {
         let second = Duration::from_secs(1);
         let greeted = || {
@@ -201,7 +201,7 @@ impl TestBroker {
         greeted().is_ok()
     }
 
-    /// For the reaper.
+    /// Writes the process ids for the reaper.
     fn write_pids(&self) -> io::Result<()> {
         let pids = format!("{} {}\n", self.server().id(), self.epmd.id());
         std::fs::write(self.files.path("pids"), pids)

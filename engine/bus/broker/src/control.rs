@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use crate::broker::START;
 use crate::{BrokerError, TestBroker};
 
-/// What `erl_call` says of a node that does not answer.
+/// Message of `erl_call` when a node does not respond.
 const UNREACHED: &str = "failed to connect";
-/// How long a node may take to answer.
+/// Time limit for a node's response.
 const AWAKE: Duration = Duration::from_secs(10);
 const ALARM: &str = "{resource_limit,memory,node()}";
 
@@ -75,8 +75,8 @@ impl TestBroker {
         self.command("rabbit:stop()")
     }
 
-    /// Starts RabbitMQ again inside its node, and waits until it serves. One that is not done with stopping answers `ok`, and
-    /// does not start: it is told again.
+    /// Starts RabbitMQ inside its node and waits until it serves. A node that is still stopping answers `ok` without
+    /// starting, so the command is repeated.
     pub fn start_app(&self) -> Result<(), BrokerError> {
         let until = Instant::now() + START;
         while Instant::now() < until {
@@ -89,12 +89,12 @@ impl TestBroker {
         self.wait_until_up()
     }
 
-    /// Lets the broker believe that it is out of memory: it does not read from publishers any more.
+    /// Raises a memory alarm: the broker stops reading from publishers.
     pub fn raise_alarm(&self) -> Result<(), BrokerError> {
         self.command(&format!("rabbit_alarm:set_alarm({{{ALARM},[]}})"))
     }
 
-    /// The end of an alarm.
+    /// Clears the memory alarm.
     pub fn clear_alarm(&self) -> Result<(), BrokerError> {
         self.command(&format!("rabbit_alarm:clear_alarm({ALARM})"))
     }

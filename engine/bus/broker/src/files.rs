@@ -1,4 +1,4 @@
-//! What a broker of our own reads and writes: one folder, removed with it.
+//! Files of a test broker: one folder, removed with it.
 
 use std::io;
 use std::os::unix::fs::PermissionsExt;
@@ -13,12 +13,12 @@ use crate::broker::BrokerPorts;
 
 /// The name of every node; each has an epmd of its own, so they do not meet.
 pub(crate) const NODE: &str = "rmq@localhost";
-/// The first user, who may do everything.
+/// Name of the administrator.
 pub(crate) const USER: &str = "tester";
 /// The first user's password.
 pub(crate) const PASSWORD: &str = "test-pass";
 
-/// The broker's folder.
+/// Folder of the broker.
 pub(crate) struct BrokerFiles {
     folder: TempDir,
     pub cookie: String,
@@ -73,7 +73,7 @@ impl BrokerFiles {
         )
     }
 
-    /// An authority of our own, and two whom it vouches for.
+    /// Writes the certificates of a test authority and of two identities it has signed.
     fn write_certificates(&self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let key = KeyPair::generate()?;
         let mut parameters = CertificateParams::new(Vec::new())?;
@@ -103,7 +103,7 @@ impl BrokerFiles {
         self.folder.path()
     }
 
-    /// The end of the broker's log, for those who ask why it does not start.
+    /// Returns the end of the broker's log, to explain a failed start.
     pub(crate) fn log(&self) -> String {
         let log = std::fs::read_to_string(self.path("log/broker.log")).unwrap_or_default();
         let lines: Vec<_> = log.lines().collect();
@@ -111,7 +111,7 @@ impl BrokerFiles {
     }
 }
 
-/// A name of its own: who has its issuer's name is taken for its own issuer.
+/// Creates a distinguished name. It must differ from the issuer's, or the certificate counts as self-signed.
 fn named(name: &str) -> DistinguishedName {
     let mut names = DistinguishedName::new();
     names.push(DnType::CommonName, name);

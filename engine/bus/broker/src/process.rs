@@ -11,11 +11,11 @@ use crate::files::{BrokerFiles, NODE};
 pub(crate) const SERVER: &str = "/usr/lib/rabbitmq/bin/rabbitmq-server";
 const EPMD: &str = "/usr/bin/epmd";
 
-/// Reads until the test run has ended, however it ended; then kills whom the list names and removes the folder.
+/// Waits for the end of the test run, however it ends; then kills the listed processes and removes the folder.
 const REAPER: &str = "trap '' INT TERM; read -r _; \
     for pid in $(cat pids); do kill -9 \"$pid\"; done; folder=$PWD; cd /; sleep 0.2; rm -rf \"$folder\"";
 
-/// Erlang's port mapper, ours. The broker would start one that outlives it.
+/// Starts Erlang's port mapper. One started by the broker would outlive it.
 pub(crate) fn epmd(port: u16) -> io::Result<Child> {
     quiet(EPMD)
         .args(["-address", "127.0.0.1", "-port", &port.to_string()])
@@ -63,7 +63,7 @@ pub(crate) fn reaper(folder: &Path) -> io::Result<Child> {
         .spawn()
 }
 
-/// Sends a signal.
+/// Sends a signal to a child process.
 pub(crate) fn signal(name: &str, child: &Child) -> io::Result<()> {
     quiet("kill")
         .args([name, &child.id().to_string()])

@@ -1,4 +1,4 @@
-//! One broker for a test run: shared by those who leave it alone, held alone by those who break it.
+//! One broker for a test run: shared by tests that leave it intact, held exclusively by tests that break it.
 
 use std::io::Write;
 use std::ops::Deref;
@@ -27,7 +27,7 @@ pub fn calm() -> Option<SharedBroker> {
 /// The broker, for a test that breaks it; none where RabbitMQ cannot be had, which is said aloud.
 ///
 /// # Panics
-/// As [`calm`] does.
+/// As [`calm`].
 pub fn alone() -> Option<ExclusiveBroker> {
     let broker = shared()?.write().unwrap_or_else(PoisonError::into_inner);
     Some(ExclusiveBroker(broker))

@@ -22,7 +22,7 @@ impl TestBroker {
         Ok(vhost)
     }
 
-    /// A new user, who may do nothing yet.
+    /// Creates a user without permissions.
     pub fn add_user(&self, user: &str, password: &str) -> Result<(), BrokerError> {
         self.evaluate(&format!(
             "rabbit_auth_backend_internal:add_user(<<\"{user}\">>, <<\"{password}\">>, <<\"test\">>)"
@@ -32,7 +32,7 @@ impl TestBroker {
 }
 
 impl Vhost<'_> {
-    /// Its name.
+    /// Returns the name of the virtual host.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -42,13 +42,13 @@ impl Vhost<'_> {
         self.url_of(self.broker.user(), self.broker.password())
     }
 
-    /// The same of another user.
+    /// Returns the URL for another user.
     pub fn url_of(&self, user: &str, password: &str) -> String {
         let address = self.broker.address();
         format!("amqp://{user}:{password}@{address}/{}", self.name)
     }
 
-    /// What a user may configure, write and read here, as regular expressions of names.
+    /// Sets the names that a user may configure, write and read, as regular expressions.
     pub fn permit(
         &self,
         user: &str,
@@ -65,17 +65,17 @@ impl Vhost<'_> {
             .map(drop)
     }
 
-    /// How many connections it has.
+    /// Returns the number of connections.
     pub fn connections(&self) -> Result<usize, BrokerError> {
         self.count("rabbit_networking:connection_info_all([vhost])")
     }
 
-    /// How many channels its connections have.
+    /// Returns the number of channels of all connections.
     pub fn channels(&self) -> Result<usize, BrokerError> {
         self.count("rabbit_channel:info_all([vhost])")
     }
 
-    /// How many of these are here, told by their `vhost`.
+    /// Counts the entries that belong to this virtual host.
     fn count(&self, all: &str) -> Result<usize, BrokerError> {
         let vhost = &self.name;
         let command = format!("length([1 || [{{vhost, V}}] <- {all}, V == <<\"{vhost}\">>])");
@@ -100,7 +100,7 @@ impl Vhost<'_> {
             .collect())
     }
 
-    /// Deletes a queue under whoever reads it.
+    /// Deletes a queue even while it is read.
     pub fn delete_queue(&self, queue: &str) -> Result<(), BrokerError> {
         let vhost = &self.name;
         self.broker

@@ -53,7 +53,7 @@ pub(super) const CASES: &[(&str, ContractCase)] = &[
 
 /// Long enough for a message to cross any bus.
 const CROSSING: Duration = Duration::from_secs(5);
-/// Long enough to believe that nothing comes.
+/// Time without a message after which a case assumes that none will arrive.
 const SILENCE: Duration = Duration::from_millis(200);
 const EVERY: QueuePolicy = QueuePolicy::All {
     size: 1000,
@@ -112,7 +112,7 @@ fn next(subscription: &Subscription) -> Result<Envelope, String> {
     next.ok_or_else(|| "a message did not come".to_owned())
 }
 
-/// So many messages, and then silence.
+/// Receives `count` messages, then expects silence.
 fn receive(subscription: &Subscription, count: usize) -> Result<Vec<i64>, String> {
     let mut numbers = Vec::new();
     for _ in 0..count {
@@ -467,7 +467,7 @@ fn tells(bus: &dyn Bus, name: &str) -> Result<(), String> {
     expect(end(tell(1)?), Ok(None))?;
     let call = next_call(&serving)?;
     expect(call.is_one_way(), true)?;
-    // Who does not ask what became of it has still told it.
+    // Dropping the pending call does not take a one-way request back.
     drop(tell(2)?);
     let told = next_call(&serving)?.argument.to_datum();
     expect(told.ok().and_then(|datum| datum.as_int()), Some(2))

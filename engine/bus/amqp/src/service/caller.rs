@@ -15,18 +15,18 @@ use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::link::{ConnectionPair, Link};
 use crate::wire;
 
-/// How often open calls are looked after.
+/// Interval at which open calls are checked.
 const TICK: Duration = Duration::from_millis(25);
-/// How often a provider is asked whether it still knows a call.
+/// Interval at which a provider is asked whether it still knows a call.
 const ENQUIRY: Duration = Duration::from_millis(250);
-/// How long a provider may take to be back after the link broke.
+/// Time that a provider has to return after the link broke.
 const GRACE: Duration = Duration::from_secs(5);
-/// How long to let a refused channel be.
+/// Pause after the broker refused the channel.
 const REST: Duration = Duration::from_millis(200);
 
-/// What a call waits for.
+/// Completion that a call waits for.
 pub(crate) enum AwaitedReply {
-    /// The answer.
+    /// The answer to a request.
     Answer(IncomingCall),
     /// The server's queue to have it.
     Delivery(DeliveryReceipt),
@@ -55,15 +55,15 @@ impl AwaitedReply {
     }
 }
 
-/// An open call.
+/// A call in progress.
 pub(crate) struct OpenCall {
     message: OutgoingRequest,
     wait: AwaitedReply,
-    /// When its provider was last asked after it.
+    /// Time of the last enquiry at its provider.
     enquired: Instant,
-    /// Until when it is sent again where nobody serves: the link broke, and its provider may be on its way back.
+    /// End of the period after a broken link in which a request without a server is sent again.
     grace: Option<Instant>,
-    /// Whether it has to be sent again.
+    /// Whether the request must be sent again.
     unsent: bool,
 }
 
@@ -83,20 +83,20 @@ impl OpenCall {
     }
 }
 
-/// The task.
+/// Task that sends all requests of a bus and receives their answers.
 pub(crate) struct CallerTask {
     link: Arc<Link>,
     opened: UnboundedReceiver<OpenCall>,
     open: HashMap<String, OpenCall>,
 }
 
-/// What a session on one channel keeps.
+/// State of one channel.
 struct CallerSession {
     channel: Channel,
     exchange: String,
     /// The tag of the last publication.
     tag: u64,
-    /// Which tags are tellings, in order.
+    /// Tags of one-way requests awaiting confirmation, in order, with their ids.
     tellings: VecDeque<(u64, String)>,
 }
 
@@ -130,7 +130,7 @@ impl CallerTask {
         self.fail_all();
     }
 
-    /// There is no way to call any more.
+    /// Fails all open calls.
     fn fail_all(&mut self) {
         for (_, open) in self.open.drain() {
             open.end(Err(CallFailure::Unavailable));
@@ -185,7 +185,7 @@ impl CallerTask {
 
     async fn begin(&mut self, open: OpenCall, session: &mut CallerSession) -> AmqpResult<()> {
         let end = session.send(&open).await;
-        // A telling that nobody asks after has been told.
+        // A one-way request whose sender no longer waits needs no entry.
         if open.wait.is_awaited() {
             self.open.insert(open.message.id.clone(), open);
         }
@@ -216,7 +216,7 @@ impl CallerTask {
         }
     }
 
-    /// Nobody serves there.
+    /// Handles a request that reached no server.
     fn nobody(&mut self, id: &str) {
         let Some(mut open) = self.open.remove(id) else {
             return;
@@ -232,14 +232,14 @@ impl CallerTask {
     fn answered(&mut self, message: ConsumerMessage) {
         let properties = message.basic_properties.unwrap_or_default();
         let id = properties.correlation_id();
-        // An answer that nobody waits for any more goes nowhere.
+        // An answer that is no longer awaited is discarded.
         if let Some(open) = id.and_then(|id| self.open.remove(id)) {
             let content = message.content.unwrap_or_default();
             open.end(message::read_answer(&properties, content));
         }
     }
 
-    /// Takes back what nobody waits for, sends again what was not sent, asks after the rest.
+    /// Cancels calls that were abandoned, sends the unsent ones again, and enquires after the rest.
     async fn look_after(&mut self, session: &mut CallerSession) -> AmqpResult<()> {
         let (awaited, given_up): (HashMap<_, _>, HashMap<_, _>) =
             (self.open.drain()).partition(|(_, open)| open.wait.is_awaited());

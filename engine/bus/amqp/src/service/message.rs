@@ -9,10 +9,10 @@ use asmotion_datum::{Codec, Datum, Message};
 
 use crate::wire::{self, Headers};
 
-/// RabbitMQ's name for "the channel that this came on".
+/// RabbitMQ's pseudo-queue for replies on the requesting channel.
 pub(crate) const REPLY_TO: &str = "amq.rabbitmq.reply-to";
 
-/// A request on its way.
+/// A request as it is sent.
 pub(crate) struct OutgoingRequest {
     /// Unique among all requests there are: executed once.
     pub id: String,
@@ -88,7 +88,7 @@ pub(crate) fn read_request(
     }))
 }
 
-/// An answer on its way. Kept, in case it is asked for again.
+/// A reply as it is sent. Kept, in case the request arrives again.
 #[derive(Clone)]
 pub(crate) struct OutgoingReply {
     kind: &'static str,
@@ -142,7 +142,7 @@ impl OutgoingReply {
     }
 }
 
-/// Reads an answer.
+/// Decodes a reply.
 pub(crate) fn read_answer(
     properties: &BasicProperties,
     content: Vec<u8>,

@@ -22,29 +22,30 @@ use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
 use crate::wire::{self, Headers};
 
-/// How many requests may be under way to us.
+/// Limit of unacknowledged requests delivered to a provider.
 const PREFETCH: u16 = 256;
-/// How many ended requests are remembered, to be answered again rather than executed again.
+/// Limit of remembered requests that have ended. A remembered request that arrives again is answered again, not
+/// executed again.
 const REMEMBERED: usize = 4096;
-/// How often requests whose time is over are put away.
+/// Interval at which expired requests are removed.
 const TICK: Duration = Duration::from_millis(500);
-/// How long to wait before the queue is made again.
+/// Pause before the queue is declared again.
 const REST: Duration = Duration::from_millis(100);
 
-/// Where a provider serves.
+/// Address and queue that a provider serves.
 pub(crate) struct ProviderSetup {
     pub link: Arc<Link>,
     pub key: String,
     pub queue: String,
     pub size: usize,
     pub desk: Arc<AddressQueue>,
-    /// Told how the first declaration ended.
+    /// Receives the outcome of the first declaration.
     pub ready: FirstDeclaration,
 }
 
-/// A request, by its id.
+/// State of a request, stored by its id.
 enum RequestState {
-    /// Handed over, with where its answer goes.
+    /// Handed to the server; the answer goes to `reply_to`.
     Begun {
         pending: PendingCall,
         reply_to: String,
@@ -53,7 +54,7 @@ enum RequestState {
     Ended(Option<OutgoingReply>),
 }
 
-/// The task.
+/// Task that serves one address.
 pub(crate) struct ProviderTask {
     post: ProviderSetup,
     known: HashMap<String, RequestState>,
@@ -76,7 +77,7 @@ impl ProviderTask {
         }
     }
 
-    /// Serves until told to leave.
+    /// Serves until `leave` resolves.
     pub(crate) async fn run(mut self, mut leave: oneshot::Receiver<()>) {
         let link = Arc::clone(&self.post.link);
         loop {
@@ -119,7 +120,7 @@ impl ProviderTask {
         let mut closing = pin!(link.closing());
         loop {
             let end = tokio::select! {
-                // First what was answered: who leaves refuses those who wait, and leaves then.
+                // Answers are sent first: a leaving server rejects the requests that still wait before it leaves.
                 biased;
                 id = self.answered.recv() => self.answer(id, &replies).await,
                 _ = &mut *leave => break,
@@ -141,7 +142,7 @@ impl ProviderTask {
         Ok(())
     }
 
-    /// Declares a queue that nobody else may have: an address has one server.
+    /// Declares the address's queue as exclusive: an address has one server.
     async fn declare(&self, channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
         let post = &self.post;
         let length = post.size.max(PREFETCH.into());
@@ -179,7 +180,7 @@ impl ProviderTask {
         }
     }
 
-    /// Does what a message asks; the answer to it, if there is one already.
+    /// Handles a message and returns the reply to it, if one is already known.
     fn understand(
         &mut self,
         properties: &BasicProperties,
@@ -230,7 +231,7 @@ impl ProviderTask {
     fn begin(&mut self, id: String, request: Request, one_way: bool, reply_to: Option<&String>) {
         if one_way {
             let (_, call, _) = PendingCall::one_way(request, Arc::new(Notifier::new()));
-            // The desk ends what it refuses, and nobody waits for it.
+            // A rejected request is ended by the queue, and nobody waits for it.
             let _ = self.post.desk.put(call);
             self.remember(id, None);
             return;
@@ -296,7 +297,7 @@ impl ProviderTask {
         }
     }
 
-    /// Ends requests whose time is over. Asking for the answer does.
+    /// Ends expired requests: reading the result of an expired call times it out.
     fn put_away(&mut self) {
         let over = |known: &RequestState| match known {
             RequestState::Begun { pending, .. } => pending.is_over(),
@@ -311,7 +312,7 @@ impl ProviderTask {
         }
     }
 
-    /// Takes the queue away, and tells whoever still waits that nobody is there.
+    /// Deletes the queue and reports to the waiting callers that the server has left.
     async fn end(&mut self, channel: Channel, replies: &Channel) {
         channel::delete(channel.clone(), &self.post.queue).await;
         let known = std::mem::take(&mut self.known);
@@ -319,7 +320,7 @@ impl ProviderTask {
             if let RequestState::Begun { reply_to, .. } = known
                 && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable))
             {
-                // Whom it does not reach asks after its call, and finds nobody.
+                // A caller that misses this message enquires after its call and finds no server.
                 let _ = self.send(&answer, &id, &reply_to, replies).await;
             }
         }
