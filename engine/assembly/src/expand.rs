@@ -8,7 +8,7 @@ mod path;
 use toml_edit::{DocumentMut, Item, Table};
 
 pub use self::path::beside;
-use crate::model::{Flow, Transport};
+use crate::model::{ConnectionType, Transport};
 use crate::opened::Opened;
 use crate::plan::{Connection, Plan, Promoted, Terminal, Topic, Wire};
 use crate::table::{Lines, WrittenTable, one_or_many, table, tables};
@@ -126,7 +126,7 @@ fn connection(connections: &[Connection]) -> Lines {
     if let Some(Connection { policy, .. }) = connections.first() {
         let mut how = policy.keys("");
         // the last value has no size, and nothing grows stale that has no age
-        if policy.kind == Flow::Data {
+        if policy.kind == ConnectionType::Data {
             how = how.without("size");
         }
         if policy.max_age_ms.is_none() {

@@ -22,7 +22,7 @@ use super::queue;
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::wire::own_place;
 use crate::finding::Findings;
-use crate::model::{Connection, Delivery, End, Flow, Lock, Policy, Promoted, Terminal};
+use crate::model::{Connection, ConnectionType, Delivery, End, Lock, Policy, Promoted, Terminal};
 
 /// A connection that leads somewhere: a port and a topic.
 pub(crate) struct TopicLink {
@@ -63,7 +63,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) -> Vec<To
 #[derive(Default)]
 struct Drivers {
     joined: BTreeMap<(String, String), Span>,
-    inside: BTreeMap<(String, String), (Span, Flow)>,
+    inside: BTreeMap<(String, String), (Span, ConnectionType)>,
     /// Ports that are written from outside the composite, or by somebody misnamed.
     elsewhere: Vec<(String, String)>,
 }
@@ -263,7 +263,7 @@ fn drive(
         .policy
         .kind
         .as_ref()
-        .map_or(Flow::Data, |kind| kind.value);
+        .map_or(ConnectionType::Data, |kind| kind.value);
     let key = (to.component.value.clone(), to.name.value.clone());
     let at = source.terminal.span();
     let subscribed = scene
@@ -278,7 +278,7 @@ fn drive(
         None => subscribed.map(|at| (at, flow)),
     };
     if let Some((first, first_flow)) = earlier
-        && (flow == Flow::Data || first_flow == Flow::Data)
+        && (flow == ConnectionType::Data || first_flow == ConnectionType::Data)
     {
         report.found(TwoWriters {
             port: to.to_string(),
@@ -365,14 +365,20 @@ fn thread<'s>(scene: &CheckedComposite<'s>, name: &'s str) -> &'s str {
 
 /// Keys that belong together stand together.
 fn policy(policy: &Policy, report: &mut Report) {
-    let kind = policy.kind.as_ref().map_or(Flow::Data, |kind| kind.value);
+    let kind = policy
+        .kind
+        .as_ref()
+        .map_or(ConnectionType::Data, |kind| kind.value);
     match (kind, &policy.size) {
-        (Flow::Buffer | Flow::Circular, None) => {
+        (ConnectionType::Buffer | ConnectionType::Circular, None) => {
             let at = policy.kind.as_ref().map_or(policy.span, |kind| kind.span);
             report.found(QueueWithoutSize { kind, at });
         }
-        (Flow::Data, Some(size)) => idle("size", size.span, "only a queue has a size", report),
-        (Flow::Buffer | Flow::Circular, Some(_)) | (Flow::Data, None) => {}
+        (ConnectionType::Data, Some(size)) => {
+            idle("size", size.span, "only a queue has a size", report)
+        }
+        (ConnectionType::Buffer | ConnectionType::Circular, Some(_))
+        | (ConnectionType::Data, None) => {}
     }
     if let (Some(on_stale), None) = (&policy.on_stale, &policy.max_age_ms) {
         idle(

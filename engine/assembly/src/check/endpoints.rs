@@ -1,7 +1,5 @@
 //! What a component shows to the wires and connections around it.
 
-use asmotion_diagnostics::Span;
-
 pub(crate) use crate::named::{NamedAt, TypeAt};
 use crate::nearest::{Nearest, nearest};
 

@@ -1,4 +1,4 @@
-use crate::model::Flow;
+use crate::model::ConnectionType;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Queue without a size
@@ -50,7 +50,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C044, error)]
 #[error("a connection of type `{kind}` needs a `size`")]
 pub(crate) struct QueueWithoutSize {
-    pub kind: Flow,
+    pub kind: ConnectionType,
     pub at: Span,
 }
 

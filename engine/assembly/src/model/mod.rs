@@ -33,8 +33,8 @@ pub use promote::{Promoted, Promotion};
 pub use setting::{Amount, Piece, Property, PropertyType, Scalar, Setting, Template};
 pub use topic::{Outage, PlannedSending, Topic};
 pub use wiring::{
-    Cancel, Connection, Delivery, End, Flow, PlannedPolicy, PlannedRetry, PlannedWire, Policy,
-    Retry, Terminal, Transport, Wire,
+    Cancel, Connection, ConnectionType, Delivery, End, PlannedPolicy, PlannedRetry, PlannedWire,
+    Policy, Retry, Terminal, Transport, Wire,
 };
 
 /// No wait is longer than a day.

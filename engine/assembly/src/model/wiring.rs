@@ -179,7 +179,7 @@ pub struct Policy {
     pub span: Span,
     /// The last value, or a queue.
     #[key(name = "type", default)]
-    pub kind: Option<At<Flow>>,
+    pub kind: Option<At<ConnectionType>>,
     /// Length of the queue.
     #[key(range = 1..=1_000_000, default = 1)]
     pub size: Option<At<u64>>,
@@ -220,7 +220,7 @@ pub struct Policy {
 
 /// Last value or queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
-pub enum Flow {
+pub enum ConnectionType {
     /// The last value.
     #[default]
     Data,

@@ -8,7 +8,7 @@ use super::{Connection, End, Policy, Promoted, Terminal};
 use crate::At;
 use crate::check;
 use crate::finding::Findings;
-use crate::model::{self, Delivery, Flow, Sharing, Transport};
+use crate::model::{self, ConnectionType, Delivery, Sharing, Transport};
 use crate::table::Resolver;
 
 impl<'p> Flattener<'p, '_> {
@@ -125,7 +125,7 @@ impl<'p> Flattener<'p, '_> {
     fn policy(&mut self, index: usize, written: &model::Policy) -> Option<Policy> {
         let mut policy = self.resolver(index)?.of(written)?;
         // the last value has no size
-        if policy.kind == Flow::Data {
+        if policy.kind == ConnectionType::Data {
             policy.size = 1;
         }
         Some(policy)

@@ -11,9 +11,9 @@ pub(crate) fn of(connection: &plan::Connection) -> Policy {
     let size = usize::try_from(policy.size).unwrap_or(usize::MAX);
     Policy {
         kind: match policy.kind {
-            model::Flow::Data => BufferKind::Data,
-            model::Flow::Buffer => BufferKind::Buffer(size),
-            model::Flow::Circular => BufferKind::Circular(size),
+            model::ConnectionType::Data => BufferKind::Data,
+            model::ConnectionType::Buffer => BufferKind::Buffer(size),
+            model::ConnectionType::Circular => BufferKind::Circular(size),
         },
         lock: policy.lock,
         sharing: policy.buffer,

@@ -8,7 +8,7 @@ use asmotion_mqueue::{
 use asmotion_runtime::System;
 
 use super::StartError;
-use crate::model::Flow;
+use crate::model::ConnectionType;
 use crate::plan;
 
 /// As many messages as RTT gives a queue where nobody says.
@@ -24,9 +24,9 @@ pub(super) fn to(
     let layout = layout(system, from, Declaration::output)?;
     let number = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
     let (keep, messages) = match policy.kind {
-        Flow::Data => (FullQueuePolicy::Last, MESSAGES),
-        Flow::Buffer => (FullQueuePolicy::Oldest, number(policy.size)),
-        Flow::Circular => (FullQueuePolicy::Newest, number(policy.size)),
+        ConnectionType::Data => (FullQueuePolicy::Last, MESSAGES),
+        ConnectionType::Buffer => (FullQueuePolicy::Oldest, number(policy.size)),
+        ConnectionType::Circular => (FullQueuePolicy::Newest, number(policy.size)),
     };
     let size = layout.size_or(policy.data_size.map_or(0, number));
     let room = QueueCapacity { messages, size };

@@ -11,9 +11,9 @@ use crate::At;
 use crate::codes::c008::UnknownSchema;
 use crate::finding::Findings;
 use crate::model::{
-    Address, Amount, BridgeKind, BuiltinComponent, Busy, Cancel, Condition, Delivery, Direction,
-    End, Flow, MessagePath, Outage, PropertyType, ProxyMode, RestartPolicy, Scalar, Template,
-    Terminal, Tls, Transport,
+    Address, Amount, BridgeKind, BuiltinComponent, Busy, Cancel, Condition, ConnectionType,
+    Delivery, Direction, End, MessagePath, Outage, PropertyType, ProxyMode, RestartPolicy, Scalar,
+    Template, Terminal, Tls, Transport,
 };
 use crate::nearest::nearest_name;
 use crate::read::keys::Reader;
@@ -91,7 +91,7 @@ macro_rules! words {
 }
 
 words! {
-    BridgeKind BuiltinComponent Busy Cancel Codec Delivery Direction Flow Lock OnDeadline OnException OnStale Outage Overrun
+    BridgeKind BuiltinComponent Busy Cancel Codec Delivery Direction ConnectionType Lock OnDeadline OnException OnStale Outage Overrun
     ProxyMode PublishWhen Receive RestartPolicy Scheduler Sharing Tls Transport
 }
 
