@@ -582,7 +582,7 @@ fn resolved(
         .map(|row| row.write());
     let is_open =
         |row: &&KeyDeclaration| row.default.is_some() || !matches!(row.shape(), FieldShape::One(_));
-    let default = kept.iter().all(|row| is_open(row)).then(|| {
+    let default = kept.iter().all(is_open).then(|| {
         let values = kept.iter().map(|row| {
             let (ident, value) = (&row.ident, row.default_value());
             quote!(#ident: #value)

@@ -3,7 +3,8 @@
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
-    reason = "a test fails by panicking"
+    clippy::disallowed_methods,
+    reason = "a test fails by panicking, and the programs are on the disk"
 )]
 
 use asmotion_lang::machine::{PackedState, Snapshot};

@@ -25,6 +25,10 @@ use std::sync::Arc;
 pub(crate) type Caught<'input> = ErrorRecovery<usize, Token<'input>, Infallible>;
 
 /// A text as a whole, of the kind that its first token says.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one value exists for each parse, and it is taken apart at once"
+)]
 pub(crate) enum ParsedText {
     /// A specification.
     File(File),

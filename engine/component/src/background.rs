@@ -4,8 +4,8 @@
 //! [`Cycle::spawn`](crate::Cycle::spawn) and looks for the result in the cycles that follow. Where the work runs is the
 //! executor's affair:
 //!
-//! - Live: in a thread of its own. The component's thread goes on; when the work is done, an
-//!   event-driven component gets a cycle, a periodic one finds the result in its next.
+//! - Live: in a thread of its own. The component's thread goes on; when the work is done, the component gets a cycle,
+//!   whatever drives it.
 //! - Simulated: at once, in the caller's thread. A cycle takes no virtual time, so neither does
 //!   the work: its result is there before the call returns, in the same cycle in each run, and traces stay equal.
 //!

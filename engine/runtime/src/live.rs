@@ -88,7 +88,8 @@ impl Live {
         let context = LiveContext::new(Instant::now(), wakers, Arc::clone(&events));
         for unit in &mut units {
             let waker = context.waker(unit.index);
-            let finished = Arc::new(move || waker.trigger());
+            // a cycle whatever drives the component: a periodic one would otherwise hand the result on a period late
+            let finished = Arc::new(move || waker.call());
             unit.body.work_place = WorkPlace::Thread(finished);
         }
         let mut live = Self {

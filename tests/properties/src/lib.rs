@@ -1,6 +1,8 @@
 //! Properties that hold for any input of the readers of files and messages. Each function takes bytes and panics where its
 //! property does not hold; the fuzzers in `fuzz/` and the tests of this crate feed them.
 
+#![allow(clippy::panic, reason = "a property fails by panicking")]
+
 mod composite;
 mod message;
 mod place;

@@ -1,4 +1,8 @@
 //! Writes the parser of `asmotion-syntax` from its grammar: `cargo run -p asmotion-grammar`.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "a tool of developers; only the language itself reads and writes no files"
+)]
 //!
 //! The parser stands beside the grammar in the repository, so a build of asmotion needs neither LALRPOP nor its run. A
 //! test holds both together. This is a crate of its own because it must also work while the old parser does not

@@ -35,8 +35,6 @@ pub(crate) struct CheckedComponent<'s> {
     pub face: Endpoints,
 }
 
-/// A name that leads nowhere.
-
 /// The file of a nested composite.
 pub(crate) fn nested(component: &Component) -> Option<&str> {
     match &component.implementation {

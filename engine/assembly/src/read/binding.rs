@@ -105,6 +105,10 @@ impl Value for Argument {
         json!({})
     }
 
+    #[expect(
+        clippy::only_used_in_recursion,
+        reason = "of the trait; arguments need no more than their node"
+    )]
     fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
         Some(match &node.value {
             Branch::Text(text) if text.starts_with("@@") => {
