@@ -75,12 +75,11 @@ fn the_readme_of_the_catalogue_lists_every_component() {
     let mut rows = String::from("\n| component | folder | |\n|---|---|---|\n");
     let readmes = readmes();
     for (name, _) in COMPONENTS {
-        let texts = readmes
+        let mut texts = readmes
             .iter()
             .map(|path| (path, fs::read_to_string(path).unwrap()));
         let (path, text) = texts
-            .filter(|(_, text)| text.contains(&begin(name)))
-            .next_back()
+            .rfind(|(_, text)| text.contains(&begin(name)))
             .unwrap();
         let room = path
             .parent()

@@ -1,6 +1,7 @@
 //! Native code does the steps that closures do, and leads to the same states.
 
 #![allow(
+    clippy::disallowed_methods,
     clippy::unwrap_used,
     clippy::panic,
     reason = "a test fails by panicking"
