@@ -88,7 +88,11 @@ fn table<'n>(notes: impl IntoIterator<Item = &'n String>) -> Table {
     let mut table = Table::new();
     let lines = notes.into_iter().flat_map(|note| note.lines());
     let comments: String = lines
-        .map(|line| format!("# no counterpart: {line}\n"))
+        .map(|line| {
+            // TOML allows no control characters in comments
+            let line = line.replace(|it: char| it.is_control() && it != '\t', "\u{fffd}");
+            format!("# no counterpart: {line}\n")
+        })
         .collect();
     table.decor_mut().set_prefix(format!("\n{comments}"));
     table

@@ -20,6 +20,15 @@ pub fn composite(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let opened = open(&text);
     shown(&opened.report, &opened.sources);
+    // a value with a variable that is not set is checked without it, and cannot be written
+    if opened
+        .report
+        .diagnostics
+        .iter()
+        .any(|it| it.code.name == "C014")
+    {
+        return;
+    }
     for profile in profiles(&opened) {
         let Some(plan) = opened.plan(profile) else {
             continue;
