@@ -117,7 +117,7 @@ impl Resolve for Template {
     }
 }
 
-/// An address that is none is reported of the [`Resolver::owner`].
+/// Reports an invalid address with the name of the element that `Resolver::owner` holds.
 impl Resolve for Address {
     type Resolved = SocketAddr;
 
