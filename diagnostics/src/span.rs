@@ -1,6 +1,6 @@
 //! Places in texts.
 
-/// Names one text of a [`Sources`].
+/// Names one text of a [`Sources`](crate::Sources).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct FileId(pub u32);
 
