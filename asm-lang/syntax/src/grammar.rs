@@ -1,5 +1,5 @@
 // auto-generated: "lalrpop 0.23.2"
-// sha3: cae6158470d2f52a157d44edbcedcfc436f772bc5c07a7742e0a87bf63ca1c70
+// sha3: 8b651fdd2c9096c212ba9b80a6a55d0aa9e6842c1d0ba52bb92506e92c7e887a
 // features: 
 use crate::ast::*;
 use crate::lexer::{Keyword, Sign, TextKind, Token};
