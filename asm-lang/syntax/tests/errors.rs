@@ -47,6 +47,10 @@ fn says_what_is_wrong() {
     }
 }
 
+/// The code that only `parse_assignment` reports, which reads no file
+/// (`constructs/single_rules.rs`).
+const OF_AN_ASSIGNMENT: &str = "L063";
+
 #[test]
 fn has_an_example_of_every_code() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -58,7 +62,7 @@ fn has_an_example_of_every_code() {
     let codes: BTreeSet<&str> = files
         .iter()
         .map(String::as_str)
-        .filter(|name| name.starts_with('L'))
+        .filter(|name| name.starts_with('L') && *name != OF_AN_ASSIGNMENT)
         .collect();
     let texts: Vec<String> = fs::read_dir(folder.join("tests/errors"))
         .unwrap()
