@@ -26,17 +26,17 @@ pub const SETS: [FeatureSet; 3] = [
     FeatureSet {
         name: "minimal",
         arguments: &["--no-default-features"],
-        budget: 560.0,
+        budget: 480.0,
     },
     FeatureSet {
         name: "default",
         arguments: &[],
-        budget: 560.0,
+        budget: 480.0,
     },
     FeatureSet {
         name: "full",
         arguments: &["--features", "full"],
-        budget: 1000.0,
+        budget: 900.0,
     },
 ];
 
