@@ -1,6 +1,6 @@
 //! Which rules, branches, updates and rounds of a specification ran.
 
-use crate::Specification;
+use crate::specification::Specification;
 use asmotion_diagnostics::Span;
 use asmotion_hir::{RuleKind, RuleTerm};
 use asmotion_ir::CoveragePoint;

@@ -2,7 +2,6 @@
 
 mod values;
 
-use crate::Specification;
 use crate::codes::r001::Clash;
 use crate::codes::r002::WritesForeignValue;
 use crate::codes::r003::UndefinedGuard;
@@ -25,6 +24,7 @@ use crate::codes::r021::TooManyCalls;
 use crate::codes::r022::ReadsForeignValue;
 use crate::codes::r023::WritesNowhere;
 use crate::codes::w030::BeginsOutside;
+use crate::specification::Specification;
 use asmotion_diagnostics::{Diagnostic, Finding, Report};
 use asmotion_machine::{FaultKind, InitialMisfit, Machine, StepFault, Witness};
 use asmotion_value::Value;

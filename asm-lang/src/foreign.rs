@@ -1,6 +1,6 @@
 //! Values outside the domains of their functions.
 
-use crate::Specification;
+use crate::specification::Specification;
 use asmotion_diagnostics::{Diagnostic, Span};
 use asmotion_machine::DomainMisfit;
 use asmotion_value::Value;

@@ -1,6 +1,6 @@
 //! A session with a past: any number of events can be undone, and a location says who wrote it last.
 
-use crate::Session;
+use crate::session::Session;
 use asmotion_diagnostics::Report;
 use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
 use asmotion_machine::{Environment, Machine, StepFault};

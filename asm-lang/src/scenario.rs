@@ -3,7 +3,7 @@
 use crate::codes::v023::UnreadableScenario;
 use crate::codes::v024::UnknownSpecification;
 use crate::coverage::Coverage;
-use crate::{OpenFailure, Specification, open_in};
+use crate::specification::{OpenFailure, Specification, open_in};
 use asmotion_diagnostics::{Diagnostic, Finding, Loader, Report, Sources, Span};
 use asmotion_machine::{Machine, StepFault};
 use asmotion_simulate::scenario::{

@@ -24,7 +24,7 @@
 //! # Ok::<(), String>(())
 //! ```
 
-use crate::{OpenFailure, Specification};
+use crate::specification::{OpenFailure, Specification};
 use asmotion_diagnostics::{FileId, Report};
 use asmotion_hir::AddedTerm;
 use asmotion_machine::{Chooser, Environment, Machine, Step, StepFault};

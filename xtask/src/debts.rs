@@ -171,7 +171,7 @@ impl CrateDebt {
     fn add(&mut self, modules: &CrateModules) {
         self.hub_uses += modules.hub_uses.len();
         self.climbing += graph::climbing(&modules.room_arrows()).len();
-        let cycles = graph::cycles(&modules.arrows);
+        let cycles = graph::cycles(&modules.arrows());
         let large = cycles
             .iter()
             .map(Vec::len)

@@ -218,13 +218,19 @@ fn cycles(root: &Path, package: Option<&str>) -> Result<(), Box<dyn Error>> {
         for (from, to) in graph::climbing(&between) {
             println!("{}: up: {from} -> {to}", it.name);
         }
-        for cycle in graph::cycles(&it.arrows) {
+        for cycle in graph::cycles(&it.arrows()) {
             println!(
                 "{}: {} files in a cycle: {}",
                 it.name,
                 cycle.len(),
                 cycle.join(" ")
             );
+            for ((from, to), names) in &it.uses {
+                if cycle.contains(from) && cycle.contains(to) {
+                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                    println!("    {from} -> {to}: {}", names.join(" "));
+                }
+            }
         }
     }
     Ok(())

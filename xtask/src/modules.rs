@@ -5,6 +5,7 @@
 //! makes no arrow; the type had to be named somewhere to be called on.
 
 use crate::checkout::{Checkout, SourceFile, child_folder};
+use crate::graph::Arrow;
 use crate::test_code::{attributes, is_cfg_test};
 use proc_macro2::{TokenStream, TokenTree};
 use std::cell::RefCell;
@@ -23,8 +24,8 @@ pub struct CrateModules {
     pub files: BTreeSet<String>,
     /// First-level module of each file but the root.
     pub rooms: BTreeMap<String, String>,
-    /// From a file that names something to the file that defines it.
-    pub arrows: BTreeSet<(String, String)>,
+    /// From a file that names something to the file that defines it, with the paths that name it.
+    pub uses: BTreeMap<Arrow, BTreeSet<String>>,
     /// Where something is named through the crate's root: file, line and path.
     pub hub_uses: Vec<HubUse>,
 }
@@ -41,9 +42,14 @@ pub struct HubUse {
 }
 
 impl CrateModules {
+    /// Arrows between files.
+    pub fn arrows(&self) -> BTreeSet<Arrow> {
+        self.uses.keys().cloned().collect()
+    }
+
     /// Arrows between first-level modules of the crate.
-    pub fn room_arrows(&self) -> BTreeSet<(String, String)> {
-        let pairs = self.arrows.iter().filter_map(|(from, to)| {
+    pub fn room_arrows(&self) -> BTreeSet<Arrow> {
+        let pairs = self.uses.keys().filter_map(|(from, to)| {
             let (from, to) = (self.rooms.get(from)?, self.rooms.get(to)?);
             (from != to).then(|| (from.clone(), to.clone()))
         });
@@ -82,7 +88,10 @@ pub fn of(checkout: &Checkout) -> Vec<CrateModules> {
 struct ModuleScope {
     parent: Option<usize>,
     file: String,
+    /// Child modules whose files are known.
     children: BTreeMap<String, usize>,
+    /// Every child module; that of a generated file is no child.
+    modules: BTreeSet<String>,
     items: BTreeSet<String>,
     imports: Vec<Import>,
     /// Paths in code, each with its line.
@@ -139,6 +148,7 @@ impl Resolver {
             parent,
             file: file.to_owned(),
             children: BTreeMap::new(),
+            modules: BTreeSet::new(),
             items: BTreeSet::new(),
             imports: Vec::new(),
             paths: Vec::new(),
@@ -167,6 +177,7 @@ impl Resolver {
     ) {
         let name = module.ident.to_string();
         let name = name.trim_start_matches("r#");
+        self.scopes[parent].modules.insert(name.to_owned());
         let below = format!("{folder}{name}/");
         let child = match &module.content {
             Some((_, items)) => Some(self.add(files, items, Some(parent), file, &below)),
@@ -211,7 +222,7 @@ impl Resolver {
     fn resolve(&self, module: usize, path: &[String]) -> Option<Target> {
         let (first, rest) = path.split_first()?;
         let start = match first.as_str() {
-            "crate" => Target::Module(0),
+            "crate" | "$crate" => Target::Module(0),
             "self" => Target::Module(module),
             "super" => Target::Module(self.scopes[module].parent?),
             name => self.lookup(module, name)?,
@@ -274,7 +285,8 @@ impl Resolver {
         None
     }
 
-    /// Whether a path passes through the root to something that is no module and no macro.
+    /// Whether a path passes through the root to something that is no module and no macro, or ends at the
+    /// root, as that of `use crate::*` does. `$crate` is the only way in for the users of a macro.
     fn is_hub_use(&self, module: usize, path: &[String]) -> bool {
         let mut at = match path.first().map(String::as_str) {
             Some("crate") => Some(0),
@@ -287,9 +299,10 @@ impl Resolver {
         }
         match (at, rest.next()) {
             (Some(0), Some(name)) => {
-                !self.scopes[0].children.contains_key(name) && !self.macros.contains(name)
+                !self.scopes[0].modules.contains(name) && !self.macros.contains(name)
             }
-            _ => false,
+            (Some(0), None) => true,
+            (Some(_) | None, _) => false,
         }
     }
 
@@ -299,7 +312,7 @@ impl Resolver {
             root: root.clone(),
             files: self.scopes.iter().map(|scope| scope.file.clone()).collect(),
             rooms: self.rooms(),
-            arrows: BTreeSet::new(),
+            uses: BTreeMap::new(),
             hub_uses: Vec::new(),
         };
         for (module, scope) in self.scopes.iter().enumerate() {
@@ -322,7 +335,12 @@ impl Resolver {
                 };
                 let to = &self.scopes[target].file;
                 if *to != scope.file {
-                    modules.arrows.insert((scope.file.clone(), to.clone()));
+                    let arrow = (scope.file.clone(), to.clone());
+                    modules
+                        .uses
+                        .entry(arrow)
+                        .or_default()
+                        .insert(path.join("::"));
                 }
             }
         }
@@ -458,7 +476,7 @@ impl<'ast> Visit<'ast> for PathVisitor<'_> {
 /// Paths in the arguments of a macro: `name::name` and longer.
 fn token_paths(tokens: TokenStream, found: &mut Vec<(Vec<String>, usize)>) {
     let mut path: Vec<String> = Vec::new();
-    let mut colons = 0;
+    let (mut colons, mut dollar) = (0, false);
     let mut line = 0;
     let mut flush = |path: &mut Vec<String>, line: usize| {
         let path = std::mem::take(path);
@@ -474,8 +492,15 @@ fn token_paths(tokens: TokenStream, found: &mut Vec<(Vec<String>, usize)>) {
                     flush(&mut path, line);
                     line = name.span().start().line;
                 }
-                path.push(name.to_string());
+                path.push(match std::mem::take(&mut dollar) {
+                    true => format!("${name}"),
+                    false => name.to_string(),
+                });
                 colons = 0;
+            }
+            TokenTree::Punct(mark) if mark.as_char() == '$' => {
+                flush(&mut path, line);
+                (colons, dollar) = (0, true);
             }
             TokenTree::Punct(mark) if mark.as_char() == ':' => colons += 1,
             TokenTree::Group(group) => {

@@ -121,7 +121,7 @@ fn module_rows(crates: &[CrateModules], rows: &mut Rows) {
         in_cycles += graph::cycles(&between).iter().map(Vec::len).sum::<usize>();
         climbing += graph::climbing(&between).len();
         hub += modules.hub_uses.len();
-        for cycle in graph::cycles(&modules.arrows) {
+        for cycle in graph::cycles(&modules.arrows()) {
             large += usize::from(cycle.len() > LARGEST_CYCLE);
             if cycle.len() > largest.0 {
                 largest = (cycle.len(), modules.name.clone());

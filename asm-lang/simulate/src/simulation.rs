@@ -1,8 +1,11 @@
 //! A machine that runs alone: what causes its steps, and what is written down about them.
 
+use crate::clock::SimulationClock;
+use crate::environment::Script;
 use crate::partner::ScriptedPartners;
-use crate::recording::Ticks;
-use crate::{Random, Recording, Script, Seeded, SimulationClock, Trace};
+use crate::random::{Random, Seeded};
+use crate::recording::{Recording, Ticks};
+use crate::trace::Trace;
 use asmotion_machine::{Chooser, Environment, Machine, StepFault};
 use std::fmt;
 

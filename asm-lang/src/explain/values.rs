@@ -1,6 +1,6 @@
 //! The values at hand where a step failed.
 
-use crate::Specification;
+use crate::specification::Specification;
 use asmotion_diagnostics::{Diagnostic, Label, Span};
 use asmotion_machine::{FaultKind, Machine, PathEntry, StepFault, Witness};
 use asmotion_value::Value;

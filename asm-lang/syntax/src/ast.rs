@@ -20,6 +20,9 @@ pub use term::{
 use asmotion_diagnostics::Span;
 use std::sync::Arc;
 
+/// Nodes may nest this deep; beyond it the parser reports an error and puts `Invalid`.
+pub const MAX_DEPTH: u32 = 400;
+
 /// A name and where it stands. Variables keep their `$`, rules their `r_`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameText {

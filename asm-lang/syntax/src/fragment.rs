@@ -1,12 +1,13 @@
 //! Single terms and rules: what scenarios, prompts and scripts contain.
 
+use crate::ast;
 use crate::codes::l063::NotAnAssignment;
 use crate::explain::Explainer;
 use crate::findings::SyntaxFindings;
 use crate::lexer::TextKind;
 use crate::nesting::NestedTokens;
 use crate::node::{Nodes, ParsedText};
-use crate::{ast, never, read};
+use crate::parse::{never, read};
 use asmotion_diagnostics::{FileId, Finding, Report};
 use std::ops::Range;
 

@@ -13,6 +13,7 @@ mod fragment;
 mod lexer;
 mod nesting;
 mod node;
+mod parse;
 mod print;
 mod scenario;
 mod spelling;
@@ -29,62 +30,11 @@ mod spelling;
 )]
 mod grammar;
 
+pub use ast::MAX_DEPTH;
 pub use codes::CODES;
 pub use fragment::{
     parse_assignment, parse_assignment_in, parse_rule, parse_rule_in, parse_term, parse_term_in,
 };
+pub use parse::{Parsed, parse};
 pub use print::{format, format_scenario};
 pub use scenario::{begins_scenario, parse_scenario};
-
-use asmotion_diagnostics::{FileId, Report};
-use explain::{Explainer, ParserError};
-use findings::SyntaxFindings;
-use lexer::{SpannedToken, TextKind, Token};
-use nesting::NestedTokens;
-use node::{Nodes, ParsedText};
-use std::iter;
-
-/// A file's tree, and what was wrong with its text.
-#[derive(Clone, Debug)]
-pub struct Parsed {
-    /// The tree; parts that could not be read are `Invalid`.
-    pub file: ast::File,
-    /// Errors and warnings.
-    pub report: Report,
-}
-
-/// Nodes may nest this deep; beyond it the parser reports an error and puts `Invalid`.
-pub const MAX_DEPTH: u32 = 400;
-
-/// Reads a file.
-pub fn parse(file: FileId, text: &str) -> Parsed {
-    let (findings, unheard) = (SyntaxFindings::new(file), SyntaxFindings::new(file));
-    let nodes = Nodes::new(text, &findings, Explainer::new(text, &findings, &unheard));
-    let mut tokens = NestedTokens::new(text, &findings);
-    let mut tree = match read(TextKind::File, 0, &nodes, tokens.by_ref()) {
-        Ok(ParsedText::File(tree)) => tree,
-        Ok(ParsedText::Rule(_) | ParsedText::Term(_)) => nodes.unread(&never(0)),
-        Err(failure) => nodes.unread(&failure),
-    };
-    tree.annotations = tokens.lexer.annotations;
-    Parsed {
-        file: tree,
-        report: findings.finish(),
-    }
-}
-
-/// Runs the parser over the tokens of a text, of which the first begins at `start` or later.
-fn read<'input, 'run>(
-    kind: TextKind,
-    start: usize,
-    nodes: &Nodes<'input, 'run>,
-    tokens: impl Iterator<Item = SpannedToken<'input>>,
-) -> Result<ParsedText, ParserError<'input>> {
-    let first = (start, Token::Start(kind), start);
-    grammar::ParsedTextParser::new().parse(nodes, iter::once(first).chain(tokens))
-}
-
-/// The failure of a text that was read as another kind than it was to be; the grammar excludes it.
-fn never(at: usize) -> ParserError<'static> {
-    ParserError::InvalidToken { location: at }
-}

@@ -1,6 +1,6 @@
 //! What is open at a token: bounds the parser's stack, and tells messages where they are.
 
-use crate::MAX_DEPTH;
+use crate::ast::MAX_DEPTH;
 use crate::codes::l039::NestedTooDeep;
 use crate::findings::SyntaxFindings;
 use crate::lexer::{Keyword, Lexer, Sign, SpannedToken, Token};

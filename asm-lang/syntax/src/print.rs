@@ -14,7 +14,8 @@ mod scenario;
 mod term;
 mod trivia;
 
-use crate::{parse, parse_scenario};
+use crate::parse::parse;
+use crate::scenario::parse_scenario;
 use asmotion_diagnostics::{FileId, Report};
 use layout::TokenLayout;
 use pretty::Arena;

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "scalars are copied as they lie there")]
 
-use crate::Value;
+use crate::value::Value;
 use std::sync::Arc;
 
 impl Clone for Value {

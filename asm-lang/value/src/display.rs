@@ -1,6 +1,6 @@
 //! Values as text, in the notation of AsmetaL literals.
 
-use crate::{Atom, RuleId, Value};
+use crate::value::{Atom, RuleId, Value};
 use std::fmt::{self, Write};
 
 /// What the atoms and rules of a machine are called.

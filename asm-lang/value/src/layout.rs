@@ -20,7 +20,8 @@ mod tests {
     #![allow(unsafe_code, reason = "the layout is looked at byte by byte")]
 
     use super::*;
-    use crate::{Atom, Real, RuleId, Value};
+    use crate::real::Real;
+    use crate::value::{Atom, RuleId, Value};
 
     /// The tag, and as many bytes of the payload as asked for.
     fn seen(value: &Value, bytes: usize) -> (u8, Vec<u8>) {

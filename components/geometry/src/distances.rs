@@ -1,7 +1,8 @@
 //! Distance of each cell from the nearest obstacle: the exact Euclidean distance transform in linear time
 //! (Meijster, Roerdink, Hesselink: *A general algorithm for computing distance transforms in linear time*, 2000).
 
-use crate::{Cell, Grid, GridLayout, Occupancy};
+use crate::grid::{Grid, Occupancy};
+use crate::layout::{Cell, GridLayout};
 
 /// Squared distances to the nearest obstacle cell, centre to centre.
 ///
@@ -149,7 +150,8 @@ fn read_envelope(columns: &[u32], envelope: &[(i64, i64)], squared: &mut [u32]) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FREE, OCCUPIED, Pose};
+    use crate::grid::{FREE, OCCUPIED};
+    use crate::pose::Pose;
     use proptest::prelude::*;
 
     fn by_brute_force(grid: &Grid) -> Vec<u32> {

@@ -1,6 +1,8 @@
 //! Drawing on a grid: polygons, strokes and discs in map coordinates become cells. What lies outside is cut off.
 
-use crate::{Grid, GridLayout, Point, Vector};
+use crate::grid::Grid;
+use crate::layout::GridLayout;
+use crate::pose::{Point, Vector};
 
 impl Grid {
     /// Gives `value` to every cell whose centre lies inside an odd number of rings: a polygon with holes, or several.
@@ -160,7 +162,8 @@ fn clip(layout: &GridLayout, from: Point, to: Point) -> Option<(Point, Point)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FREE, OCCUPIED, Pose, heading};
+    use crate::grid::{FREE, OCCUPIED};
+    use crate::pose::{Pose, heading};
     use proptest::prelude::*;
 
     fn grid(width: u32, height: u32) -> Grid {

@@ -1,6 +1,8 @@
 //! Occupancy grids: `nav_msgs/OccupancyGrid` as a value one can ask.
 
-use crate::{Cell, Distances, GridLayout, GridLayoutError, Point};
+use crate::distances::Distances;
+use crate::layout::{Cell, GridLayout, GridLayoutError};
+use crate::pose::Point;
 
 /// ROS value of a cell that has not been observed.
 pub const UNKNOWN: i8 = -1;
@@ -154,7 +156,7 @@ fn worse(one: i8, other: i8) -> i8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Pose;
+    use crate::pose::Pose;
 
     fn grid(width: u32, height: u32) -> Grid {
         Grid::new(

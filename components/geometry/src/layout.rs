@@ -1,6 +1,6 @@
 //! Layout of a grid in the map: from points to cells and from cells to their centres.
 
-use crate::{Point, Pose};
+use crate::pose::{Point, Pose};
 
 /// A cell by its place in the grid; column along the grid's x, row along its y, (0, 0) at the origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -192,7 +192,7 @@ impl GridLayout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::heading;
+    use crate::pose::heading;
 
     fn turned() -> GridLayout {
         GridLayout::new(

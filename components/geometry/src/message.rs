@@ -2,9 +2,10 @@
 
 use asmotion_messages::{Header, MapMetaData, OccupancyGrid, PoseStamped, Time};
 
-use crate::{
-    Grid, GridLayout, GridLayoutError, ObstacleScene, Point, Pose, RoundObstacle, heading, yaw,
-};
+use crate::grid::Grid;
+use crate::layout::{GridLayout, GridLayoutError};
+use crate::pose::{Point, Pose, heading, yaw};
+use crate::scene::{ObstacleScene, RoundObstacle};
 
 /// The grid of a map message; in the frame of its header.
 pub fn grid(message: &OccupancyGrid) -> Result<Grid, GridLayoutError> {
@@ -149,7 +150,8 @@ fn widen(resolution: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FREE, Vector};
+    use crate::grid::FREE;
+    use crate::pose::Vector;
 
     #[test]
     fn a_grid_survives_the_way_there_and_back() {

@@ -1,6 +1,9 @@
 //! The walls of a grid: the borders between occupied cells and the others, as few segments as possible.
 
-use crate::{Grid, GridLayout, ObstacleScene, Occupancy, Point};
+use crate::grid::{Grid, Occupancy};
+use crate::layout::GridLayout;
+use crate::pose::Point;
+use crate::scene::ObstacleScene;
 
 impl ObstacleScene {
     /// Scene whose walls are the borders of a grid's occupied cells; map frame.
@@ -49,7 +52,9 @@ fn runs(size: i64, border: impl Fn(i64) -> bool) -> impl Iterator<Item = (i64, i
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cell, FREE, OCCUPIED, Pose, Vector};
+    use crate::grid::{FREE, OCCUPIED};
+    use crate::layout::Cell;
+    use crate::pose::{Pose, Vector};
 
     #[test]
     fn it_has_four_walls_around_a_block() {

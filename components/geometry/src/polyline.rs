@@ -1,6 +1,6 @@
 //! Lines through points: how long, where along, how they turn.
 
-use crate::{Point, Pose, Vector, heading};
+use crate::pose::{Point, Pose, Vector, heading};
 
 /// A line through points, measured once so that asking is cheap.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -142,7 +142,7 @@ impl Polyline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::yaw;
+    use crate::pose::yaw;
     use std::f64::consts::FRAC_PI_2;
 
     fn corner() -> Polyline {

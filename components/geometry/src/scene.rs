@@ -9,7 +9,7 @@ use parry2d::query::{PointQuery, Ray, RayCast};
 use parry2d::shape::{Ball, Segment, Shape};
 use parry2d::utils::point_in_poly2d;
 
-use crate::{Point, Vector};
+use crate::pose::{Point, Vector};
 
 /// A round obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]

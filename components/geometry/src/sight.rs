@@ -1,7 +1,9 @@
 //! Lines on a grid: every cell a straight line touches (Amanatides, Woo: *A fast voxel traversal algorithm*, 1987;
 //! a line through a corner touches all four cells around it, so nothing is seen between two diagonal obstacles).
 
-use crate::{Cell, Grid, GridLayout, Point};
+use crate::grid::Grid;
+use crate::layout::{Cell, GridLayout};
+use crate::pose::Point;
 
 impl GridLayout {
     /// Whether `pass` says yes to every cell the straight line between two map points touches; no as soon as the line
@@ -100,7 +102,8 @@ impl WalkAxis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FREE, OCCUPIED, Pose};
+    use crate::grid::{FREE, OCCUPIED};
+    use crate::pose::Pose;
     use proptest::prelude::*;
 
     fn layout() -> GridLayout {

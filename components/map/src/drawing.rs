@@ -2,7 +2,9 @@
 
 use asmotion_geometry::{Grid, GridLayout, Occupancy, Point, Pose, Vector, heading};
 
-use crate::{FeatureRule, MapFault, MapSettings};
+use crate::error::MapFault;
+use crate::format::MapSettings;
+use crate::rules::FeatureRule;
 
 /// Shapes in the map frame, and in which order they are drawn.
 #[derive(Default)]

@@ -2,14 +2,16 @@
 
 use asmotion_geometry::Occupancy;
 
+use crate::error::{MapError, MapFault, Where};
 use crate::files::{FileFault, FileSource, read_at_most};
 use crate::geo_json::GeoJson;
+use crate::map::Map;
 use crate::osm::OsmPbf;
 #[cfg(feature = "maps")]
 use crate::osm::OsmXml;
 #[cfg(feature = "maps")]
 use crate::ros::RosMap;
-use crate::{Map, MapError, MapFault, Rules, Where};
+use crate::rules::Rules;
 
 /// Reads one kind of map file. Never panics, whatever the bytes are, and holds no more memory than the settings allow.
 pub trait MapFormat: Sync {

@@ -7,9 +7,11 @@ use asmotion_geometry::{Occupancy, Point, heading};
 use geojson::{Feature, GeoJson as Document, GeometryValue, JsonObject, JsonValue, Position};
 
 use crate::drawing::{Drawing, DrawingFrame};
+use crate::error::{MapError, MapFault, Where};
 use crate::format::{MapFormat, MapSettings, MapSource};
+use crate::map::{LonLat, Map, NamedPoint};
 use crate::projection::{Projection, centre, checked};
-use crate::{FeatureRule, LonLat, Map, MapError, MapFault, NamedPoint, Tags, Where};
+use crate::rules::{FeatureRule, Tags};
 
 /// The format.
 pub struct GeoJson;
@@ -360,7 +362,8 @@ fn tags(properties: Option<&JsonObject>) -> Tags {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FilesInMemory, load};
+    use crate::files::FilesInMemory;
+    use crate::format::load;
     use asmotion_geometry::{Cell, yaw};
 
     fn read(text: &str) -> Result<Map, MapError> {

@@ -394,7 +394,7 @@ impl LoadedMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FilesInMemory;
+    use crate::files::FilesInMemory;
 
     const WALL: &str = r#"{"type":"FeatureCollection","map":{"units":"metres"},"features":[{"type":"Feature","properties":{"indoor":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0],[4,3]]}}]}"#;
 
@@ -509,8 +509,12 @@ mod tests {
         let file = folder.path().join("hall.geojson");
         std::fs::write(&file, WALL).unwrap();
         let source = folder.path().to_str().unwrap();
-        let mut library =
-            MapLibrary::open(Arc::new(crate::DiskFiles), source, MapSettings::default()).unwrap();
+        let mut library = MapLibrary::open(
+            Arc::new(crate::files::DiskFiles),
+            source,
+            MapSettings::default(),
+        )
+        .unwrap();
         get(&mut library, "hall", 1);
         assert_eq!(refresh(&mut library, 2), []);
         std::fs::write(&file, WALL.replace("[4,3]", "[8,3.5]")).unwrap();

@@ -11,9 +11,11 @@ mod xml;
 use asmotion_geometry::{Occupancy, Point};
 
 use crate::drawing::{Drawing, DrawingFrame};
+use crate::error::{MapError, MapFault};
 use crate::format::{MapFormat, MapSettings, MapSource};
+use crate::map::{LonLat, Map, NamedPoint};
 use crate::projection::{Projection, bounds};
-use crate::{FeatureRule, LonLat, Map, MapError, MapFault, NamedPoint, Tags};
+use crate::rules::{FeatureRule, Tags};
 use extract::Extract;
 
 /// OSM XML.

@@ -5,7 +5,8 @@
 use asmotion_geometry::Point;
 use proj4rs::Proj;
 
-use crate::{LonLat, MapFault};
+use crate::error::MapFault;
+use crate::map::LonLat;
 
 /// The way from degrees to the map frame.
 pub struct Projection {

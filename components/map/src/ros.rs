@@ -10,8 +10,9 @@ use picture::{MapPicture, Pixel};
 use serde::Deserialize;
 
 use crate::drawing::fitting;
+use crate::error::{MapError, MapFault, Where};
 use crate::format::{MapFormat, MapSettings, MapSource};
-use crate::{Map, MapError, MapFault, Where};
+use crate::map::Map;
 
 /// The format.
 pub struct RosMap;
@@ -239,7 +240,8 @@ pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), MapFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FilesInMemory, load};
+    use crate::files::FilesInMemory;
+    use crate::format::load;
 
     /// A map of one row of pixels, each of one brightness.
     fn cells(shades: &[u8], more: &str) -> Vec<i8> {

@@ -1,6 +1,6 @@
 //! `geometry_msgs`: points, poses, velocities.
 
-use crate::Header;
+use crate::std_msgs::Header;
 
 asmotion_datum::message! {
     /// A free vector; the unit is the user's.

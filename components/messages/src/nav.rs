@@ -1,6 +1,9 @@
 //! `nav`: what the navigation components tell each other beyond ROS.
 
-use crate::{Disc, OccupancyGrid, PoseStamped, Time};
+use crate::builtin_interfaces::Time;
+use crate::geometry_msgs::PoseStamped;
+use crate::nav_msgs::OccupancyGrid;
+use crate::world::Disc;
 
 asmotion_datum::message! {
     /// Something happened that a coordinator may care about.

@@ -1,6 +1,8 @@
 //! `nav_msgs`: paths, odometry, occupancy grids.
 
-use crate::{Header, Pose, PoseStamped, PoseWithCovariance, Time, TwistWithCovariance};
+use crate::builtin_interfaces::Time;
+use crate::geometry_msgs::{Pose, PoseStamped, PoseWithCovariance, TwistWithCovariance};
+use crate::std_msgs::Header;
 
 asmotion_datum::message! {
     /// A way to go: poses in order. Without poses it means: stop.

@@ -2,7 +2,8 @@
 
 use asmotion_component::Operation;
 
-use crate::{OccupancyGrid, Path, Place, PlanRequest};
+use crate::nav::{Place, PlanRequest};
+use crate::nav_msgs::{OccupancyGrid, Path};
 
 /// The map of a place.
 #[derive(Debug, Clone, Copy)]

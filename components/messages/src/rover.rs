@@ -1,6 +1,6 @@
 //! `rover`: the two wheels of a differential drive.
 
-use crate::Time;
+use crate::builtin_interfaces::Time;
 
 asmotion_datum::message! {
     /// How fast each wheel shall turn, or turns; forward positive.

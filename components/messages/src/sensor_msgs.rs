@@ -1,6 +1,6 @@
 //! `sensor_msgs`: the laser.
 
-use crate::Header;
+use crate::std_msgs::Header;
 
 asmotion_datum::message! {
     /// One sweep of a planar laser. A range is `-Inf` where something is nearer than `range_min`, `+Inf` where nothing

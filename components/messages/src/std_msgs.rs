@@ -1,6 +1,6 @@
 //! `std_msgs`: primitives and the header.
 
-use crate::Time;
+use crate::builtin_interfaces::Time;
 
 asmotion_datum::message! {
     /// A truth value (`std_msgs/Bool`).

@@ -2,7 +2,15 @@
 
 use asmotion_datum::{Message, Schema};
 
-use crate::*;
+use crate::builtin_interfaces::*;
+use crate::geometry_msgs::*;
+use crate::nav::*;
+use crate::nav_msgs::*;
+use crate::rover::*;
+use crate::sensor_msgs::*;
+use crate::std_msgs::*;
+use crate::world::*;
+use crate::youbot::*;
 
 /// Gives the schema of a message.
 pub type DescribeMessage = fn() -> &'static Schema;

@@ -2,7 +2,9 @@
 
 use asmotion_component::Operation;
 
-use crate::{Bool, Empty, Pose, Text, Time};
+use crate::builtin_interfaces::Time;
+use crate::geometry_msgs::Pose;
+use crate::std_msgs::{Bool, Empty, Text};
 
 asmotion_datum::message! {
     /// What the driver measures (`youbot/JointStatus`).

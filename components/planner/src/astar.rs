@@ -3,9 +3,9 @@
 use asmotion_geometry::{Cell, Grid, Occupancy, Point, Polyline, Pose, heading, yaw};
 
 use crate::costs::{Costs, TIGHT, WALL};
+use crate::planner::{Blocked, NoPath, PathEnd, PlannedPath, Planner, PlannerSettings};
 use crate::search::GridSearch;
 use crate::smooth::{Knot, smooth};
-use crate::{Blocked, NoPath, PathEnd, PlannedPath, Planner, PlannerSettings};
 
 /// A* over the inflated grid, then straight lines where they cost no more.
 ///

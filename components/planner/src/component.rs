@@ -9,7 +9,7 @@ use asmotion_messages::{
     GetMap, Obstacles, OccupancyGrid, Path, Place, Plan as PlanOperation, PlanRequest,
 };
 
-use crate::{NoPath, PLANNERS, Planner, PlannerSettings, planner};
+use crate::planner::{NoPath, PLANNERS, Planner, PlannerSettings, planner};
 
 /// `nav::TrajectoryPlanner`: serves `plan`, publishes each path it found.
 ///

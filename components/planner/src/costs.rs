@@ -2,7 +2,7 @@
 
 use asmotion_geometry::{Cell, Distances, Grid, GridLayout, Occupancy};
 
-use crate::PlannerSettings;
+use crate::planner::PlannerSettings;
 
 /// The cost of one cell's side in the open; costs are whole numbers, so that sums do not depend on their order.
 pub const BASE: u32 = 128;

@@ -3,7 +3,7 @@
 use asmotion_component::Properties;
 use asmotion_geometry::{Grid, Point, Pose};
 
-use crate::AStar;
+use crate::astar::AStar;
 
 /// Finds a path, or the reason why there is none. Called anew for each request, on the map of that request.
 pub trait Planner: Send {

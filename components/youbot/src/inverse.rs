@@ -7,7 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::{Arm, ArmJoints, Unreachable};
+use crate::arm::{Arm, ArmJoints};
+use crate::unreachable::Unreachable;
 
 /// Largest angle between a goal and the arm's plane that counts as none, rad.
 const OUT_OF_PLANE: f64 = 1e-3;

@@ -4,7 +4,8 @@ use asmotion_component::{Component, Cycle, Fault, Interface, Ports, Provided, Se
 use asmotion_messages::{Goal, JointPositions, Solve};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
-use crate::{Arm, ArmJoints, Unreachable};
+use crate::arm::{Arm, ArmJoints};
+use crate::unreachable::Unreachable;
 
 /// `youbot::Kinematics`: answers where the joints must be for the hand to be there, or why it cannot be there.
 pub struct Kinematics {

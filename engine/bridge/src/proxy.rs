@@ -192,7 +192,7 @@ impl PortProxy {
         let output = outputs.find(|output| output.name == operation.port);
         let output = output.ok_or_else(missing)?;
         let message = operation.conversion.apply(argument);
-        let unfit = |misfit: crate::SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
+        let unfit = |misfit: crate::fit::SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
         crate::fit(&message, &output.message).map_err(unfit)?;
         if let Some(motion) = self.motion.as_mut().filter(|it| it.obeys(&output.name)) {
             motion.command(&message).map_err(unfit)?;

@@ -5,10 +5,14 @@ use std::time::Duration;
 
 use asmotion_datum::Schema;
 
-use crate::{
-    Health, Notifier, Pattern, Payload, PendingCall, PublishOptions, PublisherCounts, QueuePolicy,
-    Request, ServedAddress, Subscription, TraceContext,
-};
+use crate::envelope::Payload;
+use crate::health::Health;
+use crate::pattern::Pattern;
+use crate::publish_options::{PublishOptions, PublisherCounts};
+use crate::queue::{QueuePolicy, Subscription};
+use crate::request::{PendingCall, Request, ServedAddress};
+use crate::trace_context::TraceContext;
+use asmotion_connection::Notifier;
 
 /// A bus: topics and addresses shared by processes.
 ///

@@ -5,7 +5,7 @@
 
 mod cases;
 
-use crate::Bus;
+use crate::bus::Bus;
 
 /// A case that a bus did not pass.
 #[derive(Debug, Clone, PartialEq, Eq)]

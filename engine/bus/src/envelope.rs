@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use asmotion_datum::{Codec, Datum, DatumError, DatumProblem, Message, Sample, Schema};
 
-use crate::TraceContext;
+use crate::trace_context::TraceContext;
 
 /// A message on a topic, with the metadata that every transport carries.
 #[derive(Debug, Clone)]

@@ -9,12 +9,15 @@ use std::time::Duration;
 
 use asmotion_datum::Schema;
 
-use crate::request::AddressQueue;
-use crate::{
-    Bus, BusError, CallFailure, Envelope, Health, LinkState, Notifier, Pattern, Payload,
-    PendingCall, PublishOptions, Publisher, PublisherCounts, QueuePolicy, Request, SenderId,
-    ServedAddress, SpanGenerator, Subscription, SubscriptionSender, TraceContext,
-};
+use crate::bus::{Bus, BusError, Publisher, SenderId};
+use crate::envelope::{Envelope, Payload};
+use crate::health::{Health, LinkState};
+use crate::pattern::Pattern;
+use crate::publish_options::{PublishOptions, PublisherCounts};
+use crate::queue::{QueuePolicy, Subscription, SubscriptionSender};
+use crate::request::{AddressQueue, CallFailure, PendingCall, Request, ServedAddress};
+use crate::trace_context::{SpanGenerator, TraceContext};
+use asmotion_connection::Notifier;
 
 /// A bus inside one process. Clones are the same bus.
 #[derive(Clone, Default)]

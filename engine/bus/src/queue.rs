@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use crossbeam_queue::ArrayQueue;
 
 use crate::deadline::later;
-use crate::{Envelope, Notifier};
+use crate::envelope::Envelope;
+use asmotion_connection::Notifier;
 
 /// Queueing policy of a subscription.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

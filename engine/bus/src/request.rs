@@ -7,8 +7,11 @@ use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
 
+use crate::bus::SenderId;
 use crate::deadline::later;
-use crate::{Notifier, Payload, SenderId, TraceContext};
+use crate::envelope::Payload;
+use crate::trace_context::TraceContext;
+use asmotion_connection::Notifier;
 
 /// A request to a server.
 #[derive(Debug, Clone)]

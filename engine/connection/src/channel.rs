@@ -4,9 +4,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crossbeam_queue::ArrayQueue;
 
+use crate::buffer_kind::BufferKind;
+use crate::pool::Pool;
 use crate::store::Store;
 use crate::unsync::Unsync;
-use crate::{BufferKind, Pool, ring, triple};
+use crate::{ring, triple};
 
 /// Outcome of sending a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

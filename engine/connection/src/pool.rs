@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use crossbeam_queue::ArrayQueue;
 
-use crate::channel::SharedBuffer;
+use crate::buffer_kind::BufferKind;
+use crate::channel::{Receiver, Sender, SharedBuffer};
 use crate::store::Store;
-use crate::{BufferKind, Receiver, Sender};
 
 /// A queue with as many ends as are asked for.
 pub struct Pool<T>(pub(crate) SharedBuffer<T>);

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::{BufferKind, PushOutcome};
+use crate::buffer_kind::BufferKind;
+use crate::channel::PushOutcome;
 
 /// A queue for one thread at a time.
 pub(crate) struct Store<T> {

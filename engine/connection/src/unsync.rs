@@ -7,9 +7,10 @@
 use std::cell::UnsafeCell;
 use std::sync::Arc;
 
+use crate::buffer_kind::BufferKind;
 use crate::channel::SharedBuffer as Kept;
+use crate::pool::Pool;
 use crate::store::Store;
-use crate::{BufferKind, Pool};
 
 /// A share of something that one thread at a time uses.
 pub(crate) struct Unsync<T>(Arc<UnsyncCell<T>>);

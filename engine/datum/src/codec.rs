@@ -4,7 +4,9 @@ pub mod cbor;
 pub mod cdr;
 pub mod json;
 
-use crate::{Datum, DatumError, Schema};
+use crate::error::DatumError;
+use crate::schema::Schema;
+use crate::value::Datum;
 
 /// How a payload is written; named by its content type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, asmotion_derive::Word)]

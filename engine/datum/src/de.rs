@@ -12,7 +12,9 @@ use serde::de::{
 use serde::forward_to_deserialize_any;
 
 use crate::codec::special_float;
-use crate::{Datum, DatumError, DatumProblem, FieldName, Numbers};
+use crate::error::{DatumError, DatumProblem};
+use crate::numbers::Numbers;
+use crate::value::{Datum, FieldName};
 
 /// The value of a type that a datum describes.
 pub(crate) fn value_of<T: DeserializeOwned>(datum: &Datum) -> Result<T, DatumError> {

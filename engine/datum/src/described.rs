@@ -7,8 +7,9 @@ use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 
 use crate::numbers::Packed;
+use crate::schema::{Schema, Shape};
 use crate::ser::RawBytes;
-use crate::{Datum, Schema, Shape};
+use crate::value::Datum;
 
 /// A type that may be a field of a message: it knows its schema, its initial value and its way through serde.
 ///

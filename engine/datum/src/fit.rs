@@ -1,7 +1,9 @@
 //! Whether a datum fits a schema, for those who let data in before anybody reads it as a type.
 
 use crate::codec::special_float;
-use crate::{Datum, DatumError, DatumProblem, OutlineKey, Schema, Shape};
+use crate::error::{DatumError, DatumProblem};
+use crate::schema::{OutlineKey, Schema, Shape};
+use crate::value::Datum;
 
 impl Schema {
     /// Says where a datum does not fit. Fields may be left out, and stand in any order, as when a message is read; one

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use crate::{OutlineKey, Schema, Shape};
+use crate::schema::{OutlineKey, Schema, Shape};
 
 /// Definitions of what has a name, as they are met.
 pub struct SchemaDefinitions {

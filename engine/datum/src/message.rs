@@ -7,7 +7,9 @@ use std::sync::Arc;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::{Datum, Sample, Schema, Shape};
+use crate::sample::Sample;
+use crate::schema::{Schema, Shape};
+use crate::value::Datum;
 
 /// A type that travels: named as ROS names it, described by a schema. The [`message!`](crate::message!) macro writes one.
 pub trait Message:

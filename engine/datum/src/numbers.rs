@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-use crate::{Datum, Shape};
+use crate::schema::Shape;
+use crate::value::Datum;
 
 macro_rules! numbers {
     ($($(#[$meta:meta])* $variant:ident($element:ty) = $name:literal, tag $tag:literal, $wrap:ident($via:ty);)+) => {

@@ -4,7 +4,9 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::{Datum, DatumError, Message};
+use crate::error::DatumError;
+use crate::message::Message;
+use crate::value::Datum;
 
 /// Any [`Message`] behind a pointer: queues, recorders and monitors handle it without knowing its type.
 pub trait Sample: Any + Debug + Send + Sync {

@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Datum, FieldName};
+use crate::value::{Datum, FieldName};
 
 /// What a type looks like.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

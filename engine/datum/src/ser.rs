@@ -5,8 +5,9 @@ use std::borrow::Cow;
 use serde::Serialize;
 use serde::ser::{self, Serializer};
 
+use crate::error::{DatumError, DatumProblem};
 use crate::numbers::Numbers;
-use crate::{Datum, DatumError, DatumProblem, FieldName};
+use crate::value::{Datum, FieldName};
 
 /// Builds the datum that describes a value.
 pub(crate) fn datum_of<T: Serialize + ?Sized>(value: &T) -> Result<Datum, DatumError> {

@@ -7,7 +7,9 @@ use std::sync::Arc;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::{DatumError, Numbers, de, ser};
+use crate::error::DatumError;
+use crate::numbers::Numbers;
+use crate::{de, ser};
 
 /// The name of a record's entry; borrowed where the program spells it, so naming costs nothing.
 pub type FieldName = Cow<'static, str>;

@@ -17,8 +17,8 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
 
-use crate::GatewayService;
 use crate::handler::RequestHandler;
+use crate::service::GatewayService;
 
 /// How long calls under way may take to end when the gateway closes.
 const DRAIN: Duration = Duration::from_secs(2);

@@ -17,7 +17,7 @@ use crate::listing;
 use crate::parameters::CallParameters;
 use crate::problem::Problem;
 use crate::response::{self, HttpResponse};
-use crate::{GatewayOperation, GatewayService};
+use crate::service::{GatewayOperation, GatewayService};
 
 /// What comes in.
 type HttpRequest = hyper::Request<Incoming>;

@@ -5,7 +5,7 @@ use hyper::StatusCode;
 use serde_json::{Value, json};
 
 use crate::response::{self, HttpResponse};
-use crate::{GatewayOperation, GatewayService};
+use crate::service::{GatewayOperation, GatewayService};
 
 /// Where the schemas of what has a name stand.
 const SCHEMAS: &str = "#/$defs";

@@ -2,7 +2,7 @@
 
 use asmotion_datum::{Schema, Shape};
 
-use crate::UnsupportedTypeError;
+use crate::error::UnsupportedTypeError;
 
 /// A type that passes through a queue. Scalars are raw, in this machine's width and byte order; a list is a count of 64
 /// bits and its elements; an array is its elements; a record is one field after the other, without padding.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::QueueCheckError;
+use crate::error::QueueCheckError;
 
 /// The name of a queue, `/jointStatus`: a slash, and something without slashes.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -12,7 +12,9 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, getrlimit};
 use nix::sys::stat::{Mode, fstat};
 
-use crate::{QueueCapacity, QueueCheckError, QueueName};
+use crate::error::QueueCheckError;
+use crate::name::QueueName;
+use crate::writer::QueueCapacity;
 
 /// An open queue; closed when it is dropped.
 pub(crate) struct KernelQueue {

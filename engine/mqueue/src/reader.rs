@@ -7,9 +7,10 @@ use std::time::Duration;
 use asmotion_datum::{Datum, DatumError, Sample};
 use asmotion_runtime::Source;
 
+use crate::layout::QueueLayout;
+use crate::name::QueueName;
 use crate::queue::KernelQueue;
 use crate::writer::told;
-use crate::{QueueLayout, QueueName};
 
 /// What the first message of a queue is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,7 @@
 
 use asmotion_datum::{Datum, DatumError, DatumProblem, Numbers, Schema, Shape};
 
-use crate::QueueLayout;
-use crate::layout::least;
+use crate::layout::{QueueLayout, least};
 
 impl QueueLayout {
     /// Writes a message after what is there. Fields that are left out are zero, false, empty.

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
 use asmotion_runtime::{PushOutcome, Sink};
 
+use crate::error::QueueCheckError;
+use crate::layout::QueueLayout;
+use crate::name::QueueName;
 use crate::queue::{KernelQueue, SendOutcome};
-use crate::{QueueCheckError, QueueLayout, QueueName};
 
 /// How much a queue holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

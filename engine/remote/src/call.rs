@@ -5,7 +5,8 @@ use asmotion_component::{CallError, SendStatus, ServiceFault};
 use asmotion_datum::Datum;
 use asmotion_network::call_error;
 
-use crate::{Remote, RemoteError};
+use crate::error::RemoteError;
+use crate::remote::Remote;
 
 /// A call under way (RTT `SendHandle`). Dropping it gives the call up.
 pub struct SendHandle {

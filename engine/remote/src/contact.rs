@@ -11,8 +11,11 @@ use asmotion_bus::{
 use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Asked, Run};
 
+use crate::last_samples::LastSamples;
+use crate::order::{Order, OrderOutcome, control_address};
+use crate::order_error::OrderErrorCode;
+use crate::presence::presence_topic;
 use crate::presence_publisher::PresencePublisher;
-use crate::{LastSamples, Order, OrderErrorCode, OrderOutcome, control_address, presence_topic};
 
 /// How many orders may wait.
 const WAITING: usize = 16;

@@ -6,7 +6,7 @@ use asmotion_bus::{BusError, Refusal};
 use asmotion_component::CallError;
 use asmotion_datum::DatumError;
 
-use crate::OrderErrorCode;
+use crate::order_error::OrderErrorCode;
 
 /// What cannot be done from outside.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

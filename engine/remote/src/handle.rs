@@ -8,10 +8,13 @@ use asmotion_diagnostics::similar;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::call::SendHandle;
+use crate::error::RemoteError;
+use crate::order::OrderKind;
+use crate::presence::{PresentComponent, PresentService, key};
+use crate::remote::Remote;
 use crate::roster::ComponentLocation;
-use crate::{
-    OrderKind, OutputWatch, PresentComponent, PresentService, Remote, RemoteError, SendHandle, key,
-};
+use crate::watch::OutputWatch;
 
 /// A component of a running system. It stays the same component when its process is started again.
 #[derive(Clone)]

@@ -8,7 +8,9 @@ use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Asked, Run, RunError};
 use serde::{Deserialize, Serialize};
 
-use crate::{LastSamples, OrderError, PresentComponent};
+use crate::last_samples::LastSamples;
+use crate::order_error::OrderError;
+use crate::presence::PresentComponent;
 
 /// Where a process takes orders: `control.onboard`.
 pub fn control_address(process: &str) -> String {

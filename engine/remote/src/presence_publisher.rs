@@ -8,7 +8,7 @@ use asmotion_datum::{Codec, Datum, Schema};
 use asmotion_runtime::Run;
 
 use crate::last_samples::now;
-use crate::{PRESENCE, Presence, presence_topic};
+use crate::presence::{PRESENCE, Presence, presence_topic};
 
 /// How often it speaks.
 const PERIOD: Duration = Duration::from_secs(1);

@@ -13,10 +13,12 @@ use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_network::call_error;
 
+use crate::call::SendHandle;
+use crate::error::RemoteError;
+use crate::handle::RemoteComponent;
+use crate::order::{Order, OrderKind, control_address};
+use crate::presence::{RobotPresence, key};
 use crate::roster::{ComponentLocation, Roster, WORDS, named};
-use crate::{
-    Order, OrderKind, RemoteComponent, RemoteError, RobotPresence, SendHandle, control_address, key,
-};
 
 /// How long to wait for a broker.
 #[cfg(feature = "amqp")]

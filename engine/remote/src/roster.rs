@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use asmotion_bus::Subscription;
 use asmotion_diagnostics::similar;
 
-use crate::{Presence, PresentComponent, RemoteError, RobotPresence};
+use crate::error::RemoteError;
+use crate::presence::{Presence, PresentComponent, RobotPresence};
 
 /// A process speaks once a second; one that has been silent for so long is not counted.
 const SILENT: Duration = Duration::from_millis(2500);
@@ -31,7 +32,7 @@ pub(crate) struct ComponentLocation {
 impl ComponentLocation {
     /// Its name with its robot's before it.
     pub(crate) fn whole(&self) -> String {
-        crate::key(&self.robot, &self.present.name)
+        crate::presence::key(&self.robot, &self.present.name)
     }
 }
 

@@ -6,8 +6,11 @@ use asmotion_bus::Subscription;
 use asmotion_datum::{Datum, DatumError};
 
 use crate::contact::watch_topic;
+use crate::error::RemoteError;
+use crate::order::OrderKind;
+use crate::presence::key;
+use crate::remote::Remote;
 use crate::roster::ComponentLocation;
-use crate::{OrderKind, Remote, RemoteError, key};
 
 /// How often to ask again.
 const AGAIN: Duration = Duration::from_secs(5);

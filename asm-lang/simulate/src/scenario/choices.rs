@@ -1,6 +1,6 @@
 //! Choices: those picked first, the others by chance.
 
-use crate::Seeded;
+use crate::random::Seeded;
 use asmotion_ir::Origin;
 use asmotion_machine::Chooser;
 use asmotion_value::Value;

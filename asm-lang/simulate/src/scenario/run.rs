@@ -269,7 +269,7 @@ impl ScenarioRun<'_> {
             }
         }
         let step = self.machine.last_step();
-        let written = crate::updates(self.machine, &step);
+        let written = crate::show::updates(self.machine, &step);
         FailedCondition {
             condition: condition.span,
             value: self.show(value),

@@ -1,3 +1,4 @@
+use crate::ast::MAX_DEPTH;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Nesting too deep
@@ -33,7 +34,7 @@ pub(crate) struct NestedTooDeep {
 impl Finding for NestedTooDeep {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, format!("more than {} levels", crate::MAX_DEPTH))
+            .label(self.at, format!("more than {MAX_DEPTH} levels"))
             .help("name a part of it by a function or a rule of its own")
     }
 }

@@ -2,7 +2,6 @@
 
 use super::Nodes;
 use super::term::{applied, bound, deepest, optional, ranges};
-use crate::MAX_DEPTH;
 use crate::ast::*;
 use crate::codes::l034::SeveralRules;
 use crate::codes::l039::NestedTooDeep;

@@ -1,7 +1,6 @@
 //! Terms.
 
 use super::Nodes;
-use crate::MAX_DEPTH;
 use crate::ast::*;
 use crate::codes::l005::CharLength;
 use crate::codes::l006::IntegerTooLarge;

@@ -5,7 +5,7 @@ use crate::ast::*;
 use crate::codes::v005::UnendedCommand;
 use crate::findings::SyntaxFindings;
 use crate::lexer::{Lexer, Sign, SpannedToken, Token};
-use crate::parse_scenario;
+use crate::scenario::parse_scenario;
 use asmotion_diagnostics::{Diagnostic, FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -2,8 +2,10 @@
 
 use std::collections::HashMap;
 
+use crate::error::MapFault;
+use crate::map::LonLat;
 use crate::projection::checked;
-use crate::{LonLat, MapFault, Rules, Tags};
+use crate::rules::{Rules, Tags};
 
 /// Tags that matter besides those of the rules.
 const ALWAYS: &[&str] = &["type", "area", "width", "name"];

@@ -5,9 +5,10 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 
 use super::extract::{Extract, OsmRelation, OsmWay, matters};
+use crate::error::{MapError, MapFault, Where};
 use crate::format::MapSource;
 use crate::projection::checked;
-use crate::{MapError, MapFault, Rules, Tags, Where};
+use crate::rules::{Rules, Tags};
 
 /// The elements of the file.
 pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> {

@@ -41,7 +41,7 @@ impl ProxyEvents {
     /// A sample came. Whether it is faulty.
     pub(super) fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) -> bool {
         self.is_stale = false;
-        let is = |condition: &Option<crate::MessageCondition>| {
+        let is = |condition: &Option<crate::condition::MessageCondition>| {
             (condition.as_ref())
                 .filter(|condition| condition.port == port)
                 .filter(|condition| condition.holds(sample))

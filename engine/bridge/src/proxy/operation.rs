@@ -8,7 +8,7 @@ use asmotion_component::{
 use asmotion_datum::Datum;
 
 use super::{Mapped, ReplyMode};
-use crate::Conversion;
+use crate::conversion::Conversion;
 
 /// What a caller hears whose command another one has replaced.
 pub(super) const TAKEN_BACK: &str = "another command came before the motion had ended";

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use asmotion_datum::Schema;
 
-use crate::{Conversion, MessageCondition};
+use crate::condition::MessageCondition;
+use crate::conversion::Conversion;
 
 /// What a proxy does.
 #[derive(Clone, Debug, Default, PartialEq)]

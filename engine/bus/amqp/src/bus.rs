@@ -19,8 +19,9 @@ use crate::link::Link;
 use crate::names::{RoutingNames, short};
 use crate::publisher::{self, AmqpPublisher, PublisherShared};
 use crate::service::Services;
+use crate::settings::AmqpSettings;
 use crate::wire::MessageSource;
-use crate::{AmqpSettings, subscriber, supervisor};
+use crate::{subscriber, supervisor};
 
 /// One worker for each direction; with a single one, throughput drops by a third.
 const WORKERS: usize = 2;

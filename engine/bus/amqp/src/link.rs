@@ -13,7 +13,9 @@ use tokio::runtime::Handle;
 use tokio::sync::{Notify, watch};
 use tokio::time::timeout;
 
-use crate::{AmqpSettings, BusNotice, channel};
+use crate::channel;
+use crate::notice::BusNotice;
+use crate::settings::AmqpSettings;
 
 /// Pause before a retry on a healthy link.
 const REST: Duration = Duration::from_millis(500);

@@ -11,7 +11,7 @@ use tokio::net::TcpStream;
 use tokio_rustls::TlsConnector;
 use tokio_rustls::rustls::pki_types::ServerName;
 
-use crate::AmqpSettings;
+use crate::settings::AmqpSettings;
 
 /// Methods of class 10, `connection`.
 const START: u16 = 10;

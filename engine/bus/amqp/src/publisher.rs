@@ -17,9 +17,9 @@ use tokio::sync::Notify;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::time::{Instant, sleep, sleep_until};
 
-use crate::BusNotice;
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::link::{ConnectionPair, Link};
+use crate::notice::BusNotice;
 use crate::outbox::{EncodedMessage, NextToSend, OutgoingMessage, PublisherOutbox};
 use crate::wire::MessageSource;
 

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::names::LONGEST;
-use crate::{BusNotice, TlsSettings};
+use crate::notice::BusNotice;
+use crate::tls::TlsSettings;
 
 /// Everything a bus needs to know.
 #[derive(Clone)]

@@ -18,12 +18,12 @@ use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::sync::oneshot;
 use tokio::time::{Instant, sleep, sleep_until};
 
-use crate::BusNotice;
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::duplicate_filter::DuplicateFilter;
 use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
 use crate::names::RoutingNames;
+use crate::notice::BusNotice;
 use crate::wire::{self, Headers};
 
 /// Limit of unacknowledged events.

@@ -17,9 +17,11 @@ use tokio_rustls::TlsConnector;
 use crate::backoff::Backoff;
 use crate::channel::{self, AmqpResult};
 use crate::link::{ConnectionPair, Link};
+use crate::notice::BusNotice;
 use crate::probe::knock;
 use crate::pulse;
-use crate::{AmqpSettings, BusNotice, TlsSettings};
+use crate::settings::AmqpSettings;
+use crate::tls::TlsSettings;
 
 /// A life that breaks sooner was hardly one.
 const SHORT: Duration = Duration::from_secs(3);

@@ -4,8 +4,7 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::broker::START;
-use crate::{BrokerError, TestBroker};
+use crate::broker::{BrokerError, START, TestBroker};
 
 /// Message of `erl_call` when a node does not respond.
 const UNREACHED: &str = "failed to connect";

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::ops::Deref;
 use std::sync::{Once, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-use crate::TestBroker;
+use crate::broker::TestBroker;
 
 static BROKER: OnceLock<Option<RwLock<TestBroker>>> = OnceLock::new();
 static NOTICE: Once = Once::new();

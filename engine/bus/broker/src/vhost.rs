@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::{BrokerError, TestBroker};
+use crate::broker::{BrokerError, TestBroker};
 
 static NEXT: AtomicU64 = AtomicU64::new(1);
 

@@ -6,11 +6,14 @@ use std::time::{Duration, Instant};
 
 use asmotion_datum::{Codec, Datum, Message, Schema};
 
-use crate::{
-    Bus, BusError, CallFailure, Envelope, Notifier, Overflow, Pattern, Payload, PendingCall,
-    PublishOptions, Publisher, QueuePolicy, Refusal, Request, SenderId, ServedAddress,
-    SpanGenerator, Subscription,
-};
+use crate::bus::{Bus, BusError, Publisher, SenderId};
+use crate::envelope::{Envelope, Payload};
+use crate::pattern::Pattern;
+use crate::publish_options::PublishOptions;
+use crate::queue::{Overflow, QueuePolicy, Subscription};
+use crate::request::{CallFailure, PendingCall, Refusal, Request, ServedAddress};
+use crate::trace_context::SpanGenerator;
+use asmotion_connection::Notifier;
 
 /// A case: a bus and a name of its own in; what went wrong out.
 pub(super) type ContractCase = fn(&dyn Bus, &str) -> Result<(), String>;
@@ -335,7 +338,7 @@ fn end(pending: PendingCall) -> Result<Option<i64>, CallFailure> {
     Ok(payload.to_datum().ok().and_then(|datum| datum.as_int()))
 }
 
-fn next_call(serving: &ServedAddress) -> Result<crate::IncomingCall, String> {
+fn next_call(serving: &ServedAddress) -> Result<crate::request::IncomingCall, String> {
     let next = serving.next_within(CROSSING);
     next.ok_or_else(|| "a request did not come".to_owned())
 }

@@ -13,7 +13,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::DEPTH;
-use crate::{Datum, DatumError, DatumProblem, FieldName, Numbers};
+use crate::error::{DatumError, DatumProblem};
+use crate::numbers::Numbers;
+use crate::value::{Datum, FieldName};
 
 /// Any serde value as CBOR.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, DatumError> {

@@ -8,7 +8,9 @@ mod read;
 mod write;
 
 use super::DEPTH;
-use crate::{DatumError, DatumProblem, Message, Schema, Shape};
+use crate::error::{DatumError, DatumProblem};
+use crate::message::Message;
+use crate::schema::{Schema, Shape};
 
 pub(super) use read::read_whole;
 pub(super) use write::write_whole;
@@ -20,7 +22,7 @@ const BIG: [u8; 4] = [0, 0, 0, 0];
 
 /// A message as CDR.
 pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, DatumError> {
-    write_whole(&crate::Datum::of(message)?, T::schema())
+    write_whole(&crate::value::Datum::of(message)?, T::schema())
 }
 
 /// A message from CDR.

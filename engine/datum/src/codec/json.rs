@@ -3,7 +3,8 @@
 use serde::de::DeserializeOwned;
 use serde::ser::{Serialize, Serializer};
 
-use crate::{Datum, DatumError, DatumProblem};
+use crate::error::{DatumError, DatumProblem};
+use crate::value::Datum;
 
 /// Any serde value as JSON text on one line.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use crate::{QueueCapacity, QueueCheckError, QueueName};
+use crate::error::QueueCheckError;
+use crate::name::QueueName;
+use crate::writer::QueueCapacity;
 
 /// No queue: none can be opened.
 pub(crate) enum KernelQueue {}

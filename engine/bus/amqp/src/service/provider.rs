@@ -16,10 +16,10 @@ use tokio::sync::oneshot;
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
 use super::message::{self, OutgoingReply};
-use crate::BusNotice;
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
+use crate::notice::BusNotice;
 use crate::wire::{self, Headers};
 
 /// Limit of unacknowledged requests delivered to a provider.

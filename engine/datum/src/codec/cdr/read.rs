@@ -1,7 +1,10 @@
 //! A datum of a shape, read. What is announced is believed only as far as there are bytes.
 
 use super::{BIG, DEPTH, LITTLE, deeper, malformed, shapeless};
-use crate::{Datum, DatumError, DatumProblem, Numbers, OutlineKey, Schema, Shape};
+use crate::error::{DatumError, DatumProblem};
+use crate::numbers::Numbers;
+use crate::schema::{OutlineKey, Schema, Shape};
+use crate::value::Datum;
 
 /// What some writers add, so that a message ends at a multiple of four.
 const PADDING: usize = 3;

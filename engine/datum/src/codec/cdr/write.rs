@@ -4,7 +4,9 @@ use std::borrow::Cow;
 
 use super::{DEPTH, LITTLE, deeper, shapeless};
 use crate::codec::special_float;
-use crate::{Datum, DatumError, DatumProblem, FieldName, OutlineKey, Schema, Shape};
+use crate::error::{DatumError, DatumProblem};
+use crate::schema::{OutlineKey, Schema, Shape};
+use crate::value::{Datum, FieldName};
 
 /// A datum as CDR.
 pub(crate) fn write_whole(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {

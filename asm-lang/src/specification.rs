@@ -1,0 +1,162 @@
+//! From a path to a program that a machine can run.
+
+use asmotion_diagnostics::{Loader, Report, Sources, Span, Style, render_all};
+use asmotion_hir::{self as hir, Model, ReadOptions};
+use asmotion_ir as ir;
+use asmotion_machine::{Machine, StepFault};
+use std::fmt;
+use std::sync::Arc;
+
+/// A specification that can run: what it says, and what a machine executes.
+#[derive(Debug)]
+pub struct Specification {
+    /// The resolved model.
+    pub model: Model,
+    /// The program a machine executes.
+    pub program: Arc<ir::Program>,
+    /// The place of each of the program's origins.
+    pub origins: Vec<Span>,
+    /// The texts.
+    pub sources: Sources,
+    /// Warnings.
+    pub report: Report,
+}
+
+/// Why a specification cannot run.
+#[derive(Debug)]
+pub struct OpenFailure {
+    /// The texts.
+    pub sources: Sources,
+    /// Errors and warnings.
+    pub report: Report,
+}
+
+impl fmt::Display for OpenFailure {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(&render_all(&self.report, &self.sources, Style::Plain))
+    }
+}
+
+impl std::error::Error for OpenFailure {}
+
+/// Opens a specification: a path in, a program out.
+///
+/// # Errors
+/// A text cannot be read, or has errors: all of them are in the failure.
+pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, OpenFailure> {
+    open_with(path, loader, &ReadOptions::default())
+}
+
+/// Opens a specification as somebody asks for.
+///
+/// # Errors
+/// As [`open`], or there is no such initial state.
+pub fn open_with(
+    path: &str,
+    loader: &dyn Loader,
+    options: &ReadOptions,
+) -> Result<Specification, OpenFailure> {
+    open_in(path, loader, Sources::new(), options)
+}
+
+/// Opens a specification beside texts that were read already.
+pub(crate) fn open_in(
+    path: &str,
+    loader: &dyn Loader,
+    mut sources: Sources,
+    options: &ReadOptions,
+) -> Result<Specification, OpenFailure> {
+    let loaded = hir::load(path, loader, &mut sources);
+    let (model, found) = hir::analyse_with(&loaded, &sources, options);
+    let mut report = loaded.report;
+    report.extend(found);
+    let Some(model) = model else {
+        return Err(OpenFailure {
+            sources,
+            report: report.finish(),
+        });
+    };
+    match ir::lower(&model) {
+        Ok(lowered) => {
+            report.extend(lowered.warnings);
+            let (program, origins) = (Arc::new(lowered.program), lowered.origins);
+            Ok(Specification {
+                model,
+                program,
+                origins,
+                sources,
+                report: report.finish(),
+            })
+        }
+        Err(found) => {
+            report.extend(found);
+            Err(OpenFailure {
+                sources,
+                report: report.finish(),
+            })
+        }
+    }
+}
+
+impl Specification {
+    /// A machine in the initial state.
+    ///
+    /// # Errors
+    /// An initial value cannot be computed, or an invariant does not hold initially.
+    pub fn machine(&self) -> Result<Machine, Box<StepFault>> {
+        #[cfg_attr(not(feature = "native"), expect(unused_mut, reason = "only closures"))]
+        let mut machine = Machine::new(self.program.clone())?;
+        #[cfg(feature = "native")]
+        machine.set_native_compiler(&asmotion_native::Cranelift);
+        Ok(machine)
+    }
+
+    /// Lowers the model anew, with what was added to it; what is counted goes on being counted. A
+    /// machine goes on with [`Machine::adopt`].
+    ///
+    /// # Errors
+    /// What was added cannot be lowered; the program is as before.
+    pub fn lower(&mut self) -> Result<(), Report> {
+        if !self.program.counted.is_empty() {
+            return self.lower_covered();
+        }
+        let lowered = ir::lower(&self.model)?;
+        (self.program, self.origins) = (Arc::new(lowered.program), lowered.origins);
+        Ok(())
+    }
+
+    /// Lowers the model anew, to a program that counts what of it runs: see [`Coverage`](crate::coverage::Coverage).
+    ///
+    /// # Errors
+    /// As [`Specification::lower`].
+    pub fn lower_covered(&mut self) -> Result<(), Report> {
+        let lowered = ir::lower(&self.model)?;
+        (self.program, self.origins) = (Arc::new(lowered.program.covered()), lowered.origins);
+        Ok(())
+    }
+
+    /// The function of this name that takes so many arguments, declared by the specification itself.
+    pub fn function(&self, name: &str, arity: usize) -> Option<ir::FunctionId> {
+        let mut own = self.model.own_functions();
+        own.find(|(_, function)| &*function.name == name && function.parameters.len() == arity)
+            .map(|(id, _)| ir::FunctionId(id.0))
+    }
+
+    /// The rule whose body a place is in.
+    pub fn rule_at(&self, place: Span) -> Option<&hir::Rule> {
+        self.model.rules.iter().find(|rule| {
+            let body = rule.body.as_ref().map(|body| body.root.span);
+            body.is_some_and(|body| {
+                body.file == place.file && body.start <= place.start && place.end <= body.end
+            })
+        })
+    }
+
+    /// The place of an origin.
+    pub fn span(&self, origin: ir::Origin) -> Span {
+        self.origins
+            .get(origin.0 as usize)
+            .copied()
+            .unwrap_or_default()
+    }
+}
