@@ -5,12 +5,12 @@
 //! way. A [`PackedState`] is therefore a string of bytes in a canonical form:
 //!
 //! - A slot of a function with finitely many values takes as many bits as they need, including a
-//! code for `undef` and an escape code for any other value, which is then encoded in bytes. All
-//! other values are encoded in bytes; a small integer takes one.
+//!   code for `undef` and an escape code for any other value, which is then encoded in bytes. All
+//!   other values are encoded in bytes; a small integer takes one.
 //! - An interned or lazy location is encoded with its function and arguments, in their order, and
-//! only if its value differs from the initial one. A location that was never accessed and one that
-//! was reset to its initial value are therefore the same, and so are the states of machines that
-//! accessed locations in a different order.
+//!   only if its value differs from the initial one. A location that was never accessed and one that
+//!   was reset to its initial value are therefore the same, and so are the states of machines that
+//!   accessed locations in a different order.
 //! - Locations that the environment is asked for in each step are not part of a state.
 //! - Nothing in [`Memo`](crate::state::Memo) is: the results of earlier queries and computations.
 //!

@@ -6,8 +6,8 @@
 //! |---|---|---|
 //! | [`Store`] | slots, extents of the domains, reserve | every step |
 //! | [`InitialState`] | the store that the run began with | the first step; then fixed |
-//!  [`Locations`] | the locations of slots beyond those fixed by the program | the first access to a location |
-//!  [`Memo`] | cached results of queries and computations | any read |
+//! | [`Locations`] | the locations of slots beyond those fixed by the program | the first access to a location |
+//! | [`Memo`] | cached results of queries and computations | any read |
 //!
 //! Steps read and write the store in place: a value is two words, and a slot is an index. For
 //! storage, comparison and lookup, a state is packed: see [`PackedState`](crate::PackedState).

@@ -127,7 +127,7 @@ pub(crate) struct WritableState<'a> {
 /// The lists of an update set, for native code, which may only
 ///
 /// - append an update of a slot that has none in the innermost set, and set the slot's mark to the
-/// epoch and the update's index;
+///   epoch and the update's index;
 /// - within a sequence, also save the slot's previous value and the mark that is overwritten.
 ///
 /// An update of a slot whose mark has this epoch could be a clash, and is left to closures.
