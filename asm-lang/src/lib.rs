@@ -1,7 +1,7 @@
-//! The language on one page: from a path to a machine that can step.
+//! The pipeline of the language: from a path to a machine that can step.
 //!
 //! ```
-//! let mut files = asmotion_lang::Files::new();
+//! let mut files = asmotion_lang::MemoryFiles::new();
 //! files.add("counter.asm", "asm counter
 //! import StandardLibrary
 //! signature:
@@ -13,7 +13,8 @@
 //! ");
 //! let specification = asmotion_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
 //! let mut machine = specification.machine().map_err(|fault| specification.explain(&fault).message)?;
-//! machine.step(&mut asmotion_lang::NoInputs, &mut asmotion_lang::First, 0).map_err(|fault| specification.explain(&fault).message)?;
+//! |machine.step(&mut asmotion_lang::NoInputs, &mut asmotion_lang::FirstChoice, 0).map_err(|fault|
+//! specification.explain(&fault).message)?;
 //! # Ok::<(), String>(())
 //! ```
 
@@ -47,25 +48,25 @@ pub use {
 use std::fmt;
 use std::sync::Arc;
 
-/// A specification that can run: what it says, and what a machine executes.
+/// A specification without errors: its model, and the program for a machine.
 #[derive(Debug)]
 pub struct Specification {
-    /// The resolved model.
+    /// The resolved and typed specification.
     pub model: Model,
-    /// The program a machine executes.
+    /// The program, shared with the machines that execute it.
     pub program: Arc<ir::Program>,
-    /// The place of each of the program's origins.
+    /// The span of each [`ir::Origin`] of the program, indexed by its number.
     pub origins: Vec<Span>,
-    /// The texts.
+    /// The source texts, for rendering diagnostics.
     pub sources: Sources,
-    /// Warnings.
+    /// Warnings found while opening it.
     pub report: Report,
 }
 
-/// Why a specification cannot run.
+/// The errors of a specification that cannot be opened.
 #[derive(Debug)]
 pub struct OpenFailure {
-    /// The texts.
+    /// The source texts, for rendering the report.
     pub sources: Sources,
     /// Errors and warnings.
     pub report: Report,
@@ -79,18 +80,18 @@ impl fmt::Display for OpenFailure {
 
 impl std::error::Error for OpenFailure {}
 
-/// Opens a specification: a path in, a program out.
+/// Opens the specification at a path, with default options.
 ///
 /// # Errors
-/// A text cannot be read, or has errors: all of them are in the failure.
+/// A text cannot be read or contains errors; the failure lists all of them.
 pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, OpenFailure> {
     open_with(path, loader, &ReadOptions::default())
 }
 
-/// Opens a specification as somebody asks for.
+/// Opens the specification at a path.
 ///
 /// # Errors
-/// As [`open`], or there is no such initial state.
+/// As [`open`], or the requested initial state does not exist.
 pub fn open_with(
     path: &str,
     loader: &dyn Loader,
@@ -99,7 +100,7 @@ pub fn open_with(
     open_in(path, loader, Sources::new(), options)
 }
 
-/// Opens a specification beside texts that were read already.
+/// Opens a specification in a collection that already contains texts.
 fn open_in(
     path: &str,
     loader: &dyn Loader,
@@ -139,10 +140,10 @@ fn open_in(
 }
 
 impl Specification {
-    /// A machine in the initial state.
+    /// Creates a machine in the initial state.
     ///
     /// # Errors
-    /// An initial value cannot be computed, or an invariant does not hold initially.
+    /// An initial value cannot be computed, or the initial state violates an invariant.
     pub fn machine(&self) -> Result<Machine, Box<StepFault>> {
         #[cfg_attr(not(feature = "native"), expect(unused_mut, reason = "only closures"))]
         let mut machine = Machine::new(self.program.clone())?;
@@ -151,11 +152,11 @@ impl Specification {
         Ok(machine)
     }
 
-    /// Lowers the model anew, with what was added to it; what is counted goes on being counted. A
-    /// machine goes on with [`Machine::adopt`].
+    /// Lowers the model again, after additions to it. Coverage counters stay enabled. A machine
+    /// continues with the new program by [`Machine::adopt`].
     ///
     /// # Errors
-    /// What was added cannot be lowered; the program is as before.
+    /// An addition cannot be lowered; the program is unchanged.
     pub fn lower(&mut self) -> Result<(), Report> {
         if !self.program.counted.is_empty() {
             return self.lower_covered();
@@ -165,7 +166,7 @@ impl Specification {
         Ok(())
     }
 
-    /// Lowers the model anew, to a program that counts what of it runs: see [`coverage::Coverage`].
+    /// Lowers the model again, with coverage counters: see [`coverage::Coverage`].
     ///
     /// # Errors
     /// As [`Specification::lower`].
@@ -175,14 +176,15 @@ impl Specification {
         Ok(())
     }
 
-    /// The function of this name that takes so many arguments, declared by the specification itself.
+    /// Returns the function with this name and number of parameters that the specification itself
+    /// declares.
     pub fn function(&self, name: &str, arity: usize) -> Option<ir::FunctionId> {
         let mut own = self.model.own_functions();
         own.find(|(_, function)| &*function.name == name && function.parameters.len() == arity)
             .map(|(id, _)| ir::FunctionId(id.0))
     }
 
-    /// The rule whose body a place is in.
+    /// Returns the rule whose body contains a span.
     pub fn rule_at(&self, place: Span) -> Option<&hir::Rule> {
         self.model.rules.iter().find(|rule| {
             let body = rule.body.as_ref().map(|body| body.root.span);
@@ -192,7 +194,7 @@ impl Specification {
         })
     }
 
-    /// The place of an origin.
+    /// Returns the span of an origin.
     pub fn span(&self, origin: ir::Origin) -> Span {
         self.origins
             .get(origin.0 as usize)
