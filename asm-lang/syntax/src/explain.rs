@@ -185,7 +185,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
         offset - line.iter().rev().take_while(|&&byte| byte != b'\n').count()
     }
 
-    // -- at the end of the text --
+    // ── at the end of the text ──
 
     fn at_end(&self, at: Span, expected: &Expected<'_>) -> Diagnostic {
         let open = self.missing_end(expected);
@@ -201,7 +201,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
         FileCutOff { missing, at, open }.diagnostic()
     }
 
-    // -- at a token --
+    // ── at a token ──
 
     /// Returns the first explanation that applies, from the most specific to the most general.
     fn at_token(&self, found: SpannedToken<'input>, expected: &Expected<'_>) -> Diagnostic {
@@ -241,7 +241,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
         .diagnostic()
     }
 
-    // -- shared by the explanations --
+    // ── shared by the explanations ──
 
     /// Returns the innermost open construct with its closing token, if that token may follow here.
     fn missing_end(&self, expected: &Expected<'_>) -> Option<(&OpenConstruct<'input>, String)> {

@@ -65,39 +65,39 @@ pub enum ScenarioCommandKind {
 pub struct Pick {
     /// Variable of the `choose`, including its `$`.
     pub variable: NameText,
-    /// The rule its `choose` stands in, where it is said.
+    /// Rule that contains the `choose`; `None` for a `choose` in any rule.
     pub rule: Option<PickedRule>,
-    /// The value.
+    /// Term for the value.
     pub value: Term,
 }
 
-/// A rule, told from others of its name by its parameters' domains.
+/// A rule, with the domains of its parameters to distinguish overloads.
 #[derive(Clone, Debug)]
 pub struct PickedRule {
-    /// Its name.
+    /// Name of the rule.
     pub name: NameText,
-    /// The domains of its parameters, where they are said.
+    /// Domains of the parameters; `None` if not given.
     pub parameters: Option<Vec<NameText>>,
 }
 
-/// Commands with a name.
+/// A named block of commands: `begin NAME … end`.
 #[derive(Clone, Debug)]
 pub struct ScenarioBlock {
-    /// The name.
+    /// Name of the block.
     pub name: NameText,
-    /// The commands.
+    /// Commands, in order.
     pub commands: Vec<ScenarioCommand>,
 }
 
 impl Scenario {
-    /// The block of a name, wherever it stands.
+    /// Returns the block with a name, nested blocks included.
     pub fn block(&self, name: &str) -> Option<&ScenarioBlock> {
         self.blocks()
             .into_iter()
             .find(|block| &*block.name.text == name)
     }
 
-    /// All blocks, outer ones before those in them.
+    /// Returns all blocks, outer ones before those nested in them.
     pub fn blocks(&self) -> Vec<&ScenarioBlock> {
         fn add<'a>(commands: &'a [ScenarioCommand], to: &mut Vec<&'a ScenarioBlock>) {
             for command in commands {
