@@ -1,4 +1,5 @@
-//! The diagnostic codes of the language: the findings of this crate, one file a code, and those of all stages.
+//! The diagnostic codes of the language: one file for each code of this crate, and the list of all
+//! stages.
 
 pub(crate) mod r001;
 pub(crate) mod r002;
@@ -27,8 +28,8 @@ pub(crate) mod w030;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of all stages: L what is read, A what is analysed, W what works and is probably not meant, R what
-/// happens at run time, S scripted inputs, V scenarios.
+/// Iterates over the codes of all stages. The first letter is L for syntax, A for analysis, W for
+/// warnings, R for run time, S for scripted inputs, and V for scenarios.
 pub fn all() -> impl Iterator<Item = &'static Code> {
     let stages = [
         asmotion_syntax::CODES,
@@ -40,7 +41,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
     stages.into_iter().flatten().copied()
 }
 
-/// The codes of this crate: what happens at run time, and scenarios that cannot be opened.
+/// The codes of this crate: run-time faults, and scenarios that cannot be opened.
 const CODES: &[&Code] = &[
     w030::BeginsOutside::CODE,
     r001::Clash::CODE,

@@ -1,4 +1,4 @@
-//! Which rules, branches, updates and rounds of a specification ran.
+//! Coverage: the rules, branches, updates and iterations of a specification that were executed.
 
 use crate::specification::Specification;
 use asmotion_diagnostics::Span;
@@ -8,46 +8,47 @@ use asmotion_machine::Machine;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What ran, by file; that of several runs adds up.
+/// Coverage by file, accumulated over several runs.
 #[derive(Clone, Debug, Default)]
 pub struct Coverage {
-    /// The files of the specifications, libraries left out.
+    /// The files of the specification by path, without libraries.
     pub files: BTreeMap<String, FileCoverage>,
 }
 
-/// What of a file ran.
+/// Coverage of a file.
 #[derive(Clone, Debug)]
 pub struct FileCoverage {
-    /// The text.
+    /// Text of the file.
     pub text: Arc<str>,
-    /// Its rules, by their places.
+    /// Its rules, by the byte offset of their names.
     pub rules: BTreeMap<u32, RuleCoverage>,
 }
 
-/// What of a rule ran.
+/// Coverage of a rule.
 #[derive(Clone, Debug)]
 pub struct RuleCoverage {
-    /// Its name.
+    /// Declared name.
     pub name: String,
-    /// The line it begins in.
+    /// Line of its declaration, from 1.
     pub line: usize,
-    /// How often it ran.
+    /// Number of calls.
     pub calls: u64,
-    /// What it consists of.
+    /// Its parts, by byte offset and kind.
     pub parts: BTreeMap<(u32, CoveragePoint), PointCoverage>,
 }
 
-/// A part of a rule.
+/// Coverage of a part of a rule.
 #[derive(Clone, Copy, Debug)]
 pub struct PointCoverage {
-    /// The line it begins in.
+    /// Line of its first character, from 1.
     pub line: usize,
-    /// How often it ran.
+    /// Number of executions.
     pub count: u64,
 }
 
 impl Specification {
-    /// How often the rules of a name were called, by a machine whose program counts.
+    /// Returns the number of calls of the rules with this name, in a machine with coverage
+    /// counters.
     pub fn calls(&self, rule: &str, machine: &Machine) -> u64 {
         let named = |place: Span| {
             let mut rules = self.model.rules.iter();
@@ -62,7 +63,8 @@ impl Specification {
 }
 
 impl Coverage {
-    /// What ran of a specification whose program counts.
+    /// Returns the coverage of a specification lowered with counters; `counts` are those of a
+    /// machine.
     pub fn of(specification: &Specification, counts: &[u64]) -> Self {
         let counted = specification.program.counted.iter().zip(counts);
         let mut ran: BTreeMap<(Span, CoveragePoint), u64> = BTreeMap::new();
@@ -114,7 +116,7 @@ impl Coverage {
         file.rules.insert(rule.span.start, covered);
     }
 
-    /// Adds what ran in another run.
+    /// Adds the coverage of another run.
     pub fn add(&mut self, other: Self) {
         for (path, file) in other.files {
             let Some(known) = self.files.get_mut(&path) else {
@@ -143,7 +145,7 @@ impl RuleCoverage {
         }
     }
 
-    /// How many branches ran, and how many there are: of `if`, `switch` and `choose`.
+    /// Returns the number of executed branches and of all branches of `if`, `switch` and `choose`.
     pub fn branches(&self) -> (usize, usize) {
         self.ran(|part| {
             matches!(
@@ -158,13 +160,13 @@ impl RuleCoverage {
         })
     }
 
-    /// How many updates ran, and how many there are.
+    /// Returns the number of executed updates and of all updates.
     pub fn updates(&self) -> (usize, usize) {
         self.ran(|part| part == CoveragePoint::Update)
     }
 
-    /// Of how many `forall` rules it was seen that they go round not at all, once, several times; and
-    /// how many there are.
+    /// Returns the number of `forall` rules observed with no iteration, with one and with several,
+    /// followed by the number of all `forall` rules.
     pub fn rounds(&self) -> ([usize; 3], usize) {
         let of = |wanted| self.ran(|part| part == wanted);
         let (none, all) = of(CoveragePoint::None);
@@ -185,7 +187,7 @@ impl RuleCoverage {
     }
 }
 
-/// What is counted of a rule itself, rules in it left out.
+/// Returns the coverage points of a rule, without those of the rules in it.
 fn parts_of(rule: &RuleTerm) -> Vec<CoveragePoint> {
     match &*rule.kind {
         RuleKind::Update(..) | RuleKind::Assign(..) => vec![CoveragePoint::Update],

@@ -1,4 +1,4 @@
-//! Run-time faults as diagnostics: both writers, the values at hand, the step and the agent.
+//! Explains run-time faults: both writers of a clash, the values involved, the step and the agent.
 
 mod values;
 
@@ -30,7 +30,8 @@ use asmotion_machine::{FaultKind, InitialMisfit, Machine, StepFault, Witness};
 use asmotion_value::Value;
 
 impl Specification {
-    /// What a fault says of a machine that could not be built: values are shown as far as they can be.
+    /// Explains a fault in the initial state, before there is a machine. Names of elements created
+    /// at run time are not available.
     pub fn explain(&self, fault: &StepFault) -> Diagnostic {
         let naming = asmotion_machine::Naming {
             program: &self.program,
@@ -44,7 +45,7 @@ impl Specification {
         }
     }
 
-    /// What the fault says that this machine has just returned.
+    /// Explains the fault of the machine's last step, which has just failed.
     pub fn explain_in(&self, fault: &StepFault, machine: &Machine) -> Diagnostic {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
@@ -63,8 +64,8 @@ impl Specification {
         finding
     }
 
-    /// What is odd about the state a machine begins in, and no reason to stop: initial values that are
-    /// no elements of their domains.
+    /// Warns about initial values outside the codomains of their functions, which do not prevent a
+    /// run.
     pub fn doubts(&self, machine: &Machine) -> Report {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();

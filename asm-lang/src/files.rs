@@ -1,22 +1,22 @@
-//! Files in memory: for tests, and for what is embedded in a binary.
+//! Files in memory, for tests and for texts embedded in a binary.
 
 use asmotion_diagnostics::{LoadError, Loader};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Texts by path; paths are compared after `.` and `..` are resolved.
+/// A loader for texts in memory. Paths are normalised: `.` and `..` are resolved.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryFiles {
     texts: BTreeMap<String, Arc<str>>,
 }
 
 impl MemoryFiles {
-    /// No file yet.
+    /// Creates an empty collection.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a file, or replaces it.
+    /// Adds a file, replacing one with the same path.
     pub fn add(&mut self, path: &str, text: impl Into<Arc<str>>) {
         self.texts.insert(normal(path), text.into());
     }

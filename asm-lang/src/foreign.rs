@@ -1,4 +1,4 @@
-//! Values outside the domains of their functions.
+//! Messages about values outside the domains of their functions.
 
 use crate::specification::Specification;
 use asmotion_diagnostics::{Diagnostic, Span};
@@ -6,15 +6,15 @@ use asmotion_machine::DomainMisfit;
 use asmotion_value::Value;
 use std::fmt;
 
-/// A value that is no element of the domain it is wanted in.
+/// A value outside its domain, with the facts for a message.
 #[derive(Debug)]
 pub(crate) struct Foreign {
     element: String,
     domain: String,
     declared: Span,
-    /// The elements of the domain, where they are defined.
+    /// Span of the domain's definition, if there is one.
     defined: Option<Span>,
-    /// The value of which the element is a part.
+    /// The whole value, if only a part of it is outside.
     whole: Option<String>,
 }
 
@@ -25,7 +25,7 @@ impl fmt::Display for Foreign {
 }
 
 impl Foreign {
-    /// Adds the domain, the whole value where only a part is at fault, and the way out.
+    /// Adds the domain, the whole value if only a part is at fault, and the suggestion.
     pub(crate) fn explain(&self, diagnostic: Diagnostic, way_out: &str) -> Diagnostic {
         let diagnostic = match self.defined {
             Some(defined) => diagnostic
@@ -45,7 +45,7 @@ impl Foreign {
 }
 
 impl Specification {
-    /// The facts about a value that is none of its function's.
+    /// Collects the facts about a value outside its domain.
     pub(crate) fn foreign(
         &self,
         misfit: &DomainMisfit,
@@ -62,7 +62,8 @@ impl Specification {
         }
     }
 
-    /// Where to point: what is set from outside stands nowhere in the specification, so at its function.
+    /// Returns the span to report. A value set from outside has none in the specification, so its
+    /// function's is used.
     pub(crate) fn place_of(&self, at: Span, misfit: &DomainMisfit) -> Span {
         match at == Span::default() {
             true => self.model.functions[misfit.function.0 as usize].span,
@@ -70,7 +71,7 @@ impl Specification {
         }
     }
 
-    /// The codomain of the function whose value does not fit.
+    /// Returns the codomain of the function as text.
     pub(crate) fn codomain(&self, misfit: &DomainMisfit) -> String {
         let function = &self.model.functions[misfit.function.0 as usize];
         self.model.show_type(function.codomain)

@@ -1,4 +1,4 @@
-//! A session with a past: any number of events can be undone, and a location says who wrote it last.
+//! A session with undo, which also records the last writer of each location.
 
 use crate::session::Session;
 use asmotion_diagnostics::Report;
@@ -8,22 +8,23 @@ use asmotion_simulate::{Random, Seeded};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
-/// A session, and everything that happened in it.
+/// A session together with all its events.
 pub struct History {
     session: Session,
     present: SessionState,
     events: Vec<HistoryEvent>,
-    /// What was before some of the events, by their numbers: before the first, and all the way to now.
+    /// Snapshots taken before some of the events, by event number. The first and the most recent
+    /// ones are always included.
     moments: BTreeMap<usize, SessionSnapshot>,
 }
 
-/// So many moments are kept before now; of older ones, one in so many.
+/// Number of most recent snapshots that are kept. Of older ones, one in this number is kept.
 const KEPT: usize = 64;
 
-/// A step takes a second.
+/// Duration of a step: one second.
 const STEP_NS: i64 = 1_000_000_000;
 
-/// What the machine does not know of itself.
+/// The state of a session outside the machine.
 #[derive(Clone)]
 struct SessionState {
     inputs: UserInputs,
@@ -37,39 +38,39 @@ struct SessionSnapshot {
     present: SessionState,
 }
 
-/// What happened.
+/// An event of a session.
 #[derive(Clone, Debug, PartialEq)]
 pub enum HistoryEvent {
-    /// A step.
+    /// A step of the main rule.
     Step,
-    /// A rule was fired.
+    /// Firing of a rule, given as text.
     Fire(String),
-    /// A location got a value from outside: a monitored one for all steps to come.
+    /// Assignment of a value from outside; a monitored location keeps it for all later steps.
     Set(FunctionId, Vec<Value>, Value),
-    /// A monitored location is no longer held.
+    /// A monitored location no longer has a held value.
     Release(FunctionId, Vec<Value>),
 }
 
-/// Who wrote a location last.
+/// The last write to a location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LastWrite {
-    /// The number of the event, from 0.
+    /// Number of the event, from 0.
     pub event: usize,
-    /// How many steps had been done then.
+    /// Number of steps completed before it.
     pub steps: u64,
-    /// The rule, if it was one.
+    /// Place of the update; `None` for an assignment from outside.
     pub origin: Option<Origin>,
-    /// What the location held before.
+    /// Previous value of the location.
     pub before: Value,
-    /// What it got.
+    /// New value of the location.
     pub after: Value,
 }
 
-/// Inputs that hold until they are told otherwise.
+/// Inputs that keep their value until they are set again or released.
 #[derive(Clone)]
 struct UserInputs {
     values: BTreeMap<(FunctionId, Vec<Value>), Value>,
-    /// Answers what is not held; undef without it.
+    /// Source of all other inputs; `None` makes them undef.
     otherwise: Option<Box<Random>>,
 }
 
@@ -91,8 +92,8 @@ impl Environment for UserInputs {
 }
 
 impl History {
-    /// Begins with the state a session is in. The seed decides choices, and inputs that nobody gave
-    /// if they are to be random.
+    /// Starts with the current state of a session. The seed determines choices and, if `is_random`
+    /// is set, the inputs that are not held.
     pub fn new(session: Session, seed: u64, is_random: bool) -> Self {
         let random = || {
             let program = session.specification.program.clone();
@@ -114,78 +115,82 @@ impl History {
         }
     }
 
-    /// The specification and its machine now.
+    /// Returns the specification and its machine in the current state.
     pub fn session(&self) -> &Session {
         &self.session
     }
 
-    /// What happened, in order.
+    /// Returns the events that were not undone, in order.
     pub fn events(&self) -> &[HistoryEvent] {
         &self.events
     }
 
-    /// The monitored locations that are held, and their values.
+    /// Iterates over the monitored locations with a held value.
     pub fn held(&self) -> impl Iterator<Item = (FunctionId, &[Value], &Value)> {
         let held = self.present.inputs.values.iter();
         held.map(|((function, arguments), value)| (*function, arguments.as_slice(), value))
     }
 
-    /// Reads a term that will be asked for again and again.
+    /// Adds a term for repeated evaluation.
     ///
     /// # Errors
-    /// The text is no term, or does not fit the specification.
+    /// The text is no term, or it does not fit the specification.
     pub fn watch(&mut self, text: &str) -> Result<AddedTerm, Report> {
         self.session.watch(text)
     }
 
-    /// The value of a watched term now.
+    /// Evaluates a watched term in the current state.
     ///
     /// # Errors
-    /// The term has no value.
+    /// The evaluation fails.
     pub fn value(&mut self, term: AddedTerm) -> Result<Value, Report> {
         let mut inputs = self.present.inputs.clone();
         let now_ns = self.now();
         self.session.value(term, &mut inputs, now_ns)
     }
 
-    /// The value of a term now.
+    /// Evaluates a term in the current state.
     ///
     /// # Errors
-    /// The text is no term, does not fit the specification, or has no value.
+    /// The text is no term, it does not fit the specification, or its evaluation fails.
     pub fn evaluate(&mut self, text: &str) -> Result<Value, Report> {
         let mut inputs = self.present.inputs.clone();
         let now_ns = self.now();
         self.session.evaluate(text, &mut inputs, now_ns)
     }
 
-    /// From now on, counts what runs: see [`Session::count`].
+    /// Enables coverage counters: see [`Session::count`].
     ///
     /// # Errors
-    /// The program cannot be lowered anew; it is as before.
+    /// The program cannot be lowered again; it is unchanged.
     pub fn count(&mut self) -> Result<(), Report> {
         self.session.count()
     }
 
-    /// Does a step.
+    /// Executes a step.
     ///
     /// # Errors
-    /// It has no next state; then nothing happened, but for an invariant that the new state violates.
+    /// The step has no next state. Nothing has changed, except after a violated invariant of the
+    /// new state.
     pub fn step(&mut self) -> Result<(), Report> {
         self.happen(HistoryEvent::Step)
     }
 
-    /// Fires a rule. It counts as no step.
+    /// Fires a rule, which is not a step.
     ///
     /// # Errors
-    /// The text is no rule, does not fit the specification, or fails: nothing happened.
+    /// The text is no rule, it does not fit the specification, or the rule fails. Nothing has
+    /// changed.
     pub fn fire(&mut self, rule: &str) -> Result<(), Report> {
         self.happen(HistoryEvent::Fire(rule.to_owned()))
     }
 
-    /// Sets `location := value`: a monitored location for all steps to come, another one now.
+    /// Executes `location := value`: holds a monitored location for all later steps, or updates any
+    /// other location once.
     ///
     /// # Errors
-    /// The text is no such thing, does not fit the specification, or the location is computed.
+    /// The text is no assignment, it does not fit the specification, or the function is static or
+    /// derived.
     pub fn set(&mut self, assignment: &str) -> Result<(), Report> {
         let mut inputs = self.present.inputs.clone();
         let now_ns = self.now();
@@ -194,7 +199,7 @@ impl History {
         self.happen(HistoryEvent::Set(function, arguments, value))
     }
 
-    /// No longer holds a monitored location; the text says it as in `battery(ROB1)`.
+    /// Stops holding a monitored location, written as in `battery(ROB1)`.
     ///
     /// # Errors
     /// The text is no location of the specification.
@@ -203,7 +208,7 @@ impl History {
         self.happen(HistoryEvent::Release(function, arguments))
     }
 
-    /// The function and the arguments of a location, as in `battery(ROB1)`.
+    /// Returns the function and the arguments of a location, written as in `battery(ROB1)`.
     ///
     /// # Errors
     /// The text is no location of the specification.
@@ -215,7 +220,7 @@ impl History {
         Ok((found.0, found.1))
     }
 
-    /// Who wrote a location last; nobody did if it holds its initial value.
+    /// Returns the last write to a location, or `None` if it has its initial value.
     pub fn written(&self, function: FunctionId, arguments: &[Value]) -> Option<&LastWrite> {
         let machine = &self.session.machine;
         let slot = machine
@@ -224,7 +229,7 @@ impl History {
         self.present.written.get(&slot)
     }
 
-    /// Undoes the last events, as many as there are; says how many these were.
+    /// Undoes up to `count` events; returns how many were undone.
     pub fn undo(&mut self, count: usize) -> usize {
         let target = self.events.len().saturating_sub(count);
         let undone = self.events.len() - target;
@@ -232,18 +237,18 @@ impl History {
         undone
     }
 
-    /// Goes through everything that happened once more, and shows each event when it has happened.
+    /// Repeats all events from the beginning, and calls `show` after each.
     pub fn replay(&mut self, mut show: impl FnMut(&HistoryEvent, &Session)) {
         let events = self.events.clone();
         self.go_to(0);
         for event in events {
-            // what failed once fails again, and happened all the same
+            // an event that failed fails again, and is part of the history
             let _ = self.happen(event.clone());
             show(&event, &self.session);
         }
     }
 
-    /// The time: as many seconds as steps.
+    /// Returns the time: one second for each completed step.
     fn now(&self) -> i64 {
         let steps = i64::try_from(self.session.machine.steps()).unwrap_or(i64::MAX);
         steps.saturating_mul(STEP_NS)
@@ -256,7 +261,7 @@ impl History {
         let moment = moment.clone();
         let program = self.session.specification.program.clone();
         self.session.machine = moment.machine;
-        // meanwhile terms were added, and no locations
+        // cannot fail: only terms were added since, and no locations
         let _ = self.session.machine.adopt(program);
         self.present = moment.present;
         let again = self.events.split_off(near);
@@ -275,7 +280,8 @@ impl History {
         let done = self.apply(&event);
         let steps = moment.machine.steps();
         if done.is_err() && self.session.machine.steps() == steps {
-            // the machine keeps its state; choices and inputs are drawn once more
+            // the machine has kept its state; restoring the generators lets a retry draw the same
+            // values
             self.present = moment.present;
             return done;
         }
@@ -303,7 +309,7 @@ impl History {
             }
             HistoryEvent::Fire(rule) => {
                 self.session.fire(rule, inputs, choices, now_ns)?;
-                // the rule is forgotten, and with it the places of its parts
+                // the rule is removed from the program, and its origins with it
                 self.note_updates(false);
                 Ok(())
             }
@@ -341,7 +347,7 @@ impl History {
                 self.note(slot, None, before, value.clone());
                 Ok(())
             }
-            // what is computed, or local to a rule, was refused when the text was read
+            // rejected when the text was resolved
             FunctionKind::Fixed | FunctionKind::Local => Ok(()),
         }
     }

@@ -1,4 +1,4 @@
-//! The language on one page: from a path to a machine that can step.
+//! The pipeline of the language: from a path to a machine that can step.
 //!
 //! ```
 //! let mut files = asmotion_lang::Files::new();

@@ -1,4 +1,4 @@
-//! A scenario from its path to its verdict.
+//! Opens, checks and runs scenarios.
 
 use crate::codes::v023::UnreadableScenario;
 use crate::codes::v024::UnknownSpecification;
@@ -13,45 +13,45 @@ use asmotion_syntax::ast::{NameText, Scenario};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A scenario that was run.
+/// The result of running a scenario.
 #[derive(Debug)]
 pub struct ScenarioResult {
-    /// The name after `scenario`.
+    /// Name after the keyword `scenario`.
     pub name: String,
-    /// What came of it.
+    /// Verdict, with the observed failures.
     pub outcome: ScenarioOutcome,
-    /// Warnings, and what went wrong.
+    /// Warnings, and the failures as diagnostics.
     pub report: Report,
-    /// The specification it is about.
+    /// The specification that the scenario loads.
     pub specification: Specification,
-    /// What of it ran, if that was asked for.
+    /// Coverage of the specification, if requested.
     pub coverage: Option<Coverage>,
 }
 
-/// How a scenario is to be run.
+/// Settings for running a scenario.
 #[derive(Clone, Debug, Default)]
 pub struct ScenarioSettings {
-    /// How the specification is read, and the scenario with it.
+    /// Options for reading the specification and the scenario.
     pub reading: asmotion_hir::ReadOptions,
-    /// The limits and the seed.
+    /// Limits and seed.
     pub options: ScenarioOptions,
-    /// Whether it is counted what runs.
+    /// `true` to compute the coverage. Default: `false`.
     pub covers: bool,
 }
 
-/// A scenario that can be run.
+/// A scenario that is ready to run.
 struct OpenedScenario {
     tree: Scenario,
     plan: ScenarioPlan,
     specification: Specification,
-    /// Warnings.
+    /// Warnings found while opening it.
     report: Report,
 }
 
 /// Runs the scenario at a path.
 ///
 /// # Errors
-/// It cannot be read, or it or its specification makes no sense.
+/// The scenario or its specification cannot be read or contains errors.
 pub fn test(
     path: &str,
     loader: &dyn Loader,
@@ -60,7 +60,7 @@ pub fn test(
     open(path, loader, settings).map(|opened| carry_out(opened, settings))
 }
 
-/// What is wrong with the scenario at a path, as far as that can be seen before it runs.
+/// Checks the scenario at a path without running it.
 pub fn check(
     path: &str,
     loader: &dyn Loader,
@@ -109,7 +109,7 @@ fn open(
     }
 }
 
-/// The tree of a scenario, and what is wrong with its text.
+/// Parses a scenario; returns it with the report on its text.
 fn read(
     path: &str,
     loader: &dyn Loader,
@@ -136,7 +136,8 @@ fn not_found(load: &NameText) -> Diagnostic {
     UnknownSpecification { path, at }.diagnostic()
 }
 
-/// The scenario against its specification, which is lowered with its terms.
+/// Resolves the scenario against its specification, which is lowered together with the scenario's
+/// terms.
 fn plan(
     path: &str,
     tree: &Scenario,
@@ -214,7 +215,7 @@ fn carry_out(opened: OpenedScenario, settings: &ScenarioSettings) -> ScenarioRes
     }
 }
 
-/// What went wrong, in words.
+/// Converts the failures of a run to diagnostics.
 fn explained(
     outcome: &ScenarioOutcome,
     specification: &Specification,

@@ -1,10 +1,10 @@
-//! A specification and its machine, open to questions: terms and rules from outside.
+//! Sessions: a specification and its machine, with evaluation of terms and rules from outside.
 //!
-//! Scenarios, a prompt and watch expressions all ask in the same way: a text is read in the scope of
-//! the main file, added to the program, and evaluated in the current state.
+//! Scenarios, the prompt and watch expressions use the same mechanism: a text is parsed, resolved
+//! in the scope of the main file, added to the program, and evaluated in the current state.
 //!
 //! ```
-//! # let mut files = asmotion_lang::Files::new();
+//! # let mut files = asmotion_lang::MemoryFiles::new();
 //! # files.add("counter.asm", "asm counter
 //! # import StandardLibrary
 //! # signature:
@@ -14,11 +14,12 @@
 //! # default init s0:
 //! #   function n = 0
 //! # ");
-//! use asmotion_lang::{First, NoInputs, Session, Value};
+//! use asmotion_lang::{FirstChoice, NoInputs, Session, Value};
 //! let specification = asmotion_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
 //! let mut session = Session::new(specification).map_err(|failure| failure.to_string())?;
 //! let next = session.watch("n + 1").map_err(|report| format!("{report:?}"))?;
-//! session.fire("n := 41", &mut NoInputs, &mut First, 0).map_err(|report| format!("{report:?}"))?;
+//! |session.fire("n := 41", &mut NoInputs, &mut FirstChoice, 0).map_err(|report|
+//! format!("{report:?}"))?;
 //! let value = session.value(next, &mut NoInputs, 0).map_err(|report| format!("{report:?}"))?;
 //! assert_eq!(value, Value::Int(42));
 //! # Ok::<(), String>(())
@@ -30,21 +31,21 @@ use asmotion_hir::AddedTerm;
 use asmotion_machine::{Chooser, Environment, Machine, Step, StepFault};
 use asmotion_value::Value;
 
-/// A specification that runs, and answers meanwhile.
+/// A running specification that evaluates terms and rules from outside.
 pub struct Session {
-    /// What it says; grows with the questions.
+    /// The specification, to which evaluated texts are added.
     pub specification: Specification,
-    /// The machine.
+    /// The machine in its current state.
     pub machine: Machine,
-    /// How many texts were read.
+    /// Number of texts evaluated so far, for their names in diagnostics.
     texts: u32,
 }
 
 impl Session {
-    /// A machine in the initial state.
+    /// Creates a machine in the initial state.
     ///
     /// # Errors
-    /// An initial value cannot be computed, or an invariant does not hold initially.
+    /// An initial value cannot be computed, or the initial state violates an invariant.
     pub fn new(specification: Specification) -> Result<Self, OpenFailure> {
         match specification.machine() {
             Ok(machine) => Ok(Self {
@@ -63,10 +64,10 @@ impl Session {
         }
     }
 
-    /// Reads a term that will be asked for again and again.
+    /// Adds a term for repeated evaluation.
     ///
     /// # Errors
-    /// The text is no term, or does not fit the specification.
+    /// The text is no term, or it does not fit the specification.
     pub fn watch(&mut self, text: &str) -> Result<AddedTerm, Report> {
         let file = self.text(text);
         let term = asmotion_syntax::parse_term(file, text)?;
@@ -75,10 +76,10 @@ impl Session {
         Ok(added)
     }
 
-    /// The value of a watched term in the current state.
+    /// Evaluates a watched term in the current state.
     ///
     /// # Errors
-    /// The term has no value.
+    /// The evaluation fails.
     pub fn value(
         &mut self,
         term: AddedTerm,
@@ -89,10 +90,10 @@ impl Session {
         value.map_err(|fault| self.report(&fault))
     }
 
-    /// The value of a term in the current state.
+    /// Evaluates a term in the current state.
     ///
     /// # Errors
-    /// The text is no term, does not fit the specification, or has no value.
+    /// The text is no term, it does not fit the specification, or its evaluation fails.
     pub fn evaluate(
         &mut self,
         text: &str,
@@ -105,10 +106,12 @@ impl Session {
         })
     }
 
-    /// Fires a rule in the current state. It counts as no step, and invariants wait for the next one.
+    /// Fires a rule in the current state. This is not a step, and invariants are not checked before
+    /// the next one.
     ///
     /// # Errors
-    /// The text is no rule, does not fit the specification, or fails; the state is as before.
+    /// The text is no rule, it does not fit the specification, or the rule fails. The state is
+    /// unchanged.
     pub fn fire(
         &mut self,
         text: &str,
@@ -130,12 +133,12 @@ impl Session {
         Ok(self.machine.last_step())
     }
 
-    /// Reads `location := term`, where the location may be the environment's, and evaluates both
-    /// sides: the function, its arguments, and the value. Who it belongs to decides what is done
-    /// with it: [`Machine::set`] writes what is not monitored.
+    /// Parses `location := term`, where the location may be monitored, and evaluates both sides.
+    /// Returns the function, its arguments and the value. The caller performs the assignment:
+    /// [`Machine::set`] updates a location that is not monitored.
     ///
     /// # Errors
-    /// The text is no assignment, does not fit the specification, or has no value.
+    /// The text is no assignment, it does not fit the specification, or an evaluation fails.
     pub fn assignment(
         &mut self,
         text: &str,
@@ -155,17 +158,17 @@ impl Session {
         })
     }
 
-    /// From now on, counts what runs: see [`Specification::calls`].
+    /// Enables coverage counters: see [`Specification::calls`].
     ///
     /// # Errors
-    /// The program cannot be lowered anew; it is as before.
+    /// The program cannot be lowered again; it is unchanged.
     pub fn count(&mut self) -> Result<(), Report> {
         self.specification.lower_covered()?;
         self.go_on();
         Ok(())
     }
 
-    /// Forgets what was added meanwhile.
+    /// Runs `work`, then removes the terms and rules that it added.
     fn once<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Report>) -> Result<T, Report> {
         let added = &self.specification.model.added;
         let (terms, rules) = (added.terms.len(), added.rules.len());
@@ -180,16 +183,16 @@ impl Session {
         self.specification.sources.add(&path, text)
     }
 
-    /// Lets the machine know what was added.
+    /// Lowers the additions and lets the machine continue with the new program.
     fn adopt(&mut self) -> Result<(), Report> {
         self.specification.lower()?;
         self.go_on();
         Ok(())
     }
 
-    /// The machine goes on with the program that was lowered last.
+    /// Lets the machine continue with the program lowered last.
     fn go_on(&mut self) {
-        // the locations are the same: only terms, rules and counters were added
+        // cannot fail: only terms, rules and counters were added, so the locations are the same
         let _ = self.machine.adopt(self.specification.program.clone());
     }
 

@@ -7,25 +7,25 @@ use asmotion_machine::{Machine, StepFault};
 use std::fmt;
 use std::sync::Arc;
 
-/// A specification that can run: what it says, and what a machine executes.
+/// A specification without errors: its model, and the program for a machine.
 #[derive(Debug)]
 pub struct Specification {
-    /// The resolved model.
+    /// The resolved and typed specification.
     pub model: Model,
-    /// The program a machine executes.
+    /// The program, shared with the machines that execute it.
     pub program: Arc<ir::Program>,
-    /// The place of each of the program's origins.
+    /// The span of each [`ir::Origin`] of the program, indexed by its number.
     pub origins: Vec<Span>,
-    /// The texts.
+    /// The source texts, for rendering diagnostics.
     pub sources: Sources,
-    /// Warnings.
+    /// Warnings found while opening it.
     pub report: Report,
 }
 
-/// Why a specification cannot run.
+/// The errors of a specification that cannot be opened.
 #[derive(Debug)]
 pub struct OpenFailure {
-    /// The texts.
+    /// The source texts, for rendering the report.
     pub sources: Sources,
     /// Errors and warnings.
     pub report: Report,
@@ -39,7 +39,7 @@ impl fmt::Display for OpenFailure {
 
 impl std::error::Error for OpenFailure {}
 
-/// Opens a specification: a path in, a program out.
+/// Opens the specification at a path, with default options.
 ///
 /// # Errors
 /// A text cannot be read, or has errors: all of them are in the failure.
@@ -47,7 +47,7 @@ pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, OpenFailur
     open_with(path, loader, &ReadOptions::default())
 }
 
-/// Opens a specification as somebody asks for.
+/// Opens the specification at a path.
 ///
 /// # Errors
 /// As [`open`], or there is no such initial state.
@@ -59,7 +59,7 @@ pub fn open_with(
     open_in(path, loader, Sources::new(), options)
 }
 
-/// Opens a specification beside texts that were read already.
+/// Opens a specification in a collection that already contains texts.
 pub(crate) fn open_in(
     path: &str,
     loader: &dyn Loader,
@@ -99,7 +99,7 @@ pub(crate) fn open_in(
 }
 
 impl Specification {
-    /// A machine in the initial state.
+    /// Creates a machine in the initial state.
     ///
     /// # Errors
     /// An initial value cannot be computed, or an invariant does not hold initially.
@@ -111,8 +111,8 @@ impl Specification {
         Ok(machine)
     }
 
-    /// Lowers the model anew, with what was added to it; what is counted goes on being counted. A
-    /// machine goes on with [`Machine::adopt`].
+    /// Lowers the model again, after additions to it. Coverage counters stay enabled. A machine
+    /// continues with the new program by [`Machine::adopt`].
     ///
     /// # Errors
     /// What was added cannot be lowered; the program is as before.
@@ -135,14 +135,15 @@ impl Specification {
         Ok(())
     }
 
-    /// The function of this name that takes so many arguments, declared by the specification itself.
+    /// Returns the function with this name and number of parameters that the specification itself
+    /// declares.
     pub fn function(&self, name: &str, arity: usize) -> Option<ir::FunctionId> {
         let mut own = self.model.own_functions();
         own.find(|(_, function)| &*function.name == name && function.parameters.len() == arity)
             .map(|(id, _)| ir::FunctionId(id.0))
     }
 
-    /// The rule whose body a place is in.
+    /// Returns the rule whose body contains a span.
     pub fn rule_at(&self, place: Span) -> Option<&hir::Rule> {
         self.model.rules.iter().find(|rule| {
             let body = rule.body.as_ref().map(|body| body.root.span);
@@ -152,7 +153,7 @@ impl Specification {
         })
     }
 
-    /// The place of an origin.
+    /// Returns the span of an origin.
     pub fn span(&self, origin: ir::Origin) -> Span {
         self.origins
             .get(origin.0 as usize)

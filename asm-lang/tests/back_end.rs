@@ -1,4 +1,4 @@
-//! A build without a code generator says so, and steps all the same.
+//! A build without a code generator reports so, and still executes steps.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

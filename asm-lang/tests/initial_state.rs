@@ -1,4 +1,5 @@
-//! A specification may have several initial states: the default one counts unless another is asked for.
+//! A specification may have several initial states; the default one is used unless another is
+//! requested.
 
 use asmotion_lang::{MemoryFiles, ReadOptions};
 

@@ -1,4 +1,4 @@
-//! Questions to a running specification.
+//! Evaluation of terms and rules in a running specification.
 
 #![allow(
     clippy::unwrap_used,
@@ -40,7 +40,7 @@ default init s0:
   function seen($i in Integer) = $i * 10
 ";
 
-/// Answers every question with one more than before.
+/// An environment whose answers count upwards.
 struct Counter(i64);
 
 impl Environment for Counter {

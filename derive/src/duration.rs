@@ -1,8 +1,8 @@
-//! Durations as they are written in attributes: `"200ms"`.
+//! Duration literals in attributes, such as `"200ms"`.
 
 use syn::{Error, LitStr, Result};
 
-/// Nanoseconds of each unit that an attribute may write.
+/// Units of duration literals, with their length in nanoseconds.
 const UNITS: [(&str, u64); 5] = [
     ("ns", 1),
     ("us", 1_000),
@@ -11,7 +11,7 @@ const UNITS: [(&str, u64); 5] = [
     ("min", 60_000_000_000),
 ];
 
-/// The nanoseconds of a written duration.
+/// Parses a duration literal and returns its nanoseconds.
 pub fn nanos(text: &LitStr) -> Result<u64> {
     let written = text.value();
     let digits = written.find(|c: char| !c.is_ascii_digit());
@@ -28,7 +28,7 @@ pub fn nanos(text: &LitStr) -> Result<u64> {
     })
 }
 
-/// How many of a unit make a second, for the units in which a composite may write a duration.
+/// Returns how many of a unit make a second, for the units that composites use for durations.
 pub fn per_second(unit: &str) -> Option<f64> {
     match unit {
         "s" => Some(1.0),

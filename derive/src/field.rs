@@ -1,4 +1,4 @@
-//! What `Properties` and `Ports` share: the fields of a struct, their documentation, the values of attributes.
+//! Shared by `Properties` and `Ports`: struct fields, their documentation, and attribute values.
 
 use proc_macro2::{TokenStream, TokenTree};
 use syn::parse::ParseStream;
@@ -6,7 +6,7 @@ use syn::punctuated::Punctuated;
 use syn::{Attribute, Data, DeriveInput, Error, Expr, Field, Fields, Ident, Lit, LitStr, Meta};
 use syn::{Result, Token};
 
-/// The fields of a struct that has named ones.
+/// Returns the named fields of a struct without generics; `derive` names the macro in the error.
 pub fn named<'a>(input: &'a DeriveInput, derive: &str) -> Result<&'a Punctuated<Field, Token![,]>> {
     if let Data::Struct(data) = &input.data
         && let Fields::Named(fields) = &data.fields
@@ -18,7 +18,7 @@ pub fn named<'a>(input: &'a DeriveInput, derive: &str) -> Result<&'a Punctuated<
     Err(Error::new_spanned(&input.ident, message))
 }
 
-/// Parses every field, and reports the errors of all of them.
+/// Parses every field; on failure, combines the errors of all fields.
 pub fn each<'a, T>(
     fields: &'a Punctuated<Field, Token![,]>,
     parse: impl Fn(&'a Field, &'a Ident) -> Result<T>,
@@ -38,14 +38,14 @@ pub fn each<'a, T>(
     errors.map_or(Ok(parsed), Err)
 }
 
-/// A field's name without `r#`.
+/// Returns a field's name without `r#`.
 pub fn plain(name: &Ident) -> String {
     let name = name.to_string();
     name.strip_prefix("r#").unwrap_or(&name).to_owned()
 }
 
-/// The documentation of a field, one line for each paragraph. It is mandatory: composites' editors, `component info`
-/// and the reference show it.
+/// Returns the documentation of a field, one line for each paragraph. Documentation is mandatory
+/// because editors, `component info` and the reference pages show it.
 pub fn documentation(field: &Field) -> Result<String> {
     let mut text = String::new();
     for line in field.attrs.iter().filter_map(doc) {
@@ -66,7 +66,7 @@ pub fn documentation(field: &Field) -> Result<String> {
     }
 }
 
-/// The text of a `///` line.
+/// Returns the text of a `///` line.
 fn doc(attribute: &Attribute) -> Option<String> {
     let Meta::NameValue(doc) = &attribute.meta else {
         return None;
@@ -80,13 +80,13 @@ fn doc(attribute: &Attribute) -> Option<String> {
     }
 }
 
-/// The tokens of an attribute's value, up to the next comma. An expression is left to the compiler, which says more
-/// about its errors than a macro can.
+/// Collects the tokens of an attribute's value up to the next comma. They are not parsed further:
+/// the compiler reports errors in an expression better than a macro can.
 pub fn value(input: ParseStream<'_>) -> Result<TokenStream> {
     until(input, |input| input.peek(Token![,]))
 }
 
-/// The two ends of an inclusive range.
+/// Parses both bounds of an inclusive range.
 pub fn range(input: ParseStream<'_>) -> Result<(TokenStream, TokenStream)> {
     let start = until(input, |input| {
         input.peek(Token![..=]) || input.peek(Token![,])
@@ -106,7 +106,7 @@ fn until(input: ParseStream<'_>, end: impl Fn(ParseStream<'_>) -> bool) -> Resul
     }
 }
 
-/// A value that is a text literal.
+/// Returns the value if it is a string literal.
 pub fn text(value: &TokenStream) -> Option<LitStr> {
     syn::parse2(value.clone()).ok()
 }

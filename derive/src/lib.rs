@@ -1,4 +1,5 @@
-//! Derive macros: a fact about a field is written once, on the field, and every list that repeats it is generated.
+//! Derive macros: a fact about a field is written once, on the field, and each list that repeats it
+//! is generated.
 //!
 //! The macros are used through the crates whose traits they implement, where they are documented with examples.
 
@@ -12,41 +13,44 @@ mod word;
 use proc_macro::TokenStream;
 use syn::{DeriveInput, Error, Result, parse_macro_input};
 
-/// Declares each field of a struct as a property: its doc comment is the description.
+/// Declares each field of a struct as a property, described by its doc comment.
 ///
-/// `#[property(unit = "m/s", range = 0.0..=5.0, default = 0.5)]` on a field gives the rest, and each part may be
-/// missing. Without a default the value is the type's own (`0`, `false`, empty). See the trait for an example and for
-/// the types a field may have.
+/// `#[property(unit = "m/s", range = 0.0..=5.0, default = 0.5)]` adds the optional unit, range and
+/// default. The default is otherwise that of the type (`0`, `false`, empty). See the trait for an
+/// example and for the types that a field may have.
 #[proc_macro_derive(Properties, attributes(property))]
 pub fn properties(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), properties::derive)
 }
 
-/// Declares each field of a struct of `In`, `Out`, `Provided` and `Required` handles: its doc comment is the
-/// description, its name the port's unless `#[port(name = "…")]` gives another.
+/// Declares each field of a struct of `In`, `Out`, `Provided` and `Required` handles as a port,
+/// described by its doc comment. The port has the field's name unless `#[port(name = "…")]` gives
+/// another.
 ///
-/// `#[port(optional)]` marks a reference that the component can do without.
+/// `#[port(optional)]` marks a reference that may stay unconnected.
 #[proc_macro_derive(Ports, attributes(port))]
 pub fn ports(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), ports::derive)
 }
 
-/// Implements `asmotion_datum::Word` and `Display` for an enum without fields: each variant is a word of a file, its doc
-/// comment what the word means. `InPlace` is written `in_place`, unless `#[word("other")]` gives another word.
+/// Implements `asmotion_datum::Word` and `Display` for an enum without fields: each variant is a
+/// keyword of a file, explained by its doc comment. `InPlace` is written `in_place`, unless
+/// `#[word("other")]` gives another spelling.
 #[proc_macro_derive(Word, attributes(word))]
 pub fn word(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), word::derive)
 }
 
-/// Makes a struct or an enum a table of the composite dialect: from its fields, their documentation and `#[key(…)]` come
-/// the reader, the schema with its hover texts, the rows of the reference page and, with `#[table(resolved = Name)]`, the
-/// same table without places, which can be written again. For use in the crate that has the module `table`.
+/// Declares a struct or an enum as a table of the composite dialect. Its fields, their doc comments
+/// and `#[key(…)]` generate the reader, the schema with its hover texts, the rows of the reference
+/// page and, with `#[table(resolved = Name)]`, the same table without source spans together with
+/// its writer. Usable only in the crate that has the module `table`.
 #[proc_macro_derive(Table, attributes(table, key))]
 pub fn table(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), table::derive)
 }
 
-/// Runs a derive; its errors become compile errors at the places they are about.
+/// Runs a derive and turns its errors into compile errors at their spans.
 fn expand(
     input: &DeriveInput,
     derive: fn(&DeriveInput) -> Result<proc_macro2::TokenStream>,
@@ -62,7 +66,7 @@ mod tests {
 
     use super::*;
 
-    /// What a derive says about an input it refuses.
+    /// Returns the error messages of a derive for a faulty input, one a line.
     fn refusal(
         derive: fn(&DeriveInput) -> Result<proc_macro2::TokenStream>,
         input: &DeriveInput,

@@ -1,4 +1,5 @@
-//! `#[derive(Ports)]`: a plain struct of handles becomes the declaration of ports, services and references.
+//! `#[derive(Ports)]`: turns a struct of handles into the declaration of ports, services and
+//! references.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -6,16 +7,16 @@ use syn::{DeriveInput, Error, Field, GenericArgument, Ident, LitStr, PathArgumen
 
 use crate::field::{documentation, each, named, plain};
 
-/// One field and what `#[port(…)]` says about it.
+/// One field and its `#[port(…)]` attribute.
 struct PortField<'a> {
     field: &'a Field,
     handle: &'a Ident,
-    /// What passes, or the operation.
+    /// Type argument of the handle: the data type of a port or the operation of a service.
     of: &'a Type,
     name: &'a Ident,
-    /// The name in composites, where it is not the field's.
+    /// Name used in composites, if it differs from the field's.
     renamed: Option<LitStr>,
-    /// A reference the component can do without.
+    /// The reference may stay unconnected.
     optional: bool,
 }
 
@@ -90,7 +91,7 @@ impl<'a> PortField<'a> {
     }
 }
 
-/// The kind of a handle, and what it is of.
+/// Returns the kind of a handle and its type argument.
 fn handle(written: &Type) -> Result<(&Ident, &Type)> {
     if let Type::Path(path) = written
         && let Some(last) = path.path.segments.last()

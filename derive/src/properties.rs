@@ -1,4 +1,5 @@
-//! `#[derive(Properties)]`: a plain struct becomes the declaration, the handles and the snapshot of properties.
+//! `#[derive(Properties)]`: turns a struct into the declaration, the handles and the snapshot of
+//! properties.
 
 use proc_macro2::{Span, TokenStream};
 use quote::quote;
@@ -8,26 +9,26 @@ use syn::{DeriveInput, Error, Field, Ident, LitStr, PathArguments, Result, Type}
 use crate::duration;
 use crate::field::{documentation, each, named, plain, range, text, value};
 
-/// One field and what `#[property(…)]` says about it.
+/// One field and its `#[property(…)]` attribute.
 struct PropertyField<'a> {
     field: &'a Field,
     name: &'a Ident,
     options: Options,
-    /// How many of its unit make a second, if the field is a `Duration`: composites write it as a number.
+    /// For a `Duration`, the number of its units in a second: composites write it as a number.
     per_second: Option<f64>,
 }
 
 #[derive(Default)]
 struct Options {
     unit: Option<LitStr>,
-    /// Least and greatest value, both lawful.
+    /// Least and greatest value, inclusive.
     range: Option<(TokenStream, TokenStream)>,
     default: Option<TokenStream>,
-    /// An iterator over all lawful values.
+    /// An expression for an iterator over all permitted values.
     choices: Option<TokenStream>,
-    /// The type's own words are its lawful values.
+    /// The type implements `Word`, and its words are the permitted values.
     words: bool,
-    /// The field is itself a struct of properties, declared as if its fields stood here.
+    /// The field is itself a struct of properties, whose fields are declared in its place.
     flatten: bool,
 }
 
@@ -93,7 +94,7 @@ impl<'a> PropertyField<'a> {
         Ok(property)
     }
 
-    /// Refuses what would be ignored in silence.
+    /// Rejects combinations of options of which one would silently have no effect.
     fn check(&mut self) -> Result<()> {
         let Options {
             unit,
@@ -141,11 +142,11 @@ impl<'a> PropertyField<'a> {
             _ if self.options.flatten => {
                 quote!(<#of as component::Properties>::read(&handles.#name, from))
             }
-            // the range, which is mandatory, has refused what is no duration
+            // cannot fail: the mandatory range has excluded everything that is no valid duration
             Some(per_second) => quote! {
                 ::core::time::Duration::try_from_secs_f64(#value / #per_second).unwrap_or_default()
             },
-            // the choices have refused what is no word
+            // cannot fail: the choices have excluded everything that is no word
             None if self.options.words => {
                 quote!(<#of as component::Word>::of_word(&#value).unwrap_or_default())
             }
@@ -233,7 +234,7 @@ impl Options {
     }
 }
 
-/// Whether a type is `Duration`, by the name it is written with.
+/// Returns `true` if a type is written as `Duration`.
 fn is_duration(of: &Type) -> bool {
     let Type::Path(path) = of else {
         return false;
@@ -244,7 +245,7 @@ fn is_duration(of: &Type) -> bool {
     })
 }
 
-/// A written duration as a number of the property's unit.
+/// Converts a duration literal to a number of the property's unit.
 fn number(written: &TokenStream, per_second: f64) -> Result<f64> {
     let text = text(written).ok_or_else(|| {
         let message = "the range of a duration is written `\"0s\"..=\"10s\"`";

@@ -1,8 +1,9 @@
-//! `#[derive(Table)]`: a struct or an enum is a table of the composite dialect.
+//! `#[derive(Table)]`: declares a struct or an enum as a table of the composite dialect.
 //!
-//! The struct is what was written: `At<T>` where a value keeps its place, `Option` where a key may be left out, `Vec` where
-//! there may be several. From it come the reader, the rows of the schema and of the reference page, and, with
-//! `resolved = Name`, the same table without places and with its defaults filled in, which can be written again.
+//! The struct mirrors the file: `At<T>` for a value with its span, `Option` for an optional key,
+//! `Vec` for a key that may occur several times. The derive generates the reader, the rows of the
+//! schema and of the reference page, and, with `resolved = Name`, the same table without spans and
+//! with its defaults filled in, together with its writer.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -13,25 +14,25 @@ use syn::{
 
 use crate::word::{doc, snake};
 
-/// `#[table(…)]`.
+/// The options of `#[table(…)]`.
 struct TableOptions {
-    /// What it is in a message: "a wire".
+    /// Phrase for the table in messages: "a wire".
     of: String,
-    /// What it is under another key: `elsewhere("activity", "an activity")`.
+    /// A key and the phrase for the table under that key: `elsewhere("activity", "an activity")`.
     elsewhere: Option<(LitStr, LitStr)>,
-    /// A table as TOML, for messages.
+    /// An example of the table in TOML, for messages.
     example: String,
-    /// Why an enum is only one of its variants.
+    /// Message that explains why only one variant of an enum may be given.
     reason: String,
-    /// The name of the table without places.
+    /// Name of the generated table without spans.
     resolved: Option<Ident>,
-    /// A function that looks at the whole after it was read.
+    /// A function that checks or completes the table after its keys were read.
     after: Option<Expr>,
-    /// The key that a value means which is no table.
+    /// The key that is meant when a plain value stands in place of the table.
     short: Option<String>,
 }
 
-/// `#[key(…)]` of a field or variant.
+/// The options of `#[key(…)]` on a field or variant.
 struct KeyDeclaration {
     ident: Ident,
     kind: Type,
@@ -40,28 +41,29 @@ struct KeyDeclaration {
     example: String,
     unit: String,
     range: Option<ExprRange>,
-    /// `default`: `Some(None)` for that of the type.
+    /// From `default`; `Some(None)` stands for the default of the type.
     default: Option<Option<Expr>>,
     needed: bool,
     flatten: bool,
     or_default: bool,
-    /// Prefixed with the names of the composites around.
+    /// A name that is prefixed with the path of the enclosing composites when it is resolved.
     local: bool,
-    /// Left out where nothing is known.
+    /// Omitted from the resolved table if it was not given.
     unresolved: bool,
-    /// Not part of the resolved table.
+    /// Only in the table as written, not in the resolved one.
     written: bool,
-    /// A single one is written without brackets.
+    /// A list in which a single element may be written without brackets.
     one: bool,
-    /// Only in the table under this key.
+    /// Restricts the key to tables under this key; empty for no restriction.
     within: String,
-    /// The form that a name must have.
+    /// Syntax check for a value that is a name.
     form: Option<Ident>,
-    /// The name of the entry in a table of names, and its form.
+    /// The field holds the name of the entry in a table of names; with the syntax check of that
+    /// name.
     entry: Option<Ident>,
 }
 
-/// The outermost part of a type.
+/// The outermost constructor of a field's type.
 enum FieldShape<'t> {
     Option(&'t Type),
     Vec(&'t Type),
@@ -184,12 +186,12 @@ impl KeyDeclaration {
         }
     }
 
-    /// Whether its type is this.
+    /// Returns `true` if the field's type is this name.
     fn is(&self, name: &str) -> bool {
         matches!(&self.kind, Type::Path(path) if path.path.is_ident(name))
     }
 
-    /// Whether it is no key: where the table stands, or the name of the entry.
+    /// Returns `true` for a field that is no key: a span or the name of the entry.
     fn is_place(&self) -> bool {
         self.is("FileId") || self.ident == "span" || self.entry.is_some()
     }
@@ -219,7 +221,7 @@ impl KeyDeclaration {
         }
     }
 
-    /// The key as data.
+    /// Generates the description of the key.
     fn key(&self) -> TokenStream {
         let Self {
             name,
@@ -278,7 +280,7 @@ impl KeyDeclaration {
         })
     }
 
-    /// What reads it, as an `Option` where it is needed.
+    /// Generates the expression that reads the key, an `Option` if the key is mandatory.
     fn read(&self, key: &TokenStream) -> TokenStream {
         let inner = self.inner();
         if self.is("FileId") {
@@ -314,7 +316,7 @@ impl KeyDeclaration {
         }
     }
 
-    /// Whether nothing can be said of the table where this was not read.
+    /// Returns `true` if the table cannot be built without this key.
     fn is_unwrapped(&self) -> bool {
         let one = matches!(self.shape(), FieldShape::One(_));
         one && !self.is_place() && !self.or_default && !self.is("bool")
@@ -342,7 +344,7 @@ impl KeyDeclaration {
         }
     }
 
-    /// The value without its place.
+    /// Generates the conversion to the value without its span.
     fn resolve(&self, key: &TokenStream) -> TokenStream {
         let ident = &self.ident;
         let local = match self.local {
@@ -374,7 +376,7 @@ impl KeyDeclaration {
         let (ident, name, within) = (&self.ident, &self.name, &self.within);
         let value = match (self.one, self.needed, self.shape()) {
             (true, _, _) => quote!(crate::table::one_or_many(&self.#ident)),
-            // an empty list is there all the same
+            // an empty list is written, unlike an absent key
             (false, true, FieldShape::Vec(_)) => quote!(Some(crate::table::list(&self.#ident))),
             (false, _, _) => quote!(crate::table::Written::toml(&self.#ident)),
         };
@@ -477,7 +479,7 @@ fn of_struct(
     })
 }
 
-/// The parts that do not depend on the fields.
+/// Generates the items that do not depend on the fields.
 fn common(input: &DeriveInput, options: &TableOptions, entry: Option<&Ident>) -> TokenStream {
     let (name, doc) = (&input.ident, doc(&input.attrs));
     let TableOptions {
@@ -545,7 +547,7 @@ fn common(input: &DeriveInput, options: &TableOptions, entry: Option<&Ident>) ->
     }
 }
 
-/// The table without places.
+/// Generates the table without spans.
 fn resolved(
     input: &DeriveInput,
     options: &TableOptions,
@@ -630,12 +632,12 @@ fn resolved(
     }
 }
 
-/// A variant: its keys, of which the first one chooses it.
+/// A variant and its keys; the first key selects the variant.
 struct VariantKeys {
     rows: Vec<KeyDeclaration>,
-    /// Its keys are those of the table inside.
+    /// The table wrapped by a variant with one unnamed field, which provides the keys.
     inner: Option<Type>,
-    /// Has named fields.
+    /// The variant has named fields.
     named: bool,
     ident: Ident,
 }
@@ -759,7 +761,7 @@ fn of_enum(input: &DeriveInput, data: &DataEnum, options: &TableOptions) -> Resu
     })
 }
 
-/// The name of the keys of a variant.
+/// Returns the name of the constant with the keys of a variant.
 fn constant(variant: &Ident) -> Ident {
     format_ident!("{}_KEYS", snake(&variant.to_string()).to_uppercase())
 }

@@ -1,11 +1,11 @@
-//! `#[derive(Word)]`: an enum whose variants are words of a closed list.
+//! `#[derive(Word)]`: an enum whose variants are the keywords of a closed list.
 
 use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Attribute, Data, DeriveInput, Error, Expr, ExprLit, Fields, Lit, LitStr, Meta, Result};
 
-/// Implements `asmotion_datum::Word` and `Display`. A variant is written as its name in snake case, or as
-/// `#[word("other")]` says; its documentation says what the word means.
+/// Implements `asmotion_datum::Word` and `Display`. A variant is written as its name in snake case,
+/// unless `#[word("other")]` gives another spelling; its doc comment explains the word.
 pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let Data::Enum(data) = &input.data else {
         return Err(Error::new_spanned(input, "only an enum is a list of words"));
@@ -41,7 +41,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// `CatchUp` as `catch_up`.
+/// Converts `CatchUp` to `catch_up`.
 pub(crate) fn snake(name: &str) -> String {
     let mut snake = String::new();
     for letter in name.chars() {
@@ -53,7 +53,7 @@ pub(crate) fn snake(name: &str) -> String {
     snake
 }
 
-/// The documentation of an item: its lines joined, its paragraphs kept apart.
+/// Returns the documentation of an item, with the lines of each paragraph joined.
 pub(crate) fn doc(attributes: &[Attribute]) -> String {
     let mut doc = String::new();
     for attribute in attributes {

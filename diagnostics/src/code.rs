@@ -3,25 +3,26 @@
 use crate::diagnostic::{Diagnostic, Severity};
 use std::fmt;
 
-/// A stable diagnostic code and its page, which `asmotion check --explain` prints.
+/// A stable diagnostic code and its page, printed by `asmotion check --explain`.
 ///
-/// A code is never given to another meaning. `#[derive(Coded)]` makes one from the doc comment of a
-/// finding: title, explanation, and a small wrong program with the same one mended, each in a fenced block
-/// whose info string says which (`asm wrong`, `asm mended`). Tests try both.
+/// A code keeps its meaning for ever; a retired code is not reused. `#[derive(Coded)]` builds the
+/// code from the doc comment of a finding: a title, an explanation, and two fenced blocks, a small
+/// wrong program (info string `asm wrong`) and its corrected form (`asm mended`). Tests check both
+/// programs.
 #[derive(Debug)]
 pub struct Code {
-    /// Family and number, as in `A014`.
+    /// Family and number, as in `A014`. The letter stands for the stage that reports it.
     pub name: &'static str,
-    /// Whether such a finding stops the build.
+    /// Severity of every finding with this code.
     pub severity: Severity,
-    /// The meaning in a few words, without full stop.
+    /// Title of the page: the meaning in a few words, without a full stop.
     pub title: &'static str,
-    /// The rest of the page, in Markdown.
+    /// The page below the title, in Markdown.
     pub text: &'static str,
 }
 
 impl Code {
-    /// The whole page in Markdown, with its heading.
+    /// Returns the whole page in Markdown, with its heading.
     pub fn page(&self) -> String {
         let suffix = match self.severity {
             Severity::Error => "",
@@ -30,7 +31,8 @@ impl Code {
         format!("# {}: {}{suffix}\n\n{}", self.name, self.title, self.text)
     }
 
-    /// The text of the fenced block with this info string, as in `asm wrong`.
+    /// Returns the text of the fenced block with this info string, as in `asm wrong`, or `None` if
+    /// the page has no such block.
     pub fn example(&self, info: &str) -> Option<&'static str> {
         let (_, rest) = self.text.split_once(&format!("```{info}\n"))?;
         rest.split_once("```").map(|(example, _)| example)
@@ -57,18 +59,18 @@ impl PartialEq<str> for Code {
     }
 }
 
-/// The link from a finding to its code; derived from the doc comment and `#[code(A014, error)]`.
+/// Links a finding to its code; derived from the doc comment and `#[code(A014, error)]`.
 pub trait Coded {
-    /// The code of this finding.
+    /// Returns the code of this finding.
     fn code(&self) -> &'static Code;
 }
 
-/// A finding as facts: `Display` is the message, [`Finding::explain`] adds the places and the way out.
+/// A finding as facts: `Display` is the message, [`Finding::explain`] adds the labels and the fix.
 pub trait Finding: Coded + fmt::Display {
-    /// Adds labels, notes, helps and a fix to a diagnostic that has code and message.
+    /// Adds labels, notes, helps and a fix to a diagnostic that has only its code and message.
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic;
 
-    /// The finding in words.
+    /// Renders the finding as a [`Diagnostic`].
     fn diagnostic(&self) -> Diagnostic {
         self.explain(Diagnostic::new(self.code(), self))
     }

@@ -1,50 +1,50 @@
-//! What a stage has to say about places in the sources.
+//! Diagnostics: findings in words, with spans in the sources.
 
 use crate::code::Code;
 use crate::fix::Fix;
 use crate::span::Span;
 
-/// How bad it is.
+/// Severity of a finding, fixed by its code; errors order before warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// Nothing can be built from this.
+    /// The specification or composite cannot be used.
     Error,
-    /// It works, and is probably not what was meant.
+    /// Usable, but probably not as intended.
     Warning,
 }
 
-/// A place and what is to be seen there.
+/// A span and a text that annotates it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
-    /// The place.
+    /// The annotated range of the source.
     pub span: Span,
-    /// What is to be seen there; lower case, no full stop.
+    /// Annotation; lower case, without a full stop.
     pub text: String,
 }
 
-/// One finding: the fact, the places, the way out.
+/// One finding in words: message, labelled spans, and suggestions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Copied from the code; decides whether the stage fails.
     pub severity: Severity,
-    /// The stable code.
+    /// The stable code, which leads to the documentation page.
     pub code: &'static Code,
-    /// The fact in the user's words; lower case, no full stop.
+    /// The fact in the user's words; lower case, without a full stop.
     pub message: String,
-    /// The place of the finding, and what is to be seen there.
+    /// The main label, shown first. `None` if the finding has no place in a source text.
     pub primary: Option<Label>,
-    /// Other places that matter, in any file.
+    /// Further labels, in any file, in the order they were added.
     pub secondary: Vec<Label>,
-    /// Facts that explain it.
+    /// Facts that explain the finding, each rendered as `= note: …`.
     pub notes: Vec<String>,
-    /// Ways out in words.
+    /// Suggestions in words, each rendered as `help: …` below the finding.
     pub helps: Vec<String>,
-    /// A way out that a machine can take.
+    /// A suggestion as edits, which a tool can apply.
     pub fix: Option<Fix>,
 }
 
 impl Diagnostic {
-    /// A message with its code, and no place yet.
+    /// Creates a diagnostic with a code and a message, without labels.
     pub fn new(code: &'static Code, message: impl ToString) -> Self {
         Self {
             severity: code.severity,
@@ -58,12 +58,12 @@ impl Diagnostic {
         }
     }
 
-    /// Whether it has one of these codes.
+    /// Returns `true` if the diagnostic has one of these codes.
     pub fn is_any(&self, codes: &[&Code]) -> bool {
         codes.contains(&self.code)
     }
 
-    /// Adds a place: the first one is the primary place, the others are secondary.
+    /// Adds a label. The first one becomes the primary label, the others secondary.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         let label = Label {
@@ -78,33 +78,34 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a fact that explains it.
+    /// Adds a fact that explains the finding.
     #[must_use]
     pub fn note(mut self, text: impl Into<String>) -> Self {
         self.notes.push(text.into());
         self
     }
 
-    /// Adds a way out in words.
+    /// Adds a suggestion in words.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.helps.push(text.into());
         self
     }
 
-    /// Replaces one place: a way out that a machine may take without asking.
+    /// Suggests one replacement that a tool may apply without asking ([`Fix::sure`]).
     #[must_use]
     pub fn fix(self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
         self.with_fix(Fix::sure(title, span, text))
     }
 
-    /// Replaces one place: a way out that a person decides on, as in "did you mean".
+    /// Suggests one replacement that the user has to confirm, as in "did you mean"
+    /// ([`Fix::maybe`]).
     #[must_use]
     pub fn guess(self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
         self.with_fix(Fix::maybe(title, span, text))
     }
 
-    /// Sets the way out that a machine can take.
+    /// Sets the suggested edits, replacing those set before.
     #[must_use]
     pub fn with_fix(mut self, fix: Fix) -> Self {
         self.fix = Some(fix);
@@ -112,10 +113,10 @@ impl Diagnostic {
     }
 }
 
-/// All findings of a stage, in the order they were made.
+/// The findings of a stage, in the order they were made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// The findings.
+    /// Findings of both severities; unsorted until [`Report::finish`].
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -128,29 +129,29 @@ impl FromIterator<Diagnostic> for Report {
 }
 
 impl Report {
-    /// Nothing found yet.
+    /// Creates an empty report.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a finding.
+    /// Appends a finding.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Adds all findings of another report.
+    /// Appends the findings of another report.
     pub fn extend(&mut self, other: Report) {
         self.diagnostics.extend(other.diagnostics);
     }
 
-    /// Whether an error is among the findings.
+    /// Returns `true` if a finding is an error.
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()
             .any(|finding| finding.severity == Severity::Error)
     }
 
-    /// How many findings have this severity.
+    /// Returns the number of findings with this severity.
     pub fn count(&self, severity: Severity) -> usize {
         self.diagnostics
             .iter()
@@ -158,7 +159,7 @@ impl Report {
             .count()
     }
 
-    /// Sorts by place and drops findings that say the same about the same place.
+    /// Sorts the findings by their primary span and removes duplicates.
     pub fn finish(mut self) -> Self {
         self.diagnostics
             .sort_by_key(|finding| finding.primary.as_ref().map(|label| label.span));

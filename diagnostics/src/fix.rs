@@ -1,39 +1,39 @@
-//! Ways out that a machine can take.
+//! Fixes: edits that a tool can apply to resolve a finding.
 
 use crate::diagnostic::Diagnostic;
 use crate::span::{FileId, Span};
 
-/// Whether a machine may take the way out without asking.
+/// Confidence in a fix: decides if a tool may apply it unattended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Applicability {
-    /// It keeps the meaning, or no other meaning is lawful.
+    /// The fix keeps the meaning, or leads to the only lawful one. Applied by [`apply`].
     Sure,
-    /// A person decides: it may not be what was meant.
+    /// The fix may not be what the user meant, so the user decides.
     Maybe,
 }
 
-/// Characters and what to put in their place; an empty `text` deletes, an empty `span` inserts.
+/// Replaces a range of the source. An empty `text` deletes, an empty `span` inserts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// The characters to replace.
+    /// The range to replace.
     pub span: Span,
-    /// What to put there.
+    /// The replacement.
     pub text: String,
 }
 
-/// Edits that mend a finding, all of them together.
+/// Edits that together resolve a finding; applied all or not at all.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// What to say about it, as in "did you mean `speed`?".
+    /// Message shown with the edits, as in "did you mean `speed`?".
     pub title: String,
-    /// The edits, apart from each other, in one file.
+    /// Edits of one file that do not overlap.
     pub edits: Vec<Edit>,
-    /// Whether a machine may do it without asking.
+    /// [`Applicability::Sure`] if a tool may apply the edits without asking.
     pub applicability: Applicability,
 }
 
 impl Fix {
-    /// Replaces one place; a machine may do so without asking.
+    /// Creates a fix that replaces one range and may be applied without asking.
     pub fn sure(title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -45,7 +45,7 @@ impl Fix {
         }
     }
 
-    /// Replaces one place, if a person agrees.
+    /// Creates a fix that replaces one range after the user has agreed.
     pub fn maybe(title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
         Self {
             applicability: Applicability::Maybe,
@@ -53,7 +53,7 @@ impl Fix {
         }
     }
 
-    /// Replaces another place as well.
+    /// Adds the replacement of another range.
     #[must_use]
     pub fn and(mut self, span: Span, text: impl Into<String>) -> Self {
         self.edits.push(Edit {
@@ -64,17 +64,17 @@ impl Fix {
     }
 }
 
-/// A text after a round of fixes.
+/// Result of [`apply`]: the edited text and the findings it resolves.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fixed<'a> {
-    /// The new text.
+    /// The text after all applied edits.
     pub text: String,
-    /// The findings whose fix is in it, by place.
+    /// The findings whose fix was applied, in order of their position.
     pub applied: Vec<&'a Diagnostic>,
 }
 
-/// Applies the sure fixes of one file. Where two meet, the one that stands first is taken; the other
-/// has its turn when the new text is read again.
+/// Applies the sure fixes of one file. Of two that overlap, only the one that starts first is
+/// applied; the caller checks the new text again and applies the other in the next round.
 pub fn apply<'a>(text: &str, file: FileId, findings: &'a [Diagnostic]) -> Fixed<'a> {
     let mut offers: Vec<(&Diagnostic, Vec<&Edit>)> = findings
         .iter()
@@ -97,7 +97,8 @@ pub fn apply<'a>(text: &str, file: FileId, findings: &'a [Diagnostic]) -> Fixed<
     }
 }
 
-/// The edits of a sure fix in order, if every one of them lies in this text and none meets another.
+/// Returns the edits of a sure fix in order, or `None` if one lies outside this text or two
+/// overlap.
 fn lawful<'a>(fix: &'a Fix, text: &str, file: FileId) -> Option<Vec<&'a Edit>> {
     let inside = |edit: &Edit| edit.span.file == file && text.get(edit.span.range()).is_some();
     if fix.applicability == Applicability::Maybe || !fix.edits.iter().all(inside) {
@@ -111,13 +112,13 @@ fn lawful<'a>(fix: &'a Fix, text: &str, file: FileId) -> Option<Vec<&'a Edit>> {
     (apart && !edits.is_empty()).then_some(edits)
 }
 
-/// Whether two places overlap. Two that only adjoin do not, unless both begin at the same byte: who
-/// comes first would be a guess.
+/// Returns `true` if two ranges overlap. Adjacent ranges do not, unless both start at the same
+/// byte: two insertions there have no defined order.
 fn touch(one: Span, other: Span) -> bool {
     one.start == other.start || (one.start < other.end && other.start < one.end)
 }
 
-/// The text with edits that are in order and apart.
+/// Applies edits that are sorted and do not overlap.
 fn rewritten(text: &str, edits: &[&Edit]) -> String {
     let mut new = String::with_capacity(text.len());
     let mut kept = 0;

@@ -1,10 +1,10 @@
-//! Source texts, places in them, and diagnostics: the ground floor under the language and the composites.
+//! Source texts, spans and diagnostics, shared by the language and the composites.
 //!
-//! A [`Sources`] holds the texts and a [`Span`] is a place in one of them. A stage describes what it found as
-//! a [`Finding`], a struct of facts whose [`Code`] carries the page of documentation; [`Finding::diagnostic`]
-//! puts it into words. A [`Diagnostic`] may offer a [`Fix`] that a tool can [`apply`], [`similar`] finds the
-//! name that was meant, and [`render()`] lays a diagnostic out as text. Nothing here prints or reads a file:
-//! texts come from a [`Loader`].
+//! [`Sources`] holds the texts, and a [`Span`] is a range in one of them. A stage describes a
+//! problem as a [`Finding`], a struct of facts whose [`Code`] carries the documentation page;
+//! [`Finding::diagnostic`] puts it into words. A [`Diagnostic`] may offer a [`Fix`] that a tool can
+//! [`apply`], [`similar`] finds the name that was probably meant, and [`render()`] formats a
+//! diagnostic as text. Nothing here prints or reads a file: texts come from a [`Loader`].
 
 mod code;
 mod diagnostic;

@@ -1,26 +1,26 @@
-//! Where texts come from.
+//! The interface to source files.
 
 use std::sync::Arc;
 
-/// Where texts come from. The language wing has no other door to files.
+/// Reads source texts by path. The language crates access files through it only.
 pub trait Loader {
-    /// The text at `path`, which is as [`Loader::resolve`] returned it.
+    /// Reads the text at `path`, a path that [`Loader::resolve`] returned.
     ///
     /// # Errors
-    /// The text cannot be had: missing, unreadable, too large or not UTF-8.
+    /// The text is missing, unreadable, too large or not UTF-8.
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError>;
 
-    /// The canonical path of `import`, as written in the file `from`: the same text always has the
-    /// same path. `None` where no such text exists.
+    /// Returns the canonical path of `import`, as written in the file `from`, so that one text
+    /// always has one path. Returns `None` if there is no such text.
     fn resolve(&self, from: &str, import: &str) -> Option<String>;
 }
 
-/// Why a text cannot be had.
+/// The failure to read a source text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cannot read `{path}`: {reason}")]
 pub struct LoadError {
-    /// The path asked for.
+    /// The path as passed to [`Loader::read`].
     pub path: String,
-    /// What the operating system, or the loader, said.
+    /// Message of the operating system or of the loader.
     pub reason: String,
 }

@@ -1,4 +1,4 @@
-//! Diagnostics as text: the one place where words get their layout.
+//! Diagnostics as text, in a long form with snippets and a concise one.
 
 use crate::diagnostic::{Diagnostic, Label, Report, Severity};
 use crate::fix::{Edit, Fix};
@@ -9,19 +9,19 @@ use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Rendere
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// How text is laid out.
+/// Output format of [`render`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
-    /// Letters only.
+    /// Text without escape sequences.
     Plain,
-    /// With ANSI colours.
+    /// Text with ANSI colours, for a terminal.
     Coloured,
 }
 
-/// Longer lines than this are cut around the place of interest.
+/// Lines of the sources longer than this number of characters are cut around the label.
 const WIDTH: usize = 120;
 
-/// All findings, and a line that counts them.
+/// Renders all findings, followed by a line that counts them.
 pub fn render_all(report: &Report, sources: &Sources, style: Style) -> String {
     let mut text = String::new();
     for diagnostic in &report.diagnostics {
@@ -31,7 +31,7 @@ pub fn render_all(report: &Report, sources: &Sources, style: Style) -> String {
     text
 }
 
-/// One finding, with the lines of the sources it speaks of.
+/// Renders one finding with the source lines that its labels refer to.
 pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> String {
     let renderer = match style {
         Style::Plain => Renderer::plain(),
@@ -66,7 +66,7 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> Strin
     renderer.render(&groups)
 }
 
-/// One finding on one line: `path:line:column: severity[code]: message`.
+/// Renders one finding on one line: `path:line:column: severity[code]: message`.
 pub fn concise(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let mut text = String::new();
     if let Some(label) = &diagnostic.primary {
@@ -86,7 +86,7 @@ pub fn concise(diagnostic: &Diagnostic, sources: &Sources) -> String {
     text
 }
 
-/// One snippet a file, the file of the primary place first.
+/// Returns one snippet for each file, that of the primary label first.
 fn snippets<'a>(
     diagnostic: &'a Diagnostic,
     sources: &'a Sources,
@@ -123,7 +123,7 @@ fn snippets<'a>(
     })
 }
 
-/// The lines as they would read.
+/// Returns the lines of a fix as they read after it is applied.
 fn patches<'a>(fix: &'a Fix, sources: &'a Sources) -> Option<Snippet<'a, Patch<'a>>> {
     let file = fix.edits.first()?.span.file;
     let text = sources.text(file);
@@ -133,7 +133,7 @@ fn patches<'a>(fix: &'a Fix, sources: &'a Sources) -> Option<Snippet<'a, Patch<'
     Some(snippet.patches(edits.map(patch)))
 }
 
-/// The range, moved so that it lies in the text and between characters.
+/// Clamps a range to the text and to character boundaries.
 fn within(range: std::ops::Range<usize>, text: &str) -> std::ops::Range<usize> {
     let mut start = range.start.min(text.len());
     while !text.is_char_boundary(start) {

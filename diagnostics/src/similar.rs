@@ -1,13 +1,13 @@
-//! Did you mean: the known name that a misspelt one resembles.
+//! "Did you mean": finds the known name that a misspelt one resembles.
 
-/// A longer name is not compared with others: it was not mistyped.
+/// Names longer than this number of bytes are not compared: they are unlikely to be typing errors.
 const MAX_LENGTH: usize = 100;
 
-/// How alike two names are, from 0 to 1, where one is offered for the other.
+/// Least similarity, from 0 to 1, for a name to be suggested.
 const LIKE: f64 = 0.6;
 
-/// The known name that is most like `name`, if one is like it at all; the first in order of the
-/// alphabet where several are.
+/// Returns the known name most similar to `name`, or `None` if none is similar enough. Of several
+/// equally similar names, the alphabetically first is returned.
 pub fn similar<'a, N: AsRef<str>>(
     name: &str,
     known: impl IntoIterator<Item = &'a N>,

@@ -1,4 +1,4 @@
-//! The texts of one run of the tools.
+//! The source texts that spans refer to.
 
 use crate::span::{FileId, Span};
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ struct SourceText {
     text: Arc<str>,
 }
 
-/// All texts of one run of the tools, by [`FileId`].
+/// All texts read by one run of a tool, indexed by [`FileId`].
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<SourceText>,
@@ -19,7 +19,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// No text yet.
+    /// Creates an empty collection.
     pub fn new() -> Self {
         Self::default()
     }
@@ -38,38 +38,38 @@ impl Sources {
         id
     }
 
-    /// The id of a path that was added.
+    /// Returns the id of a path, or `None` if it was not added.
     pub fn find(&self, path: &str) -> Option<FileId> {
         self.by_path.get(path).copied()
     }
 
-    /// The path of a text; empty for an unknown id.
+    /// Returns the path of a text, empty for an unknown id.
     pub fn path(&self, file: FileId) -> &str {
         self.files
             .get(file.0 as usize)
             .map_or("", |file| &file.path)
     }
 
-    /// The text itself; empty for an unknown id.
+    /// Returns a text, empty for an unknown id.
     pub fn text(&self, file: FileId) -> &str {
         self.files
             .get(file.0 as usize)
             .map_or("", |file| &file.text)
     }
 
-    /// A shared handle on the text.
+    /// Returns a shared handle to a text, empty for an unknown id.
     pub fn shared_text(&self, file: FileId) -> Arc<str> {
         self.files
             .get(file.0 as usize)
             .map_or_else(|| Arc::from(""), |file| file.text.clone())
     }
 
-    /// The characters a span covers; empty where the span lies outside its text.
+    /// Returns the characters covered by a span, empty if the span lies outside its text.
     pub fn snippet(&self, span: Span) -> &str {
         self.text(span.file).get(span.range()).unwrap_or("")
     }
 
-    /// Line and column of a byte offset, both from 1; columns count characters.
+    /// Converts a byte offset to line and column, both counted from 1; columns count characters.
     pub fn position(&self, file: FileId, offset: u32) -> (usize, usize) {
         let text = self.text(file);
         let mut offset = (offset as usize).min(text.len());

@@ -1,22 +1,23 @@
-//! Places in texts.
+//! Spans: byte ranges in source texts.
 
-/// Names one text of a [`Sources`](crate::Sources).
+/// Identifies one text of a [`Sources`](crate::Sources).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct FileId(pub u32);
 
-/// A half-open range of bytes in one text.
+/// A half-open range of bytes in one source text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Span {
-    /// The text the range lies in.
+    /// The text that contains the range.
     pub file: FileId,
-    /// First byte.
+    /// Offset of the first byte.
     pub start: u32,
-    /// One past the last byte.
+    /// Offset after the last byte.
     pub end: u32,
 }
 
 impl Span {
-    /// The range `start..end` of `file`, in bytes.
+    /// Creates the range `start..end` of `file`, in bytes. Offsets saturate at `u32::MAX`, and
+    /// `end` is raised to `start` if it is less.
     pub fn new(file: FileId, start: usize, end: usize) -> Self {
         let clamp = |offset: usize| u32::try_from(offset).unwrap_or(u32::MAX);
         Self {
@@ -26,7 +27,7 @@ impl Span {
         }
     }
 
-    /// The smallest span that covers both; both lie in one file.
+    /// Returns the smallest span that covers both, which must lie in the same file.
     pub fn to(self, other: Self) -> Self {
         Self {
             file: self.file,
@@ -35,7 +36,7 @@ impl Span {
         }
     }
 
-    /// The range as the standard library wants it.
+    /// Returns the range as indices into the text.
     pub fn range(self) -> std::ops::Range<usize> {
         self.start as usize..self.end as usize
     }

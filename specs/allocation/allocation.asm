@@ -1,5 +1,5 @@
 asm allocation
-// multi-robot task allocation: nondeterministic choice, at most one robot per task and one task per robot
+// Multi-robot task allocation: nondeterministic choice, at most one robot for a task and one task for a robot
 import StandardLibrary
 import CTLLibrary
 

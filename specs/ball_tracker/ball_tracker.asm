@@ -1,13 +1,13 @@
 asm ball_tracker
-// Coordinates a camera and a tracker: power the camera, search the ball, follow it, hold it. States in states are
-// control states of their own; whoever is asked first has priority.
+// Coordinates a camera and a tracker: powers the camera, searches the ball, follows it, holds it. Nested states are
+// control functions of their own; the order of the conditions determines the priority of transitions.
 import StandardLibrary
 import CTLLibrary
 import TimeLibrary
 
 signature:
 	enum domain Mode = {INITIALISE | OPERATE | DONE | FAILED | STOPPED}
-	// within OPERATE
+	// nested states of OPERATE
 	enum domain Operate = {SEARCH | FOLLOW | HOLD}
 	enum domain Camera = {QUIET | READY | BROKEN}
 	enum domain Sight = {SEEN | LOST}
@@ -37,7 +37,7 @@ definitions:
 	rule r_leave($to in Mode) =
 		par mode := $to  power := false  command := REST endpar
 
-	// ---- within OPERATE ----
+	// ---- nested states of OPERATE ----
 	rule r_operate =
 		switch operate
 			case SEARCH:
@@ -57,7 +57,7 @@ definitions:
 					r_search[]
 				else if not centred then
 					operate := FOLLOW
-				// the work of OPERATE is complete
+				// completion of OPERATE
 				else if expired(hold) then
 					r_leave[DONE]
 				endif endif endif
@@ -69,7 +69,7 @@ definitions:
 	invariant inv_power over mode: mode = OPERATE implies power
 
 	main rule r_Main =
-		// of the outer state: it goes before whatever is within
+		// transitions of the outer state have priority over those of nested states
 		if (stop or camera = BROKEN) and (mode = INITIALISE or mode = OPERATE) then
 			r_leave[if stop then STOPPED else FAILED endif]
 		else

@@ -1,6 +1,6 @@
 asm camera
-// A camera that is not there: it takes a while to warm up, and sees a ball that rolls to and fro, now and then behind
-// something.
+// A simulated camera: it takes a while to warm up, and sees a ball that rolls from side to side and is hidden now and
+// then.
 import StandardLibrary
 
 signature:
@@ -8,15 +8,15 @@ signature:
 	enum domain Says = {QUIET | READY}
 	enum domain Sight = {SEEN | LOST}
 	monitored power: Boolean
-	// where it looks, degrees
+	// direction of the camera in degrees
 	monitored pan: Real
 	out says: Says
 	out sight: Sight
-	// how far the ball is from where it looks, degrees
+	// offset of the ball from that direction in degrees
 	out offset: Real
 	controlled state: State
 	controlled warmth: Integer
-	// where the ball is, degrees, and whither it rolls
+	// position of the ball in degrees, and its change in each step
 	controlled ball: Real
 	controlled rolls: Real
 	controlled hidden: Integer

@@ -1,5 +1,5 @@
 asm tracker
-// Turns the camera: to and fro while it sweeps, towards the ball while it tracks.
+// Turns the camera: from side to side while sweeping, towards the ball while tracking.
 import StandardLibrary
 
 signature:
@@ -8,7 +8,7 @@ signature:
 	monitored command: Command
 	monitored sight: Sight
 	monitored offset: Real
-	// degrees
+	// direction of the camera in degrees
 	out pan: Real
 	out centred: Boolean
 	controlled sweeps: Real

@@ -1,6 +1,6 @@
 //@Remotable
 module Dispatch
-// Who hands out jobs to couriers: what it can be asked.
+// The operations of a dispatcher, which assigns jobs to couriers.
 import StandardLibrary
 import CommonBehavior
 
@@ -9,9 +9,9 @@ export *
 signature:
 	domain Dispatch subsetof Agent
 
-	// where a courier that stands somewhere is to go next
+	// returns the next destination of a courier at this place
 	out job: Prod(Agent, Integer) -> Integer
-	// a courier has arrived there; this has no answer
+	// reports the arrival of a courier at its destination; no reply
 	out done: Prod(Agent, Integer) -> Rule
 
 definitions:

@@ -1,6 +1,6 @@
 asm courier
-// Asks the dispatcher where to go, goes there, reports it, and asks again. A dispatcher that does not
-// answer in time is asked once more.
+// Asks the dispatcher for a destination, goes there, reports the arrival, and asks again. Repeats a request that the
+// dispatcher does not answer in time.
 import StandardLibrary
 import CommonBehavior
 //@Required

@@ -1,5 +1,5 @@
 asm dispatcher
-// Hands out jobs: always the place three further on a round of ten. Counts what was done.
+// Assigns jobs: the destination is always three places further on a circle of ten. Counts finished jobs.
 import StandardLibrary
 import CommonBehavior
 //@Provided

@@ -1,5 +1,5 @@
 asm estop
-// human e-stop: three independent sources, latched, two-step operator restart, no automatic restart
+// E-stop: three independent sources, latched; restart in two steps by the operator, never automatically
 import StandardLibrary
 import CTLLibrary
 

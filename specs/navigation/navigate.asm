@@ -1,7 +1,7 @@
 asm navigate
-// Takes a rover to a goal: asks for the map, asks for a path, lets the follower drive.
-// A blocked path is planned anew, a late planner is asked again, both at most `maxTries` times.
-// A new goal stops the rover before the next path is asked for; the e-stop goes before everything.
+// Drives a rover to a goal: gets the map, requests a path, lets the follower drive.
+// Replans when the path is blocked and repeats a call that timed out, both at most `maxTries` times.
+// A new goal stops the rover before a path is requested. The e-stop has priority over everything.
 import StandardLibrary
 import CTLLibrary
 
@@ -13,15 +13,15 @@ signature:
 	}
 	domain Tries subsetof Integer
 
-	// what the composite binds to topics and to the outcome of service calls
+	// inputs: the composite binds them to topics and to the outcomes of service calls
 	monitored goalArrived: Boolean
 	monitored cancelArrived: Boolean
 	monitored estop: Boolean
 	monitored event: Event
 
-	// what the composite turns into service calls and messages
+	// outputs: the composite maps them to service calls and messages
 	out command: Command
-	// whether the rover may move, published in every step: who hears it no more, stops
+	// permission to move, published in every step; the rover stops when it no longer arrives
 	out permit: Boolean
 
 	controlled mode: Mode
@@ -51,7 +51,7 @@ definitions:
 			r_move[false]
 		endpar
 
-	// asks for a path once more, unless that was tried often enough
+	// requests another path, unless there were too many attempts
 	macro rule r_planAgain =
 		if tries < maxTries then
 			par
@@ -100,15 +100,15 @@ definitions:
 				if event = HALTED then r_enter[WAIT_MAP, GET_MAP] endif
 		endswitch
 
-	// safety: no step leaves the rover moving while the e-stop is pressed
+	// safety: the rover never moves after a step with the e-stop pressed
 	CTLSPEC ag(estop implies ax(not moving))
-	// exclusivity: it moves only while it follows
+	// exclusivity: the rover moves only while it follows a path
 	CTLSPEC ag(moving iff mode = FOLLOWING)
-	// it never follows a path that was not asked for afresh
+	// the command FOLLOW is given only in the mode FOLLOWING
 	CTLSPEC ag(command = FOLLOW implies mode = FOLLOWING)
-	// arrival is possible
+	// reachability: arrival is possible
 	CTLSPEC ef(mode = ARRIVED)
-	// never stuck: a state to rest in can always be reached
+	// liveness: a state of rest is always reachable
 	CTLSPEC ag(ef(mode = IDLE or mode = ARRIVED or mode = FAILED))
 
 	invariant inv_bounded over tries: tries <= maxTries

@@ -1,5 +1,5 @@
 asm patrol
-// patrol n waypoints forever, pause/resume keeps the waypoint, battery sends the robot home, e-stop latched
+// Patrols n waypoints endlessly; a pause keeps the waypoint, a low battery sends the robot home, the e-stop is latched
 import StandardLibrary
 import CTLLibrary
 

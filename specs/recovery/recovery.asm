@@ -1,5 +1,5 @@
 asm recovery
-// service call with timeout, bounded retries, round-robin of recovery actions, escalation
+// A service call with a timeout, bounded retries, a round-robin of recovery actions, and escalation
 import StandardLibrary
 import CTLLibrary
 
@@ -42,7 +42,7 @@ definitions:
 			mode := GIVE_UP
 		endif
 
-	// PlanSys2 #400: a retry without cancel duplicates the action in the world
+	// a retry must cancel the previous call, or else the action may be executed twice (PlanSys2 #400)
 	CTLSPEC ag((sendCall and outstanding) implies mode = WAIT)
 	CTLSPEC ag(mode = CALL implies not outstanding)
 	CTLSPEC ag(mode = RECOVERING implies not outstanding)

@@ -1,28 +1,28 @@
 asm youbot
-// Locomotor: idle must mean "motion finished", not "command written" (seed listing 1.6)
+// Locomotor: IDLE means that the motion has ended, not that the commands were written.
 import StandardLibrary
 import CTLLibrary
 
 signature:
 	enum domain Mode = {IDLE | BUSY | FAULT}
 	enum domain Note = {QUIET | NOTE_IDLE | NOTE_BUSY | NOTE_REFRESH | NOTE_FAULT}
-	// somebody wants the hand elsewhere
+	// a new goal pose for the hand has arrived
 	monitored goal: Boolean
-	// the joint positions of a goal are known
+	// the joint positions for a goal have been computed
 	monitored moveRequest: Boolean
 	monitored newStatus: Boolean
 	monitored withinTolerance: Boolean
 	monitored errorFlags: Boolean
 	monitored stale: Boolean
-	// nobody took the commands
+	// no driver has received the commands
 	monitored unsent: Boolean
 	out solve: Boolean
 	out notify: Note
 	controlled mode: Mode
-	// a request came while there was something else to do
+	// a request arrived that could not be served immediately
 	controlled waiting: Boolean
 	out writeCommands: Boolean
-	// nothing can be begun: the arm has not come back from a fault, or nothing is heard of it
+	// no motion can start: a fault of the arm persists, or its status is stale
 	derived blocked: Boolean
 
 definitions:

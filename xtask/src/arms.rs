@@ -1,20 +1,20 @@
-//! Catch-all arms beside variants of our own enums.
+//! Catch-all arms of `match` expressions over enums of this repository.
 
 use crate::checkout::{Checkout, SourceFile};
 use std::collections::BTreeSet;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-/// The `match` expressions of the product, and the ones among them with a catch-all arm.
+/// The `match` expressions of the product, and those among them with a catch-all arm.
 #[derive(Debug, Default)]
 pub struct MatchCount {
-    /// All of them.
+    /// Number of `match` expressions.
     pub matches: usize,
-    /// Path and line of those with `_ =>` beside a variant of an enum of this repository.
+    /// Path and line of each `_ =>` next to a variant of an enum of this repository.
     pub wildcards: Vec<(String, usize)>,
 }
 
-/// Counts the product's `match` expressions.
+/// Counts the `match` expressions of the product.
 pub fn count(checkout: &Checkout) -> MatchCount {
     let mut enums = BTreeSet::new();
     for file in &checkout.files {
@@ -44,7 +44,7 @@ impl<'ast> Visit<'ast> for EnumVisitor<'_> {
 struct MatchVisitor<'a> {
     file: &'a SourceFile,
     enums: &'a BTreeSet<String>,
-    /// The type of the `impl` block around, for `Self::Variant`.
+    /// The type of the enclosing `impl` block, for `Self::Variant`.
     within: Option<String>,
     count: &'a mut MatchCount,
 }
@@ -62,7 +62,8 @@ impl MatchVisitor<'_> {
         }
     }
 
-    /// Whether the outermost constructor of a pattern is a variant of an enum of ours.
+    /// Returns `true` if the outermost constructor of a pattern is a variant of an enum of this
+    /// repository.
     fn names_variant(&self, pattern: &syn::Pat) -> bool {
         match pattern {
             syn::Pat::Or(it) => it.cases.iter().any(|case| self.names_variant(case)),

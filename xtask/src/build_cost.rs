@@ -1,23 +1,24 @@
-//! Measures what a build of `asmotion` costs, by sets of Cargo features, and reads the recorded figures.
+//! Measures the cost of building `asmotion` by sets of Cargo features, and reads the recorded
+//! figures.
 //!
-//! The unit is CPU seconds, user and system, of everything that cargo starts: unlike wall time they are nearly the same on
-//! a busy machine.
+//! The unit is CPU seconds, user and system, of all processes that cargo starts. Unlike wall time,
+//! they are nearly the same on a busy machine.
 
 use crate::table::Rows;
 use std::path::Path;
 use std::process::{Command, ExitStatus};
 
-/// Written by `build-cost --record`; one table for each set of features.
+/// The record, written by `build-cost --record`; one table for each set of features.
 const RECORD: &str = "docs/build-cost.toml";
 
-/// A set of Cargo features that is built.
+/// A set of Cargo features with the budget of its build.
 #[derive(Debug)]
 pub struct FeatureSet {
     /// Name on the command line and in the record.
     pub name: &'static str,
     /// Arguments of `cargo build`.
     arguments: &'static [&'static str],
-    /// Most CPU seconds that a cold build may take.
+    /// Limit for the CPU seconds of a cold build.
     pub budget: f64,
 }
 
@@ -40,10 +41,10 @@ pub const SETS: [FeatureSet; 3] = [
     },
 ];
 
-/// A build that was not measured.
+/// The failure to measure a build.
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
-    /// There is no such set.
+    /// No set has the requested name.
     #[error("there is no set of features `{name}`, but minimal, default and full")]
     UnknownSet {
         /// Requested name.
@@ -52,9 +53,9 @@ pub enum BuildError {
     /// A file cannot be read or written, or cargo does not start.
     #[error("{what}: {source}")]
     Io {
-        /// What was attempted.
+        /// The action that failed, as in "cannot start cargo".
         what: &'static str,
-        /// The operating system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The build failed.
@@ -62,7 +63,7 @@ pub enum BuildError {
     Failed {
         /// Name of the set.
         set: &'static str,
-        /// How cargo ended.
+        /// Exit status of cargo.
         status: ExitStatus,
     },
     /// `/proc/self/stat` has another format.
@@ -115,7 +116,8 @@ pub fn measure(root: &Path, target: &Path, set: &FeatureSet) -> Result<f64, Buil
     Ok(children_cpu_seconds()? - before)
 }
 
-/// CPU seconds of all child processes that have ended, and of theirs (proc(5), `cutime` and `cstime`).
+/// Returns the CPU seconds of all child processes that have ended, including their own children
+/// (proc(5), `cutime` and `cstime`).
 fn children_cpu_seconds() -> Result<f64, BuildError> {
     let stat = std::fs::read_to_string("/proc/self/stat").map_err(|source| BuildError::Io {
         what: "cannot read /proc/self/stat",
@@ -124,9 +126,10 @@ fn children_cpu_seconds() -> Result<f64, BuildError> {
     cpu_seconds_in(&stat).ok_or(BuildError::NoCpuTime)
 }
 
-/// Fields 16 and 17, in ticks of 1/100 s on every architecture that Linux gives to programs today.
+/// Parses fields 16 and 17, in ticks of 1/100 s on every architecture that Linux currently
+/// supports.
 fn cpu_seconds_in(stat: &str) -> Option<f64> {
-    // the name of the program, field 2, may contain blanks and parentheses
+    // field 2, the name of the program, may contain blanks and parentheses
     let (_, after_name) = stat.rsplit_once(')')?;
     let mut fields = after_name.split_whitespace().skip(13);
     let ticks = |field: Option<&str>| field?.parse::<f64>().ok();
@@ -149,7 +152,7 @@ pub fn record(root: &Path, figures: &[(&FeatureSet, f64)]) -> Result<(), BuildEr
     })
 }
 
-/// A row for each recorded set of features; none where nothing is recorded.
+/// Returns a row for each recorded set of features; empty without a record.
 pub fn rows(root: &Path) -> Rows {
     let text = std::fs::read_to_string(root.join(RECORD)).unwrap_or_default();
     let Ok(record) = toml::from_str::<toml::Table>(&text) else {

@@ -1,36 +1,36 @@
-//! The Rust sources of one revision, parsed.
+//! The parsed Rust sources of a revision.
 
 use crate::test_code::TestLines;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 
-/// Folders that hold no source of ours.
+/// Folders without sources of this repository.
 const SKIPPED: &[&str] = &["target", "node_modules"];
 
-/// Files that a program writes.
+/// Generated source files.
 const GENERATED: &[&str] = &["asm-lang/syntax/src/grammar.rs"];
 
-/// Folders whose code is compiled for tests or benchmarks only.
+/// Folders whose code is compiled only for tests or benchmarks.
 const TEST_FOLDERS: &[&str] = &["tests", "benches", "examples", "fuzz"];
 
-/// The sources could not be read.
+/// The failure to read the sources.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckoutError {
     /// A file or folder cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
-        /// Which one.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// The operating system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A file is not Rust.
+    /// A file is not valid Rust.
     #[error("{}: {source}", path.display())]
     Parse {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The parser's reason.
+        /// Error of the parser.
         source: syn::Error,
     },
     /// `git` or `tar` failed.
@@ -38,32 +38,33 @@ pub enum CheckoutError {
     Command {
         /// The command line.
         command: String,
-        /// Its error output.
+        /// Output of the command on standard error.
         message: String,
     },
 }
 
 /// A parsed source file.
 pub struct SourceFile {
-    /// Relative to the root of the repository, with `/`.
+    /// Path relative to the root of the repository, with `/`.
     pub path: String,
-    /// The whole text.
+    /// The text of the file.
     pub text: String,
     /// Its syntax tree; spans have line numbers.
     pub tree: syn::File,
-    /// Lines compiled for tests only.
+    /// Lines that are compiled only for tests.
     pub tests: TestLines,
-    /// Lines inside a string literal of several lines: code, whatever they look like.
+    /// Lines inside a string literal of several lines, which are code even if they look like
+    /// comments.
     pub literal: Vec<std::ops::RangeInclusive<usize>>,
 }
 
 impl SourceFile {
-    /// Whether a line, counted from 1, is compiled for tests only.
+    /// Returns `true` if a line, counted from 1, is compiled only for tests.
     pub fn is_test(&self, line: usize) -> bool {
         self.tests.contains(line)
     }
 
-    /// The folder at the top of the repository: `engine`, `src`.
+    /// Returns the top-level folder: `engine`, `src`.
     pub fn wing(&self) -> &str {
         self.path.split('/').next().unwrap_or_default()
     }
@@ -72,29 +73,29 @@ impl SourceFile {
 /// A package of the repository.
 #[derive(Debug)]
 pub struct CrateDir {
-    /// The package's name.
+    /// Name of the package.
     pub name: String,
-    /// Its folder relative to the root; empty for the root package.
+    /// Folder relative to the root; empty for the root package.
     pub folder: String,
 }
 
-/// The sources of one revision.
+/// The sources of a revision.
 pub struct Checkout {
-    /// Where the files are.
+    /// Folder that contains the files.
     pub root: PathBuf,
-    /// Sorted by path.
+    /// The source files, sorted by path.
     pub files: Vec<SourceFile>,
-    /// Sorted by folder.
+    /// The packages, sorted by folder.
     pub crates: Vec<CrateDir>,
-    /// Removes the extracted files when the checkout is dropped.
+    /// Deletes the extracted files when the checkout is dropped; `None` for the working tree.
     _extracted: Option<TempDir>,
 }
 
 impl Checkout {
-    /// Reads the working tree whose root is given.
+    /// Reads the working tree at `root`.
     ///
     /// # Errors
-    /// A file cannot be read or is not Rust.
+    /// A file cannot be read or is not valid Rust.
     pub fn working_tree(root: &Path) -> Result<Self, CheckoutError> {
         Self::read(root.to_owned(), None)
     }
@@ -102,7 +103,7 @@ impl Checkout {
     /// Extracts a revision of the repository into a temporary folder and reads it.
     ///
     /// # Errors
-    /// The revision is unknown, or as [`Checkout::working_tree`].
+    /// The revision is unknown, a file cannot be read, or a file is not valid Rust.
     pub fn revision(root: &Path, revision: &str) -> Result<Self, CheckoutError> {
         let folder = TempDir::new().map_err(|source| CheckoutError::Read {
             path: std::env::temp_dir(),
@@ -147,7 +148,7 @@ impl Checkout {
         })
     }
 
-    /// The crate that a path belongs to: the one with the longest folder above it.
+    /// Returns the crate of a path: the one with the longest enclosing folder.
     pub fn crate_of(&self, path: &str) -> Option<&CrateDir> {
         let above = self.crates.iter().filter(|it| {
             it.folder.is_empty()
@@ -159,10 +160,10 @@ impl Checkout {
     }
 }
 
-/// Runs a command and returns what it printed.
+/// Runs a command and returns its standard output.
 ///
 /// # Errors
-/// It does not start, or ends with an error.
+/// The command cannot be started or fails.
 pub fn run(program: &str, arguments: &[&str], folder: &Path) -> Result<String, CheckoutError> {
     let failed = |message: String| CheckoutError::Command {
         command: format!("{program} {}", arguments.join(" ")),
@@ -254,7 +255,7 @@ fn crate_dir(path: &Path, relative: &str) -> Result<Option<CrateDir>, CheckoutEr
     }))
 }
 
-/// Files of `#[cfg(test)] mod name;` are test code, and so are the files below them.
+/// Marks the files of `#[cfg(test)] mod name;`, and those below them, as test code.
 fn mark_test_modules(files: &mut [SourceFile]) {
     let mut stems = Vec::new();
     for file in files.iter() {
@@ -279,7 +280,7 @@ fn mark_test_modules(files: &mut [SourceFile]) {
     }
 }
 
-/// The folder with the submodules of a file, with a `/` at its end.
+/// Returns the folder of a file's submodules, with a trailing `/`.
 pub fn child_folder(path: &str) -> String {
     let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
     match name {

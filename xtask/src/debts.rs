@@ -1,7 +1,8 @@
-//! Rules of the house that the code does not keep everywhere yet, and by how much.
+//! Debts: the rules of the house that are not kept everywhere yet, and the extent to which they are
+//! not.
 //!
-//! `tests/house.toml` records the debts. `tests/house.rs` fails where a debt has grown, and also where
-//! it has shrunk and the record has not, so that it can only go down.
+//! `tests/house.toml` records the debts. `tests/house.rs` fails if a debt has grown, and also if it
+//! has shrunk without the record being lowered, so that debts can only decrease.
 
 use crate::checkout::Checkout;
 use crate::doc_blocks::{self, DocCount};
@@ -11,52 +12,53 @@ use crate::{arms, graph, modules};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Files that may use one another in a circle.
+/// Largest permitted cycle of files.
 pub const LARGEST_CYCLE: usize = 5;
 
-/// Type names of a hundred that may have several meanings.
+/// Permitted percentage of type names with several meanings.
 pub const REUSED_NAMES: f64 = 8.0;
 
-/// Where the debts are recorded, relative to the root.
+/// Path of the record, relative to the root.
 pub const RECORD: &str = "tests/house.toml";
 
 /// The debts of one crate.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CrateDebt {
-    /// Names used through `lib.rs` or `main.rs`.
+    /// Number of uses of names through `lib.rs` or `main.rs`.
     pub hub_uses: usize,
-    /// Arrows between first-level modules that have to turn before none climbs.
+    /// Number of arrows between first-level modules that have to be reversed to remove all cycles.
     pub climbing: usize,
-    /// Sizes of the cycles of more than [`LARGEST_CYCLE`] files, largest first.
+    /// Sizes of the cycles with more than [`LARGEST_CYCLE`] files, in descending order.
     pub cycles: Vec<usize>,
 }
 
-/// All debts.
+/// The debts of all crates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HouseDebts {
-    /// Type names with several meanings; 0 when they are fewer than [`REUSED_NAMES`] allows.
+    /// Number of type names with several meanings; 0 if their percentage is at most
+    /// [`REUSED_NAMES`].
     pub reused_names: usize,
-    /// `match` expressions with `_ =>` beside a variant of our own.
+    /// Number of `match` expressions with `_ =>` next to a variant of an enum of this repository.
     pub wildcard_arms: usize,
-    /// Public functions that return a `Result` and have no `# Errors` section.
+    /// Number of public functions that return a `Result` without an `# Errors` section.
     pub missing_errors: usize,
     /// Crates with a debt, by name.
     pub crates: BTreeMap<String, CrateDebt>,
 }
 
-/// The record is not what this program writes.
+/// The failure to parse the record.
 #[derive(Debug, thiserror::Error)]
 pub enum DebtsError {
-    /// It is no TOML.
+    /// The record is not valid TOML.
     #[error("{RECORD}: {0}")]
     Toml(#[from] toml::de::Error),
-    /// A value has another type.
+    /// The value of a key has the wrong type.
     #[error("{RECORD}: `{0}` is not a number or list of numbers")]
     Value(String),
 }
 
 impl HouseDebts {
-    /// Measures the sources.
+    /// Measures the debts of the sources.
     pub fn of(checkout: &Checkout) -> Self {
         let reuse = NameReuse::of(&type_names::definitions(checkout));
         let mut crates: BTreeMap<String, CrateDebt> = BTreeMap::new();
@@ -80,10 +82,10 @@ impl HouseDebts {
         }
     }
 
-    /// Reads a record.
+    /// Parses a record.
     ///
     /// # Errors
-    /// The text is not a record.
+    /// The text is not a valid record.
     pub fn parse(text: &str) -> Result<Self, DebtsError> {
         let record: toml::Table = toml::from_str(text)?;
         let mut debts = Self::default();
@@ -103,12 +105,12 @@ impl HouseDebts {
         Ok(debts)
     }
 
-    /// The record as text.
+    /// Formats the record as TOML.
     pub fn to_toml(&self) -> String {
         let mut text = String::from(
             "# Debts that tests/house.rs allows. They only shrink: `cargo xtask debts` lowers them.\n",
         );
-        // writing to a string does not fail
+        // writing to a string cannot fail
         let _ = writeln!(text, "reused_names = {}", self.reused_names);
         let _ = writeln!(text, "wildcard_arms = {}", self.wildcard_arms);
         let _ = writeln!(text, "missing_errors = {}", self.missing_errors);
@@ -121,7 +123,7 @@ impl HouseDebts {
         text
     }
 
-    /// Debts that are larger than recorded, one sentence each.
+    /// Describes the debts that are greater than recorded, one sentence each.
     pub fn grown(&self, recorded: &Self) -> Vec<String> {
         let mut found = Vec::new();
         if self.reused_names > recorded.reused_names {
@@ -149,7 +151,7 @@ impl HouseDebts {
         found
     }
 
-    /// Keeps the smaller of each debt.
+    /// Returns the lesser of each debt.
     pub fn lowered(&self, recorded: &Self) -> Self {
         let mut crates = BTreeMap::new();
         for (name, debt) in &self.crates {
@@ -234,7 +236,8 @@ impl CrateDebt {
     }
 }
 
-/// Whether the files in large cycles are more than before, or the largest cycle is larger.
+/// Returns `true` if the large cycles contain more files than before, or the largest cycle has
+/// grown.
 fn larger(now: &[usize], before: &[usize]) -> bool {
     let files = |sizes: &[usize]| sizes.iter().sum::<usize>();
     files(now) > files(before) || now.first() > before.first()

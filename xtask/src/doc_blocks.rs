@@ -1,27 +1,27 @@
-//! Doc comments: how long they are and how they begin.
+//! Doc comments: their length, and the words they begin with.
 
 use crate::checkout::SourceFile;
 use proc_macro2::Span;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-/// Words that make a subordinate clause the subject of a sentence.
+/// Words that begin a subordinate clause.
 const CLAUSES: &[&str] = &["What", "How", "Whether", "Where", "Who", "Whose", "Whom"];
 
 /// Figures about the doc comments of the product.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DocCount {
-    /// Doc comments: one for each documented item or module.
+    /// Number of doc comments, one for each documented item or module.
     pub blocks: usize,
-    /// Of three words or fewer.
+    /// Number of doc comments with at most three words.
     pub short: usize,
-    /// Beginning with What, How, Whether, Where or Who.
+    /// Number of doc comments that begin with one of the words in `CLAUSES`.
     pub clauses: usize,
-    /// With an `# Errors` section.
+    /// Number of doc comments with an `# Errors` section.
     pub errors: usize,
-    /// Public functions that return a `Result`.
+    /// Number of public functions that return a `Result`.
     pub fallible: usize,
-    /// Those of them without an `# Errors` section.
+    /// Number of these functions without an `# Errors` section.
     pub unexplained: usize,
 }
 
@@ -83,7 +83,7 @@ impl DocVisitor<'_> {
     }
 }
 
-/// The text and place of a doc attribute.
+/// Returns the text and the span of a doc attribute.
 fn doc_line(attribute: &syn::Attribute) -> Option<(String, Span)> {
     let syn::Meta::NameValue(pair) = &attribute.meta else {
         return None;

@@ -1,4 +1,4 @@
-//! Lengths of functions.
+//! The lengths of functions.
 
 use crate::checkout::SourceFile;
 use syn::spanned::Spanned;
@@ -7,19 +7,19 @@ use syn::visit::{self, Visit};
 /// A function with a body.
 #[derive(Clone, Debug)]
 pub struct FunctionLength {
-    /// Its name.
+    /// Name of the function.
     pub name: String,
-    /// The file.
+    /// Path of its file.
     pub path: String,
-    /// The line of `fn`, from 1.
+    /// Line of `fn`, from 1.
     pub line: usize,
-    /// From `fn` to the closing brace.
+    /// Number of lines from `fn` to the closing brace.
     pub lines: usize,
-    /// Compiled for tests only.
+    /// `true` if it is compiled only for tests.
     pub test: bool,
 }
 
-/// Every function of a file; closures count with the function around them.
+/// Returns all functions of a file. Closures are part of the enclosing function.
 pub fn lengths(file: &SourceFile) -> Vec<FunctionLength> {
     let mut collector = LengthVisitor {
         file,
@@ -66,7 +66,7 @@ impl<'ast> Visit<'ast> for LengthVisitor<'_> {
     }
 }
 
-/// The length that a share of the functions, from 0 to 1, does not exceed.
+/// Returns the percentile of sorted lengths; `share` is from 0 to 1.
 pub fn percentile(sorted: &[usize], share: f64) -> usize {
     let last = sorted.len().saturating_sub(1);
     let at = (last as f64 * share).round() as usize;

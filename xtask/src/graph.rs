@@ -1,12 +1,12 @@
-//! Cycles of a directed graph, and the arrows that have to turn before there is none.
+//! Directed graphs: cycles, and the arrows that have to be reversed to remove them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An arrow between two named nodes.
+/// An arrow from the first node to the second.
 pub type Arrow = (String, String);
 
-/// The strongly connected components with more than one node, largest first (Tarjan, *Depth-first
-/// search and linear graph algorithms*, 1972).
+/// Returns the strongly connected components with more than one node, largest first (Tarjan,
+/// *Depth-first search and linear graph algorithms*, 1972).
 pub fn cycles(arrows: &BTreeSet<Arrow>) -> Vec<Vec<String>> {
     let mut search = Search::new(arrows);
     for node in 0..search.names.len() {
@@ -92,12 +92,12 @@ impl Search {
     }
 }
 
-/// The arrows that climb in the best order of the nodes that a local search finds: none if and only if
-/// the graph has no cycle.
+/// Returns the arrows that point upwards in the best order of the nodes found by a local search.
+/// There are none if and only if the graph has no cycle.
 ///
-/// The search starts from the order of out-degree minus in-degree and moves one node at a time to where
-/// the fewest arrows climb, until no move helps. The result is an upper bound of the minimum feedback
-/// arc set, which is hard to find exactly.
+/// The search starts with the nodes ordered by out-degree minus in-degree, and moves single nodes
+/// to the position with the fewest upward arrows until no move improves the order. The result is an
+/// upper bound for the minimum feedback arc set, whose exact computation is NP-hard.
 pub fn climbing(arrows: &BTreeSet<Arrow>) -> Vec<Arrow> {
     let mut climbing = Vec::new();
     for component in cycles(arrows) {
@@ -139,7 +139,7 @@ fn best_order(mut order: Vec<String>, arrows: &[&Arrow]) -> Vec<String> {
     sequence.into_iter().map(|id| order[id].clone()).collect()
 }
 
-/// Moves each node to its best place; whether any move helped.
+/// Moves each node to its best position; returns `true` if a move improved the order.
 fn improve(sequence: &mut Vec<usize>, uses: &[Vec<bool>]) -> bool {
     let mut helped = false;
     for (node, used) in uses.iter().enumerate() {
@@ -147,7 +147,7 @@ fn improve(sequence: &mut Vec<usize>, uses: &[Vec<bool>]) -> bool {
             continue;
         };
         sequence.remove(at);
-        // cost of every place, relative to the first one: passing a neighbour turns its arrows
+        // cost of each position relative to the first: passing a neighbour reverses its arrows
         let (mut cost, mut best, mut here) = (0_isize, (0_isize, 0_usize), 0_isize);
         for place in 0..=sequence.len() {
             if place == at {

@@ -1,14 +1,15 @@
-//! Files that a commit touched to add one thing of a kind.
+//! The files that a commit touched in order to add a single thing.
 //!
-//! A commit that adds one key of the composite dialect, one property of a component or one component,
-//! and nothing else, says so in a trailer: `Adds: key`, `Adds: property` or `Adds: component`. The
-//! figure is read from the latest such commit, so it is the cost of a real change, not an estimate.
+//! A commit that adds exactly one key of the composite dialect, one property of a component or one
+//! component carries a trailer: `Adds: key`, `Adds: property` or `Adds: component`. The figure is
+//! computed from the latest such commit and is therefore the cost of an actual change, not an
+//! estimate.
 
 use crate::checkout::{CheckoutError, run};
 use std::fmt;
 use std::path::Path;
 
-/// Something that a recipe in `ARCHITECTURE.md` tells how to add.
+/// A kind of addition with a recipe in `ARCHITECTURE.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Addition {
     /// A key of the composite dialect.
@@ -19,7 +20,7 @@ pub enum Addition {
     Component,
 }
 
-/// Commits that add one thing and are older than the trailers, the newest first.
+/// Commits that add a single thing and predate the trailers, newest first.
 const WITHOUT_TRAILER: &[(Addition, &str)] = &[
     // `heartbeat_s` of a broker
     (Addition::Key, "f9302e951528d3887672604d84025c973b4b41bc"),
@@ -28,10 +29,10 @@ const WITHOUT_TRAILER: &[(Addition, &str)] = &[
 ];
 
 impl Addition {
-    /// Each of them.
+    /// All kinds.
     pub const ALL: [Self; 3] = [Self::Key, Self::Property, Self::Component];
 
-    /// As it stands in a trailer.
+    /// Returns the word used in the trailer.
     pub fn name(self) -> &'static str {
         match self {
             Self::Key => "key",
@@ -41,14 +42,14 @@ impl Addition {
     }
 }
 
-/// The files of one commit, tests, documentation and the lock file left out.
+/// The files of a commit, without tests, documentation and the lock file.
 #[derive(Clone, Debug)]
 pub struct MarkedCommit {
     /// Abbreviated hash.
     pub hash: String,
-    /// Existing files that it changed.
+    /// Existing files that the commit changed.
     pub changed: Vec<String>,
-    /// Files that it added.
+    /// Files that the commit added.
     pub added: Vec<String>,
 }
 
@@ -62,10 +63,11 @@ impl fmt::Display for MarkedCommit {
     }
 }
 
-/// The latest commit up to a revision that adds one thing of this kind; `None` if there is none.
+/// Returns the latest commit up to a revision that adds a single thing of this kind; `None` if
+/// there is none.
 ///
 /// # Errors
-/// `git` fails: the revision is unknown, or the history is not there.
+/// `git` fails, for example because the revision is unknown.
 pub fn latest(
     root: &Path,
     revision: &str,

@@ -1,8 +1,9 @@
-//! Measures the source of this repository and does its chores; `cargo xtask --help` lists them.
+//! Measures the source code of this repository and automates its maintenance; see `cargo xtask
+//! --help`.
 //!
-//! The measurements are a library so that `tests/house.rs` holds the same figures that
-//! `cargo xtask house` prints. They read source text only, so they also measure revisions that do
-//! not build here.
+//! The measurements are a library, so that `tests/house.rs` checks the same figures that `cargo
+//! xtask house` prints. They only read source text and therefore also work for revisions that
+//! cannot be built here.
 
 pub mod arms;
 pub mod build_cost;

@@ -1,10 +1,11 @@
-//! Whether a licence expression of SPDX is satisfied by a list of accepted licences.
+//! Evaluation of SPDX licence expressions against a list of accepted licences.
 
 use std::collections::BTreeSet;
 
-/// Evaluates an expression with `OR`, `AND`, `WITH` and parentheses; `/` is the older form of `OR`.
+/// Returns `true` if a licence expression is satisfied by the accepted licences. Supports `OR`,
+/// `AND`, `WITH`, parentheses, and `/`, the older form of `OR`.
 ///
-/// An expression that cannot be read is not accepted.
+/// An expression that cannot be parsed is rejected.
 pub fn accepts(allowed: &BTreeSet<String>, expression: &str) -> bool {
     let spaced = expression
         .replace('/', " OR ")

@@ -1,25 +1,25 @@
-//! Counts lines by what they are for.
+//! Counts lines by their purpose.
 
 use crate::checkout::SourceFile;
 use std::ops::AddAssign;
 
-/// Lines by what they are for.
+/// Numbers of lines by their purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineCount {
-    /// Code that is part of the product.
+    /// Code of the product.
     pub code: usize,
     /// Code of tests, benchmarks and examples.
     pub tests: usize,
-    /// `///` and `//!`.
+    /// Doc comments, `///` and `//!`.
     pub docs: usize,
-    /// Other comments.
+    /// Plain comments.
     pub comments: usize,
     /// Empty lines.
     pub blank: usize,
 }
 
 impl LineCount {
-    /// Every line.
+    /// Returns the number of all lines.
     pub fn total(&self) -> usize {
         self.code + self.tests + self.docs + self.comments + self.blank
     }

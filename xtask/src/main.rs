@@ -9,7 +9,7 @@ use xtask::debts::{self, HouseDebts};
 use xtask::modules::{self, CrateModules};
 use xtask::{arms, build_cost, graph, new_component, report, table, type_names};
 
-/// The lines around the table in docs/house.md.
+/// The lines that enclose the table in docs/house.md.
 const TABLE_BEGINS: &str = "<!-- table -->";
 const TABLE_ENDS: &str = "<!-- end of table -->";
 
@@ -104,7 +104,7 @@ fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// The root of the repository: the folder above this crate.
+/// Returns the root of the repository: the parent folder of this crate.
 fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_owned()
@@ -197,7 +197,7 @@ fn debts(root: &Path, grow: bool) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// The modules of every crate, or of those of one package.
+/// Returns the modules of all crates, or of those of one package.
 fn crates(root: &Path, package: Option<&str>) -> Result<Vec<CrateModules>, Box<dyn Error>> {
     let mut crates = modules::of(&Checkout::working_tree(root)?);
     crates.retain(|it| package.is_none_or(|package| it.name == package));

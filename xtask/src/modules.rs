@@ -1,4 +1,4 @@
-//! Which file of a crate uses which other one, with re-exports followed to the definition.
+//! Dependencies between the files of a crate; re-exports are followed to the definition.
 //!
 //! Names are resolved as the compiler does for paths between modules: `crate`, `self` and `super`,
 //! child modules, items, imports and globs. Types of expressions are not inferred, so a method call
@@ -13,31 +13,31 @@ use std::collections::{BTreeMap, BTreeSet};
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-/// The files of one crate and the arrows between them; code of tests left out.
+/// The files of a crate and the arrows between them, without test code.
 #[derive(Debug)]
 pub struct CrateModules {
-    /// The package's name.
+    /// Name of the package.
     pub name: String,
-    /// Path of the crate's root, `lib.rs` or `main.rs`.
+    /// Path of the crate's root file, `lib.rs` or `main.rs`.
     pub root: String,
-    /// Every file below the root.
+    /// The crate's files, including the root.
     pub files: BTreeSet<String>,
-    /// First-level module of each file but the root.
+    /// First-level module of each file except the root.
     pub rooms: BTreeMap<String, String>,
     /// From a file that names something to the file that defines it, with the paths that name it.
     pub uses: BTreeMap<Arrow, BTreeSet<String>>,
-    /// Where something is named through the crate's root: file, line and path.
+    /// Items that are named through the crate's root.
     pub hub_uses: Vec<HubUse>,
 }
 
-/// A path that leads through the root of the crate to something that is no module.
+/// A path that names an item, but no module, through the root of the crate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HubUse {
-    /// The file with the path.
+    /// Path of the file.
     pub path: String,
-    /// Line, from 1.
+    /// Line of the path in the code, from 1.
     pub line: usize,
-    /// As written: `crate::Time`.
+    /// The path as written: `crate::Time`.
     pub name: String,
 }
 
@@ -47,7 +47,7 @@ impl CrateModules {
         self.uses.keys().cloned().collect()
     }
 
-    /// Arrows between first-level modules of the crate.
+    /// Returns the arrows between first-level modules of the crate.
     pub fn room_arrows(&self) -> BTreeSet<Arrow> {
         let pairs = self.uses.keys().filter_map(|(from, to)| {
             let (from, to) = (self.rooms.get(from)?, self.rooms.get(to)?);
@@ -56,13 +56,13 @@ impl CrateModules {
         pairs.collect()
     }
 
-    /// First-level modules.
+    /// Returns the names of the first-level modules.
     pub fn room_names(&self) -> BTreeSet<String> {
         self.rooms.values().cloned().collect()
     }
 }
 
-/// The modules of every crate: one entry for each library and each `main.rs`.
+/// Returns the modules of every crate, one entry for each library and each `main.rs`.
 pub fn of(checkout: &Checkout) -> Vec<CrateModules> {
     let by_path: BTreeMap<&str, &SourceFile> = checkout
         .files
@@ -94,30 +94,30 @@ struct ModuleScope {
     modules: BTreeSet<String>,
     items: BTreeSet<String>,
     imports: Vec<Import>,
-    /// Paths in code, each with its line.
+    /// Paths in code with their lines.
     paths: Vec<(Vec<String>, usize)>,
 }
 
 #[derive(Clone, Debug)]
 struct Import {
-    /// The name it brings into scope; empty for `*`.
+    /// Name brought into scope; empty for `*`.
     name: String,
     path: Vec<String>,
     line: usize,
 }
 
-/// Where a path leads.
+/// The target of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Target {
     Module(usize),
-    /// Something defined in this module.
+    /// An item defined in this module.
     Item(usize),
 }
 
 struct Resolver {
     scopes: Vec<ModuleScope>,
     macros: BTreeSet<String>,
-    /// Names looked up before. `None` while a look-up is under way, which ends circular imports.
+    /// Results of earlier look-ups. `None` during a look-up, which ends circular imports.
     known: RefCell<BTreeMap<(usize, String), Option<Target>>>,
 }
 
@@ -134,7 +134,7 @@ impl Resolver {
         resolver
     }
 
-    /// Adds a module and those below it.
+    /// Adds a module and its submodules.
     fn add(
         &mut self,
         files: &BTreeMap<&str, &SourceFile>,
@@ -218,7 +218,7 @@ impl Resolver {
         visitor.visit_item(item);
     }
 
-    /// Follows a path from a module; `None` if it leaves the crate.
+    /// Resolves a path in a module; returns `None` if it leads out of the crate.
     fn resolve(&self, module: usize, path: &[String]) -> Option<Target> {
         let (first, rest) = path.split_first()?;
         let start = match first.as_str() {
@@ -329,7 +329,7 @@ impl Resolver {
                         name: path.join("::"),
                     });
                 }
-                // naming a module is no use of its file: what is named through it counts
+                // naming a module does not use its file; naming an item in it does
                 let Some(Target::Item(target)) = self.resolve(module, path) else {
                     continue;
                 };
@@ -398,7 +398,7 @@ fn item_name(item: &syn::Item) -> Option<String> {
     Some(name.to_string())
 }
 
-/// The leaves of a `use` tree.
+/// Collects the leaves of a `use` tree.
 fn flatten(tree: &syn::UseTree, before: &mut Vec<String>, found: &mut Vec<Import>) {
     let line = tree.span().start().line;
     match tree {
@@ -426,7 +426,7 @@ fn import(before: &[String], last: &syn::Ident, name: &syn::Ident, line: usize) 
     let mut path = before.to_vec();
     let mut name = name.to_string();
     if last == "self" {
-        // `use a::b::{self}` is `use a::b`
+        // `use a::b::{self}` means `use a::b`
         if name == "self" {
             name = path.last().cloned().unwrap_or_default();
         }
@@ -436,7 +436,7 @@ fn import(before: &[String], last: &syn::Ident, name: &syn::Ident, line: usize) 
     Import { name, path, line }
 }
 
-/// Collects the paths and inner imports of an item.
+/// Collects the paths and local imports of an item.
 struct PathVisitor<'a> {
     paths: &'a mut Vec<(Vec<String>, usize)>,
     imports: &'a mut Vec<Import>,
@@ -454,13 +454,13 @@ impl<'ast> Visit<'ast> for PathVisitor<'_> {
         visit::visit_path(self, path);
     }
 
-    /// `pub(super)` is a path, but no use of anything.
+    /// Skips visibilities: `pub(super)` contains a path, but uses nothing.
     fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 
     fn visit_item_use(&mut self, import: &'ast syn::ItemUse) {
         let mut found = Vec::new();
         flatten(&import.tree, &mut Vec::new(), &mut found);
-        // the names are the function's, so only the paths count
+        // names imported in a function are not visible in the module, so only the paths count
         self.imports.extend(found.into_iter().map(|import| Import {
             name: "_".to_owned(),
             ..import
@@ -473,7 +473,7 @@ impl<'ast> Visit<'ast> for PathVisitor<'_> {
     }
 }
 
-/// Paths in the arguments of a macro: `name::name` and longer.
+/// Collects paths with at least two segments in the arguments of a macro.
 fn token_paths(tokens: TokenStream, found: &mut Vec<(Vec<String>, usize)>) {
     let mut path: Vec<String> = Vec::new();
     let (mut colons, mut dollar) = (0, false);

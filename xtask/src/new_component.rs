@@ -1,51 +1,51 @@
-//! Makes a component: a crate of its own, entered in the catalogue.
+//! Creates a component: a crate of its own, with an entry in the catalogue.
 
 use std::path::{Path, PathBuf};
 
-/// The component could not be made.
+/// The failure to create a component.
 #[derive(Debug, thiserror::Error)]
 pub enum NewComponentError {
-    /// The name is no lower-case word.
+    /// The name is not in lower-case kebab case.
     #[error(
         "`{0}` is not a name: use lower-case letters, digits and single dashes, beginning with a letter"
     )]
     Name(String),
-    /// There is a folder of that name.
+    /// A folder with this name already exists.
     #[error("{} exists", .0.display())]
     Exists(PathBuf),
     /// A file cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {
-        /// Which one.
+        /// Path of the file.
         path: PathBuf,
-        /// The operating system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A list to be extended is not where it was.
+    /// A list that has to be extended was not found.
     #[error("{path} has no line with `{anchor}`")]
     Anchor {
-        /// The file.
+        /// Path of the file.
         path: &'static str,
-        /// The start of the line looked for.
+        /// Expected beginning of a line.
         anchor: &'static str,
     },
 }
 
-/// A file to be written, relative to the root.
+/// A file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlannedFile {
-    /// Its path.
+    /// Path relative to the root.
     pub path: String,
-    /// Its whole text.
+    /// The complete new text.
     pub text: String,
-    /// It does not exist yet.
+    /// `true` if the file does not exist yet.
     pub new: bool,
 }
 
-/// The files of a new component, and the files in which it is listed, with their new texts.
+/// Returns the files of a new component, and the files that list components with their new texts.
 ///
 /// # Errors
-/// The name is unlawful or taken, or a list is not where it was.
+/// The name is invalid or taken, or a list was not found.
 pub fn plan(root: &Path, name: &str) -> Result<Vec<PlannedFile>, NewComponentError> {
     let words: Vec<&str> = name.split('-').collect();
     let lawful = |word: &&str| {
@@ -72,7 +72,7 @@ pub fn plan(root: &Path, name: &str) -> Result<Vec<PlannedFile>, NewComponentErr
     Ok(files)
 }
 
-/// Writes what was planned.
+/// Writes the planned files.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -149,7 +149,7 @@ impl Terms<'_> {
         ])
     }
 
-    /// A file with a line before another one.
+    /// Returns a file with a line inserted before the line that begins with `anchor`.
     fn with(
         &self,
         path: &'static str,

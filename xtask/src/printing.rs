@@ -1,4 +1,4 @@
-//! Calls of the macros that print.
+//! Calls of printing macros.
 
 use crate::checkout::{Checkout, SourceFile};
 use syn::spanned::Spanned;
@@ -6,7 +6,8 @@ use syn::visit::{self, Visit};
 
 const PRINTING: &[&str] = &["print", "println", "eprint", "eprintln", "dbg"];
 
-/// Path and line of each call in the product's code, in files whose path does not begin with one of `allowed`.
+/// Returns path and line of each such call in the product's code, except in files whose path begins
+/// with one of `allowed`.
 pub fn calls(checkout: &Checkout, allowed: &[&str]) -> Vec<(String, usize)> {
     let mut found = Vec::new();
     for file in &checkout.files {

@@ -14,7 +14,7 @@ use crate::{build_cost, graph, new_component};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Keys of the composite dialect, looked for in the code.
+/// Keys of the composite dialect whose occurrences in the code are counted.
 const SAMPLE_KEYS: &[&str] = &["on_stale", "unavailable", "deadline_ms"];
 
 /// Measures a revision, or the working tree if `revision` is `None`.
@@ -181,7 +181,7 @@ fn doc_rows(checkout: &Checkout, rows: &mut Rows) {
     );
 }
 
-/// Files of the product's code that contain a word.
+/// Returns the number of product files whose code contains a word.
 fn mentions(checkout: &Checkout, word: &str) -> usize {
     let in_line = |line: &str| {
         let mut words = line.split(|letter: char| !letter.is_alphanumeric() && letter != '_');

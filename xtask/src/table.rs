@@ -1,15 +1,16 @@
 //! Tables in Markdown.
 
-/// Rows of one column: label and value.
+/// The rows of a column: label and value.
 pub type Rows = Vec<(String, String)>;
 
-/// Joins the rows of several revisions to a table in Markdown; a row that a revision lacks is a dash.
+/// Formats the rows of several revisions as a Markdown table. A row that a revision lacks is shown
+/// as a dash.
 pub fn markdown(columns: &[(String, Rows)]) -> String {
     let mut labels: Vec<&str> = Vec::new();
     for (_, rows) in columns {
         for (position, (label, _)) in rows.iter().enumerate() {
             if !labels.contains(&label.as_str()) {
-                // after the row that it follows in its own column
+                // insert after the row that precedes it in its own column
                 let before = position.checked_sub(1).and_then(|at| rows.get(at));
                 let at = before.and_then(|(before, _)| labels.iter().position(|it| it == before));
                 labels.insert(at.map_or(labels.len(), |at| at + 1), label);

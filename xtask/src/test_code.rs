@@ -1,15 +1,15 @@
-//! Which lines of a file are compiled for tests only.
+//! Code that is compiled only for tests.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::ops::RangeInclusive;
 use syn::spanned::Spanned;
 
-/// The lines of a file that are compiled for tests only.
+/// The lines of a file that are compiled only for tests.
 #[derive(Debug)]
 pub enum TestLines {
-    /// All of them: a file below `tests/`, or the file of a test module.
+    /// All lines: a file below `tests/`, or the file of a test module.
     Whole,
-    /// The items with `#[cfg(test)]`.
+    /// The lines of items with `#[cfg(test)]`.
     Parts(Vec<RangeInclusive<usize>>),
 }
 
@@ -33,7 +33,7 @@ impl TestLines {
     }
 }
 
-/// The attributes of an item.
+/// Returns the attributes of an item.
 pub fn attributes(item: &syn::Item) -> &[syn::Attribute] {
     match item {
         syn::Item::Const(it) => &it.attrs,
@@ -55,7 +55,7 @@ pub fn attributes(item: &syn::Item) -> &[syn::Attribute] {
     }
 }
 
-/// Whether the attributes have `#[cfg(test)]` or `#[cfg(all(test, …))]`.
+/// Returns `true` if the attributes include `#[cfg(test)]` or `#[cfg(all(test, …))]`.
 pub fn is_cfg_test(attributes: &[syn::Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         let syn::Meta::List(list) = &attribute.meta else {
@@ -69,7 +69,7 @@ pub fn is_cfg_test(attributes: &[syn::Attribute]) -> bool {
     })
 }
 
-/// The lines of string literals that are longer than a line, the first one left out.
+/// Returns the lines of multi-line string literals, without the first line of each.
 pub(crate) fn long_literals(tokens: TokenStream) -> Vec<RangeInclusive<usize>> {
     let mut found = Vec::new();
     for token in tokens {

@@ -1,12 +1,14 @@
-//! Names of types, and the names that mean several types.
+//! Names of types, and names that denote several types.
 
 use crate::checkout::Checkout;
 use std::collections::BTreeMap;
 use syn::visit::{self, Visit};
 
-/// Where each type name of the product is defined: structs, enums, unions, traits and aliases.
+/// Returns the files that define each type name of the product: structs, enums, unions, traits and
+/// aliases.
 ///
-/// A name defined twice in one file counts once: its definitions are alternatives under `cfg`.
+/// A name defined twice in one file counts once, because its definitions are alternatives under
+/// `cfg`.
 pub fn definitions(checkout: &Checkout) -> BTreeMap<String, Vec<String>> {
     let mut found: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for file in &checkout.files {
@@ -54,17 +56,17 @@ impl<'ast> Visit<'ast> for NameVisitor {
     }
 }
 
-/// Distinct names, names with several meanings, and their share in percent.
+/// Statistics of type names with several meanings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NameReuse {
-    /// Distinct names.
+    /// Number of distinct names.
     pub names: usize,
-    /// Names of more than one type.
+    /// Number of names of more than one type.
     pub reused: usize,
 }
 
 impl NameReuse {
-    /// Counts definitions.
+    /// Computes the statistics from [`definitions`].
     pub fn of(definitions: &BTreeMap<String, Vec<String>>) -> Self {
         Self {
             names: definitions.len(),
@@ -72,7 +74,7 @@ impl NameReuse {
         }
     }
 
-    /// Reused names of a hundred.
+    /// Returns the percentage of reused names.
     pub fn percent(self) -> f64 {
         100.0 * self.reused as f64 / self.names.max(1) as f64
     }

@@ -1,8 +1,9 @@
-//! Terms and rules from outside — scenarios, a prompt, watch expressions — in the scope of a model.
+//! Terms and rules added to a model after analysis: those of scenarios, prompts and watch
+//! expressions.
 //!
-//! They see the names of the main file, and behind them those of every module it imports. What was
-//! added is lowered with the model: the locations of the program stay the same, so that a machine in
-//! any state can go on with it.
+//! Their scope consists of the names of the main file and, where those do not hide them, the names
+//! of every module it imports. Added parts are lowered with the model without changing the
+//! locations of the program, so a machine in any state can continue with the extended program.
 
 use crate::addition::{AddedRule, AddedTerm, Assignment};
 use crate::codes::a016::WritesFixed;
@@ -28,7 +29,7 @@ impl Model {
         Ok(self.added.term(body))
     }
 
-    /// Adds a term that must be of a type; `what` names it in messages.
+    /// Adds a term of the type `wanted`; `what` names the term in messages.
     ///
     /// # Errors
     /// As [`Model::add_term`].
@@ -46,7 +47,7 @@ impl Model {
         Ok(self.added.term(body))
     }
 
-    /// Adds a term that must be Boolean.
+    /// Adds a term of type Boolean; `what` names the term in messages.
     ///
     /// # Errors
     /// As [`Model::add_term`].
@@ -55,10 +56,10 @@ impl Model {
         self.add_typed(term, boolean, what)
     }
 
-    /// Adds a rule. It may write what the environment owns.
+    /// Adds a rule. Unlike a rule of the specification, it may update monitored functions.
     ///
     /// # Errors
-    /// As [`Model::add_term`], or the rule writes what nobody may write.
+    /// As [`Model::add_term`], or the rule updates a static or derived function.
     pub fn add_rule(&mut self, rule: &ast::Rule) -> Result<AddedRule, Report> {
         let body = self.resolve(|mut resolver| {
             resolver.enter_from_outside();
@@ -68,8 +69,8 @@ impl Model {
         Ok(self.added.rule(body))
     }
 
-    /// Adds the arguments of a location, and a value for it. Unlike in a rule, the location may be
-    /// the environment's.
+    /// Adds the arguments of a location and a value for it. Unlike in a rule, the location may
+    /// belong to a monitored function.
     ///
     /// # Errors
     /// As [`Model::add_term`], or the function has no locations.
@@ -98,7 +99,7 @@ impl Model {
         })
     }
 
-    /// Adds a part of a term that was added, with the variables bound in it.
+    /// Adds a subterm of an added term, with the variables bound in that term.
     pub fn add_part(&mut self, whole: AddedTerm, part: Term) -> AddedTerm {
         let whole = self.added.terms.get(whole.0 as usize);
         let variables = whole.map_or_else(Vec::new, |whole| whole.variables.clone());
@@ -109,13 +110,14 @@ impl Model {
         })
     }
 
-    /// Forgets what was added after the first `terms` terms and `rules` rules.
+    /// Removes all added parts but the first `terms` terms and `rules` rules.
     pub fn forget_added(&mut self, terms: usize, rules: usize) {
         self.added.terms.truncate(terms);
         self.added.rules.truncate(rules);
     }
 
-    /// Resolves something in the scope of the main file; nothing comes only of an error.
+    /// Resolves a part in the scope of the main file. `work` returns `None` only after reporting an
+    /// error.
     fn resolve<T>(&mut self, work: impl FnOnce(Resolver<'_>) -> Option<T>) -> Result<T, Report> {
         let mut declared = SignatureTables {
             types: std::mem::take(&mut self.types),
@@ -144,7 +146,7 @@ impl Model {
 }
 
 impl Resolver<'_> {
-    /// The location that is given a value from outside: its function and arguments.
+    /// Resolves the location of an assignment from outside: its function and arguments.
     fn setting(&mut self, target: &ast::Assignee, value: &Term) -> Option<(FunctionId, Vec<Term>)> {
         let ast::Assignee::Location {
             agent,
@@ -194,8 +196,8 @@ impl Resolver<'_> {
     }
 }
 
-/// What somebody outside sees: the names of the main file, which comes last, and then those of the
-/// others that it does not hide.
+/// Merges the scopes of all files into the scope of added parts: names of the main file, the last
+/// one, hide those of the others.
 pub(crate) fn seen_from_outside(mut scopes: Vec<Scope>) -> Scope {
     let mut seen = scopes.pop().unwrap_or_default();
     for scope in scopes.iter().rev() {

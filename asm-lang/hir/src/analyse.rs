@@ -31,12 +31,13 @@ use asmotion_value::RuleId;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Resolves and types everything that was loaded. Without a model, the report has errors.
+/// Resolves and types all loaded files with the default options. If no model is returned, the
+/// report contains errors.
 pub fn analyse(loaded: &LoadedFiles, sources: &Sources) -> (Option<Model>, Report) {
     analyse_with(loaded, sources, &ReadOptions::default())
 }
 
-/// Resolves and types everything that was loaded, as somebody asks for.
+/// Resolves and types all loaded files. If no model is returned, the report contains errors.
 pub fn analyse_with(
     loaded: &LoadedFiles,
     sources: &Sources,
@@ -90,7 +91,7 @@ impl Analysis<'_> {
         Resolver::new(&mut self.declared, unit)
     }
 
-    /// Resolves a closed term against the type wanted of it.
+    /// Resolves a term without free variables and checks its type.
     fn expression(
         &mut self,
         unit: usize,
@@ -141,7 +142,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// Reports what is given a second time.
+    /// Reports a duplicate declaration if the name is already known.
     fn once(&mut self, name: &ast::NameText, known: Option<Span>) {
         if let Some(first) = known {
             let error = DuplicateDeclaration {
@@ -182,7 +183,7 @@ impl Analysis<'_> {
         self.declared.domains[id.0 as usize].definition = Some(body);
     }
 
-    /// Resolves `function f($x in D) = term`; the parameters pick the overload.
+    /// Resolves `function f($x in D) = term`; the domains of the parameters select the overload.
     fn function_definition(
         &mut self,
         unit: usize,
@@ -306,7 +307,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// The rule whose name stands here.
+    /// Returns the rule whose name is declared at this span.
     fn rule_at(&self, span: Span) -> Option<RuleId> {
         let at = self
             .declared
@@ -357,11 +358,11 @@ impl Analysis<'_> {
 
     fn initial_state(&mut self, unit: usize, tree: &ast::File) {
         let wanted = self.wanted_init(tree);
-        // The others are checked all the same.
+        // the initial states that were not selected are only checked
         for (index, init) in tree.inits.iter().enumerate() {
             let is_wanted = wanted == Some(index);
             for definition in &init.domains {
-                // the reference reads the elements of dynamic domains and forgets them
+                // the reference simulator ignores the initial elements of dynamic domains
                 if is_wanted && !self.options.compatible {
                     self.domain_definition(unit, definition);
                 }
@@ -382,7 +383,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// Which initial state to begin in: the one asked for, or the default.
+    /// Returns the index of the initial state to use: the requested one, or else the default.
     fn wanted_init(&mut self, tree: &ast::File) -> Option<usize> {
         let first = tree.inits.first()?;
         let at = first.name.span;
@@ -441,7 +442,8 @@ impl Analysis<'_> {
         })
     }
 
-    /// `asyncr` promises that agents run at any pace; only a choice lets them.
+    /// Warns about an `asyncr` machine without any `choose`: such a machine always runs all its
+    /// agents.
     fn lint_schedule(&mut self, tree: &ast::File) {
         if let (true, Some(main), false) = (tree.asyncr, &tree.main, self.declared.chooses) {
             let at = main.name.span;
@@ -542,7 +544,7 @@ impl Analysis<'_> {
     }
 }
 
-/// What a `function f(…) = …` is for.
+/// The context of a `function f(…) = …`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
     /// Under `definitions:`.
@@ -552,7 +554,8 @@ enum Purpose {
 }
 
 impl Purpose {
-    /// Why a function of this kind has no such definition, and what to do.
+    /// Explains why a function of this kind cannot be defined in this context, and suggests a
+    /// remedy.
     fn forbids(self, kind: FunctionKind, reserved: bool) -> Option<(&'static str, &'static str)> {
         if reserved {
             return Some((
@@ -575,7 +578,7 @@ impl Purpose {
     }
 }
 
-/// The initial state that was meant, or all there are.
+/// Suggests the initial state with a similar name, or lists all of them.
 fn meant<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> String {
     match similar(name, known.clone()) {
         Some(similar) => format!("did you mean `{similar}`?"),
@@ -586,7 +589,7 @@ fn meant<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> S
     }
 }
 
-/// Findings about a name that is declared nowhere.
+/// Codes of findings about undeclared names.
 const UNKNOWN: &[&Code] = &[
     UnknownFunction::CODE,
     UnknownRule::CODE,
@@ -595,7 +598,8 @@ const UNKNOWN: &[&Code] = &[
     DefinesUndeclared::CODE,
 ];
 
-/// Without what only follows from a text that could not be read: a name in it may be declared there.
+/// Removes findings that may only follow from unreadable parts of the texts: a name that occurs in
+/// such a part could be declared there.
 fn without_unread(mut report: Report, loaded: &LoadedFiles, sources: &Sources) -> Report {
     let unread = loaded.units.iter().flat_map(|unit| &unit.tree.unread);
     let is_word = |c: char| c.is_alphanumeric() || c == '_';

@@ -1,4 +1,4 @@
-//! Names applied to arguments: which of several functions or rules is meant.
+//! Overload resolution: selects the function or rule that a name with arguments refers to.
 
 use crate::codes::a001::UnknownFunction;
 use crate::codes::a003::UnknownRule;
@@ -37,7 +37,7 @@ impl Resolver<'_> {
         self.best(operator.symbol(), &name, &candidates, arguments, span)
     }
 
-    /// The functions of this name.
+    /// Returns all overloads of a name.
     fn candidates(&self, name: &ast::NameText) -> Vec<FunctionId> {
         self.declared.scopes[self.unit]
             .functions
@@ -59,7 +59,8 @@ impl Resolver<'_> {
         if !comparison {
             return;
         }
-        // `(not a) = b` in brackets says what it means; its span begins before the `not`.
+        // not reported for `(not a) = b`, where brackets make the meaning explicit: that term
+        // begins before the `not`
         if let ast::TermKind::Unary {
             operator: Operator::Not,
             at,
@@ -76,7 +77,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The best overload of a function for these arguments.
+    /// Applies the best overload of a function to these arguments.
     pub fn apply(&mut self, name: &ast::NameText, arguments: Vec<Term>, span: Span) -> Term {
         let candidates = self.candidates(name);
         if candidates.is_empty() {
@@ -104,7 +105,8 @@ impl Resolver<'_> {
         self.best(&name.text, name, &candidates, arguments, span)
     }
 
-    /// Says which library declares a name that is not known, if one does; once for each library.
+    /// Reports that an unknown name is declared by a library that the file does not import; returns
+    /// `false` if no library declares it. Reported once for each library.
     fn not_imported(&mut self, name: &str, shown: Arc<str>, at: Span) -> bool {
         let Some(library) = asmotion_stdlib::library_declaring(name) else {
             return false;
@@ -119,8 +121,8 @@ impl Resolver<'_> {
         true
     }
 
-    /// `person!1`, as runs name what `extend` added to `Person`; the lexer lets it through in terms from
-    /// outside alone.
+    /// Resolves `person!1`, the name of an element that `extend` added to `Person`. The lexer
+    /// accepts such names only in terms from outside.
     pub fn element(&mut self, name: &ast::NameText) -> Option<Term> {
         let (domain, number) = name.text.split_once('!')?;
         let domains = &self.declared.scopes[self.unit].domains;
@@ -132,7 +134,7 @@ impl Resolver<'_> {
         Some(self.made(kind, Type::Domain(id), name.span))
     }
 
-    /// The candidate that fits the arguments best, applied to them.
+    /// Applies the candidate that fits the arguments best.
     fn best(
         &mut self,
         shown: &str,
@@ -141,7 +143,7 @@ impl Resolver<'_> {
         arguments: Vec<Term>,
         span: Span,
     ) -> Term {
-        // of two that fit alike, this file's own is meant
+        // of two equally good candidates, prefer the one declared in this file
         let fitting = candidates.iter().filter_map(|&candidate| {
             let (fit, bindings) = self.fit(candidate, &arguments)?;
             let foreign = self.declared.functions[candidate.0 as usize].span.file != name.span.file;
@@ -156,7 +158,8 @@ impl Resolver<'_> {
             .declared
             .types
             .substitute(codomain, &self.declared.domains, &bindings);
-        // `undef` and errors fit everything: no type of the result follows from them.
+        // `undef` and erroneous terms fit every type and therefore do not determine the type of the
+        // result
         let wanted = self.declared.functions[function.0 as usize]
             .parameters
             .len();
@@ -180,8 +183,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Says where an argument may be no element of the subset of an abstract domain that a function is
-    /// declared for. What mentions `self` is what the author knows better.
+    /// Warns if the domain of an argument is wider than the declared subset of an abstract domain.
+    /// An argument `self` is exempt: the domain of the running agent follows from its program.
     fn lint_width(&mut self, function: FunctionId, arguments: &[Term]) {
         let declared = &self.declared.functions[function.0 as usize];
         if declared.library || declared.parameters.len() != arguments.len() {
@@ -214,7 +217,8 @@ impl Resolver<'_> {
             if &*self.declared.functions[function.0 as usize].name == "self")
     }
 
-    /// Whether one domain is abstract, and the other a subset of it.
+    /// Returns `true` if `wide` is an abstract domain or a subset of one, and `narrow` is a subset
+    /// of `wide`.
     fn is_wider(&self, wide: TypeId, narrow: TypeId) -> bool {
         let (types, domains) = (&self.declared.types, &self.declared.domains);
         let is_abstract = match types.get(types.root(wide, domains)) {
@@ -227,7 +231,7 @@ impl Resolver<'_> {
             && types.reach(narrow, domains).any(|part| part == wide)
     }
 
-    /// How well a function fits the arguments, and what its type variables become.
+    /// Returns how well a function fits the arguments, with the bindings of its type variables.
     fn fit(&self, function: FunctionId, arguments: &[Term]) -> Option<(u32, TypeBindings)> {
         let declared = &self.declared.functions[function.0 as usize];
         let parameters = &declared.parameters[usize::from(declared.run.is_some())..];
@@ -306,7 +310,7 @@ impl Resolver<'_> {
         self.invalid(span)
     }
 
-    /// A whole number among the arguments, as it is written in the domain of the others.
+    /// Suggests the spelling of an integer argument in the number domain of the other arguments.
     fn respelt(&self, arguments: &[Term], roots: &[String]) -> Option<Respelt> {
         let other = roots.iter().find(|root| *root != "Integer")?;
         let (domain, suffix) = match other.as_str() {
@@ -334,7 +338,7 @@ impl Resolver<'_> {
             .get(&name.text)
             .cloned()
             .unwrap_or_default();
-        // the domains pick the overload; without them the first rule is meant
+        // the domains select the overload; without them, the first rule is taken
         let best = candidates.iter().copied().filter_map(|id| {
             let fit = if domains.is_empty() {
                 Some(0)
@@ -367,7 +371,7 @@ impl Resolver<'_> {
         });
     }
 
-    /// How well a rule's parameters fit.
+    /// Returns how well the parameters of a rule fit the arguments; smaller is better.
     fn rule_fit(&self, rule: RuleId, actual: &[TypeId]) -> Option<u32> {
         let parameters = &self.declared.rules[rule.0 as usize].parameters;
         if parameters.len() != actual.len() {
@@ -382,7 +386,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// The rule of this name that fits the arguments best.
+    /// Returns the rule of this name that fits the arguments best.
     pub fn callee(&mut self, name: &ast::NameText, arguments: &[Term]) -> Option<RuleId> {
         let candidates = self.declared.scopes[self.unit]
             .rules
@@ -410,7 +414,8 @@ impl Resolver<'_> {
                 self.expect(argument, wanted, &what, Some((declared, "takes")));
             }
             if fits {
-                // of two parameters of one any-domain, each fits by itself
+                // two arguments of one type variable can each fit and still disagree with each
+                // other
                 for (index, argument) in arguments.iter().enumerate() {
                     let same = |&other: &usize| parameters[other] == parameters[index];
                     if let Some(first) = (0..index).find(same) {
@@ -432,7 +437,7 @@ impl Resolver<'_> {
     }
 }
 
-/// What helps when numbers of different kinds meet.
+/// Suggests how to write numbers of different domains in one term.
 fn overload_hint(types: &[String]) -> Option<String> {
     let has = |name: &str| types.iter().any(|ty| ty == name);
     if has("Integer") && has("Real") {

@@ -1,4 +1,4 @@
-//! The findings of the analysis, one file a code.
+//! The diagnostic codes of the analysis, one file for each.
 
 pub(crate) mod a001;
 pub(crate) mod a002;
@@ -47,7 +47,7 @@ pub(crate) mod w029;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of this crate, in order.
+/// All codes of this crate, sorted by name.
 pub const CODES: &[&Code] = &[
     a001::UnknownFunction::CODE,
     a002::UnknownVariable::CODE,
@@ -95,5 +95,6 @@ pub const CODES: &[&Code] = &[
     w029::NothingChosen::CODE,
 ];
 
-/// The code of an initial state that the specification does not have: a command line may have named it.
+/// Code of the finding for an unknown initial state. Exported because the name may come from a
+/// command line.
 pub const NO_SUCH_INIT: &Code = a027::NoSuchInit::CODE;

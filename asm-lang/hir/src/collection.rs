@@ -1,4 +1,4 @@
-//! Terms that give collections, and what variables range over.
+//! Collection terms, and the ranges of binders.
 
 use crate::codes::a007::TypeMismatch;
 use crate::codes::a018::NotACollection;
@@ -9,7 +9,7 @@ use asmotion_diagnostics::Span;
 use asmotion_syntax::ast;
 
 impl Resolver<'_> {
-    /// Binders from left to right: a range may depend on the variables before it.
+    /// Resolves binders from left to right: a range may refer to the variables bound before it.
     pub fn binders(&mut self, binders: &[ast::Binder]) -> Vec<Binder> {
         let mut bound = Vec::new();
         for binder in binders {
@@ -139,7 +139,7 @@ impl Resolver<'_> {
     }
 }
 
-/// The type of a collection of such elements.
+/// Returns the type of a collection with this element type.
 fn of(collection: ast::Collection, item: TypeId) -> Type {
     match collection {
         ast::Collection::Set => Type::Powerset(item),

@@ -1,4 +1,4 @@
-//! Signatures: domains, functions and rule heads get their ids, every file its scope.
+//! Signatures: assigns ids to domains, functions and rule heads, and gives each file its scope.
 
 use crate::codes::a004::UnknownDomain;
 use crate::codes::a009::DuplicateDeclaration;
@@ -17,25 +17,26 @@ use asmotion_value::{Atom, RuleId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What is known so far, of all files.
+/// The declarations of all files processed so far.
 pub(crate) struct SignatureTables {
     pub types: TypeTable,
     pub domains: Vec<Domain>,
     pub functions: Vec<Function>,
     pub rules: Vec<Rule>,
     pub atoms: Vec<AtomInfo>,
-    /// By unit.
+    /// Indexed by the position of the unit in `LoadedFiles::units`.
     pub scopes: Vec<Scope>,
     pub report: Report,
-    /// Whether some rule chooses.
+    /// `true` if any rule contains `choose`.
     pub chooses: bool,
-    /// The libraries that a unit does not import and needs, which is said once.
+    /// Pairs of a unit and a library that it needs but does not import; each is reported once.
     pub missed: BTreeSet<(usize, &'static str)>,
-    /// Whether library functions compute what the reference computes.
+    /// `true` if library functions follow the reference implementation where it deviates from its
+    /// documentation.
     pub compatible: bool,
 }
 
-/// Declares everything in all units.
+/// Declares the domains, functions and rule heads of all units.
 pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables {
     let mut declared = SignatureTables {
         types: TypeTable::default(),
@@ -55,7 +56,7 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
         declared.imports(units, index);
         declared.unit_domains(index, &unit.tree);
     }
-    // Literals first: they stand side by side, one domain after the other.
+    // Literals first, so that the atoms of one domain have consecutive numbers.
     for (index, unit) in units.iter().enumerate() {
         declared.literals(index, &unit.tree);
         declared.imported_literals(units, index);
@@ -82,10 +83,10 @@ impl SignatureTables {
             let name = &domain.name;
             if let Some(&first) = self.scopes[index].domains.get(&name.text) {
                 let first = &self.domains[first.0 as usize];
-                // Old models declare again what a library brings; the same thing twice does no harm.
+                // Old models repeat declarations of the library; an identical one is accepted.
                 let same = matches!(domain.kind, ast::DomainKind::Basic | ast::DomainKind::Any)
                     || (&*name.text == "Agent" || &*name.text == "Reserve");
-                // The library's type variables have names that a model may well want for itself.
+                // A model may use the names of the library's type variables for its own domains.
                 if same || first.kind != DomainKind::Any {
                     if !same {
                         let error = DuplicateDeclaration {
@@ -136,7 +137,7 @@ impl SignatureTables {
         }
     }
 
-    /// Whether a domain occurs in a type, or in what the domains of the type are subsets of.
+    /// Returns `true` if a domain occurs in a type, or in the base of a concrete domain in it.
     fn contains(&self, ty: TypeId, domain: DomainId) -> bool {
         self.types
             .reach(ty, &self.domains)
@@ -189,7 +190,7 @@ impl SignatureTables {
         }
     }
 
-    /// Declares the functions of a unit; returns those without definition that may be constants.
+    /// Declares the functions of a unit. Returns those without a definition that may be constants.
     fn unit_functions(&mut self, index: usize, units: &[SourceUnit]) -> Vec<FunctionId> {
         let unit = &units[index];
         let defined: BTreeSet<&str> = unit
@@ -224,7 +225,8 @@ impl SignatureTables {
                     self.report.push(error.diagnostic());
                     continue;
                 }
-                // A model may declare a library's function anew; its own then counts in its file.
+                // a model may redeclare a library function; within its own file, its declaration
+                // prevails
                 if let Some(known) = self.scopes[index].functions.get_mut(&name.text) {
                     known.retain(|&id| id != first);
                 }
@@ -240,7 +242,7 @@ impl SignatureTables {
             );
             let annotation = annotation(&unit.tree, function);
             let is_element = matches!(meaning, Meaning::Missing) && parameters.is_empty();
-            // who a reference leads to is decided outside: an element stands for it
+            // the target of a reference is wired by the assembly: an element stands for it
             let is_reference = annotation == Some("Reference") && !begins(units, &name.text);
             if !is_defined && (is_element || is_reference) {
                 undefined.push(id);
@@ -270,7 +272,7 @@ impl SignatureTables {
         undefined
     }
 
-    /// Declares a `local` function: what it shadows is not seen until the scope is taken back.
+    /// Declares a `local` function, which hides others of its name until the scope is restored.
     pub fn local_function(&mut self, unit: usize, function: &ast::Function, run: VarId) {
         let codomain = self.resolve_type(unit, &function.codomain);
         let mut parameters = vec![self.types.id(Type::Integer)];
@@ -295,7 +297,7 @@ impl SignatureTables {
         known.insert(function.name.text.clone(), vec![id]);
     }
 
-    /// The function that holds what rules assign to variables.
+    /// Declares the function whose locations hold the variables that rules assign.
     pub fn variables(&mut self) -> FunctionId {
         let integer = self.types.id(Type::Integer);
         let codomain = self.types.id(Type::Undef);
@@ -357,9 +359,9 @@ impl SignatureTables {
         }
     }
 
-    /// Static functions without arguments or definition and with an abstract codomain are elements
-    /// of that domain. Elements get their atoms domain by domain, a domain's own before those of the
-    /// domains it contains, so that the elements of every domain stand side by side.
+    /// Turns static functions without arguments and definition, whose codomain is abstract, into
+    /// elements of that codomain. Atoms are numbered domain by domain, the elements of a domain
+    /// before those of its subsets, so that the elements of each domain have consecutive numbers.
     fn constants(&mut self, undefined: &[FunctionId]) {
         let mut by_domain: BTreeMap<DomainId, Vec<FunctionId>> = BTreeMap::new();
         for &id in undefined {
@@ -456,7 +458,8 @@ impl SignatureTables {
         }
     }
 
-    /// The function of this name with exactly these parameters, if the unit sees one.
+    /// Returns the function of this name with exactly these parameters, if it is visible in the
+    /// unit.
     pub fn overload(&self, unit: usize, name: &str, parameters: &[TypeId]) -> Option<FunctionId> {
         let known = self.scopes[unit].functions.get(name)?;
         known
@@ -465,7 +468,7 @@ impl SignatureTables {
             .find(|id| self.functions[id.0 as usize].parameters == parameters)
     }
 
-    /// The argument domains of a function: the components of a product, or the one domain.
+    /// Returns the types of a function's arguments: the components of a product, or the one domain.
     pub fn parameters(&mut self, unit: usize, domain: &ast::Type) -> Vec<TypeId> {
         match &domain.kind {
             ast::TypeKind::Prod(items) => items
@@ -476,7 +479,7 @@ impl SignatureTables {
         }
     }
 
-    /// The type a domain in the text stands for.
+    /// Resolves a domain in the text to its type.
     pub fn resolve_type(&mut self, unit: usize, ty: &ast::Type) -> TypeId {
         let resolved = match &ty.kind {
             ast::TypeKind::Named(name) => return self.named_type(unit, name, ty.span),
@@ -521,7 +524,7 @@ impl SignatureTables {
     }
 }
 
-/// The name of the annotation in front of a function.
+/// Returns the name of the annotation in front of a function.
 fn annotation<'a>(tree: &'a ast::File, function: &ast::Function) -> Option<&'a str> {
     let functions = tree.functions.iter();
     let before = functions
@@ -536,7 +539,7 @@ fn annotation<'a>(tree: &'a ast::File, function: &ast::Function) -> Option<&'a s
     found.map(|annotation| &*annotation.name.text)
 }
 
-/// Whether an initial state gives a function its values.
+/// Returns `true` if an initial state defines the function.
 fn begins(units: &[SourceUnit], function: &str) -> bool {
     let mut inits = units.iter().flat_map(|unit| &unit.tree.inits);
     inits.any(|init| {

@@ -1,9 +1,9 @@
-//! Numbers of what a model declares.
+//! Ids of declarations.
 
-/// A domain of the model.
+/// Index into [`Model::domains`](crate::Model::domains).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DomainId(pub u32);
 
-/// A function of the model.
+/// Index into [`Model::functions`](crate::Model::functions).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FunctionId(pub u32);

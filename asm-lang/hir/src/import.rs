@@ -1,4 +1,4 @@
-//! Imports: which names of another file a file sees.
+//! Imports: the names of a file that are visible in another.
 
 use crate::codes::a015::NotExported;
 use crate::codes::w003::ImportsNothing;
@@ -11,7 +11,7 @@ use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeSet;
 
-/// What a unit lets others see, decided by its `export` clause.
+/// The names that a unit exports, according to its `export` clause.
 enum Exports<'a> {
     Nothing,
     All,
@@ -39,7 +39,7 @@ impl Exports<'_> {
 }
 
 impl SignatureTables {
-    /// Takes over the imported domains; checks the names an import asks for.
+    /// Imports domains, and checks that the names listed by each import exist and are exported.
     pub fn imports(&mut self, units: &[SourceUnit], index: usize) {
         let unit = &units[index];
         for &(import, from) in &unit.imports {
@@ -83,7 +83,7 @@ impl SignatureTables {
     }
 
     pub fn imported_rules(&mut self, units: &[SourceUnit], index: usize) {
-        // the main rule of an imported file is its own affair
+        // the main rule of an imported file is not visible
         let mains: Vec<Span> = units
             .iter()
             .filter_map(|unit| Some(unit.tree.main.as_ref()?.name.span))
@@ -141,7 +141,7 @@ impl SignatureTables {
     }
 }
 
-/// Whether an import asks for this name.
+/// Returns `true` if the import lists this name or lists none.
 fn asked(import: &ast::Import, name: &str) -> bool {
     import
         .names

@@ -1,7 +1,8 @@
-//! The tree resolved and typed: everything by id, overloads decided.
+//! Name resolution and type checking: turns the trees of a specification into a [`Model`].
 //!
-//! [`load`] reads a file and all that it imports; [`analyse`] turns the trees into a [`Model`]. Both
-//! go on after an error and report all of them; a model is built only from files without errors.
+//! [`load`] reads a file and all its imports; [`analyse`] turns the trees into a [`Model`], in
+//! which every name is an id and overloads are resolved. Both continue after an error and report
+//! all of them; a model is built only from files without errors.
 
 mod added;
 mod addition;

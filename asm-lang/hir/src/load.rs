@@ -1,4 +1,4 @@
-//! A file and all that it imports, imported files first.
+//! Loads a file and its imports, imported files first.
 
 use crate::codes::a010::ImportNotFound;
 use crate::codes::a011::ImportCycle;
@@ -8,35 +8,37 @@ use asmotion_diagnostics::{FileId, Finding, Loader, Report, Sources, Span};
 use asmotion_syntax::ast;
 use std::sync::Arc;
 
-/// Files may import each other this deep.
+/// Limit for the depth of nested imports.
 const MAX_IMPORT_DEPTH: usize = 64;
 
-/// One file of a specification.
+/// One source file of a specification.
 #[derive(Debug)]
 pub struct SourceUnit {
-    /// Its path, as the loader resolved it.
+    /// Canonical path, from [`Loader::resolve`].
     pub path: String,
-    /// Its text in the sources.
+    /// Id of the text in the [`Sources`].
     pub file: FileId,
-    /// Its tree.
+    /// The parsed file; partial if it has syntax errors.
     pub tree: ast::File,
-    /// Whether it is one of the embedded standard libraries.
+    /// `true` for an embedded standard library.
     pub library: bool,
-    /// For each import of the tree that could be loaded: the import's index and the unit.
+    /// Resolved imports: pairs of an index into the imports of the tree and the index of the
+    /// imported unit. An import that could not be loaded has no pair.
     pub imports: Vec<(usize, usize)>,
 }
 
-/// All files of a specification, imported files before those that import them; the main file last.
+/// The files of a specification. Imported files stand before those that import them, and the main
+/// file is last.
 #[derive(Debug, Default)]
 pub struct LoadedFiles {
-    /// The files.
+    /// The files, in order of dependency.
     pub units: Vec<SourceUnit>,
-    /// What was wrong with their texts and imports.
+    /// Syntax errors, and imports that could not be resolved.
     pub report: Report,
 }
 
-/// Reads the file at `path` and all that it imports. The standard libraries are embedded: an import
-/// whose last path component names one of them gets ours, wherever the path points.
+/// Reads the file at `path` and all its imports. The standard libraries are embedded: an import
+/// whose last path component is the name of one gets the embedded text, whatever its path.
 pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> LoadedFiles {
     let mut loading = FileLoading {
         loader,
@@ -64,7 +66,8 @@ struct FileLoading<'a> {
     loader: &'a dyn Loader,
     sources: &'a mut Sources,
     loaded: LoadedFiles,
-    /// The files whose imports are being read, outermost first, with the import that led there.
+    /// Stack of the files whose imports are being read, each with the span of the import that led
+    /// to it (`None` for the main file).
     open: Vec<(String, Option<Span>)>,
 }
 

@@ -1,4 +1,4 @@
-//! The model: what a specification declares and defines, by id.
+//! The model: the declarations and definitions of a specification, linked by ids.
 
 use crate::addition::{AddedRule, AddedTerm};
 use crate::scope::Scope;
@@ -12,91 +12,94 @@ pub use crate::id::{DomainId, FunctionId};
 
 pub use ast::{Collection, FunctionKind, Quantifier};
 
-/// A variable of one [`Body`].
+/// A variable of one [`Body`]: an index into its `variables`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VarId(pub u32);
 
-/// A specification, whole: the main file and all modules it imports.
+/// A complete specification: the main file and all modules it imports.
 #[derive(Debug)]
 pub struct Model {
-    /// The name after `asm`.
+    /// Name after the keyword `asm` or `module` of the main file.
     pub name: Arc<str>,
-    /// The types in use.
+    /// All types that occur, indexed by [`TypeId`].
     pub types: TypeTable,
-    /// All domains, in order of declaration, libraries first.
+    /// All domains, indexed by [`DomainId`]; imported files first, in order of declaration.
     pub domains: Vec<Domain>,
-    /// All functions, likewise.
+    /// All functions, indexed by [`FunctionId`], in the same order.
     pub functions: Vec<Function>,
-    /// All rules, likewise.
+    /// All rules, indexed by [`RuleId`], in the same order.
     pub rules: Vec<Rule>,
-    /// Enumeration literals and abstract constants; those of one domain stand side by side.
+    /// Enumeration literals and abstract constants, indexed by [`Atom`]; those of one domain have
+    /// consecutive numbers.
     pub atoms: Vec<AtomInfo>,
-    /// The main rule; a module has none.
+    /// The main rule; `None` for a module.
     pub main: Option<RuleId>,
-    /// Which program the agents of a domain run.
+    /// The programs of agents, from the initial state.
     pub programs: Vec<AgentProgram>,
-    /// What must hold in every state.
+    /// Conditions that must hold in every state.
     pub invariants: Vec<Invariant>,
-    /// Temporal properties and fairness, for the verifier.
+    /// Temporal properties and fairness constraints; runs ignore them.
     pub properties: Vec<TemporalProperty>,
-    /// The functions with a meaning of their own.
+    /// The functions that the machine itself interprets.
     pub reserved: Reserved,
-    /// Whether it runs as the reference tools run it.
+    /// `true` to run as the reference tools do (`--compat asmeta`).
     pub compatible: bool,
-    /// Terms and rules from outside.
+    /// Terms and rules added after analysis.
     pub added: Added,
-    /// The names that are seen from outside.
+    /// The names visible to added terms and rules.
     pub(crate) scope: Scope,
 }
 
-/// The functions that the machine itself gives a meaning.
+/// The functions that the machine itself interprets. `None` if the specification does not declare
+/// or import the function.
 #[derive(Clone, Copy, Debug)]
 pub struct Reserved {
-    /// `self: Agent`
+    /// `self: Agent`, the agent that is running.
     pub self_: Option<FunctionId>,
-    /// `program: Agent -> Rule`
+    /// `program: Agent -> Rule`, the rule that an agent runs.
     pub program: Option<FunctionId>,
-    /// `result: Any`
+    /// `result: Any`, the location of the value that a turbo rule returns.
     pub result: Option<FunctionId>,
-    /// Holds the variables that rules assign: by the number of the run of the rule that binds them,
-    /// and their number in it.
+    /// The function whose locations hold variables that rules assign. Arguments: the number of the
+    /// run of the rule that binds the variable, and the variable's number in it.
     pub variables: FunctionId,
 }
 
-/// A domain.
+/// A declared domain, the ASM book's *universe*.
 #[derive(Debug)]
 pub struct Domain {
-    /// Its name.
+    /// Declared name.
     pub name: Arc<str>,
-    /// What it is.
+    /// Form of the declaration.
     pub kind: DomainKind,
-    /// `dynamic` in front.
+    /// `true` if declared `dynamic`.
     pub dynamic: bool,
-    /// Its elements, from the definitions or the initial state.
+    /// A term for the set of its elements, from the definitions or the initial state. `None` if the
+    /// elements follow from the kind of domain.
     pub definition: Option<Expression>,
-    /// Where it is declared.
+    /// Span of the name in its declaration.
     pub span: Span,
 }
 
-/// What a domain is.
+/// The form of a domain's declaration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DomainKind {
-    /// `anydomain`
+    /// `anydomain`: a type variable in the signatures of functions.
     Any,
     /// `basic domain`: stands for a basic type.
     Basic,
-    /// `abstract domain`
+    /// `abstract domain`: its elements are constants and those that `extend` adds.
     Abstract,
-    /// `enum domain`: its literals are atoms side by side.
+    /// `enum domain`: its literals are atoms with consecutive numbers.
     Enum {
         /// The first literal.
         first: Atom,
-        /// How many there are.
+        /// Number of literals.
         count: u32,
     },
-    /// `subsetof`
+    /// `subsetof`: a concrete domain.
     Concrete {
-        /// The domain it is a subset of.
+        /// The type that it is a subset of.
         base: TypeId,
     },
 }
@@ -104,163 +107,166 @@ pub enum DomainKind {
 /// An enumeration literal or an abstract constant.
 #[derive(Debug)]
 pub struct AtomInfo {
-    /// Its name.
+    /// Name as shown in traces and messages.
     pub name: Arc<str>,
-    /// Its domain.
+    /// The domain that it is an element of.
     pub domain: DomainId,
-    /// Where it is declared.
+    /// Span of the name in its declaration.
     pub span: Span,
 }
 
-/// A function.
+/// A declared function.
 #[derive(Debug)]
 pub struct Function {
-    /// Its name.
+    /// Declared name; overloads share it.
     pub name: Arc<str>,
-    /// Who may write it.
+    /// Kind of the function, which determines who may update it.
     pub kind: FunctionKind,
-    /// The domains of its arguments; a `Prod` domain is one argument a component.
+    /// Types of its arguments; a `Prod` domain contributes one for each component.
     pub parameters: Vec<TypeId>,
-    /// Its codomain.
+    /// Type of its values.
     pub codomain: TypeId,
-    /// What computes it.
+    /// Source of its values.
     pub meaning: Meaning,
-    /// Its value in the initial state.
+    /// Values in the initial state; `None` stands for undef everywhere.
     pub initial: Option<Body<Term>>,
-    /// Where it is declared: its name.
+    /// Span of the name in its declaration.
     pub span: Span,
-    /// The whole declaration, from the word that says who may write it.
+    /// Span of the whole declaration, from the keyword for the kind.
     pub declaration: Span,
-    /// Whether it is declared in a standard library.
+    /// `true` if declared in a standard library.
     pub library: bool,
-    /// For a `local` function, the variable of its rule that holds the number of the run: the first
-    /// argument of all its locations, which nobody writes down.
+    /// For a `local` function, the variable that holds the number of the run of its rule. That
+    /// number is the implicit first argument of each of its locations.
     pub run: Option<VarId>,
-    /// Whether it is annotated `//@Backref`: who sent the message at hand.
+    /// `true` if annotated `//@Backref`: its value is the sender of the request that the agent is
+    /// serving.
     pub is_client: bool,
 }
 
-/// What computes a function.
+/// The source of a function's values.
 #[derive(Debug)]
 pub enum Meaning {
     /// The state: controlled, monitored, shared and out functions.
     State,
     /// A term: static and derived functions.
     Defined(Body<Term>),
-    /// The standard library.
+    /// An implementation in the standard library.
     Builtin(&'static asmotion_stdlib::Builtin),
     /// An element of an abstract domain.
     Constant(Atom),
     /// The machine (`self`, `program`).
     Machine,
-    /// Nothing: static without definition; its value is undef.
+    /// None: a static function without a definition is undef everywhere.
     Missing,
 }
 
-/// A term or rule with the variables bound in it; its parameters are the first variables.
+/// A term or rule with the variables bound in it. The first variables are the parameters.
 #[derive(Debug)]
 pub struct Body<T> {
-    /// How many of the variables are parameters.
+    /// Number of parameters.
     pub parameters: usize,
-    /// All variables bound anywhere in it, by [`VarId`].
+    /// All variables bound anywhere in it, indexed by [`VarId`].
     pub variables: Vec<Variable>,
-    /// The term or rule.
+    /// The term or rule itself.
     pub root: T,
 }
 
-/// A closed term with the variables bound in it.
+/// A term whose only variables are bound in it.
 pub type Expression = Body<Term>;
 
 /// A logical variable.
 #[derive(Clone, Debug)]
 pub struct Variable {
-    /// Its name, with the `$`.
+    /// Name, including the `$`; empty for a variable that the analysis introduced.
     pub name: Arc<str>,
-    /// Its type.
+    /// Type of its values.
     pub ty: TypeId,
-    /// Where it is bound.
+    /// Span of the name where it is bound.
     pub span: Span,
 }
 
-/// A rule declaration.
+/// A declared rule.
 #[derive(Debug)]
 pub struct Rule {
-    /// Its name.
+    /// Declared name, with its prefix `r_`.
     pub name: Arc<str>,
-    /// Turbo rules take values and may return one; macros take terms.
+    /// `true` for a turbo rule, which takes arguments by value and may return a result; a macro
+    /// takes them by name.
     pub turbo: bool,
-    /// The domains of its parameters.
+    /// Types of its parameters.
     pub parameters: Vec<TypeId>,
-    /// The domain of its result.
+    /// Type of a turbo rule's result; `None` if it has none.
     pub result: Option<TypeId>,
-    /// Its body; `None` where it had errors.
+    /// Its body; `None` if it had errors.
     pub body: Option<Body<RuleTerm>>,
-    /// Where it is declared: its name.
+    /// Span of the name in its declaration.
     pub span: Span,
-    /// Whether it is declared in a standard library.
+    /// `true` if declared in a standard library.
     pub library: bool,
-    /// What the machine does in its place.
+    /// For a message rule of the library (`r_wsend`, …), the action that the machine performs
+    /// instead of the body.
     pub act: Option<asmotion_stdlib::MessageAction>,
 }
 
-/// `agent D: r_x[…]`.
+/// The program of the agents of a domain: `agent D: r_x[…]` in the initial state.
 #[derive(Debug)]
 pub struct AgentProgram {
-    /// The agents.
+    /// Domain whose elements are the agents.
     pub domain: DomainId,
-    /// What they run.
+    /// The rule that each agent runs, its program.
     pub rule: RuleId,
-    /// Its arguments.
+    /// Arguments of the rule.
     pub arguments: Vec<Expression>,
 }
 
-/// An invariant.
+/// A condition that must hold in every state.
 #[derive(Debug)]
 pub struct Invariant {
-    /// Its name, or the text of the condition.
+    /// Declared name; the text of the condition if it has none.
     pub name: Arc<str>,
-    /// The condition.
+    /// A term of type Boolean.
     pub condition: Expression,
-    /// Where it stands.
+    /// Span of the declaration.
     pub span: Span,
 }
 
 /// A temporal property or a fairness constraint.
 #[derive(Debug)]
 pub struct TemporalProperty {
-    /// Its name, where it has one.
+    /// Declared name, if it has one.
     pub name: Option<Arc<str>>,
-    /// Which logic.
+    /// The keyword that introduces it.
     pub logic: PropertyLogic,
-    /// The formulas (two for `COMPASSION`).
+    /// The formulas: two for `COMPASSION`, otherwise one.
     pub formulas: Vec<Expression>,
-    /// Where it stands.
+    /// Span of the declaration.
     pub span: Span,
 }
 
-/// What kind of property.
+/// The kind of a property, named after its keyword.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PropertyLogic {
     /// `CTLSPEC`
     Ctl,
     /// `LTLSPEC`
     Ltl,
-    /// `INVAR`
+    /// `INVAR`: restricts the states that a verifier considers.
     Constraint,
-    /// `JUSTICE`
+    /// `JUSTICE`: holds infinitely often.
     Justice,
-    /// `COMPASSION`
+    /// `COMPASSION`: if the first formula holds infinitely often, so does the second.
     Compassion,
 }
 
 /// A typed term.
 #[derive(Clone, Debug)]
 pub struct Term {
-    /// What it is.
+    /// Form of the term, with its subterms.
     pub kind: Box<TermKind>,
-    /// Its type.
+    /// Type of its values.
     pub ty: TypeId,
-    /// Where it stands.
+    /// Span of the term in its file.
     pub span: Span,
 }
 
@@ -269,11 +275,11 @@ pub struct Term {
 pub enum TermKind {
     /// A constant value.
     Value(Value),
-    /// A variable.
+    /// A bound variable.
     Variable(VarId),
-    /// A function applied; as many arguments as it has parameters.
+    /// A function applied to one argument for each parameter.
     Apply(FunctionId, Vec<Term>),
-    /// A function applied to one tuple that holds all its arguments.
+    /// A function applied to a single tuple that holds all its arguments.
     Spread(FunctionId, Term),
     /// `(t1, …)`
     Tuple(Vec<Term>),
@@ -281,57 +287,57 @@ pub enum TermKind {
     If(Term, Term, Option<Term>),
     /// `switch`
     Switch(Term, Vec<(Term, Term)>, Option<Term>),
-    /// `let`
+    /// `let`: the variables with their values, and the term in which they are visible.
     Let(Vec<(VarId, Term)>, Term),
-    /// `(forall …)`, `(exists …)`
+    /// `(forall …)`, `(exists …)`: quantifier, binders and condition.
     Quantified(Quantifier, Vec<Binder>, Option<Term>),
-    /// Listed elements.
+    /// A collection of listed elements.
     Listed(Collection, Vec<Term>),
-    /// `from : to, step`
+    /// `from : to, step`: a collection given by its bounds.
     Interval(Collection, Term, Term, Option<Term>),
-    /// Binders, guard, item.
+    /// Collection by comprehension: binders, guard, element.
     Comprehension(Collection, Vec<Binder>, Option<Term>, Term),
-    /// `{k -> v}`
+    /// `{k -> v}`: a map of listed entries.
     Map(Vec<(Term, Term)>),
-    /// Binders, guard, key, value.
+    /// Map by comprehension: binders, guard, key, value.
     MapComprehension(Vec<Binder>, Option<Term>, Term, Term),
-    /// `<<r_x>>`
+    /// `<<r_x>>`: a rule as a value.
     Rule(RuleId),
-    /// A domain as the set of its elements.
+    /// A domain as a term: the set of its elements.
     Extent(TypeId),
-    /// `person!1`: the element that `extend` gave this name, undef before.
+    /// `person!1`: the element of this name that `extend` created; undef until it has.
     Element(DomainId, Arc<str>),
-    /// A variable outside the rule or term that binds it: there is no value to be had.
+    /// A variable outside the rule or term that binds it, for which evaluation has no value.
     Unbound,
-    /// An error was reported.
+    /// Placeholder for a term with an error, which was reported.
     Invalid,
 }
 
-/// `$x in range`.
+/// A binder `$x in range` of a quantifier, comprehension, `choose` or `forall`.
 #[derive(Clone, Debug)]
 pub struct Binder {
-    /// The variable.
+    /// The variable that ranges over the elements.
     pub variable: VarId,
-    /// Its range: a set, sequence or bag.
+    /// The range: a set, sequence or bag.
     pub range: Term,
 }
 
 /// A resolved rule.
 #[derive(Clone, Debug)]
 pub struct RuleTerm {
-    /// What it is.
+    /// Form of the rule, with its parts.
     pub kind: Box<RuleKind>,
-    /// Where it stands.
+    /// Span of the rule in its file.
     pub span: Span,
 }
 
-/// What an update writes.
+/// The left-hand side of an update.
 #[derive(Clone, Debug)]
 pub enum UpdateTarget {
-    /// A location.
+    /// A location: a function and its arguments.
     Location(FunctionId, Vec<Term>),
-    /// A variable: a macro parameter that stands for a location, or one that is local state of the
-    /// rule that binds it.
+    /// A variable: a macro parameter that stands for a location, or a local variable of the rule
+    /// that binds it.
     Variable(VarId),
 }
 
@@ -342,77 +348,77 @@ pub enum RuleKind {
     Skip,
     /// `target := value`
     Update(UpdateTarget, Term),
-    /// `target <- r_x(…)`
+    /// `target <- r_x(…)`: an update to the result of a turbo rule.
     Assign(UpdateTarget, RuleId, Vec<Term>),
-    /// `r_x[…]`, `r_x(…)`: the declaration says whether arguments are terms or values.
+    /// `r_x[…]` or `r_x(…)`; the declaration of the rule decides how arguments are passed.
     Call(RuleId, Vec<Term>),
-    /// A term whose value is a rule.
+    /// A term whose value is a rule, with the arguments for that rule.
     Run(Term, Vec<Term>),
-    /// `par`
+    /// `par`: all rules in the same state.
     Par(Vec<RuleTerm>),
-    /// `seq`
+    /// `seq`: each rule in the state that the previous one produced.
     Seq(Vec<RuleTerm>),
     /// `if`
     If(Term, RuleTerm, Option<RuleTerm>),
     /// `switch`
     Switch(Term, Vec<(Term, RuleTerm)>, Option<RuleTerm>),
-    /// `choose`: binders, guard, body, ifnone
+    /// `choose`: binders, guard, body, `ifnone` rule.
     Choose(Vec<Binder>, Option<Term>, RuleTerm, Option<RuleTerm>),
-    /// `forall`
+    /// `forall`: binders, guard, body.
     Forall(Vec<Binder>, Option<Term>, RuleTerm),
-    /// `let`
+    /// `let`: the variables with their values, and the rule in which they are visible.
     Let(Vec<(VarId, Term)>, RuleTerm),
-    /// `extend`
+    /// `extend`: the domain, the variables for its new elements, and the body.
     Extend(DomainId, Vec<VarId>, RuleTerm),
-    /// `while`: until the guard fails or the body changes nothing
+    /// `while`: repeats until the guard fails or the body yields no update.
     While(Term, RuleTerm),
-    /// `whilerec`: until the guard fails
+    /// `whilerec`: repeats until the guard fails.
     WhileRec(Term, RuleTerm),
-    /// `iterate`: until the body changes nothing
+    /// `iterate`: repeats until the body yields no update.
     Iterate(RuleTerm),
-    /// `local f: D [R] S`: functions that live as long as the rule runs
+    /// `local f: D [R] S`: functions that exist while the rule runs.
     Local(LocalFunctions),
-    /// An error was reported.
+    /// Placeholder for a rule with an error, which was reported.
     Invalid,
 }
 
-/// Functions that are local to a run of a rule. All their locations have the number of the run as
-/// their first argument, so that runs within each other keep theirs apart.
+/// Functions that are local to a run of a rule. The first argument of all their locations is the
+/// number of the run, which separates nested runs.
 #[derive(Clone, Debug)]
 pub struct LocalFunctions {
-    /// Holds the number of the run.
+    /// The variable that holds the number of the run.
     pub run: VarId,
-    /// What gives the functions their first values.
+    /// The rules that initialise the functions.
     pub initial: Vec<RuleTerm>,
-    /// What is done with them.
+    /// The rule in which the functions are visible.
     pub body: RuleTerm,
 }
 
 impl Model {
-    /// A domain by id.
+    /// Returns a domain of this model.
     pub fn domain(&self, id: DomainId) -> &Domain {
         &self.domains[id.0 as usize]
     }
 
-    /// A function by id.
+    /// Returns a function of this model.
     pub fn function(&self, id: FunctionId) -> &Function {
         &self.functions[id.0 as usize]
     }
 
-    /// A rule by id.
+    /// Returns a rule of this model.
     pub fn rule(&self, id: RuleId) -> &Rule {
         &self.rules[id.0 as usize]
     }
 
-    /// The functions a specification declares itself, libraries left out, in order.
+    /// Iterates over the functions outside the standard libraries, in order of declaration.
     pub fn own_functions(&self) -> impl Iterator<Item = (FunctionId, &Function)> {
         let all = self.functions.iter().enumerate();
         all.filter(|(_, function)| !function.library)
             .map(|(index, function)| (FunctionId(index as u32), function))
     }
 
-    /// Whether a function says what an agent can be asked: an out function of agents, in a specification
-    /// with messages (SCA-ASM).
+    /// Returns `true` if a function declares an operation of a service (SCA-ASM): an out function
+    /// whose first argument is an agent, in a specification that imports the message library.
     pub fn is_operation(&self, function: &Function) -> bool {
         let is_agent = |&ty: &TypeId| {
             let root = self.types.root(ty, &self.domains);
@@ -428,18 +434,18 @@ impl Model {
             && has_messages()
     }
 
-    /// A type as text, as in `Prod(Integer,Robot)`.
+    /// Formats a type as text, as in `Prod(Integer,Robot)`.
     pub fn show_type(&self, ty: TypeId) -> String {
         self.types.show(ty, &self.domains)
     }
 }
 
-/// What was added to a model.
+/// Terms and rules added to a model after its analysis.
 #[derive(Debug, Default)]
 pub struct Added {
-    /// The terms.
+    /// The terms, indexed by [`AddedTerm`].
     pub terms: Vec<Expression>,
-    /// The rules.
+    /// The rules, indexed by [`AddedRule`].
     pub rules: Vec<Body<RuleTerm>>,
 }
 
@@ -455,7 +461,7 @@ impl Added {
     }
 }
 
-/// The word for a kind of function.
+/// Returns the keyword for a kind of function.
 pub(crate) fn kind_name(kind: FunctionKind) -> &'static str {
     match kind {
         FunctionKind::Static => "static",

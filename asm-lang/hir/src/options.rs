@@ -1,11 +1,11 @@
-//! How a specification is read.
+//! Options for reading a specification.
 
-/// What whoever opens a specification may ask for.
+/// Options for reading a specification, such as those of the command line.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// Whether it is to be read and run as the reference tools do, where these observably differ from
-    /// the textbook (`--compat asmeta`).
+    /// `true` to read and run the specification as the reference tools do where these observably
+    /// deviate from the textbook (`--compat asmeta`). Default: `false`.
     pub compatible: bool,
-    /// The name of the initial state to begin in; the default one without.
+    /// Name of the initial state to start from. `None` selects the default one.
     pub initial: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! What resolving a body needs: its variables, the types, a place for findings.
+//! The context for resolving one body: its variables, the declarations, and the report.
 
 use crate::codes::a002::UnknownVariable;
 use crate::codes::a007::TypeMismatch;
@@ -12,18 +12,18 @@ use asmotion_syntax::ast;
 use asmotion_value::Value;
 use std::sync::Arc;
 
-/// Resolves one body: a rule, a definition, a condition.
+/// Resolves one body: a rule, a definition or a condition.
 pub(crate) struct Resolver<'a> {
     pub declared: &'a mut SignatureTables,
     pub unit: usize,
     variables: Vec<Variable>,
-    /// The variables that can be seen, innermost last.
+    /// The visible variables, innermost last.
     visible: Vec<VarId>,
-    /// How many of the first variables are parameters that may stand for locations: a macro's.
+    /// Number of leading variables that are macro parameters and may therefore stand for locations.
     location_parameters: usize,
-    /// The domain of the turbo rule's result, while one is being resolved.
+    /// Result type of the turbo rule that is being resolved.
     pub result: Option<TypeId>,
-    /// Whether the rule comes from outside: then it may write what the environment owns.
+    /// `true` for a rule from outside, which may update monitored functions.
     from_outside: bool,
 }
 
@@ -40,24 +40,26 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Says that the body is that of a rule. The parameters of a macro stand for terms, and so for
-    /// locations; a turbo rule may have a result.
+    /// Marks the body as that of a declared rule. The parameters of a macro stand for terms, and
+    /// thus possibly for locations; a turbo rule may have a result.
     pub fn enter(&mut self, parameters: usize, turbo: bool, result: Option<TypeId>) {
         self.location_parameters = if turbo { 0 } else { parameters };
         self.result = result;
     }
 
-    /// Says that the rule comes from outside.
+    /// Marks the rule as coming from outside.
     pub fn enter_from_outside(&mut self) {
         self.from_outside = true;
     }
 
-    /// Whether the rule may write a function although it is the environment's.
+    /// Returns `true` if the rule may update a function of this kind although the environment owns
+    /// it.
     pub fn may_write(&self, kind: FunctionKind) -> bool {
         self.from_outside && kind == FunctionKind::Monitored
     }
 
-    /// Whether a variable may stand for a location. Parameters are bound before anything else.
+    /// Returns `true` if a variable may stand for a location. Relies on parameters being bound
+    /// first.
     pub fn stands_for_location(&self, id: VarId) -> bool {
         (id.0 as usize) < self.location_parameters
     }
@@ -74,7 +76,7 @@ impl<'a> Resolver<'a> {
         self.variables.clone()
     }
 
-    /// Binds a variable from here on.
+    /// Binds a variable and makes it visible.
     pub fn bind(&mut self, name: &ast::NameText, ty: TypeId) -> VarId {
         let id = VarId(self.variables.len() as u32);
         self.variables.push(Variable {
@@ -86,14 +88,14 @@ impl<'a> Resolver<'a> {
         id
     }
 
-    /// A variable that the text does not name.
+    /// Creates a variable without a name, which the text cannot refer to.
     pub fn fresh(&mut self, ty: TypeId, span: Span) -> VarId {
         let name = Arc::from("");
         self.variables.push(Variable { name, ty, span });
         VarId(self.variables.len() as u32 - 1)
     }
 
-    /// Does something with the variables it binds, and forgets them.
+    /// Runs `work`, then hides the variables that it has bound.
     pub fn scoped<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         let depth = self.visible.len();
         let result = work(self);
@@ -129,7 +131,8 @@ impl<'a> Resolver<'a> {
         self.declared.types.compatible(a, b, &self.declared.domains)
     }
 
-    /// Reports a term whose type does not fit.
+    /// Reports a term whose type does not fit the wanted one. `what` names the term; `because`
+    /// labels the place that determines the wanted type.
     pub fn expect(
         &mut self,
         term: &Term,
@@ -157,15 +160,15 @@ impl<'a> Resolver<'a> {
         });
     }
 
-    /// Whether a term is a number that a Natural may be, and a Natural is wanted: older models do not
-    /// tell them apart.
+    /// Returns `true` if a term is a non-negative integer literal where a Natural is wanted: older
+    /// models do not distinguish the two.
     fn is_natural(&self, term: &Term, wanted: TypeId) -> bool {
         let root = self.declared.types.root(wanted, &self.declared.domains);
         *self.declared.types.get(root) == Type::Natural
             && matches!(*term.kind, TermKind::Value(Value::Int(0..)))
     }
 
-    /// How a number is written in another domain of numbers.
+    /// Suggests the spelling of a number literal in another number domain.
     fn written_as(&self, term: &Term, wanted: TypeId) -> Option<String> {
         let TermKind::Value(Value::Int(number)) = *term.kind else {
             return None;
@@ -186,8 +189,9 @@ impl<'a> Resolver<'a> {
         term
     }
 
-    /// A variable bound further out is no longer to be had: the reference takes such a text and
-    /// fails where it is evaluated. One that is bound nowhere is a mistake.
+    /// Resolves a variable that is not visible. One that is bound elsewhere in the body only gets a
+    /// warning, because the reference accepts the text and fails only when the term is evaluated.
+    /// Any other is an error.
     pub fn unknown_variable(&mut self, name: &ast::NameText) -> Term {
         let bound = self
             .variables

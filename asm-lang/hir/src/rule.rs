@@ -1,4 +1,4 @@
-//! Rules resolved.
+//! Resolution of rules.
 
 use crate::codes::a007::TypeMismatch;
 use crate::codes::a014::WritesMonitored;
@@ -24,7 +24,7 @@ use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 
 impl Resolver<'_> {
-    /// A rule, resolved.
+    /// Resolves a rule.
     pub fn rule(&mut self, rule: &ast::Rule) -> RuleTerm {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
             let kind = self.rule_kind(rule);
@@ -153,7 +153,7 @@ impl Resolver<'_> {
         RuleKind::Assign(target, callee, arguments)
     }
 
-    /// The domain of a turbo rule's result. One that does not say may return anything.
+    /// Returns the result type of a turbo rule; a rule that declares none may return any value.
     fn result_of(&mut self, name: &ast::NameText, callee: RuleId) -> Option<TypeId> {
         let rule = &self.declared.rules[callee.0 as usize];
         let (declared, turbo, result) = (rule.span, rule.turbo, rule.result);
@@ -168,7 +168,8 @@ impl Resolver<'_> {
         result
     }
 
-    /// What an update writes, with the type it takes, its name and where that is declared.
+    /// Resolves the left-hand side of an update; returns it with its type, its name and the span of
+    /// its declaration.
     fn target(
         &mut self,
         target: &ast::Assignee,
@@ -386,7 +387,7 @@ impl Resolver<'_> {
         RuleKind::Extend(id, body.0, body.1)
     }
 
-    /// `local f: D [R] … S`: the functions are seen by the rules `R` and `S`, and nowhere else.
+    /// Resolves `local f: D [R] … S`. The functions are visible only in the rules `R` and `S`.
     fn local(&mut self, functions: &[(ast::Function, ast::Rule)], body: &ast::Rule) -> RuleKind {
         let Some((first, _)) = functions.first() else {
             return self.rule(body).kind.as_ref().clone();
@@ -410,7 +411,8 @@ impl Resolver<'_> {
         RuleKind::Local(local)
     }
 
-    /// Whether a domain can take new elements: it is abstract, or a subset of an abstract one.
+    /// Returns `true` if `extend` can add elements to a domain: it is abstract or a subset of an
+    /// abstract one.
     fn is_extensible(&self, ty: TypeId) -> bool {
         let root = self.declared.types.root(ty, &self.declared.domains);
         match self.declared.types.get(root) {
@@ -422,7 +424,7 @@ impl Resolver<'_> {
     }
 }
 
-/// How a location is written.
+/// The rule form that updates a location.
 #[derive(Clone, Copy)]
 enum WriteForm {
     /// `f := t`
@@ -431,7 +433,8 @@ enum WriteForm {
     Return,
 }
 
-/// Why no rule may write such a function.
+/// Returns the finding for an update of a function that no rule may update, or `None` if it may be
+/// updated.
 fn forbidden(
     name: &ast::NameText,
     kind: FunctionKind,

@@ -1,4 +1,4 @@
-//! Which names a file sees.
+//! Scopes: the names visible in a file.
 
 use crate::id::{DomainId, FunctionId};
 use asmotion_diagnostics::similar;
@@ -6,7 +6,7 @@ use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The names one file sees: its own and those it imports.
+/// The names visible in one file: its own and those it imports.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scope {
     pub domains: BTreeMap<Arc<str>, DomainId>,
@@ -16,8 +16,8 @@ pub(crate) struct Scope {
 }
 
 impl Scope {
-    /// Takes over the names of another file that pass the filter; literals come with their domain,
-    /// which the caller decides.
+    /// Adds the names of another file that pass the filter. Literals follow their domain, which the
+    /// filter `literal` decides.
     pub fn import(
         &mut self,
         other: &Scope,
@@ -36,7 +36,7 @@ impl Scope {
         merge(&mut self.literals, &other.literals, |_, atom| literal(atom));
     }
 
-    /// Takes over the names of another file that it does not have.
+    /// Adds the names of another file that this scope lacks.
     pub fn complete(&mut self, other: &Scope) {
         fn missing<T: Clone>(into: &mut BTreeMap<Arc<str>, T>, from: &BTreeMap<Arc<str>, T>) {
             for (name, item) in from {
@@ -49,22 +49,22 @@ impl Scope {
         missing(&mut self.literals, &other.literals);
     }
 
-    /// The candidates for "did you mean" among the functions.
+    /// Returns the most similar name of a function.
     pub fn similar_function(&self, name: &str) -> Option<Arc<str>> {
         similar(name, self.functions.keys()).cloned()
     }
 
-    /// … among the domains and literals.
+    /// Returns the most similar name of a domain or literal.
     pub fn similar_constant(&self, name: &str) -> Option<Arc<str>> {
         similar(name, self.domains.keys().chain(self.literals.keys())).cloned()
     }
 
-    /// … among the domains.
+    /// Returns the most similar name of a domain.
     pub fn similar_domain(&self, name: &str) -> Option<Arc<str>> {
         similar(name, self.domains.keys()).cloned()
     }
 
-    /// … among the rules.
+    /// Returns the most similar name of a rule.
     pub fn similar_rule(&self, name: &str) -> Option<Arc<str>> {
         similar(name, self.rules.keys()).cloned()
     }

@@ -1,9 +1,9 @@
-//! Suggestions of similar names.
+//! Suggestions for misspelt names.
 
 use asmotion_diagnostics::{Diagnostic, Span};
 use std::sync::Arc;
 
-/// Offers the similar name, or help where there is none.
+/// Suggests the similar name as a fix; adds `help` if there is none.
 pub(crate) fn with_similar(
     finding: Diagnostic,
     at: Span,

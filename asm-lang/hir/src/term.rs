@@ -1,4 +1,4 @@
-//! Terms resolved and typed.
+//! Resolution and typing of terms.
 
 use crate::codes::a005::UnknownConstant;
 use crate::codes::a019::DisagreeingDomains;
@@ -11,7 +11,7 @@ use asmotion_value::Value;
 use std::sync::Arc;
 
 impl Resolver<'_> {
-    /// A term, resolved and typed.
+    /// Resolves a term and determines its type.
     pub fn term(&mut self, term: &ast::Term) -> Term {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term))
     }
@@ -163,7 +163,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// An enumeration literal, or a domain as the set of its elements.
+    /// Resolves an upper-case name: an enumeration literal, or a domain as the set of its elements.
     fn constant(&mut self, name: &ast::NameText) -> Term {
         let scope = &self.declared.scopes[self.unit];
         if let Some(&atom) = scope
@@ -198,7 +198,7 @@ impl Resolver<'_> {
         self.invalid(name.span)
     }
 
-    /// `self.f(t)` is `f(self, t)`, `a.f(t)` is `f(a, t)`.
+    /// Resolves `self.f(t)` to `f(self, t)`, and `a.f(t)` to `f(a, t)`.
     fn dot(
         &mut self,
         agent: &ast::NameText,
@@ -235,15 +235,16 @@ impl Resolver<'_> {
         }
     }
 
-    /// A case of a switch; its type fits the subject's.
+    /// Resolves a case of a `switch` and checks its type against that of the subject.
     pub fn case(&mut self, subject: &Term, case: &ast::Term) -> Term {
         let case = self.term(case);
         self.expect(&case, subject.ty, "a case", Some((subject.span, "this is")));
         case
     }
 
-    /// `a + b - c`, from left to right. What goes before the last links of a long chain is bound to
-    /// variables, piece by piece: so nothing nests as deep as a chain is long.
+    /// Resolves a chain such as `a + b - c` from left to right. Long chains are cut into pieces
+    /// that are bound to variables by `let`, so that the depth of the resulting term does not grow
+    /// with the length of the chain.
     fn chain(&mut self, first: &ast::Term, links: &[ChainLink], span: Span) -> Term {
         let mut pieces = Vec::new();
         let mut value = self.term(first);
@@ -283,7 +284,7 @@ impl Resolver<'_> {
         bound
     }
 
-    /// The type that terms side by side have in common.
+    /// Returns the common type of several terms, such as the elements of a collection.
     pub fn common<'t>(
         &mut self,
         what: &'static str,
@@ -310,7 +311,7 @@ impl Resolver<'_> {
                 self.error(error);
                 return self.ty(Type::Invalid);
             };
-            // `undef` says nothing: the first term that does is the one to agree with
+            // `undef` fits every type, so later terms are compared with the first that has one
             known = Some((if joined == ty { first } else { term }, joined));
         }
         known.map_or_else(|| self.ty(Type::Undef), |(_, ty)| ty)

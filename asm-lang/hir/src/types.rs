@@ -1,52 +1,53 @@
-//! Types: interned, compared by id, compatible as the language wants it.
+//! Types: interned, with the compatibility relation of AsmetaL.
 
 use crate::id::DomainId;
 use crate::model::{Domain, DomainKind};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A type, interned in [`TypeTable`]: equal ids, equal types.
+/// Id of a type in a [`TypeTable`]; types are interned, so equal types have equal ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TypeId(pub u32);
 
 /// The forms of a type.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Type {
-    /// Unknown after an error; fits everything.
+    /// Type of an erroneous term; compatible with every type.
     Invalid,
-    /// The type of `undef`; fits everything.
+    /// Type of `undef`; compatible with every type.
     Undef,
-    /// Boolean
+    /// Truth values.
     Boolean,
-    /// Integer
+    /// Integers, in 64 bits.
     Integer,
-    /// Natural
+    /// Non-negative integers, a domain of its own in AsmetaL.
     Natural,
-    /// Real
+    /// Real numbers, as 64-bit floats.
     Real,
-    /// Complex
+    /// Complex numbers.
     Complex,
-    /// Char
+    /// Characters.
     Char,
-    /// String
+    /// Character strings.
     String,
-    /// A rule.
+    /// Rules as values, as in `<<r_x>>`.
     Rule,
     /// A declared domain: abstract, enumeration, concrete, or an anydomain (a type variable).
     Domain(DomainId),
-    /// Prod(…)
+    /// `Prod(…)`: tuples, by the types of their components.
     Prod(Vec<TypeId>),
-    /// Seq(…)
+    /// `Seq(…)`: finite sequences.
     Seq(TypeId),
-    /// Powerset(…)
+    /// `Powerset(…)`: finite sets.
     Powerset(TypeId),
-    /// Bag(…)
+    /// `Bag(…)`: finite multisets.
     Bag(TypeId),
-    /// Map(…)
+    /// `Map(…)`: finite maps, by the types of key and value.
     Map(TypeId, TypeId),
 }
 
 impl Type {
-    /// The basic domain of this name. Basic domains are known everywhere, with and without a library.
+    /// Returns the basic type of this name. Basic domains are known even without an import of the
+    /// library.
     pub fn basic(name: &str) -> Option<Self> {
         Some(match name {
             "Boolean" => Self::Boolean,
@@ -62,39 +63,42 @@ impl Type {
         })
     }
 
-    /// Whether its values are whole numbers.
+    /// Returns `true` for Integer and Natural.
     pub(crate) fn is_whole(&self) -> bool {
         matches!(self, Self::Integer | Self::Natural)
     }
 }
 
-/// The table of types.
+/// The types of a model, interned.
 #[derive(Debug, Default)]
 pub struct TypeTable {
     types: Vec<Type>,
     ids: BTreeMap<Type, TypeId>,
 }
 
-/// How well an argument fits a parameter; less is better, `None` is not at all.
+/// How well an argument fits a parameter: smaller is better, `None` means not at all.
 pub(crate) type Fit = Option<u32>;
 
-/// What type variables stand for within one application.
+/// The bindings of type variables within one application.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TypeBindings {
     variables: BTreeMap<DomainId, TypeId>,
-    /// How often a variable was looked at.
+    /// Number of lookups of variables so far. A comparison of two types that made none does not
+    /// depend on the bindings and can be cached in `known`.
     looks: usize,
-    /// Whether the arguments are those of an equality: what it compares are natural numbers and
-    /// integers alike, also in collections and tuples.
+    /// `true` for the arguments of an equality, which treats natural numbers and integers alike,
+    /// also within collections and tuples.
     equality: bool,
-    /// Whether two such arguments are compared.
+    /// `true` while two arguments of an equality are compared with each other.
     compares: bool,
-    /// Pairs without variables, which fit alike wherever they stand: products of products have many.
+    /// Cached fits of pairs of types without variables; avoids exponential work for nested
+    /// products.
     known: BTreeMap<(TypeId, TypeId), Fit>,
 }
 
 impl TypeBindings {
-    /// For the arguments of an equality, or of anything else.
+    /// Creates empty bindings; `equality` tells the arguments of an equality from those of other
+    /// functions.
     pub fn of(equality: bool) -> Self {
         Self {
             equality,
@@ -102,11 +106,11 @@ impl TypeBindings {
         }
     }
 }
-/// The domain that all values are elements of.
+/// Name of the library's domain of all values.
 const ANY: &str = "Any";
 
 impl TypeTable {
-    /// The id of a type.
+    /// Interns a type and returns its id.
     pub fn id(&mut self, ty: Type) -> TypeId {
         if let Some(&id) = self.ids.get(&ty) {
             return id;
@@ -117,20 +121,22 @@ impl TypeTable {
         id
     }
 
-    /// All types there are.
+    /// Iterates over the ids of all types.
     pub fn ids(&self) -> impl Iterator<Item = TypeId> + use<> {
         (0..self.types.len() as u32).map(TypeId)
     }
 
-    /// The type of an id.
+    /// Returns the type with this id.
     pub fn get(&self, id: TypeId) -> &Type {
         &self.types[id.0 as usize]
     }
 
-    /// The type that a concrete domain is a subset of, in the end; other types are their own root.
+    /// Returns the type at the end of the chain of bases of a concrete domain; any other type is
+    /// its own root.
     pub fn root(&self, id: TypeId, domains: &[Domain]) -> TypeId {
         let mut at = id;
-        // A chain is as long as there are domains, unless a declaration error made it a circle.
+        // at most as many steps as there are domains: declaration errors may have made the chain a
+        // cycle
         for _ in 0..=domains.len() {
             match self.get(at) {
                 Type::Domain(domain) => match domains[domain.0 as usize].kind {
@@ -143,7 +149,7 @@ impl TypeTable {
         at
     }
 
-    /// A type, what it is made of, and what the domains in it are subsets of: each once.
+    /// Iterates over a type, its components, and the bases of the domains in it, each once.
     pub fn reach<'a>(
         &'a self,
         id: TypeId,
@@ -188,14 +194,15 @@ impl TypeTable {
         }
     }
 
-    /// Whether a value of one type may stand where the other is wanted. Symmetric: a concrete domain
-    /// and what it is a subset of fit both ways, membership is checked when a location is written.
+    /// Returns `true` if a value of one type may stand where the other is wanted. The relation is
+    /// symmetric: a concrete domain and its base fit in both directions, and updates check
+    /// membership at run time.
     pub fn compatible(&self, a: TypeId, b: TypeId, domains: &[Domain]) -> bool {
         self.fit(a, b, domains, &mut TypeBindings::default())
             .is_some()
     }
 
-    /// How well `actual` fits `wanted`, whose type variables are bound in `bindings`.
+    /// Returns how well `actual` fits `wanted`, and binds the type variables of `wanted`.
     pub(crate) fn fit(
         &self,
         wanted: TypeId,
@@ -234,7 +241,8 @@ impl TypeTable {
         let (wanted_root, actual_root) = (self.root(wanted, domains), self.root(actual, domains));
         if wanted_root != wanted || actual_root != actual {
             let step = u32::from(wanted_root != wanted) + u32::from(actual_root != actual);
-            // subsets of collections of subsets may nest as deep as there are domains
+            // grows the stack: subsets of collections of subsets can be nested as deeply as there
+            // are domains
             let fit = stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
                 self.fit(wanted_root, actual_root, domains, bindings)
             });
@@ -260,7 +268,7 @@ impl TypeTable {
         }
     }
 
-    /// Binds a type variable, or holds the type against what it is bound to.
+    /// Binds a type variable, or compares the type with its binding.
     fn bind(
         &self,
         variable: DomainId,
@@ -270,7 +278,7 @@ impl TypeTable {
     ) -> Fit {
         bindings.looks += 1;
         if &*domains[variable.0 as usize].name == ANY {
-            // no variable: each place takes values of its own
+            // `Any` is no variable: each occurrence accepts a value of another type
             return Some(3);
         }
         let Some(&bound) = bindings.variables.get(&variable) else {
@@ -282,11 +290,11 @@ impl TypeTable {
             ..TypeBindings::default()
         };
         self.fit(bound, actual, domains, &mut within)?;
-        // `including({}, 3)`: the empty set leaves the variable open, the element decides.
+        // `including({}, 3)`: the empty set leaves the variable open, the element determines it
         if self.is_open(bound) {
             bindings.variables.insert(variable, actual);
         } else if bound != actual {
-            // two subsets of one domain meet in that domain
+            // two subsets of one domain have that domain in common
             let root = self.root(bound, domains);
             if root != bound {
                 bindings.variables.insert(variable, root);
@@ -295,7 +303,7 @@ impl TypeTable {
         Some(3)
     }
 
-    /// Whether `undef` or an empty collection left part of the type unknown.
+    /// Returns `true` if `undef` or an empty collection leaves part of the type undetermined.
     fn is_open(&self, id: TypeId) -> bool {
         match self.get(id) {
             Type::Undef => true,
@@ -315,7 +323,7 @@ impl TypeTable {
         }
     }
 
-    /// The type with its variables replaced by what they are bound to.
+    /// Replaces the type variables in a type by their bindings.
     pub(crate) fn substitute(
         &mut self,
         id: TypeId,
@@ -344,7 +352,8 @@ impl TypeTable {
         self.id(ty)
     }
 
-    /// The type both have in common: that of the branches of an `if`, of listed elements.
+    /// Returns the common type of two, as for the branches of an `if` or the elements of a
+    /// collection.
     pub(crate) fn join(&mut self, a: TypeId, b: TypeId, domains: &[Domain]) -> Option<TypeId> {
         if a == b {
             return Some(a);
@@ -361,7 +370,7 @@ impl TypeTable {
         Some(self.root(a, domains))
     }
 
-    /// The type as text, as in `Prod(Integer,Robot)`.
+    /// Formats a type as text, as in `Prod(Integer,Robot)`.
     pub fn show(&self, id: TypeId, domains: &[Domain]) -> String {
         let one = |item: TypeId| self.show(item, domains);
         match self.get(id) {

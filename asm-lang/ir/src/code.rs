@@ -1,4 +1,4 @@
-//! Terms and rules as a machine executes them.
+//! The executable form of terms and rules.
 
 use crate::cover::Counter;
 use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Slot, ValueShape};
@@ -7,22 +7,23 @@ use asmotion_value::Value;
 
 pub use asmotion_hir::{Collection, Quantifier};
 
-/// Code with a frame of its own.
+/// Code with a frame of its own: a definition, an initial value, a condition, or a rule.
 #[derive(Debug)]
 pub struct Body<T> {
-    /// How many locals are arguments; they come first.
+    /// Number of locals that are arguments; they have the lowest numbers.
     pub arguments: u32,
-    /// How many locals there are.
+    /// Size of the frame.
     pub locals: u32,
-    /// The code.
+    /// The term or rule to execute.
     pub code: T,
-    /// Where it is declared.
+    /// Place of the declaration.
     pub origin: Origin,
-    /// Whether the types of its arguments or result leave open how large a value may grow.
+    /// `true` if the types of its arguments or result put no bound on how deeply values nest; a
+    /// machine then checks the bound at run time.
     pub open: bool,
 }
 
-/// What a term's value is, where that is known before it runs.
+/// Statically known kind of a term's value. Back ends choose specialised code by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueKind {
     /// A truth value or undef.
@@ -33,86 +34,87 @@ pub enum ValueKind {
     Real,
     /// An atom or undef.
     Atom,
-    /// Anything.
+    /// Unknown, or a value of another kind.
     Other,
 }
 
-/// A term.
+/// A term in executable form.
 #[derive(Clone, Debug)]
 pub struct Term {
-    /// What it is.
+    /// Form of the term, with its subterms.
     pub node: Box<TermNode>,
-    /// What its value is.
+    /// Kind of its value.
     pub kind: ValueKind,
-    /// Where it stands.
+    /// Place in the sources, for messages.
     pub origin: Origin,
 }
 
 /// The forms of a term.
 #[derive(Clone, Debug)]
 pub enum TermNode {
-    /// A constant.
+    /// A constant value.
     Constant(Value),
-    /// A variable.
+    /// A variable of the frame.
     Local(Local),
-    /// The agent that runs.
+    /// `self`: the running agent.
     Agent,
-    /// The location of a known slot.
+    /// The value of a location whose slot is known.
     Slot(FunctionId, Slot),
-    /// A location whose arguments are computed.
+    /// The value of a location with computed arguments.
     Location(FunctionId, Vec<Term>),
-    /// A definition applied.
+    /// The application of a derived or static function with a definition.
     Call(BodyId, Vec<Term>),
-    /// A closed static term, evaluated once.
+    /// A static term without variables. It is evaluated once and kept in the cache of this number.
     Cached(u32, Term),
-    /// A library function applied.
+    /// The application of a library function.
     Builtin(&'static asmotion_stdlib::Builtin, Vec<Term>),
-    /// A connective; strong Kleene.
+    /// A binary connective in strong Kleene logic.
     Logic(Connective, Term, Term),
-    /// `not`
+    /// `not`, undef for undef.
     Not(Term),
-    /// `=`; total, `undef = undef`.
+    /// `=`. Defined for all values: `undef = undef` holds.
     Equal(Term, Term),
-    /// `<` and its kin on two integers.
+    /// An order relation on two integers.
     Compare(Comparison, Term, Term),
-    /// `+` and its kin on two integers.
+    /// An operation on two integers.
     Arithmetic(Arithmetic, Term, Term),
-    /// A tuple.
+    /// A tuple of its components' values.
     Tuple(Vec<Term>),
-    /// A component of a tuple, from 0.
+    /// A component of a tuple, counted from 0.
     Component(Term, u32),
     /// `if`
     If(Term, Term, Term),
-    /// `switch`: subject, cases, otherwise
+    /// `switch`: subject, cases, `otherwise` term.
     Switch(Term, Vec<(Term, Term)>, Term),
-    /// `let`
+    /// `let`: variables with their values, and the term that uses them.
     Let(Vec<(Local, Term)>, Term),
     /// `forall`, `exists`, `exists unique`
     Quantified(Quantifier, Vec<Binder>, Option<Term>),
-    /// Listed elements.
+    /// A collection of listed elements.
     Listed(Collection, Vec<Term>),
-    /// From, to, step.
+    /// A collection given by first element, last element and step (default 1).
     Interval(Collection, Term, Term, Option<Term>),
-    /// Binders, guard, item.
+    /// A collection by comprehension: binders, guard, element.
     Collect(Collection, Vec<Binder>, Option<Term>, Term),
-    /// Listed pairs.
+    /// A map of listed entries.
     Map(Vec<(Term, Term)>),
-    /// Binders, guard, key, value.
+    /// A map by comprehension: binders, guard, key, value.
     CollectMap(Vec<Binder>, Option<Term>, Term, Term),
-    /// All values of a shape, as a set.
+    /// The set of all values of a shape.
     Extent(ValueShape),
-    /// A variable that is not bound here: a fault.
+    /// A variable outside its scope: evaluation is a fault.
     Unbound,
-    /// The program of an agent.
+    /// The program (a rule) of an agent.
     Program(Term),
-    /// A term in the state before the step, whatever a sequence has written since.
+    /// A term evaluated in the state before the step, regardless of the updates of a surrounding
+    /// `seq`.
     Pre(Term),
-    /// A term whose value is noted. Lowering makes none: a machine puts them in to find out what a
-    /// failed step saw.
+    /// A term whose values are recorded. Not generated by lowering: a machine inserts it to explain
+    /// a failed step.
     Watched(Term),
-    /// The name of an element, as a text.
+    /// The name of an element, as a string.
     Name(Term),
-    /// The element of a domain that has a name.
+    /// The element of a domain with a computed name, undef if there is none.
     Named(DomainId, Term),
 }
 
@@ -144,7 +146,7 @@ pub enum Comparison {
     Ge,
 }
 
-/// Integer operations; a result beyond 64 bits is a fault.
+/// Integer operations. A result outside 64 bits is a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arithmetic {
     /// `+`
@@ -153,123 +155,123 @@ pub enum Arithmetic {
     Minus,
     /// `*`
     Mult,
-    /// `mod`: the sign is the dividend's.
+    /// `mod`: the result has the sign of the dividend.
     Mod,
 }
 
-/// A variable and what it ranges over.
+/// A variable and its range.
 #[derive(Clone, Debug)]
 pub struct Binder {
-    /// The variable.
+    /// The variable that is assigned the elements.
     pub local: Local,
-    /// Its range.
+    /// The elements, in ascending order.
     pub range: BinderRange,
-    /// Where the range stands.
+    /// Place of the range in the sources.
     pub origin: Origin,
 }
 
-/// What a variable ranges over, in ascending order.
+/// The range of a variable; elements come in ascending order.
 #[derive(Clone, Debug)]
 pub enum BinderRange {
-    /// Integers, bounds included.
+    /// The integers from the first to the second, inclusive.
     Ints(i64, i64),
-    /// Atoms from the first, so many.
+    /// Consecutive atoms: number of the first, and count.
     Atoms(u32, u32),
     /// `false`, `true`
     Bools,
-    /// The elements a domain has at the time.
+    /// The elements of a domain in the current state.
     Domain(DomainId),
-    /// The elements of a collection.
+    /// The elements of the collection that a term denotes.
     Elements(Term),
 }
 
-/// The numbers that `choose` draws from where a domain has no end and the guard is `true`.
+/// The sample from which `choose` draws when a domain is infinite and the guard is `true`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Endless {
-    /// The 2³² integers next to 0, in the order 0, 1, −1, 2, −2, …
+    /// The 2³² integers closest to 0, in the order 0, 1, −1, 2, −2, …
     Integer,
     /// The first 2³² natural numbers.
     Natural,
-    /// The 2⁵³ multiples of 2⁻⁵³ from 0 on, 1 left out.
+    /// The 2⁵³ multiples of 2⁻⁵³ from 0 up to, but excluding, 1.
     Real,
 }
 
-/// What an update writes.
+/// The left-hand side of an update.
 #[derive(Clone, Debug)]
 pub enum AssignTarget {
-    /// A location of a known slot.
+    /// A location whose slot is known.
     Slot(FunctionId, Slot),
-    /// A location whose arguments are computed.
+    /// A location with computed arguments.
     Location(FunctionId, Vec<Term>),
-    /// A variable, overwritten at once: as the reference does it.
+    /// A variable, overwritten immediately; only in programs compatible with the reference tools.
     Local(Local),
 }
 
-/// A rule.
+/// A rule in executable form.
 #[derive(Clone, Debug)]
 pub struct Rule {
-    /// What it is.
+    /// Form of the rule, with its parts.
     pub node: Box<RuleNode>,
-    /// Where it stands.
+    /// Place in the sources, for messages.
     pub origin: Origin,
 }
 
 /// The forms of a rule.
 #[derive(Clone, Debug)]
 pub enum RuleNode {
-    /// Nothing.
+    /// `skip`: yields no update.
     Skip,
-    /// `place := value`
+    /// `target := value`
     Update(AssignTarget, Term),
-    /// `place <- routine(…)`; without a place, the result is dropped.
+    /// `target <- routine(…)`; the result is dropped if there is no target.
     Assign(Option<AssignTarget>, RoutineId, Vec<Term>),
-    /// A routine with its arguments.
+    /// A call of a routine with its arguments.
     Call(RoutineId, Vec<Term>),
-    /// A rule value with its arguments.
+    /// The rule that a term denotes, with its arguments.
     Run(Term, Vec<Term>),
-    /// The program of an agent, which is `self` meanwhile.
+    /// The program of an agent, run with that agent as `self`.
     RunAgent(Term, Vec<Term>),
-    /// At once.
+    /// `par`: all rules in the same state, their update sets merged.
     Par(Vec<Rule>),
-    /// One after the other.
+    /// `seq`: each rule in the state that the updates of the previous ones produce.
     Seq(Vec<Rule>),
-    /// Guard, then, else.
+    /// Guard, `then` rule, `else` rule.
     If(Term, Rule, Rule),
-    /// Subject, cases, otherwise.
+    /// Subject, cases, `otherwise` rule.
     Switch(Term, Vec<(Term, Rule)>, Rule),
-    /// Binders, guard, body, ifnone.
+    /// Binders, guard, body, `ifnone` rule.
     Choose(Vec<Binder>, Option<Term>, Rule, Rule),
     /// Binders, guard, body.
     Forall(Vec<Binder>, Option<Term>, Rule),
-    /// Bindings, body.
+    /// Variables with their values, body.
     Let(Vec<(Local, Term)>, Rule),
-    /// Domain, variables, body.
+    /// Domain, variables for its new elements, body.
     Extend(DomainId, Vec<Local>, Rule),
-    /// A rule that is noted while it runs; see [`TermNode::Watched`].
+    /// A rule whose execution is recorded; see [`TermNode::Watched`].
     Watched(Rule),
-    /// Guard, body: until the guard fails, or the body changes nothing if that is an end too.
+    /// `while`, `whilerec` and `iterate`.
     While {
-        /// What must hold; without, nothing must.
+        /// Condition for another iteration; `None` for `iterate`.
         guard: Option<Term>,
-        /// What is repeated.
+        /// The repeated rule.
         body: Rule,
-        /// Whether the loop ends where the body changes nothing.
+        /// `true` if the loop also ends when the body yields no update.
         until_idle: bool,
     },
-    /// Local state: its locations have the number of the run as their first argument, and are
-    /// forgotten when it ends.
+    /// A rule with local state. The first argument of the local locations is the number of the run;
+    /// they are discarded at its end.
     Local {
-        /// Holds the number of the run.
+        /// The local that holds the number of the run.
         run: Local,
-        /// What gives the locations their first values, at once.
+        /// Rules that initialise the locations, executed in parallel.
         initial: Vec<Rule>,
-        /// What is done with them.
+        /// The rule that uses them.
         body: Rule,
     },
-    /// A number of a domain without end for each variable, then the body.
+    /// Draws a number of an infinite domain for each variable, then runs the body.
     Draw(Vec<(Local, Endless, Origin)>, Rule),
-    /// A rule that is counted.
+    /// A rule with a coverage counter; only in programs with coverage.
     Counted(Counter, Rule),
-    /// What an agent does with messages.
+    /// An operation on messages, with its arguments.
     Act(MessageAction, Vec<Term>),
 }

@@ -1,4 +1,4 @@
-//! The findings of lowering, one file a code.
+//! The diagnostic codes of lowering, one file for each.
 
 pub(crate) mod a031;
 pub(crate) mod a032;
@@ -10,7 +10,7 @@ pub(crate) mod w007;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of this crate, in order.
+/// All codes of this crate, sorted by name.
 pub const CODES: &[&Code] = &[
     a031::MacroGrows::CODE,
     a032::NotALocation::CODE,

@@ -1,22 +1,22 @@
-//! Programs that count what of them runs.
+//! Coverage: programs that count which of their parts are executed.
 //!
-//! A program has no counters, so that its steps are fast. [`Program::covered`] puts them in: around
-//! rules, branches, updates and the bodies of `forall`.
+//! A program normally has no counters, which keeps its steps fast. [`Program::covered`] inserts
+//! them around rules, branches, updates and the bodies of `forall`.
 
 use crate::code::{Rule, RuleNode};
 use crate::program::{Origin, Program};
 use std::collections::BTreeMap;
 
-/// Something that runs or does not.
+/// A part of a program with a coverage counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Counted {
-    /// Where it stands.
+    /// Place of the construct in the sources.
     pub origin: Origin,
-    /// What it is.
+    /// The part of the construct.
     pub part: CoveragePoint,
 }
 
-/// What is counted.
+/// The kinds of program parts that coverage counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CoveragePoint {
     /// A declared rule; its origin is its name.
@@ -25,42 +25,44 @@ pub enum CoveragePoint {
     Update,
     /// `then`
     Then,
-    /// `else`, be it written or not.
+    /// `else`, written or implicit.
     Else,
-    /// The case of this number, from 0.
+    /// The case with this index, from 0.
     Case(u32),
-    /// `otherwise`, be it written or not.
+    /// `otherwise`, written or implicit.
     Otherwise,
-    /// A `choose` that has a candidate.
+    /// A `choose` with at least one candidate.
     Found,
-    /// A `choose` that has none.
+    /// A `choose` without candidates.
     NotFound,
-    /// One time round a `forall`.
+    /// One iteration of a `forall`.
     Round,
-    /// A `forall` that goes round not at all.
+    /// A `forall` without iterations.
     None,
-    /// … once.
+    /// A `forall` with exactly one iteration.
     One,
-    /// … several times.
+    /// A `forall` with several iterations.
     Many,
 }
 
-/// Which counters a rule moves.
+/// The counters that a rule increments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counter {
-    /// One.
+    /// Increments the counter with this index.
     Count(u32),
-    /// One of three, by how often the first moved meanwhile.
+    /// Increments one of three counters, depending on how often the counter of iterations was
+    /// incremented while the rule ran.
     Rounds {
-        /// The counter of rounds.
+        /// Index of the counter of iterations.
         round: u32,
-        /// For none; those for one and many follow.
+        /// Index of the counter for no iteration; those for one and for several follow it.
         none: u32,
     },
 }
 
 impl Program {
-    /// The program with counters, which are listed in `counted`.
+    /// Inserts counters. They are listed in the program's `counted`, where a counter's index is its
+    /// position.
     #[must_use]
     pub fn covered(mut self) -> Self {
         let mut routines = std::mem::take(&mut self.routines);
@@ -80,7 +82,8 @@ impl Program {
 
 struct Covering {
     counted: Vec<Counted>,
-    /// A macro may have several routines; they count together.
+    /// Index of each known counter. A macro may be lowered to several routines, which share their
+    /// counters.
     known: BTreeMap<Counted, u32>,
 }
 

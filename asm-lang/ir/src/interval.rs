@@ -1,24 +1,24 @@
-//! What is known about an integer before the program runs: least and greatest value.
+//! Interval analysis of integers: the least and the greatest value known at compile time.
 
 use crate::code::Arithmetic;
 
-/// Bounds, both included.
+/// An interval of integers, both bounds included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerInterval {
-    /// The least.
+    /// Least value.
     pub low: i64,
-    /// The greatest.
+    /// Greatest value.
     pub high: i64,
 }
 
 impl IntegerInterval {
-    /// Nothing is known.
+    /// All 64-bit integers: the value is unknown.
     pub const ANY: Self = Self {
         low: i64::MIN,
         high: i64::MAX,
     };
 
-    /// One number.
+    /// The interval of a single number.
     pub fn of(number: i64) -> Self {
         Self {
             low: number,
@@ -26,12 +26,12 @@ impl IntegerInterval {
         }
     }
 
-    /// Whether all of it lies within these bounds.
+    /// Returns `true` if the interval lies within these bounds.
     pub fn within(self, low: i64, high: i64) -> bool {
         low <= self.low && self.high <= high
     }
 
-    /// The least interval that holds both.
+    /// Returns the smallest interval that contains both.
     pub fn or(self, other: Self) -> Self {
         Self {
             low: self.low.min(other.low),
@@ -39,7 +39,7 @@ impl IntegerInterval {
         }
     }
 
-    /// The results of an operation, and whether some may lie beyond 64 bits.
+    /// Returns the interval of an operation's results, and `true` if some may exceed 64 bits.
     pub fn computed(operation: Arithmetic, left: Self, right: Self) -> (Self, bool) {
         let [a, b, c, d] = [left.low, left.high, right.low, right.high].map(i128::from);
         let (low, high) = match operation {
@@ -52,7 +52,7 @@ impl IntegerInterval {
                 (low, high)
             }
             Arithmetic::Mod => {
-                // the sign is the dividend's, the size below the divisor's
+                // the result has the dividend's sign, and its magnitude is less than the divisor's
                 let most = (c.abs().max(d.abs()) - 1).max(0);
                 let low = if a >= 0 { 0 } else { -most.min(-a) };
                 let high = if b <= 0 { 0 } else { most.min(b) };

@@ -1,9 +1,10 @@
-//! The program a machine executes: slots and numbers.
+//! The intermediate representation: the program that a machine executes, with slots for locations
+//! and numbers for names.
 //!
-//! [`lower`] turns a resolved model into a [`Program`]. Every location of a function over finite
-//! domains is a slot whose number is known or computed by a few multiplications; other locations are
-//! interned when they are first met. Macros are specialised for the arguments that are passed by
-//! name, so that a machine only knows calls by value. This is what a back end compiles.
+//! [`lower`] turns a resolved model into a [`Program`], the input of every back end. Each location
+//! of a function over finite domains is a slot whose number is known, or computed with one
+//! multiplication for each argument; other locations are interned on first access. Macros are
+//! specialised for arguments that must be passed by name, so a machine only has calls by value.
 
 mod code;
 mod codes;

@@ -1,4 +1,4 @@
-//! From the model to a program.
+//! Lowering: translates a model to a program.
 
 mod call;
 mod domain;
@@ -31,30 +31,32 @@ use frame::LoweringFrame;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Most locations of a function with more than this are never met.
+/// Default limit of slots for a function: most locations of a larger one are usually never
+/// accessed.
 const MAX_DENSE: u32 = 1 << 16;
 
-/// A program, and where its parts stand in the sources.
+/// A program with the source spans of its parts.
 #[derive(Debug)]
 pub struct Lowered {
-    /// The program.
+    /// The executable program.
     pub program: Program,
-    /// The place of each [`Origin`].
+    /// The span of each [`Origin`], indexed by its number.
     pub origins: Vec<Span>,
-    /// What works, and is probably not what was meant.
+    /// Warnings found during lowering.
     pub warnings: Report,
 }
 
-/// Lowers a model.
+/// Lowers a model with the default limit for slots.
 ///
 /// # Errors
-/// The model has a macro that cannot be specialised.
+/// A macro cannot be specialised, a domain depends on itself, or a message does not fit its
+/// receiver.
 pub fn lower(model: &Model) -> Result<Lowered, Report> {
     lower_with(model, MAX_DENSE)
 }
 
-/// Lowers a model so that functions with more locations than `dense` are interned. A run is the same
-/// whatever the limit; functions without arguments have their slot in any case.
+/// Lowers a model, interning the locations of functions that have more than `dense` of them. The
+/// limit affects performance only, not the run. Functions without arguments always have a slot.
 ///
 /// # Errors
 /// As [`lower`].
@@ -80,7 +82,7 @@ pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
     })
 }
 
-/// Work in progress.
+/// State of the translation of one model.
 struct Lowering<'a> {
     model: &'a Model,
     facts: Facts,
@@ -88,21 +90,21 @@ struct Lowering<'a> {
     origins: Vec<Span>,
     origin_ids: BTreeMap<Span, Origin>,
     report: Report,
-    /// The body of each defined function.
+    /// The body of each function with a definition.
     definitions: BTreeMap<asmotion_hir::FunctionId, BodyId>,
     /// The cache of each static function without arguments.
     caches: BTreeMap<asmotion_hir::FunctionId, u32>,
-    /// The routine of each rule for each way its arguments are passed.
+    /// The routine of each rule, for each combination of arguments passed by name.
     routines: BTreeMap<call::Special, RoutineId>,
-    /// How deep macros are being specialised within each other.
+    /// Depth of nested macro specialisations.
     depth: usize,
-    /// How deep the term that is being lowered stands in others.
+    /// Nesting depth of the term that is being lowered.
     nesting: usize,
-    /// How often terms passed by name were written out.
+    /// Number of by-name terms substituted so far.
     expansions: usize,
-    /// Whether it was reported that such terms grow without end.
+    /// `true` once unbounded growth of such terms was reported.
     has_grown: bool,
-    /// A function with more locations than this is interned.
+    /// Functions with more locations than this are interned.
     dense: u64,
 }
 
@@ -150,7 +152,7 @@ impl<'a> Lowering<'a> {
             model,
             facts: Facts::of(model),
             program,
-            // what comes from outside stands nowhere
+            // origin 0: parts added from outside have no place
             origins: vec![Span::default()],
             origin_ids: BTreeMap::new(),
             report: Report::new(),
@@ -175,7 +177,7 @@ impl<'a> Lowering<'a> {
     }
 
     fn definitions(&mut self) {
-        // Ids first: definitions may be recursive.
+        // Allocate the ids first, because definitions may be recursive.
         for (index, function) in self.model.functions.iter().enumerate() {
             if let Meaning::Defined(body) = &function.meaning {
                 let id = self.reserve_body(body.root.span, body);
@@ -229,7 +231,7 @@ impl<'a> Lowering<'a> {
             };
             self.report.push(finding.diagnostic());
         }
-        // the reference knows no initial state: a location has its value when it is met
+        // the reference computes no initial state: a location gets its value on first access
         let lazy = |initial: &Initial| matches!(initial, Initial::Function(_));
         (self.program.initial_inputs, self.program.initial_order) = order
             .steps
@@ -311,7 +313,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// What came from outside: it adds code, and no location.
+    /// Lowers the added terms and rules. They contribute code but no locations.
     fn added(&mut self) {
         for body in &self.model.added.terms {
             let id = self.body(body.root.span, body);
@@ -382,13 +384,13 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The domains of a rule's parameters as text.
+/// Returns the domains of a rule's parameters as text.
 fn rule_domains(model: &Model, rule: &asmotion_hir::Rule) -> Arc<str> {
     let domains = rule.parameters.iter().map(|&ty| model.show_type(ty));
     domains.collect::<Vec<_>>().join(",").into()
 }
 
-/// The number of a function is the same in the model and in the program.
+/// Converts the id of a function, whose number is the same in the model and in the program.
 fn function_id(id: asmotion_hir::FunctionId) -> FunctionId {
     FunctionId(id.0)
 }

@@ -1,4 +1,4 @@
-//! Programs as plain data.
+//! Programs: plain data that back ends compile and machines execute.
 
 use crate::code::{Body, Rule, Term};
 use crate::cover::Counted;
@@ -8,109 +8,111 @@ use std::sync::Arc;
 
 pub use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 
-/// The number of a location.
+/// Number of a location in the state.
 pub type Slot = u32;
 
-/// The number of a variable in its frame.
+/// Number of a variable in its frame.
 pub type Local = u32;
 
-/// A place in the sources; [`crate::Lowered::origins`] knows it.
+/// Number of a place in the sources, an index into [`crate::Lowered::origins`]. 0 stands for no
+/// place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Origin(pub u32);
 
-/// A function of the program, numbered as in the model.
+/// Index of a function in a [`Program`]; the same as in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FunctionId(pub u32);
 
-/// A domain of the program, numbered as in the model.
+/// Index of a domain in a [`Program`]; the same as in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DomainId(pub u32);
 
-/// A term with a frame of its own.
+/// Index into [`Program::bodies`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyId(pub u32);
 
-/// A rule with a frame of its own.
+/// Index into [`Program::routines`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RoutineId(pub u32);
 
-/// A specification, ready to be compiled and run.
+/// A specification in executable form.
 #[derive(Debug)]
 pub struct Program {
-    /// What things are called. No decision of a machine depends on it: see [`Symbols`].
+    /// Names, for output only: no decision of a machine depends on them. See [`Symbols`].
     pub symbols: Symbols,
-    /// The domain that each atom was declared in.
+    /// The domain of each declared atom, indexed by the atom.
     pub atom_domains: Vec<DomainId>,
-    /// The domains.
+    /// All domains, indexed by [`DomainId`].
     pub domains: Vec<Domain>,
-    /// The functions; those without locations have no storage.
+    /// All functions, indexed by [`FunctionId`]; those that are computed have no storage.
     pub functions: Vec<Function>,
-    /// How many slots have a value from the beginning; they come first.
+    /// Number of slots that get their value in the initial state; they come first. The others get
+    /// it on first access.
     pub eager: Slot,
-    /// How many slots are fixed; interned locations get the numbers from here on.
+    /// Number of slots laid out at compile time. Interned locations are numbered from here on.
     pub slots: Slot,
-    /// The functions with fixed slots, in the order of their slots.
+    /// The functions with slots laid out at compile time, in ascending order of their slots.
     pub dense: Vec<FunctionId>,
-    /// The functions with initial values and the domains that must be computed, each after those its
-    /// values depend on.
+    /// Functions with initial values and domains to be computed, in order of dependency.
     pub initial_order: Vec<Initial>,
-    /// Those of them whose values depend on the inputs and the time of the first step, likewise.
+    /// Those whose values depend on the inputs or the time of the first step; evaluated after all
+    /// of `initial_order`, in order of dependency.
     pub initial_inputs: Vec<Initial>,
-    /// Definitions, initial values, conditions.
+    /// Definitions, initial values and conditions.
     pub bodies: Vec<Body<Term>>,
-    /// Rules, specialised.
+    /// Rules, specialised for their by-name arguments.
     pub routines: Vec<Body<Rule>>,
-    /// What a [`Value::Rule`] runs.
+    /// Targets of [`Value::Rule`], indexed by its [`RuleId`].
     pub rules: Vec<RuleValue>,
-    /// The programs of agents, by domain.
+    /// The program of the agents of each domain.
     pub programs: Vec<(DomainId, RuleId)>,
-    /// The main rule; a module has none.
+    /// The main rule; `None` for a module.
     pub main: Option<RoutineId>,
-    /// What must hold in every state.
+    /// Conditions that must hold in every state.
     pub invariants: Vec<Invariant>,
-    /// Terms from outside, by [`AddedTerm`].
+    /// Bodies of the terms from outside, indexed by [`AddedTerm`].
     pub added_terms: Vec<BodyId>,
-    /// Rules from outside, by [`AddedRule`].
+    /// Routines of the rules from outside, indexed by [`AddedRule`].
     pub added_rules: Vec<RoutineId>,
-    /// Whether it runs as the reference tools run it, where these observably differ.
+    /// `true` to run as the reference tools do where these observably deviate from the textbook.
     pub compatible: bool,
-    /// What is counted; nothing, unless the program is [`Program::covered`].
+    /// The coverage counters; empty unless the program was created by [`Program::covered`].
     pub counted: Vec<Counted>,
-    /// How many values of closed static terms can be kept.
+    /// Number of cached values of closed static terms.
     pub caches: u32,
-    /// The location of `result`, where turbo rules leave theirs.
+    /// The slot of `result`, to which turbo rules write the value they return.
     pub result: Slot,
-    /// The function whose locations are the variables that rules assign: the number of a run of
-    /// the rule that binds them, and the number of the variable.
+    /// The function whose locations are the variables that rules assign. Arguments: the number of
+    /// the run of the binding rule, and the number of the variable.
     pub variables: FunctionId,
-    /// What a specification with messages is told with.
+    /// The vocabulary of messages; `None` unless the specification imports CommonBehavior.
     pub messages: Option<Messages>,
 }
 
-/// The status of agents and the literals that say what became of messages.
+/// The function and the literals of CommonBehavior with which the machine reports on messages.
 #[derive(Clone, Debug)]
 pub struct Messages {
-    /// The status of an agent.
+    /// `status`, which maps an agent to its state of communication.
     pub status: FunctionId,
-    /// The status of an agent that has received a message.
+    /// `READY`: the agent has received a message.
     pub ready: Value,
-    /// The status of one that has found none.
+    /// `BLOCKED`: the agent found no message.
     pub blocked: Value,
-    /// Messages go out.
+    /// `AVAILABLE`: the channel delivers messages.
     pub available: Value,
-    /// They do not.
+    /// `UNAVAILABLE`: the channel delivers none.
     pub unavailable: Value,
-    /// A call that was not answered in time.
+    /// `CALL_TIMEOUT`: no reply arrived in time.
     pub timeout: Value,
-    /// One that nobody could take.
+    /// `CALL_UNAVAILABLE`: no provider accepts the call.
     pub no_provider: Value,
-    /// One whose provider failed.
+    /// `CALL_FAILED`: the provider reported a failure.
     pub failed: Value,
-    /// One that was taken back.
+    /// `CALL_CANCELLED`: the caller withdrew the call.
     pub cancelled: Value,
 }
 
-/// What the initial state is made of.
+/// A part of the initial state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Initial {
     /// The elements of a domain.
@@ -119,212 +121,219 @@ pub enum Initial {
     Function(FunctionId),
 }
 
-/// Names, by number: a table beside the program. It is read in two places. Texts show names (traces,
-/// messages, inputs read from files); and a specification itself may turn an element into a text, by
-/// `toString` or `print`, and find one by its text. All else goes by number.
+/// Names, indexed by number. Two things depend on them: output and input in text form (traces,
+/// messages, recorded inputs), and specifications that convert an element to a string (`toString`,
+/// `print`) or find one by its string. Everything else uses numbers.
 #[derive(Debug, Default)]
 pub struct Symbols {
-    /// The names of the atoms.
+    /// Names of the declared atoms.
     pub atoms: Vec<Arc<str>>,
-    /// The names of the functions.
+    /// Names of the functions, indexed by [`FunctionId`].
     pub functions: Vec<Arc<str>>,
-    /// The names of the domains.
+    /// Names of the domains, indexed by [`DomainId`].
     pub domains: Vec<Arc<str>>,
-    /// The names of the rules.
+    /// Names of the rules, indexed by [`RuleId`].
     pub rules: Vec<Arc<str>>,
-    /// The domains of each rule's parameters, as in `Integer,Robot`: two rules may share a name.
+    /// Domains of each rule's parameters, as in `Integer,Robot`; distinguishes rules of the same
+    /// name.
     pub rule_domains: Vec<Arc<str>>,
 }
 
-/// A domain.
+/// A domain of the program.
 #[derive(Debug)]
 pub struct Domain {
-    /// Its elements.
+    /// Form in which the elements are known.
     pub elements: DomainElements,
-    /// The domain it is a subset of.
+    /// The domain of which it is a subset; `None` unless it is a subset of a declared domain.
     pub base: Option<DomainId>,
-    /// Whether `extend` may add elements: it is abstract, or a subset of such a domain.
+    /// `true` if `extend` can add elements: the domain is abstract, or a subset of an abstract one.
     pub grows: bool,
 }
 
-/// The elements of a domain.
+/// The elements of a domain, as far as known at compile time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DomainElements {
-    /// All integers from `low` to `high`, bounds included.
+    /// The integers from `low` to `high`, inclusive.
     Ints {
-        /// The least element.
+        /// Least element.
         low: i64,
-        /// The greatest element.
+        /// Greatest element.
         high: i64,
     },
-    /// Atoms side by side; `extend` may add others.
+    /// Consecutive atoms, to which `extend` may add others.
     Atoms {
-        /// The first atom.
+        /// First atom.
         first: Atom,
-        /// How many there are at the start.
+        /// Number of elements in the initial state.
         count: u32,
     },
-    /// The value of a closed term in the initial state: a set.
+    /// The set that a closed term denotes in the initial state.
     Computed(BodyId),
-    /// No elements: declared as a subset, never defined.
+    /// None: declared as a subset, but never defined.
     Undefined,
-    /// Not a set of its own: an anydomain or a basic domain.
+    /// Not enumerated: an anydomain or a basic domain.
     Open,
 }
 
-/// A function.
+/// A function of the program.
 #[derive(Debug)]
 pub struct Function {
-    /// Who writes its locations.
+    /// Determines who may update its locations.
     pub kind: FunctionKind,
-    /// The shapes of its arguments.
+    /// Shapes of its arguments.
     pub parameters: Vec<ValueShape>,
-    /// The shape of its values.
+    /// Shape of its values.
     pub codomain: ValueShape,
-    /// What a value must be an element of when it is written; `None` for all values of the shape.
+    /// Domain that updates check the value against; `None` if every value of the shape is
+    /// permitted.
     pub within: Option<DomainId>,
-    /// Whether some part of a value must be an element of a concrete domain.
+    /// `true` if a component of the value must be an element of a concrete domain.
     pub restricted: bool,
-    /// Whether some part of an argument must be an element of one that does not grow.
+    /// `true` if a component of an argument must be an element of a concrete domain that does not
+    /// grow.
     pub narrow: bool,
-    /// Whether the type of its values leaves open how large they may grow: `Any` holds all nests.
+    /// `true` if the codomain puts no bound on how deeply values nest, as with `Any`; updates then
+    /// check the bound.
     pub open: bool,
-    /// Where its locations are.
+    /// Storage of its locations.
     pub storage: Storage,
-    /// Its value in the initial state, by arguments.
+    /// Body of the initial value, with the function's arguments; `None` for undef.
     pub initial: Option<BodyId>,
-    /// Nanoseconds a unit, if it tells the time (`mCurrTimeSecs`): what the environment leaves open
-    /// is the time of the step.
+    /// For a clock function (`mCurrTimeSecs`), the nanoseconds in its unit. It defaults to the time
+    /// of the step if the environment gives no value.
     pub clock: Option<i64>,
-    /// What it asks about messages: the machine answers, the environment where it cannot.
+    /// The query about messages that the function stands for. The machine answers it if it can,
+    /// otherwise the environment.
     pub mail: Option<MessageQuery>,
-    /// Whether the specification declares it itself: only these are shown.
+    /// `true` if the specification declares it, not a library; only such functions are shown in
+    /// traces.
     pub own: bool,
 }
 
-/// Who writes a function.
+/// The kind of a function: who may update its locations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FunctionKind {
-    /// Rules.
+    /// Rules only.
     Controlled,
-    /// Rules; the environment reads it.
+    /// Rules only, and the environment observes it.
     Out,
-    /// The environment.
+    /// The environment only.
     Monitored,
-    /// Both.
+    /// Both rules and the environment.
     Shared,
-    /// Rules, while the rule runs that declares it.
+    /// Rules, during the run of the rule that declares it.
     Local,
-    /// Nobody: computed.
+    /// Nobody: static or derived.
     Fixed,
 }
 
-/// The values of a type, as far as inputs and enumeration need to know.
+/// The structure of a type's values, as needed to read inputs and to enumerate domains.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ValueShape {
-    /// `true`, `false`
+    /// Truth values.
     Bool,
     /// Integers.
     Int,
-    /// Integers from 0.
+    /// Non-negative integers.
     Natural,
-    /// Real numbers.
+    /// Real numbers, as 64-bit floats.
     Real,
     /// Characters.
     Char,
-    /// Texts.
+    /// Character strings.
     Text,
     /// Complex numbers.
     Complex,
-    /// Rules.
+    /// Rules as values.
     Rule,
     /// The elements of a domain.
     Domain(DomainId),
-    /// Tuples.
+    /// Tuples, by their components.
     Tuple(Vec<ValueShape>),
-    /// Sequences.
+    /// Sequences of one element shape.
     Seq(Box<ValueShape>),
-    /// Sets.
+    /// Sets of one element shape.
     Set(Box<ValueShape>),
-    /// Bags.
+    /// Bags of one element shape.
     Bag(Box<ValueShape>),
-    /// Maps.
+    /// Maps, by the shapes of key and value.
     Map(Box<ValueShape>, Box<ValueShape>),
-    /// Anything.
+    /// Values of any shape.
     Any,
 }
 
-/// Where the locations of a function are.
+/// Storage of a function's locations.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Storage {
-    /// It has none.
+    /// No locations: the function is computed.
     None,
-    /// `base + Σ index(argument) · stride`, for arguments on their axes; others are interned.
+    /// Slots laid out at compile time: `base + Σ index(argument) · stride` if all arguments lie on
+    /// their axes. Other locations are interned.
     Dense {
-        /// The slot of the first location.
+        /// Slot of the first location.
         base: Slot,
-        /// How many slots there are.
+        /// Number of slots.
         count: u32,
-        /// One axis an argument.
+        /// One axis for each argument.
         axes: Vec<SlotAxis>,
-        /// Whether a location gets its value when it is first met: the axes are those of arguments the
-        /// program uses, the domains have no end.
+        /// `true` if a location gets its value on first access. This is the case for infinite
+        /// domains, where the axes cover the arguments that the program is known to use.
         lazy: bool,
     },
-    /// Every location is interned.
+    /// Interned locations, numbered on first access.
     Interned,
 }
 
 impl Storage {
-    /// Whether its fixed slots get their values when they are first met.
+    /// Returns `true` if its slots get their values on first access.
     pub fn is_lazy(&self) -> bool {
         matches!(self, Self::Dense { lazy: true, .. })
     }
 }
 
-/// How an argument becomes an index.
+/// The mapping from an argument to its part of the slot number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlotAxis {
-    /// What the argument ranges over.
+    /// The arguments that lie on the axis.
     pub over: AxisRange,
-    /// How far apart the locations of neighbouring arguments are.
+    /// Distance between the slots of neighbouring arguments.
     pub stride: u32,
 }
 
-/// What an argument ranges over.
+/// The arguments on an axis; their index counts from 0 in the order given here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisRange {
     /// `false`, `true`
     Bool,
-    /// Integers from `low`, `count` of them.
+    /// Consecutive integers.
     Ints {
-        /// The least.
+        /// Least integer.
         low: i64,
-        /// How many.
+        /// Number of integers.
         count: u32,
     },
-    /// Atoms from `first`, `count` of them.
+    /// Consecutive atoms.
     Atoms {
-        /// The first.
+        /// Number of the first atom.
         first: u32,
-        /// How many.
+        /// Number of atoms.
         count: u32,
     },
 }
 
-/// What an agent can be asked.
+/// The signature of an operation that an agent provides.
 #[derive(Clone, Debug)]
 pub struct AgentOperation {
-    /// What it is asked with.
+    /// Shape of the request's data; a tuple for several parameters.
     pub takes: ValueShape,
-    /// What it answers.
+    /// Shape of the reply's data.
     pub gives: ValueShape,
-    /// Whether every request has a reply.
+    /// `false` for a one-way operation, whose requests have no reply.
     pub replies: bool,
 }
 
 impl Default for AgentOperation {
-    /// Takes and gives anything.
+    /// An operation with arbitrary data, which replies.
     fn default() -> Self {
         Self {
             takes: ValueShape::Any,
@@ -335,8 +344,9 @@ impl Default for AgentOperation {
 }
 
 impl Program {
-    /// What an operation of an agent takes and gives, as an out function of its name declares it. One
-    /// whose codomain is `Rule` gives anything, or has no reply at all.
+    /// Returns the signature of an agent's operation, from the out function of that name. The
+    /// codomain `Rule` declares an operation without reply. An undeclared operation has the default
+    /// signature.
     pub fn operation(&self, name: &str) -> AgentOperation {
         let mut functions = self.symbols.functions.iter().zip(&self.functions);
         let found = functions.find(|(known, function)| {
@@ -364,13 +374,14 @@ impl Program {
         }
     }
 
-    /// Whether the initial state, or what must hold in it, depends on the inputs of the first step.
+    /// Returns `true` if the initial state, or an invariant in it, depends on the inputs of the
+    /// first step.
     pub fn needs_inputs(&self) -> bool {
         let mut invariants = self.invariants.iter();
         !self.initial_inputs.is_empty() || invariants.any(|invariant| invariant.waits)
     }
 
-    /// The function one of whose locations has this fixed slot.
+    /// Returns the function to which a slot laid out at compile time belongs.
     pub fn dense_function(&self, slot: Slot) -> Option<FunctionId> {
         let begins_after = |id: &FunctionId| match self.functions[id.0 as usize].storage {
             Storage::Dense { base, .. } => base <= slot,
@@ -385,7 +396,7 @@ impl Program {
 }
 
 impl AxisRange {
-    /// How many indices there are.
+    /// Returns the number of indices.
     pub fn count(self) -> u32 {
         match self {
             Self::Bool => 2,
@@ -393,7 +404,7 @@ impl AxisRange {
         }
     }
 
-    /// The index of an argument, if it lies on the axis.
+    /// Returns the index of an argument, or `None` if it does not lie on the axis.
     #[inline]
     pub fn index(self, argument: &Value) -> Option<u32> {
         match (self, argument) {
@@ -412,7 +423,7 @@ impl AxisRange {
         }
     }
 
-    /// The argument at an index.
+    /// Returns the argument at an index.
     pub fn argument(self, index: u32) -> Value {
         match self {
             Self::Bool => Value::Bool(index == 1),
@@ -422,30 +433,30 @@ impl AxisRange {
     }
 }
 
-/// A rule as a value: a routine and its first arguments.
+/// A rule as a value: a routine and its leading arguments.
 #[derive(Debug)]
 pub struct RuleValue {
-    /// The routine; `None` for a rule that cannot be a value.
+    /// The routine; `None` for a rule that cannot be used as a value.
     pub routine: Option<RoutineId>,
-    /// Whether it leaves a result, which nobody takes.
+    /// `true` if the rule writes `result`, which is discarded because the call has no target.
     pub returns: bool,
-    /// Arguments already given, each a closed term.
+    /// Bodies of the arguments bound to the value.
     pub arguments: Vec<BodyId>,
 }
 
-/// What must hold in every state.
+/// A condition that must hold in every state.
 #[derive(Debug)]
 pub struct Invariant {
-    /// Its name.
+    /// Declared name; the text of the condition if it has none.
     pub name: Arc<str>,
-    /// The condition.
+    /// Body of the condition.
     pub body: BodyId,
-    /// Whether it speaks of what the environment alone owns: then it is an assumption, checked before
-    /// the step's updates.
+    /// `true` if the condition depends on monitored functions. It is then an assumption about the
+    /// environment, checked before the updates of a step are applied.
     pub assumes: bool,
-    /// Whether it speaks of what rules and the environment share: then the initial state satisfies it
-    /// or not when the environment has spoken.
+    /// `true` if the condition depends on inputs, including shared functions. The initial state can
+    /// then be checked only with the inputs of the first step.
     pub waits: bool,
-    /// Where it stands.
+    /// Place of the condition in the sources.
     pub origin: Origin,
 }

@@ -1,9 +1,9 @@
-//! The parts of terms and rules, for whoever goes through all of them.
+//! Access to the direct parts of terms and rules, for passes over a program.
 
 use crate::code::{AssignTarget, Binder, BinderRange, Rule, RuleNode, Term, TermNode};
 
 impl TermNode {
-    /// The terms directly in it, in the order they are evaluated.
+    /// Returns the direct subterms, in order of evaluation.
     pub fn terms_mut(&mut self) -> Vec<&mut Term> {
         match self {
             Self::Constant(_)
@@ -58,7 +58,7 @@ impl TermNode {
 }
 
 impl RuleNode {
-    /// The terms directly in it, in the order they are evaluated.
+    /// Returns the direct terms of a rule, in order of evaluation.
     pub fn terms_mut(&mut self) -> Vec<&mut Term> {
         match self {
             Self::Skip
@@ -92,7 +92,7 @@ impl RuleNode {
         }
     }
 
-    /// The rules directly in it, in the order they are run.
+    /// Returns the direct subrules, in order of execution.
     pub fn rules_mut(&mut self) -> Vec<&mut Rule> {
         match self {
             Self::Skip

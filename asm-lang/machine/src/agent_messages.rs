@@ -1,4 +1,4 @@
-//! What a step under way hears of messages, and what becomes of an agent that received some.
+//! Messages during a step: answers to queries, and the status of agents that received messages.
 
 use crate::messages::{MessagesInTransit, PerformedAction};
 use crate::record::StepInput;
@@ -8,8 +8,9 @@ use asmotion_stdlib::{MessageAction, MessageQuery};
 use asmotion_value::Value;
 
 impl StepContext<'_> {
-    /// What is heard about messages; the arguments of the question are on the stack from `arguments` on.
-    /// Silence is no input.
+    /// Returns the value of a query about messages whose arguments are on the stack from
+    /// `arguments` on. Only a value that differs from the default (no message) is recorded as an
+    /// input.
     pub fn hear(
         &mut self,
         slot: Slot,
@@ -19,7 +20,7 @@ impl StepContext<'_> {
     ) -> Value {
         let asked = &self.stack[arguments..];
         let known = self.post.answer(mail, asked, messages, self.now_ns);
-        // nobody has to script what no message said
+        // traces and scripts need no entry for queries about messages that do not exist
         let function = self.state.function(self.program, slot);
         let heard = known.or_else(|| self.environment.read(function?, asked).ok()?);
         self.stack.truncate(arguments);
@@ -39,8 +40,8 @@ impl StepContext<'_> {
         value
     }
 
-    /// Whoever has received a message is ready, and whoever has found none is blocked, unless a rule
-    /// says otherwise.
+    /// Updates the status of agents with message actions: ready for one that received a message,
+    /// blocked for one that found none. An update by a rule takes precedence.
     pub fn settle_status(&mut self) -> Result<(), RuleStopped> {
         let Some(messages) = &self.program.messages else {
             return Ok(());

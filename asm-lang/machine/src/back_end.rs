@@ -1,16 +1,17 @@
-//! The seam to the native back end: what code that is no closure sees and does of a step.
+//! The interface for native code: the access that code other than closures has to a step.
 //!
-//! Closures are the reference and live in this crate. Native code lives in a crate above, behind the
-//! trait [`NativeCompiler`], because a code generator is by far the largest dependency of the language
-//! and most of its users do not need one: tests, checkers and tools do well with closures. A dependency
-//! of the machine on its own back end would also be an arrow upwards: the back end needs the program,
-//! the closures to fall back on and the vectors of a step, and the machine needs none of the back end.
+//! Closures are the reference implementation and live in this crate. Native code lives in a crate
+//! above, behind the trait [`NativeCompiler`], because a code generator is by far the largest
+//! dependency of the language and most of its users (tests, checkers, tools) need none. The
+//! direction of the dependency follows: the back end needs the program, the closures it falls back
+//! on and the vectors of a step, and the machine needs nothing of the back end.
 //!
-//! The seam is as narrow as speed allows. Native code reads and writes three things in place, since a
-//! call for each would cost more than the work itself: the slots of the state, the locals, and the
-//! lists of the update set ([`UpdateLists`]). The public fields of [`StepContext`] are counters that it keeps up
-//! to date. All else goes through the methods below, which are safe; so the machine has no unsafe code
-//! for the sake of the back end, and what the back end must guarantee is written where it is unsafe.
+//! The interface is as narrow as speed allows. Native code reads and writes three things in place,
+//! since a call would cost more than the operation itself: the slots of the state, the locals, and
+//! the lists of the update set ([`UpdateLists`]). It also keeps the counters in the public fields
+//! of [`StepContext`] up to date. Everything else goes through the safe methods below. The machine
+//! therefore contains no unsafe code for the back end; the back end's guarantees are stated next to
+//! its own unsafe code.
 
 pub use crate::code::{NativeCompiler, NativeRule, NoNativeCode, RuleCode, TermCode, TruthCode};
 pub use crate::compile::Compiler;
@@ -23,50 +24,50 @@ use crate::record::StepChoice;
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 
-/// What does the steps of a machine. A step is the same, whichever does it.
+/// The implementation that executes the steps of a machine. All give the same steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BackEnd {
-    /// Closures at first, native code once the machine has done some steps.
+    /// Closures at first, native code once the machine has done a certain amount of work.
     #[default]
     Auto,
-    /// Closures: every construct on every processor.
+    /// Closures, which support every construct on every processor.
     Closures,
-    /// Native code as far as there is any, from the first step on.
+    /// Native code from the first step on, as far as it is supported.
     Native,
 }
 
-/// How the value of a variable of `choose` is found.
+/// The way in which the value of a variable of `choose` is determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choosing {
-    /// The chooser says which of the candidates, by a number.
+    /// The chooser selects a candidate by its index.
     ByNumber,
-    /// The first candidate is taken, and no choice is noted.
+    /// The first candidate is taken, and no choice is recorded.
     First,
     /// The value was picked from outside.
     Picked,
 }
 
 impl StepContext<'_> {
-    /// What each slot holds.
+    /// Returns the values of all slots.
     #[inline]
     pub fn slots_mut(&mut self) -> &mut [Value] {
         &mut self.state.store.slots
     }
 
-    /// The lists of the update set.
+    /// Returns the lists of the update set.
     #[inline]
     pub fn update_lists(&mut self) -> UpdateLists<'_> {
         self.updates.lists()
     }
 
-    /// Whether a term failed, or a rule stopped.
+    /// Returns `true` if a term failed or a rule stopped.
     pub fn has_failed(&self) -> bool {
         self.fault.is_some()
     }
 
-    /// Whether a part of a term failed. The fault is forgotten: the closure of the whole term, which is
-    /// run next, meets it again. Only a fault of the environment stays, since the environment is asked
-    /// once a step.
+    /// Returns `true` if part of a term failed, and discards the fault: the closure of the whole
+    /// term runs next and encounters it again. A fault of the environment is kept, because the
+    /// environment is asked only once in a step.
     pub fn take_failure(&mut self) -> bool {
         let Some(fault) = self.fault.take() else {
             return false;
@@ -80,7 +81,7 @@ impl StepContext<'_> {
         true
     }
 
-    /// How a variable with this range is chosen.
+    /// Returns how a variable with this range is chosen.
     pub fn choosing(&self, range: Origin) -> Choosing {
         match self.chooser.picked(range) {
             Some(_) => Choosing::Picked,
@@ -89,7 +90,7 @@ impl StepContext<'_> {
         }
     }
 
-    /// Which of `count` candidates is chosen, from 0; at least one is given. The choice is recorded.
+    /// Returns the index of the chosen candidate, and records the choice. `count` is at least 1.
     pub fn choose(&mut self, count: usize, origin: Origin) -> usize {
         let index = self.chooser.choose(count).min(count.saturating_sub(1));
         self.record.choices.push(StepChoice {
@@ -100,13 +101,13 @@ impl StepContext<'_> {
         index
     }
 
-    /// Begins an update set within the innermost one.
+    /// Opens an update set within the innermost one.
     pub fn open_set(&mut self) {
         let layer = self.updates.open();
         self.updates.layers.push(layer);
     }
 
-    /// Ends the innermost set and applies it to the state; whether it was empty.
+    /// Closes the innermost set and applies it to the state; returns `true` if it was empty.
     pub fn apply_set(&mut self) -> bool {
         match self.updates.layers.pop() {
             Some(layer) => {
@@ -118,10 +119,11 @@ impl StepContext<'_> {
         }
     }
 
-    /// Ends a sequence: the state is as before it, its updates join the set around it.
+    /// Ends a sequence: restores the state before it, and merges its updates into the enclosing
+    /// set.
     ///
     /// # Errors
-    /// One of them clashes with an update of that set.
+    /// An update clashes with one of the enclosing set.
     pub fn end_sequence(&mut self) -> Result<(), RuleStopped> {
         match self.updates.layers.pop() {
             Some(layer) => self.restore(layer),
@@ -129,10 +131,10 @@ impl StepContext<'_> {
         }
     }
 
-    /// Runs a rule in a set of its own and applies that; whether it was empty.
+    /// Runs a rule in a set of its own and applies that set; returns `true` if it was empty.
     ///
     /// # Errors
-    /// The rule stopped.
+    /// The rule stopped with a fault.
     pub fn run_applying(&mut self, rule: &RuleCode) -> Result<bool, RuleStopped> {
         let layer = self.updates.open();
         rule(self)?;
@@ -141,9 +143,9 @@ impl StepContext<'_> {
         Ok(is_empty)
     }
 
-    /// Adds the first update of a slot to the innermost set.
+    /// Adds an update of a slot that has none in the innermost set yet.
     pub fn write_first(&mut self, slot: Slot, value: Value, origin: Origin) {
-        // no clash: the caller has looked at the slot's mark
+        // cannot clash: the caller has checked the slot's mark
         let _ = self.updates.write(slot, value, origin);
     }
 }

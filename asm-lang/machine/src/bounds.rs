@@ -1,19 +1,19 @@
-//! How large a value may be.
+//! Bounds on the size of values.
 
 use crate::limits::MAX_ELEMENTS;
 use asmotion_value::Value;
 
-/// Values may nest this deep.
+/// Limit for the nesting of a value.
 const MAX_NESTING: usize = 500;
 
-/// Whether a value nests no deeper and holds no more elements than anything else in a machine; what
-/// it shares counts as often as it stands.
+/// Returns `true` if a value respects the limits for nesting and for the number of elements. A
+/// shared part counts once for each occurrence.
 pub(crate) fn is_bounded(value: &Value) -> bool {
     let mut room = MAX_ELEMENTS;
     is_within(value, MAX_NESTING, &mut room)
 }
 
-/// Whether a value nests no deeper than `depth`, and holds no more than there is room for.
+/// Checks a value against a remaining depth and a remaining number of elements, which it reduces.
 fn is_within(value: &Value, depth: usize, room: &mut u64) -> bool {
     fn all<'a>(items: impl IntoIterator<Item = &'a Value>, depth: usize, room: &mut u64) -> bool {
         depth > 0

@@ -1,28 +1,29 @@
-//! Who decides where a rule leaves a choice.
+//! The source of non-deterministic choices.
 
 use asmotion_ir::Origin;
 use asmotion_value::Value;
 
-/// Decides for `choose` and `chooseone`. The same decisions give the same run.
+/// Decides `choose` rules and `chooseone` terms. Equal decisions give equal runs.
 pub trait Chooser {
-    /// Which of `count` candidates, in ascending order of the values; `count` is at least 1. An
-    /// answer beyond the last candidate means the last.
+    /// Returns the index of the chosen candidate. Candidates are in ascending order of their
+    /// values, and `count`, their number, is at least 1. An index beyond the last candidate selects
+    /// the last.
     fn choose(&mut self, count: usize) -> usize;
 
-    /// Whether the first candidate is always taken. Then candidates are not counted, and no choice is
-    /// noted.
+    /// Returns `true` if the first candidate is always taken. In this case candidates are not
+    /// counted and no choice is recorded.
     fn takes_first(&self) -> bool {
         false
     }
 
-    /// The value that the variable of a `choose` must take whose range stands here. It must be a
-    /// candidate. Without an answer, every candidate is one.
+    /// Returns a value picked for a variable of a `choose`, identified by the place of its range.
+    /// It must be one of the candidates. `None` leaves the choice to [`Chooser::choose`].
     fn picked(&self, _range: Origin) -> Option<Value> {
         None
     }
 }
 
-/// Takes the first candidate.
+/// Always takes the first candidate, which makes runs deterministic.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FirstChoice;
 

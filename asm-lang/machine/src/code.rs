@@ -1,4 +1,4 @@
-//! Compiled programs: closures for everything, and native code for the main rule where there is some.
+//! Compiled programs: closures for everything, optionally with native code for the main rule.
 
 use crate::packed::Layout;
 use crate::run::{KleeneTruth, RuleStopped, StepContext};
@@ -7,14 +7,14 @@ use asmotion_value::Value;
 use std::fmt;
 use std::sync::OnceLock;
 
-/// A term as a closure that gives its value.
+/// A compiled term: a closure that returns its value.
 pub type TermCode = Box<dyn Fn(&mut StepContext<'_>) -> Value + Send + Sync>;
-/// A truth-valued term as a closure.
+/// A compiled term of type Boolean: a closure that returns its truth value.
 pub type TruthCode = Box<dyn Fn(&mut StepContext<'_>) -> KleeneTruth + Send + Sync>;
-/// A rule as a closure that collects its updates.
+/// A compiled rule: a closure that adds its updates to the innermost set.
 pub type RuleCode = Box<dyn Fn(&mut StepContext<'_>) -> Result<(), RuleStopped> + Send + Sync>;
 
-/// Code with a frame of locals of its own.
+/// Compiled code with a frame of its own.
 pub(crate) struct Compiled<T> {
     pub locals: u32,
     pub arguments: u32,
@@ -23,52 +23,52 @@ pub(crate) struct Compiled<T> {
     pub open: bool,
 }
 
-/// A compiled program.
+/// A program compiled to closures.
 pub(crate) struct CompiledProgram {
     pub bodies: Vec<Compiled<TermCode>>,
     pub routines: Vec<Compiled<RuleCode>>,
-    /// For each domain the domains its elements belong to, beginning with itself.
+    /// For each domain, the domain itself and all domains it is a subset of.
     pub supers: Vec<Vec<DomainId>>,
-    /// How states of the program are packed.
+    /// Encoding of the program's states.
     pub layout: Layout,
-    /// The main rule as native code. Set when a machine first wants it, and never again: machines
-    /// cloned from one another share it.
+    /// The main rule as native code. Initialised at most once, when a machine first needs it, and
+    /// shared by the machines cloned from each other.
     pub native: OnceLock<Result<Box<dyn NativeRule>, NoNativeCode>>,
 }
 
-/// Compiles main rules to native code. The machine knows this trait alone: the crate that implements
-/// it stands above the machine, so that a build without it contains no code generator.
+/// Compiles main rules to native code. The implementing crate depends on the machine, which only
+/// knows this trait, so a build without that crate contains no code generator.
 pub trait NativeCompiler: Send + Sync + fmt::Debug {
     /// Compiles the main rule of a program.
     ///
     /// # Errors
-    /// There is no native code for this program or this processor. The machine then keeps to its
-    /// closures, which do the same steps.
+    /// The program or the processor is not supported. The machine then uses closures, which execute
+    /// the same steps.
     fn compile(&self, program: &Program) -> Result<Box<dyn NativeRule>, NoNativeCode>;
 }
 
-/// A main rule as native code. It may do less than the closures, but nothing else: whatever it cannot
-/// do by itself it leaves to the closure of the rule, guard or term at hand.
+/// A main rule as native code. It may leave any part of the rule to the closure of that part, but
+/// must not behave differently.
 pub trait NativeRule: Send + Sync {
-    /// Runs the main rule at the beginning of a step.
+    /// Runs the main rule at the start of a step.
     ///
     /// # Errors
-    /// The rule stopped; the run holds the fault.
+    /// The rule stopped; the context holds the fault.
     fn run(&self, run: &mut StepContext<'_>) -> Result<(), RuleStopped>;
 }
 
-/// Why closures do the steps of a machine that was asked for native code.
+/// The reason why a machine uses closures although native code was requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoNativeCode {
-    /// This build has no code generator: the cargo feature `native` is off.
+    /// The build has no code generator: the cargo feature `native` is off.
     NotBuilt,
-    /// The program is a module: it has no main rule.
+    /// The program is a module, which has no main rule.
     NoMainRule,
-    /// The program runs in compatibility mode, for which there are only closures.
+    /// The program runs in compatibility mode, which only closures support.
     Compatible,
-    /// The code generator does not know this processor.
+    /// The code generator does not support this processor.
     Processor,
-    /// The main rule is too large for the code generator.
+    /// The main rule exceeds the size limit of the code generator.
     TooLarge,
 }
 

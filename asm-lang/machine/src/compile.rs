@@ -1,7 +1,7 @@
-//! A program compiled to closures: every node becomes a function of the run, its parts captured.
+//! Compilation to closures: each node becomes a closure that captures those of its parts.
 //!
-//! Closures do everything, on every processor: they say what a step is. Native code
-//! ([`crate::back_end`]) does part of it, faster.
+//! Closures support every construct on every processor and define the meaning of a step. Native
+//! code ([`crate::back_end`]) covers part of them at higher speed.
 
 mod collection;
 mod counted;
@@ -31,7 +31,7 @@ impl CompiledProgram {
         )
     }
 
-    /// Code in which every read and every rule is watched.
+    /// Compiles a program with recording of every read and every rule.
     pub fn watched(program: &Program) -> Self {
         Self::compiled(
             program,
@@ -83,11 +83,11 @@ impl CompiledProgram {
     }
 }
 
-/// Terms whose values go somewhere together.
+/// Terms that are evaluated together, such as arguments.
 struct Values(Vec<TermCode>);
 
 impl Values {
-    /// Puts the values on the stack; gives where they begin.
+    /// Evaluates the terms and pushes their values on the stack; returns the index of the first.
     fn stacked(&self, run: &mut StepContext<'_>) -> usize {
         let from = run.stack.len();
         for term in &self.0 {
@@ -97,7 +97,8 @@ impl Values {
         from
     }
 
-    /// Puts the values behind the locals, as the arguments of a call; gives where they begin.
+    /// Evaluates the terms and appends their values to the locals, as arguments of a call; returns
+    /// the index of the first.
     fn passed(&self, run: &mut StepContext<'_>) -> usize {
         let from = run.locals.len();
         for term in &self.0 {
@@ -108,7 +109,7 @@ impl Values {
     }
 }
 
-/// Variables and the terms they are bound to, one after the other.
+/// Variables and the terms they are bound to, evaluated in order.
 struct LocalBindings(Vec<(Local, TermCode)>);
 
 impl LocalBindings {
@@ -120,15 +121,15 @@ impl LocalBindings {
     }
 }
 
-/// Compiles terms and rules of one program to closures.
+/// Compiles terms and rules of a program to closures.
 pub struct Compiler<'a> {
     program: &'a Program,
-    /// By function: its window, if it has one.
+    /// The window of each function, indexed by function; `None` if it has none.
     windows: Vec<Option<(usize, Vec<SlotAxis>)>>,
 }
 
 impl<'a> Compiler<'a> {
-    /// A compiler for the code of this program.
+    /// Creates a compiler for terms and rules of this program.
     pub fn of(program: &'a Program) -> Self {
         Self {
             program,

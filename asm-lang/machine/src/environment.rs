@@ -1,25 +1,26 @@
-//! Who answers for what the environment owns.
+//! The environment of a machine: the source of monitored and shared values.
 
 use asmotion_ir::FunctionId;
 use asmotion_value::Value;
 
-/// Gives monitored and shared functions their values. Within a step, every location is asked for at
-/// most once, when a rule first reads it; the answer holds for the whole step.
+/// Provides the values of monitored and shared functions. Within a step, each location is read at
+/// most once, when a rule first needs it, and the value holds for the whole step.
 pub trait Environment {
-    /// The value of a location. `None` leaves a location as it is that is shared or has an initial
-    /// value; a clock then tells the time of the step, and any other monitored location is undef.
+    /// Returns the value of a location. `None` means that the environment has none: a location that
+    /// is shared or has an initial value then keeps its value, a clock returns the time of the
+    /// step, and any other monitored location is undef.
     ///
     /// # Errors
-    /// There is no answer to be had; the text says why. The step then fails.
+    /// The value is not available, for the reason in the error text. The step then fails.
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String>;
 
-    /// Who gives a location its value, as a message says it of a value that is none of the location's.
+    /// Names the source of a location's value, for the message about a value outside the codomain.
     fn source(&self, _function: FunctionId, _arguments: &[Value]) -> String {
         "the environment".to_owned()
     }
 }
 
-/// An environment that has nothing to say.
+/// An environment that provides no values.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoInputs;
 

@@ -1,4 +1,4 @@
-//! The elements of domains and shapes, listed.
+//! Enumeration of domains and shapes.
 
 use crate::fault::FaultKind;
 use crate::limits::MAX_ELEMENTS;
@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 impl StepContext<'_> {
-    /// The elements of a domain, ascending.
+    /// Returns the elements of a domain in the current state, in ascending order.
     pub fn elements(&self, domain: DomainId) -> Result<Arc<Vec<Value>>, FaultKind> {
         match self.program.domains[domain.0 as usize].elements {
             DomainElements::Ints { low, high } => {
@@ -26,7 +26,7 @@ impl StepContext<'_> {
         }
     }
 
-    /// All values of a shape, ascending.
+    /// Returns all values of a shape, in ascending order.
     pub fn extent(&self, shape: &ValueShape) -> Result<Vec<Value>, FaultKind> {
         match shape {
             ValueShape::Bool => Ok(vec![Value::Bool(false), Value::Bool(true)]),

@@ -1,106 +1,106 @@
-//! Why a step has no next state.
+//! Faults: the reasons why a step has no next state.
 
 use crate::misfit::DomainMisfit;
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 
-/// A step failed. The state is as it was before, but for a violated invariant.
+/// A failed step. The state remains as before the step, except after a violated invariant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepFault {
-    /// What happened.
+    /// The reason for the failure.
     pub kind: FaultKind,
-    /// Where.
+    /// The rule or term that failed.
     pub origin: Origin,
-    /// The agent that ran, or undef.
+    /// The agent that was running, undef if the specification has none.
     pub agent: Value,
-    /// The step, counted from 1; 0 while the initial state is built.
+    /// The number of the step, from 1; 0 while the initial state is computed.
     pub step: u64,
 }
 
-/// What can happen.
+/// The reason for a fault.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaultKind {
-    /// A location is given two values at once: the update set is inconsistent.
+    /// Inconsistent update set: a location has two updates with different values.
     Clash {
-        /// The location.
+        /// Slot of the location.
         slot: Slot,
-        /// The value given first.
+        /// Value of the first update.
         first: Value,
-        /// Who gave it.
+        /// Rule of the first update.
         first_origin: Origin,
-        /// The other value; the fault's origin gave it.
+        /// Value of the second update, whose rule is the fault's origin.
         second: Value,
     },
-    /// A value written is not an element of the codomain.
+    /// A rule updates a location to a value outside the codomain.
     Outside {
-        /// The location.
+        /// Slot of the location.
         slot: Slot,
-        /// What does not fit.
+        /// The offending part of the value.
         misfit: DomainMisfit,
     },
-    /// A value that the environment gave is not an element of the codomain.
+    /// The environment provides a value outside the codomain.
     OutsideInput {
-        /// The location.
+        /// Slot of the location.
         slot: Slot,
-        /// What does not fit.
+        /// The offending part of the value.
         misfit: DomainMisfit,
-        /// Who gave it.
+        /// Source of the value, from [`Environment::source`](crate::Environment::source).
         source: String,
     },
-    /// An argument of a location that is written is not an element of the function's domain.
+    /// A rule updates a location with an argument outside the function's domain.
     OutsideArgument {
-        /// The location.
+        /// Slot of the location.
         slot: Slot,
-        /// What does not fit.
+        /// The offending argument.
         misfit: DomainMisfit,
     },
-    /// A guard is neither true nor false.
+    /// The guard of a rule is undef.
     UndefinedGuard,
-    /// A function of the library has no value for these arguments.
+    /// A library function is undefined for its arguments.
     Library(asmotion_stdlib::BuiltinFault),
-    /// A variable ranges over a domain without end.
+    /// A variable ranges over an infinite domain.
     Infinite,
     /// A variable ranges over a value that is no collection.
     NotACollection(Value),
-    /// A value is run that is no rule.
+    /// A term run as a rule has another value.
     NotARule(Value),
-    /// A rule is run with the wrong number of arguments.
+    /// A rule value is run with the wrong number of arguments.
     RuleArity {
-        /// How many it takes.
+        /// Number of the rule's parameters.
         wanted: u32,
-        /// How many it was given.
+        /// Number of arguments given.
         actual: u32,
     },
-    /// An agent has no program.
+    /// An agent without a program is run.
     NoProgram(Value),
-    /// Calls nest too deeply.
+    /// The nesting of calls exceeds this limit.
     TooDeep(u32),
-    /// One step calls functions and rules too often.
+    /// The number of calls in the step exceeds this limit.
     ManyCalls(u32),
-    /// A loop does not end.
+    /// The number of loop iterations in the step exceeds this limit.
     Endless(u32),
-    /// An interval or extent has too many elements.
+    /// An interval or extent has too many elements: this number.
     TooLarge(u64),
-    /// A variable is not bound where it stands.
+    /// A variable is used outside its scope.
     Unbound,
-    /// A value of an open domain nests too deeply, or holds too much.
+    /// A value of an open domain exceeds the limits for nesting or size.
     Unbounded,
-    /// The environment has no answer.
+    /// The environment cannot provide a value.
     Input {
-        /// The location.
+        /// Slot of the location.
         slot: Slot,
-        /// What the environment said.
+        /// Error text of the environment.
         reason: String,
     },
     /// An invariant does not hold.
     Invariant {
-        /// Its number in the program.
+        /// Index into [`Program::invariants`](asmotion_ir::Program::invariants).
         index: usize,
-        /// Its value: false or undef.
+        /// Value of the condition: false or undef.
         value: Value,
     },
     /// The values picked for a `choose` from outside are no candidate.
     NoCandidate(Vec<Value>),
-    /// There is no main rule.
+    /// The program is a module, which has no main rule.
     NoMain,
 }

@@ -1,4 +1,4 @@
-//! The initial state: built from the program, completed by the inputs of the first step.
+//! The initial state: computed from the program, completed with the inputs of the first step.
 
 use crate::choose::FirstChoice;
 use crate::environment::{Environment, NoInputs};
@@ -11,14 +11,14 @@ use asmotion_value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// An initial value that is none of its function's.
+/// An initial value outside the codomain of its function.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialMisfit {
-    /// The arguments of the location.
+    /// Arguments of the location.
     pub arguments: Vec<Value>,
-    /// What does not fit.
+    /// The offending part of the value.
     pub misfit: DomainMisfit,
-    /// Where the value is defined.
+    /// Place of the initial value's definition.
     pub origin: Origin,
 }
 
@@ -38,7 +38,7 @@ impl Machine {
         }
     }
 
-    /// Completes the initial state with what the environment says in the first step.
+    /// Completes the initial state with the inputs of the first step.
     pub(crate) fn initialise_with_inputs(
         &mut self,
         environment: &mut dyn Environment,
@@ -53,7 +53,8 @@ impl Machine {
         Ok(())
     }
 
-    /// Says that this is the initial state: what is met later begins as it would have begun here.
+    /// Marks the current state as the initial one: locations accessed later are initialised from
+    /// it.
     fn begin_here(&mut self, now_ns: i64) {
         self.state.initial.slots = self.state.store.slots.clone();
         self.state.initial.extents = self.state.store.extents.clone();
@@ -145,7 +146,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Computes something while the initial state is being built.
+    /// Runs `work` in the context of the initial state.
     fn build<T>(
         &mut self,
         environment: &mut dyn Environment,
@@ -158,8 +159,9 @@ impl Machine {
         })
     }
 
-    /// The initial values that are none of their functions', one for each function. Such a state is
-    /// run all the same: the reference does not look at it, and specifications rely on that.
+    /// Returns the initial values outside the codomain of their functions, at most one for each
+    /// function. They are no fault: the reference does not check them, and existing specifications
+    /// rely on that.
     pub fn initial_misfits(&self) -> Vec<InitialMisfit> {
         let mut found: BTreeMap<FunctionId, InitialMisfit> = BTreeMap::new();
         for slot in 0..self.state.len() as Slot {
@@ -175,7 +177,7 @@ impl Machine {
     fn initial_misfit(&self, slot: Slot, function: FunctionId) -> Option<InitialMisfit> {
         let (program, state) = (&*self.program, &self.state);
         let body = program.functions[function.0 as usize].initial?;
-        // what depends on inputs is known when they are
+        // values that depend on inputs are not known before the first step
         let is_open = |initial| !self.is_complete && program.initial_inputs.contains(&initial);
         if is_open(Initial::Function(function)) || !state.locations.is_met(slot) {
             return None;

@@ -4,7 +4,7 @@ use crate::fault::FaultKind;
 use crate::run::{KleeneTruth, RuleStopped, StepContext};
 
 impl StepContext<'_> {
-    /// Checks the invariants that speak of inputs, or all others.
+    /// Checks the invariants that are assumptions about inputs, or else all others.
     #[inline]
     pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), RuleStopped> {
         match self.program.invariants.is_empty() {

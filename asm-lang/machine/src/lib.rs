@@ -1,9 +1,10 @@
-//! One step: state and environment in, update set and trace out.
+//! The machine: executes the steps of a program.
 //!
-//! A [`Machine`] compiles a program once, to closures, and then steps: the rules are evaluated in the
-//! current state, their updates are collected, and if no location is given two values they are
+//! A [`Machine`] compiles a program once, to closures, and then steps: the rules are evaluated in
+//! the current state, their updates are collected, and if the update set is consistent, it is
 //! applied at once (Börger & Stärk, *Abstract State Machines*, 2003, §2.4). Inputs come from an
-//! [`Environment`], choices from a [`Chooser`], time from the caller: a machine has no other door.
+//! [`Environment`], choices from a [`Chooser`], and the time from the caller; nothing else
+//! influences a step.
 
 mod agent_messages;
 pub mod back_end;

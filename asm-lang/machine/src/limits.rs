@@ -1,20 +1,23 @@
-//! How much a step may do: whatever the program, it ends with a fault rather than with the stack, the
-//! memory or the patience used up. Fuzzers use smaller bounds, to get at them.
+//! Limits of a step. They guarantee that a step of any program ends with a fault before it exhausts
+//! the stack, the memory or the user's patience. Fuzzing uses smaller limits in order to reach
+//! them.
 
-/// Calls may nest this deep.
+/// Limit for the nesting of calls.
 pub(crate) const MAX_DEPTH: u32 = 20_000;
 
-/// Calls of functions and rules in one step. More are a recursion that branches.
+/// Limit for the calls of functions and rules in a step; exceeded by branching recursion.
 pub const MAX_CALLS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
-/// Rounds of all loops of one step together.
+/// Limit for the iterations of all loops in a step.
 pub const MAX_ITERATIONS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
-/// Bindings of variables by `forall`, `choose`, comprehensions and quantifiers in one step.
+/// Limit for the bindings of variables by `forall`, `choose`, comprehensions and quantifiers in a
+/// step.
 pub const MAX_BINDINGS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
-/// Elements of a domain, a shape or a collection that are listed.
+/// Limit for the elements of a domain, a shape or a collection that is enumerated.
 pub(crate) const MAX_ELEMENTS: u64 = if cfg!(fuzzing) { 1 << 14 } else { 1 << 20 };
 
-/// Arguments of a function whose locations are found by index; those of more are found by hashing.
+/// Limit for the arguments of a function whose locations are found by index; locations with more
+/// arguments are found by hashing.
 pub(crate) const MAX_AXES: usize = 4;

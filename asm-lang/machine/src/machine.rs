@@ -1,4 +1,4 @@
-//! A machine: a compiled program and its state.
+//! Machines: a compiled program with its state.
 
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
@@ -18,54 +18,54 @@ use asmotion_value::{Atom, Value};
 use std::fmt;
 use std::sync::Arc;
 
-/// A step that was done: what it read, chose and wrote.
+/// The last step: its inputs, choices, updates and output.
 #[derive(Clone, Copy)]
 pub struct Step<'a> {
     machine: &'a Machine,
 }
 
 impl<'a> Step<'a> {
-    /// Its number, from 1.
+    /// Returns the number of the step, from 1.
     pub fn number(self) -> u64 {
         self.machine.steps
     }
 
-    /// What was read of the environment, in order.
+    /// Returns the values read from the environment, in order.
     pub fn inputs(self) -> &'a [StepInput] {
         &self.machine.scratch.record.inputs
     }
 
-    /// What was chosen, in order.
+    /// Returns the choices, in order.
     pub fn choices(self) -> &'a [StepChoice] {
         &self.machine.scratch.record.choices
     }
 
-    /// The update set, in the order the rules wrote it.
+    /// Returns the update set, in the order in which the rules produced it.
     pub fn updates(self) -> &'a [Update] {
         &self.machine.scratch.updates.list
     }
 
-    /// What each updated location held before, in the same order.
+    /// Returns the previous values of the updated locations, in the same order.
     pub fn before(self) -> &'a [Value] {
         &self.machine.scratch.before
     }
 
-    /// The elements that joined a domain.
+    /// Returns the elements added to domains by `extend`.
     pub fn extended(self) -> &'a [(DomainId, Atom)] {
         &self.machine.scratch.updates.extended
     }
 
-    /// What `print` wrote.
+    /// Returns the texts written by `print`.
     pub fn printed(self) -> &'a [String] {
         &self.machine.scratch.record.printed
     }
 
-    /// The messages it sent, in order.
+    /// Returns the messages sent, in order.
     pub fn sent(self) -> &'a [SentMessage] {
         &self.machine.scratch.record.sent
     }
 
-    /// The time it was done at.
+    /// Returns the time of the step, in nanoseconds.
     pub fn now_ns(self) -> i64 {
         self.machine.scratch.record.now_ns
     }
@@ -82,34 +82,34 @@ impl fmt::Debug for Step<'_> {
     }
 }
 
-/// When a machine has done so much, compiling its main rule to native code is worth while.
+/// Amount of work after which compiling the main rule to native code pays off; see [`STEP`].
 const WARM: u64 = 10_000;
 
-/// What a step counts; a variable bound within counts one.
+/// Work of a step. Each variable bound in the step adds 1.
 const STEP: u64 = 20;
 
-/// A program, compiled, and its state. Cloning shares the code and copies the state.
+/// A compiled program with its state. Cloning shares the code and copies the state.
 #[derive(Clone)]
 pub struct Machine {
     pub(crate) program: Arc<Program>,
     pub(crate) code: Arc<CompiledProgram>,
     pub(crate) state: MachineState,
     pub(crate) scratch: Scratch,
-    /// Messages on their way.
+    /// Messages that were sent and not yet consumed.
     pub(crate) post: MessagesInTransit,
     pub(crate) steps: u64,
-    /// How often a step was begun: what was asked of the environment counts for one of them.
+    /// Number of attempted steps. Inputs are valid within one attempt.
     pub(crate) rounds: u64,
-    /// Whether the initial state holds the values that depend on inputs.
+    /// `true` once the initial state contains the values that depend on inputs.
     pub(crate) is_complete: bool,
     back_end: BackEnd,
-    /// What compiles its main rule to native code, if the build has such a thing.
+    /// The compiler to native code; `None` in a build without one.
     native_compiler: Option<&'static dyn NativeCompiler>,
-    /// How much its steps had to do.
+    /// Work done so far, in the unit of [`WARM`].
     work: u64,
 }
 
-/// What a step needs and the next one can use again.
+/// Buffers of a step, reused by the next one.
 #[derive(Default)]
 pub(crate) struct Scratch {
     pub updates: Updates,
@@ -117,14 +117,15 @@ pub(crate) struct Scratch {
     locals: Vec<Value>,
     stack: Vec<Value>,
     before: Vec<Value>,
-    /// Whether nothing that the last step wrote, or found there, must be dropped.
+    /// `true` if the last step wrote and replaced only scalars, so that no value needs to be
+    /// dropped.
     is_plain: bool,
-    /// Only where a failed step is done once more.
+    /// Records of a failed step that is being repeated; otherwise `None`.
     notes: Option<WitnessNotes>,
 }
 
 impl Scratch {
-    /// Forgets the last step.
+    /// Clears the buffers of the last step.
     #[inline]
     fn begin(&mut self, now_ns: i64) {
         self.record.begin(now_ns);
@@ -135,13 +136,13 @@ impl Scratch {
             self.before.clear();
             self.updates.list.clear();
         }
-        // whatever becomes of this step
+        // assume non-scalars until this step has succeeded
         self.is_plain = false;
     }
 }
 
 impl Clone for Scratch {
-    /// Scratch holds nothing that outlives a step.
+    /// Creates empty buffers: their contents do not outlive a step.
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -151,7 +152,7 @@ impl Machine {
     /// Compiles a program and builds its initial state.
     ///
     /// # Errors
-    /// An initial value cannot be computed, or an invariant does not hold initially.
+    /// An initial value cannot be computed, or the initial state violates an invariant.
     pub fn new(program: Arc<Program>) -> Result<Self, Box<StepFault>> {
         let code = CompiledProgram::of(&program);
         let mut machine = Self::blank(program, code);
@@ -159,7 +160,7 @@ impl Machine {
         Ok(machine)
     }
 
-    /// A machine whose initial state is still to be built.
+    /// Creates a machine without an initial state.
     pub(crate) fn blank(program: Arc<Program>, code: CompiledProgram) -> Self {
         let state = MachineState::new(&program);
         Self {
@@ -177,7 +178,7 @@ impl Machine {
         }
     }
 
-    /// A machine in the same state with other closures.
+    /// Creates a machine in the same state with other closures.
     pub(crate) fn recompiled(&self, code: CompiledProgram) -> Self {
         Self {
             code: Arc::new(code),
@@ -186,25 +187,25 @@ impl Machine {
         }
     }
 
-    /// From now on, watched code notes what it sees on the way to this fault.
+    /// Starts recording the way to this fault; requires recording code.
     pub(crate) fn watch(&mut self, fault: &StepFault) {
         self.scratch.notes = Some(WitnessNotes::about(fault));
     }
 
-    /// What was noted.
+    /// Returns the records and ends recording.
     pub(crate) fn notes(&mut self) -> Option<WitnessNotes> {
         self.scratch.notes.take()
     }
 
-    /// Gives the machine a compiler to native code. Until it has one, closures do all its steps.
+    /// Sets the compiler to native code. Without one, closures execute all steps.
     pub fn set_native_compiler(&mut self, compiler: &'static dyn NativeCompiler) {
         self.native_compiler = Some(compiler);
     }
 
-    /// Says what does the steps from now on. Native code that is asked for is compiled at once.
+    /// Selects the implementation of future steps. [`BackEnd::Native`] compiles immediately.
     ///
     /// # Errors
-    /// There is no native code for this machine: closures do its steps, which are the same.
+    /// Native code is not available; closures execute the same steps.
     pub fn set_back_end(&mut self, back_end: BackEnd) -> Result<(), NoNativeCode> {
         self.back_end = back_end;
         match back_end {
@@ -213,7 +214,7 @@ impl Machine {
         }
     }
 
-    /// What does the next step: closures, or native code.
+    /// Returns the implementation of the next step: closures or native code.
     pub fn back_end(&self) -> BackEnd {
         match self.is_native() {
             true => BackEnd::Native,
@@ -221,7 +222,7 @@ impl Machine {
         }
     }
 
-    /// Whether native code does the next step; it is compiled now if the machine has become warm.
+    /// Returns `true` if native code executes the next step; compiles it once enough work was done.
     #[inline]
     fn is_native(&self) -> bool {
         let is_wanted = match self.back_end {
@@ -232,7 +233,7 @@ impl Machine {
         is_wanted && self.compile_native().is_ok()
     }
 
-    /// Compiles the main rule to native code, unless that was done before.
+    /// Compiles the main rule to native code, unless it is already compiled.
     #[inline]
     fn compile_native(&self) -> Result<(), NoNativeCode> {
         let compile = || match self.native_compiler {
@@ -245,22 +246,22 @@ impl Machine {
         }
     }
 
-    /// The program.
+    /// Returns the program that the machine executes.
     pub fn program(&self) -> &Arc<Program> {
         &self.program
     }
 
-    /// The current state.
+    /// Returns the current state.
     pub fn state(&self) -> &MachineState {
         &self.state
     }
 
-    /// How many steps were done.
+    /// Returns the number of completed steps.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// What the machine's atoms and rules are called.
+    /// Returns the names of the machine's atoms and rules.
     pub fn naming(&self) -> Naming<'_> {
         Naming {
             program: &self.program,
@@ -268,11 +269,11 @@ impl Machine {
         }
     }
 
-    /// Does one step. `now_ns` is what the time functions of the library answer.
+    /// Executes one step. `now_ns`, in nanoseconds, is the time that clock functions return.
     ///
     /// # Errors
-    /// The step has no next state; the state is as before. Only where an invariant of the new state
-    /// is violated, the step was done.
+    /// The step has no next state, and the state is unchanged. The exception is a violated
+    /// invariant of the new state, which is reported after the step was completed.
     pub fn step(
         &mut self,
         environment: &mut dyn Environment,
@@ -293,8 +294,8 @@ impl Machine {
         Ok(self.last_step())
     }
 
-    /// Evaluates rules in the current state, and applies their updates. The first step checks the
-    /// initial state, which its inputs complete.
+    /// Evaluates rules in the current state and applies their updates. The first step also
+    /// completes the initial state with its inputs and checks it.
     #[inline]
     pub(crate) fn attempt(
         &mut self,
@@ -320,7 +321,7 @@ impl Machine {
         }
         let number = self.steps + 1;
         let evaluated = self.run(environment, chooser, number, now_ns, |run| {
-            // whoever stopped has noted the fault
+            // a fault was recorded where it occurred
             if rules(run).is_ok() && !run.record.done.is_empty() {
                 let _ = run.settle_status();
             }
@@ -342,7 +343,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Checks the invariants of the state that the last step led to.
+    /// Checks the invariants of the state after the last step once more.
     #[inline(always)]
     pub(crate) fn check_again(
         &mut self,
@@ -363,28 +364,30 @@ impl Machine {
         now_ns: i64,
     ) -> Result<(), Box<StepFault>> {
         self.run(environment, chooser, self.steps, now_ns, |run| {
-            // a violation is reported as the fault of the run
+            // the context records a violation as a fault
             let _ = run.check_invariants(false);
         })
     }
 
-    /// Forgets the step done last, and keeps what was counted.
+    /// Discards the last step, but keeps the coverage counters.
     pub(crate) fn forget_last_step(&mut self) {
         self.scratch.begin(0);
         self.scratch.updates.begin(self.state.len());
     }
 
-    /// The step done last, or failed; its update set is empty before the first one.
+    /// Returns the last step, successful or failed; before the first step, its update set is empty.
     pub fn last_step(&self) -> Step<'_> {
         Step { machine: self }
     }
 
-    /// What the chooser picked in the last step, by the place of the variable's range.
+    /// Returns the values that the chooser picked in the last step, with the places of the
+    /// variables' ranges.
     pub(crate) fn picked(&self) -> &[(Origin, Value)] {
         &self.scratch.record.picked
     }
 
-    /// How often what [`asmotion_ir::Program::counted`] lists ran; steps that failed count, too.
+    /// Returns the coverage counts for [`asmotion_ir::Program::counted`], including those of failed
+    /// steps.
     pub fn counts(&self) -> Vec<u64> {
         let record = &self.scratch.record;
         let counters = 0..self.program.counted.len() as u32;
@@ -410,7 +413,7 @@ impl Machine {
         }
     }
 
-    /// Does some work with code at hand.
+    /// Runs `work` in the context of a step.
     #[inline]
     pub(crate) fn run<T>(
         &mut self,

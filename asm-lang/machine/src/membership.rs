@@ -1,4 +1,4 @@
-//! Whether values are elements of domains in the state of a run.
+//! Membership of values in domains, in the current state of a step.
 
 use crate::fault::FaultKind;
 use crate::misfit::{DomainMisfit, is_listed};
@@ -7,14 +7,15 @@ use asmotion_ir::{DomainId, FunctionId, Origin, Slot};
 use asmotion_value::Value;
 
 impl StepContext<'_> {
-    /// What of a value is no element of its function's codomain.
+    /// Returns the part of a value that is outside its function's codomain, if any.
     pub fn misfit(&self, function: FunctionId, value: &Value) -> Option<DomainMisfit> {
         DomainMisfit::of_value(self.program, function, value, &|domain, value| {
             self.is_element(domain, value)
         })
     }
 
-    /// What of the arguments of a location, on the stack, is no element of their function's domain.
+    /// Returns the part of a location's arguments, which are on the stack, that is outside the
+    /// function's domain, if any.
     pub fn misplaced(&self, function: FunctionId, arguments: usize) -> Option<DomainMisfit> {
         let declared = &self.program.functions[function.0 as usize];
         if !declared.narrow || self.program.compatible {
@@ -28,9 +29,9 @@ impl StepContext<'_> {
         })
     }
 
-    /// Stops a rule that writes a location whose arguments are no elements of the function's domain.
-    /// What was inside when it was met is so for ever; what was outside is looked at again, for the
-    /// initial state may not have been made then.
+    /// Stops a rule that updates a location with an argument outside the function's domain.
+    /// Arguments inside the domain on first access need no further check. Those outside are checked
+    /// again, because the location may have been accessed before the initial state was complete.
     pub fn check_place(&mut self, slot: Slot, origin: Origin) -> Result<(), RuleStopped> {
         if !self.state.is_outside(slot) {
             return Ok(());
@@ -48,13 +49,14 @@ impl StepContext<'_> {
         }
     }
 
-    /// Whether a value is an element of a domain now.
+    /// Returns `true` if a value is an element of a domain in the current state or joins it in this
+    /// step.
     pub fn is_element(&self, domain: DomainId, value: &Value) -> bool {
         is_listed(self.program, &self.state.store.extents, domain, value)
             || self.is_joining(domain, value)
     }
 
-    /// Whether a value is an element that joins the domain with the updates of this step.
+    /// Returns `true` if a value is an element that an update of this step adds to the domain.
     fn is_joining(&self, domain: DomainId, value: &Value) -> bool {
         let Value::Atom(atom) = value else {
             return false;

@@ -1,9 +1,9 @@
-//! Messages on their way.
+//! Messages between agents, from sending to receiving.
 //!
-//! They wait outside the state. A step sees what had arrived before it, of each sender and operation
-//! the oldest message; what it sends arrives with the next step at the earliest. So any number of
-//! messages can be sent in a step, in any order, and none hides another. (SCA-ASM, Riccobene and
-//! Scandurra, Formal Aspects of Computing 26, 2014.)
+//! They wait outside the ASM state. A step sees the messages that arrived before it, the oldest one
+//! for each sender and operation; those that it sends arrive in the next step at the earliest. A
+//! step can therefore send any number of messages in any order, and no message overwrites another.
+//! (SCA-ASM: Riccobene and Scandurra, Formal Aspects of Computing 26, 2014.)
 
 mod packed;
 mod sent;
@@ -15,13 +15,13 @@ use asmotion_stdlib::{MessageAction, MessageQuery};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
-/// More messages than this do not wait: the oldest is dropped and counted.
+/// Capacity of each queue. A further message displaces the oldest one, which is counted.
 const MAX_WAITING: usize = 1024;
 
-/// Nanoseconds a millisecond.
+/// A millisecond in nanoseconds.
 const MILLISECOND: i64 = 1_000_000;
 
-/// What an agent did with messages in a step.
+/// An action on messages performed by an agent in a step.
 #[derive(Debug)]
 pub(crate) struct PerformedAction {
     pub act: MessageAction,
@@ -29,7 +29,7 @@ pub(crate) struct PerformedAction {
     pub origin: Origin,
 }
 
-/// A message that waits.
+/// A message in one of the queues.
 #[derive(Clone, Debug)]
 struct StoredMessage {
     id: MessageId,
@@ -39,7 +39,7 @@ struct StoredMessage {
     data: Value,
 }
 
-/// A call that waits for its reply.
+/// A call without a reply so far.
 #[derive(Clone, Debug)]
 struct WaitingCall {
     id: MessageId,
@@ -49,32 +49,33 @@ struct WaitingCall {
     deadline_ns: Option<i64>,
 }
 
-/// An agent and an operation.
+/// The key of faults: an agent and the name of an operation.
 type Concern = (Value, String);
 
-/// All messages of a machine that are on their way.
+/// The queues of a machine's messages, and the state of its calls.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MessagesInTransit {
-    /// Agents outside.
+    /// Agents outside this specification; messages to them leave it.
     partners: Vec<Value>,
-    /// Not received, the oldest first.
+    /// Messages not received yet, oldest first.
     arrived: Vec<StoredMessage>,
-    /// Received and not answered, likewise.
+    /// Requests received but not answered, oldest first.
     received: Vec<StoredMessage>,
-    /// Replies that were not received.
+    /// Replies not received yet, oldest first.
     answers: Vec<StoredMessage>,
     calls: Vec<WaitingCall>,
     faults: BTreeMap<Concern, CallFault>,
-    /// What could not be sent in the step before.
+    /// Senders and operations of messages that could not be sent since the last step.
     unsent: Vec<Concern>,
-    /// Calls that ended by themselves, until it is told.
+    /// Calls that timed out; reported as cancelled with the next messages sent.
     ended: Vec<SentMessage>,
     is_down: bool,
     last: u64,
     dropped: u64,
 }
 
-/// Sender and recipient of something, and its operation, as acts and questions name them.
+/// The first three arguments of message actions and queries: the agent itself, its partner, and the
+/// operation.
 struct MessageRoute<'a> {
     own: &'a Value,
     other: &'a Value,
@@ -82,7 +83,7 @@ struct MessageRoute<'a> {
 }
 
 impl<'a> MessageRoute<'a> {
-    /// The first three arguments.
+    /// Reads the first three arguments.
     fn of(arguments: &'a [Value]) -> Option<Self> {
         let [own, other, operation, ..] = arguments else {
             return None;
@@ -94,12 +95,12 @@ impl<'a> MessageRoute<'a> {
         })
     }
 
-    /// Whether a letter came this way.
+    /// Returns `true` if the partner sent this message about the operation to the agent.
     fn is_from(&self, letter: &StoredMessage) -> bool {
         letter.to == *self.own && letter.from == *self.other && self.is_about(&letter.operation)
     }
 
-    /// Whether a call went this way.
+    /// Returns `true` if the agent made this call of the operation to the partner.
     fn is_of(&self, call: &WaitingCall) -> bool {
         call.from == *self.own && call.to == *self.other && self.is_about(&call.operation)
     }
@@ -113,7 +114,7 @@ impl<'a> MessageRoute<'a> {
     }
 }
 
-/// The name of an operation.
+/// Returns the name of an operation, without prefix and signature.
 fn name(operation: &Value) -> Option<&str> {
     match operation {
         Value::Text(text) => Some(asmotion_stdlib::operation(text)),
@@ -122,7 +123,7 @@ fn name(operation: &Value) -> Option<&str> {
 }
 
 impl MessagesInTransit {
-    /// Ends the calls whose time is over.
+    /// Ends the calls whose deadline has passed.
     pub fn begin(&mut self, now_ns: i64) {
         let is_over = |call: &mut WaitingCall| call.deadline_ns.is_some_and(|end| end <= now_ns);
         let over: Vec<WaitingCall> = self.calls.extract_if(.., is_over).collect();
@@ -156,7 +157,7 @@ impl MessagesInTransit {
         MessageId(self.last)
     }
 
-    /// What is known about messages; nothing where the environment may know more.
+    /// Answers a query about messages. `None` leaves the answer to the environment.
     pub fn answer(
         &self,
         mail: MessageQuery,
@@ -208,7 +209,8 @@ impl MessagesInTransit {
         }
     }
 
-    /// What is true where neither the post nor the environment knows more.
+    /// Returns the default answer of a query, for the case that neither the queues nor the
+    /// environment has one.
     pub fn silence(mail: MessageQuery, messages: &Messages) -> Value {
         match mail {
             MessageQuery::SendFault | MessageQuery::Calling => Value::Bool(false),
@@ -222,12 +224,12 @@ impl MessagesInTransit {
         }
     }
 
-    /// Does what the agents did in a step; gives what was sent.
+    /// Performs the actions of a step's agents and appends the messages sent to `sent`.
     pub fn settle(&mut self, all: &[PerformedAction], now_ns: i64, sent: &mut Vec<SentMessage>) {
         self.unsent.clear();
         sent.append(&mut self.ended);
         for (index, done) in all.iter().enumerate() {
-            // whoever receives the same message twice in a step receives it once
+            // the same receive action performed twice in a step receives one message
             let is_again = all[..index]
                 .iter()
                 .any(|other| other.act == done.act && other.arguments == done.arguments);
@@ -245,7 +247,8 @@ impl MessagesInTransit {
                 MessageAction::Answer => {
                     let letter = remove_first(&mut self.answers, |letter| route.is_from(letter));
                     if letter.is_none() {
-                        // the environment has answered
+                        // the reply came from the environment, as in a replay, so the call has
+                        // ended
                         remove_first(&mut self.calls, |call| route.is_of(call));
                     }
                 }
@@ -327,7 +330,7 @@ impl MessagesInTransit {
         Some(message)
     }
 
-    /// Brings a message to an agent of this specification.
+    /// Queues a message for an agent of this specification.
     fn post(&mut self, message: &SentMessage) {
         let (data, answers) = match &message.kind {
             SentKind::Message { data } | SentKind::Call { data, .. } => (data, None),
@@ -348,7 +351,7 @@ impl MessagesInTransit {
         push_bounded(letters, letter, &mut self.dropped);
     }
 
-    // ---- what comes from outside --------------------------------------------------------------
+    // ---- interface to the outside --------------------------------------------------------------
 
     pub fn set_partners(&mut self, partners: Vec<Value>) {
         self.partners = partners;

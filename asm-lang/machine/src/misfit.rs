@@ -1,25 +1,25 @@
-//! Values that are no elements of the domains that functions are declared over.
+//! Values outside the domains of their functions.
 
 use asmotion_ir::{DomainElements, DomainId, FunctionId, Program, ValueShape};
 use asmotion_value::{Atom, Value};
 use std::sync::Arc;
 
-/// A value that is none of its function's.
+/// A value or argument outside the domain that its function is declared over.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DomainMisfit {
-    /// The function.
+    /// The function that declares the domain.
     pub function: FunctionId,
-    /// The whole value.
+    /// The value as a whole.
     pub value: Value,
-    /// The part of it that is at fault: the value itself, or an item of it.
+    /// The offending part: the value itself or a component of it.
     pub part: Value,
-    /// The domain whose element that part is not.
+    /// The domain that does not contain the part.
     pub domain: DomainId,
 }
 
 impl DomainMisfit {
-    /// What of a value is no element of its function's codomain. `undef` fits everywhere; what the
-    /// reference does not look at, `--compat asmeta` does not either.
+    /// Returns the first part of a value that is outside its function's codomain. `undef` belongs
+    /// to every domain; `--compat asmeta` omits the checks that the reference omits.
     pub(crate) fn of_value(
         program: &Program,
         function: FunctionId,
@@ -40,7 +40,7 @@ impl DomainMisfit {
         value: &Value,
         is_element: &dyn Fn(DomainId, &Value) -> bool,
     ) -> Option<Self> {
-        // a domain that is not defined is one of which nothing is said
+        // a domain without a definition imposes no restriction
         let is_element = |domain: DomainId, value: &Value| {
             let elements = &program.domains[domain.0 as usize].elements;
             *elements == DomainElements::Undefined || is_element(domain, value)
@@ -55,7 +55,7 @@ impl DomainMisfit {
     }
 }
 
-/// The first part of a value that is no element of the domain it should be of.
+/// Returns the first part of a value that is outside the domain of its shape.
 fn outsider<'v>(
     shape: &ValueShape,
     value: &'v Value,
@@ -83,12 +83,12 @@ fn outsider<'v>(
         (ValueShape::Map(keys, values), Value::Map(pairs)) => pairs
             .iter()
             .find_map(|(key, value)| part(keys, key).or_else(|| part(values, value))),
-        // other kinds of values are kept apart by their types
+        // values of other kinds are distinguished by static types
         _ => None,
     }
 }
 
-/// Whether a value is an element of a domain that has these elements, where they are listed.
+/// Returns `true` if a value is in the extent of a domain; infinite domains contain every value.
 #[inline]
 pub(crate) fn is_listed(
     program: &Program,

@@ -1,15 +1,15 @@
-//! The names of atoms and rules, as texts show them.
+//! Names of atoms and rules for output.
 
 use asmotion_ir::{DomainId, Program};
 use asmotion_value::{Atom, RuleId, ValueNames, element_name};
 use std::fmt;
 
-/// The names of the atoms and rules of a running machine.
+/// The names of the atoms and rules of a machine in its current state.
 #[derive(Clone, Copy)]
 pub struct Naming<'a> {
-    /// Knows what was declared.
+    /// Provides the names of declared elements and rules.
     pub program: &'a Program,
-    /// Knows what was taken from the reserve.
+    /// The elements created from the reserve: domain, and number within it.
     pub reserve: &'a [(DomainId, u32)],
 }
 

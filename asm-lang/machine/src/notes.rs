@@ -1,4 +1,4 @@
-//! What a failed step saw, as watched code writes it down.
+//! Records of a repeated step: the way to its fault and the values read.
 
 use crate::fault::{FaultKind, StepFault};
 use crate::limits::MAX_ITERATIONS;
@@ -7,41 +7,41 @@ use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
-/// The way to a fault.
+/// The explanation of a fault: the rules and calls that led to it, and the values they read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Witness {
-    /// To the place of the fault, from the outside in.
+    /// The way to the fault, outermost rule first.
     pub path: Vec<PathEntry>,
-    /// Where two rules clash, to the one that wrote first.
+    /// For a clash, the way to the rule that wrote first; otherwise empty.
     pub first: Vec<PathEntry>,
 }
 
-/// A rule or call on the way.
+/// A rule or call on the way to a fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathEntry {
-    /// Where it stands.
+    /// Place of the rule or call in the sources.
     pub origin: Origin,
-    /// Whether it calls what comes next.
+    /// `true` for a call, whose callee contains the next entry.
     pub calls: bool,
-    /// What the terms in it read, by their places: variables, locations, definitions applied.
+    /// Values of the variables, locations and defined functions read in it, by place.
     pub reads: BTreeMap<Origin, Value>,
 }
 
 impl Witness {
-    /// Of a loop without end, only so many rounds are done once more.
+    /// Limit for loop iterations when a step with an endless loop is repeated.
     pub const ROUNDS: u32 = 10_000;
 }
 
-/// What watched code writes down.
+/// The records while a step is repeated.
 #[derive(Debug)]
 pub(crate) struct WitnessNotes {
-    /// Where the run is now.
+    /// The way to the current position.
     path: Vec<PathEntry>,
-    /// Where it was when it failed.
+    /// The way to the position of the fault.
     failed: Vec<PathEntry>,
-    /// The updates that clash, and the ways to them.
+    /// The clashing updates, each with the way to it.
     writers: Vec<(Update, Vec<PathEntry>)>,
-    /// Whether it is about a loop without end.
+    /// `true` if the fault is an endless loop.
     endless: bool,
 }
 
@@ -67,7 +67,7 @@ impl WitnessNotes {
         }
     }
 
-    /// How often loops may go round.
+    /// Returns the limit for loop iterations.
     pub fn max_iterations(&self) -> u32 {
         match self.endless {
             true => Witness::ROUNDS,
@@ -101,7 +101,7 @@ impl WitnessNotes {
         }
     }
 
-    /// An update was added to the set, or stands last in it.
+    /// Records the way to an update that was added to the set or replaced one in it.
     pub fn wrote(&mut self, update: &Update) {
         for (wanted, path) in &mut self.writers {
             if wanted == update {
@@ -117,7 +117,7 @@ impl WitnessNotes {
     pub fn into_witness(self) -> Witness {
         let mut writers = self.writers.into_iter().map(|(_, path)| path);
         let first = writers.next().unwrap_or_default();
-        // a clash of what rules of `seq` wrote is found when they are long done
+        // a clash between rules of `seq` is found only after they have finished
         let second = writers.next().filter(|path| !path.is_empty());
         Witness {
             path: second.unwrap_or(self.failed),

@@ -1,4 +1,4 @@
-//! What is done to a machine between its steps: terms evaluated, rules fired, locations set.
+//! Operations on a machine between its steps: evaluating terms, firing rules, setting locations.
 
 use crate::choose::{Chooser, FirstChoice};
 use crate::code::CompiledProgram;
@@ -13,16 +13,16 @@ use asmotion_ir::{
 use asmotion_value::Value;
 use std::sync::Arc;
 
-/// A program has other locations than the machine.
+/// The program's locations differ from those of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ForeignProgram;
 
 impl Machine {
-    /// Fires a rule that was added to the program. This is no step: none is counted, and no
-    /// invariant is checked.
+    /// Fires a rule that was added to the program. This is not a step: the step counter does not
+    /// change, and no invariant is checked.
     ///
     /// # Errors
-    /// The rule fails, or its updates are inconsistent; the state is as before.
+    /// The rule fails or its updates are inconsistent; the state is unchanged.
     pub fn fire(
         &mut self,
         rule: AddedRule,
@@ -39,11 +39,11 @@ impl Machine {
         Ok(self.last_step())
     }
 
-    /// The value of a term that was added to the program, in the current state. Nothing changes but
-    /// what was heard of the environment, which is asked anew.
+    /// Evaluates a term that was added to the program in the current state. The environment is
+    /// asked again for the inputs that the term needs; the state is otherwise unchanged.
     ///
     /// # Errors
-    /// The term has no value.
+    /// The evaluation fails.
     pub fn evaluate(
         &mut self,
         term: AddedTerm,
@@ -70,10 +70,10 @@ impl Machine {
         })
     }
 
-    /// Checks the invariants that rules must keep, in the current state.
+    /// Checks the invariants in the current state, except assumptions about the environment.
     ///
     /// # Errors
-    /// One is violated.
+    /// An invariant is violated.
     pub fn check_invariants(
         &mut self,
         environment: &mut dyn Environment,
@@ -89,11 +89,11 @@ impl Machine {
         })
     }
 
-    /// Gives a location a value from outside. A monitored location is asked of the environment all
-    /// the same when it is read next.
+    /// Sets the value of a location from outside. For a monitored location, the environment still
+    /// takes precedence the next time it is read.
     ///
     /// # Errors
-    /// The value is no element of the codomain.
+    /// The value is outside the codomain.
     pub fn set(
         &mut self,
         function: FunctionId,
@@ -111,7 +111,7 @@ impl Machine {
                 let slot = run.slot(function, 0);
                 let codomain = CodomainCheck::of(run.program, function);
                 let nowhere = Origin::default();
-                // what is wrong with the value is the fault of the run
+                // the context records a misfit as a fault
                 if let Some(misfit) = run.misfit(function, &value).filter(|_| is_input) {
                     let source = "a `set`".to_owned();
                     let kind = FaultKind::OutsideInput {
@@ -128,10 +128,11 @@ impl Machine {
         })
     }
 
-    /// The location and the value an assignment from outside speaks of, in the current state.
+    /// Evaluates an assignment from outside in the current state; returns the function, the
+    /// arguments and the value.
     ///
     /// # Errors
-    /// An argument or the value has no value.
+    /// The evaluation of an argument or of the value fails.
     pub fn assigned(
         &mut self,
         assignment: &Assignment,
@@ -151,41 +152,42 @@ impl Machine {
         Ok((function, arguments, value))
     }
 
-    /// Says which agents are outside: messages to them are given out, see [`Sent::leaves`](crate::SentMessage::leaves), and not
-    /// delivered.
+    /// Sets the agents that are outside. Messages to them are marked
+    /// [`SentMessage::leaves`](crate::SentMessage::leaves) and not delivered by the machine.
     pub fn set_partners(&mut self, partners: Vec<Value>) {
         self.post.set_partners(partners);
     }
 
-    /// Brings a message of a partner to an agent. A reply to it is one to this number.
+    /// Queues a message of a partner for an agent. The returned id is the one that a reply refers
+    /// to.
     pub fn deliver(&mut self, from: Value, to: Value, operation: &str, data: Value) -> MessageId {
         self.post.deliver(from, to, Value::text(operation), data)
     }
 
-    /// Brings the end of a call to the agent that waits for it; nothing if none does any longer.
+    /// Ends a call with a reply or a fault. Does nothing if the call has already ended.
     pub fn end_call(&mut self, call: MessageId, outcome: Result<Value, CallFault>) {
         self.post.end_call(call, outcome);
     }
 
-    /// Says that the last message of an agent could not be sent.
+    /// Reports that the last message of an agent could not be sent.
     pub fn set_unsent(&mut self, from: Value, operation: &str) {
         self.post.set_unsent(from, operation);
     }
 
-    /// Says whether messages do not go out at present.
+    /// Sets the state of the channel: `true` if it delivers no messages at present.
     pub fn set_channel_down(&mut self, is_down: bool) {
         self.post.set_down(is_down);
     }
 
-    /// How many messages were dropped because too many waited.
+    /// Returns the number of messages dropped from full queues.
     pub fn dropped_messages(&self) -> u64 {
         self.post.dropped()
     }
 
-    /// Goes on with a program that differs in what was added to it.
+    /// Replaces the program by one that differs only in its added terms and rules.
     ///
     /// # Errors
-    /// The program has other locations; the machine is as before.
+    /// The program has other locations; the machine is unchanged.
     pub fn adopt(&mut self, program: Arc<Program>) -> Result<(), ForeignProgram> {
         let is_own = self.program.slots == program.slots
             && self.program.functions.len() <= program.functions.len()
@@ -200,7 +202,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Does something that is no part of a step: what the last one read and wrote is kept.
+    /// Runs `work` outside a step, preserving the record of the last step.
     fn aside<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         let kept = std::mem::take(&mut self.scratch);
         self.scratch.updates.begin(self.state.len());

@@ -1,23 +1,24 @@
-//! States packed into bytes: to keep, compare and look up many of them.
+//! Packed states: a canonical encoding in bytes, for storing, comparing and looking up many states.
 //!
-//! A step wants values where it finds them with one index, 16 bytes each. A checker or a recording wants
-//! states that are small, and equal exactly when the machine goes on in the same way. So a
-//! [`PackedState`] is a string of bytes in a canonical form:
+//! A step needs values that it can access by one index, 16 bytes each. A model checker or a
+//! recording needs states that are small, and equal exactly if the machine continues in the same
+//! way. A [`PackedState`] is therefore a string of bytes in a canonical form:
 //!
-//! - A slot whose function has finitely many values takes as many bits as these need, with one code for
-//!   `undef` and one for "anything else, see below". All other values are written byte by byte: one byte
-//!   for a small integer.
-//! - A location that is not fixed by the program stands by its function and arguments, in their order, and
-//!   only if it does not hold its initial value. A location nobody has met and one that was met and put
-//!   back are therefore the same, and so are the states of machines that met locations in another order.
-//! - What the environment is asked for anew in each step is no part of a state.
-//! - Nothing of [`Memo`](crate::state::Memo) is: what was asked, found or computed before.
+//! - A slot of a function with finitely many values takes as many bits as they need, including a
+//!   code for `undef` and an escape code for any other value, which is then encoded in bytes. All
+//!   other values are encoded in bytes; a small integer takes one.
+//! - An interned or lazy location is encoded with its function and arguments, in their order, and
+//!   only if its value differs from the initial one. A location that was never accessed and one that
+//!   was reset to its initial value are therefore the same, and so are the states of machines that
+//!   accessed locations in a different order.
+//! - Locations that the environment is asked for in each step are not part of a state.
+//! - Nothing in [`Memo`](crate::state::Memo) is: the results of earlier queries and computations.
 //!
-//! Atoms taken from the reserve are told apart by the order in which they were taken. Two states that
-//! differ in this order alone are isomorphic, but not equal.
+//! Atoms created from the reserve are distinguished by the order of their creation. Two states that
+//! differ only in this order are isomorphic, but not equal.
 //!
-//! A packed state takes 16 bytes, one allocation, and within that three bytes beside the slots for a
-//! program without messages whose locations are all fixed.
+//! A packed state takes 16 bytes and one allocation. Without messages, interned and lazy locations,
+//! the allocation contains three bytes in addition to the slots.
 
 mod layout;
 mod value;
@@ -31,10 +32,11 @@ use asmotion_value::Value;
 use layout::{Coding, ELSE};
 use std::sync::Arc;
 
-/// A state of a program as bytes: equal states have equal bytes, whatever the machines went through
-/// before, and whichever back end did their steps.
+/// A state of a program in packed form. Equal states have equal bytes, regardless of the history of
+/// the machines and of their back ends.
 ///
-/// States of different programs must not be compared: they may be equal by chance.
+/// Only states of the same program can be compared: those of different programs may be equal by
+/// coincidence.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct PackedState(Box<[u8]>);
 
@@ -43,13 +45,13 @@ impl PackedState {
         Self(bytes.into_boxed_slice())
     }
 
-    /// The bytes. Their meaning belongs to the program and this version of the crate.
+    /// Returns the bytes. Their format depends on the program and on the version of this crate.
     pub fn as_bytes(&self) -> &[u8] {
         &self.0
     }
 }
 
-/// A location that is not fixed by the program, as it is packed.
+/// An interned or lazy location in the form in which it is packed.
 struct Met<'a> {
     function: FunctionId,
     arguments: Vec<Value>,
@@ -59,7 +61,7 @@ struct Met<'a> {
 }
 
 impl MachineState {
-    /// Writes what the state is.
+    /// Writes the parts of the state that determine its future.
     pub(crate) fn pack(&self, program: &Program, layout: &Layout, to: &mut Writer) {
         to.count(self.store.reserve.len());
         for (domain, _) in &self.store.reserve {
@@ -103,8 +105,8 @@ impl MachineState {
         }
     }
 
-    /// Writes what listings of the state show, beside what the state is: the locations that were met and
-    /// hold their initial values, and the initial values that depend on inputs.
+    /// Writes what listings of the state show in addition: the accessed locations with their
+    /// initial values, and the initial values that depend on inputs.
     pub(crate) fn pack_history(&self, program: &Program, layout: &Layout, to: &mut Writer) {
         self.pack_met(program, layout, to, false);
         if !program.initial_inputs.is_empty() {
@@ -137,9 +139,9 @@ impl MachineState {
         }
     }
 
-    /// Whether a location that was met is another one than if it had not been.
+    /// Returns `true` if an accessed location differs from one that was never accessed.
     fn has_changed(&self, program: &Program, slot: Slot) -> bool {
-        // the reference has no initial state: there a location begins when it is met
+        // the reference has no initial state: a location exists from its first access on
         program.compatible
             || self.store.slots[slot as usize] != self.initial.slots[slot as usize]
             || self.initial.heard.contains(&slot)
@@ -160,10 +162,11 @@ impl MachineState {
     }
 }
 
-/// A location, its value now and initially, and whether the environment gave the latter.
+/// Function, arguments, current value, initial value, and `true` if the environment provided the
+/// latter.
 type MetValue = (FunctionId, Vec<Value>, Value, Value, bool);
 
-/// What was read of a packed state, before any of it is put into a machine.
+/// The contents of a packed state, complete and checked before a machine takes them over.
 pub(crate) struct Unpacked {
     eager: Vec<(Slot, Value)>,
     met: Vec<MetValue>,
@@ -174,7 +177,8 @@ pub(crate) struct Unpacked {
 }
 
 impl Unpacked {
-    /// Reads what [`MachineState::pack`] wrote; nothing if the bytes are of another program.
+    /// Reads the output of [`MachineState::pack`]; returns `None` if the bytes do not fit the
+    /// program.
     pub fn read(program: &Program, layout: &Layout, from: &mut Reader<'_>) -> Option<Self> {
         let mut reserve: Vec<(DomainId, u32)> = Vec::new();
         for _ in 0..from.count()? {
@@ -212,7 +216,7 @@ impl Unpacked {
         })
     }
 
-    /// Reads what [`MachineState::pack_history`] wrote.
+    /// Reads the output of [`MachineState::pack_history`].
     pub fn read_history(&mut self, program: &Program, from: &mut Reader<'_>) -> Option<()> {
         from.set_atoms(program.atom_domains.len() + self.reserve.len());
         Self::read_met(program, from, &mut self.met)?;
@@ -261,8 +265,8 @@ impl Unpacked {
 }
 
 impl MachineState {
-    /// Becomes what was unpacked. What was remembered of the state before is forgotten, but for what
-    /// holds in every state of the program.
+    /// Replaces the state by an unpacked one. Cached values are discarded, except those that hold
+    /// in every state of the program.
     pub(crate) fn restore(
         &mut self,
         program: &Program,
@@ -306,7 +310,7 @@ impl MachineState {
                     slot
                 }
                 None => {
-                    // looked at again before the location is written
+                    // conservative: the domain is checked again before the next update
                     let outside = program.functions[function.0 as usize].narrow;
                     self.intern(function, &arguments, initially, outside)
                 }

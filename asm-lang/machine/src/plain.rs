@@ -1,4 +1,4 @@
-//! Steps that write scalars only: there is nothing to drop, and nothing to share.
+//! Fast path for steps that write only scalars: nothing to drop, and no reference counts.
 
 #![allow(
     unsafe_code,
@@ -8,15 +8,15 @@
 use crate::updates::Update;
 use asmotion_value::Value;
 
-/// Empties a list without dropping what is in it: for lists that own nothing.
+/// Empties a list without dropping its elements. Leaks whatever they own, so they must be scalars.
 #[inline]
 pub(crate) fn forget<T>(list: &mut Vec<T>) {
-    // SAFETY: no element is within a length of 0.
+    // SAFETY: 0 does not exceed the capacity, and no element has to be initialised for length 0.
     unsafe { list.set_len(0) }
 }
 
-/// Applies updates to the slots and puts what these held before into `before`, which is empty. Gives
-/// whether all values are scalars.
+/// Applies updates to the slots and moves the previous values into `before`, which must be empty.
+/// Returns `true` if all values are scalars.
 #[inline]
 pub(crate) fn fire(updates: &[Update], slots: &mut [Value], before: &mut Vec<Value>) -> bool {
     before.reserve(updates.len());
@@ -24,11 +24,13 @@ pub(crate) fn fire(updates: &[Update], slots: &mut [Value], before: &mut Vec<Val
     let mut is_plain = true;
     for (index, update) in updates.iter().enumerate() {
         let slot = &mut slots[update.slot as usize];
-        // SAFETY: there is room for as many values as there are updates.
+        // SAFETY: `before` has capacity for as many values as there are updates, so `index` is in
+        // bounds.
         let place = unsafe { &mut *room.add(index) };
         if slot.is_scalar() && update.value.is_scalar() {
-            // SAFETY: the place takes what the slot held, which is written over without a drop, and a
-            // scalar may be copied: it owns nothing.
+            // SAFETY: `place` is uninitialised memory and `slot` holds a scalar, so neither
+            // overwrites anything that has to be dropped. A scalar owns nothing and may be copied
+            // bitwise.
             unsafe {
                 std::ptr::copy_nonoverlapping(slot, place.as_mut_ptr(), 1);
                 std::ptr::copy_nonoverlapping(&update.value, slot, 1);
@@ -38,7 +40,7 @@ pub(crate) fn fire(updates: &[Update], slots: &mut [Value], before: &mut Vec<Val
             place.write(std::mem::replace(slot, update.value.clone()));
         }
     }
-    // SAFETY: there was room for them all, so as many were written.
+    // SAFETY: the loop has initialised one value for each update, within the reserved capacity.
     unsafe { before.set_len(updates.len()) }
     is_plain
 }

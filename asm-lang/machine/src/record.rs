@@ -1,48 +1,48 @@
-//! What a step read, chose, printed and sent.
+//! The log of a step: inputs, choices, printed texts and messages.
 
 use crate::messages::{PerformedAction, SentMessage};
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 
-/// What the environment said about a location in a step.
+/// The value of a location that the environment provided in a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepInput {
-    /// The location.
+    /// Slot of the location.
     pub slot: Slot,
-    /// Its value for this step.
+    /// Its value during this step.
     pub value: Value,
 }
 
-/// What was chosen where.
+/// A choice made in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepChoice {
-    /// The `choose`.
+    /// Place of the `choose` rule or `chooseone` term.
     pub origin: Origin,
-    /// Which candidate, from 0.
+    /// Index of the chosen candidate, from 0.
     pub index: usize,
-    /// How many there were.
+    /// Number of candidates.
     pub count: usize,
 }
 
-/// What a step read, chose and printed.
+/// The log of the current step, and the coverage counts of all steps.
 #[derive(Debug, Default)]
 pub(crate) struct StepLog {
     pub inputs: Vec<StepInput>,
     pub choices: Vec<StepChoice>,
-    /// What was picked from outside, by the place of the variable's range.
+    /// Values picked from outside, with the place of the variable's range.
     pub picked: Vec<(Origin, Value)>,
     pub printed: Vec<String>,
-    /// What agents did with messages.
+    /// Actions on messages, performed at the end of the step.
     pub done: Vec<PerformedAction>,
-    /// What was sent.
+    /// Messages sent by these actions.
     pub sent: Vec<SentMessage>,
     pub now_ns: i64,
-    /// How often what is counted ran, in all steps.
+    /// Coverage counts, indexed by counter; not reset between steps.
     pub counts: Vec<u64>,
 }
 
 impl StepLog {
-    /// Counts once more.
+    /// Increments a coverage counter.
     pub fn count(&mut self, counter: u32) {
         let index = counter as usize;
         if self.counts.len() <= index {
@@ -51,7 +51,7 @@ impl StepLog {
         self.counts[index] += 1;
     }
 
-    /// How often it was counted.
+    /// Returns the value of a coverage counter.
     pub fn counted(&self, counter: u32) -> u64 {
         self.counts.get(counter as usize).copied().unwrap_or(0)
     }
@@ -59,7 +59,7 @@ impl StepLog {
     #[inline]
     pub fn begin(&mut self, now_ns: i64) {
         self.choices.clear();
-        // most steps of a fast machine have none of these
+        // one test for all: most steps of a fast machine have none of these
         let kept = self.inputs.len()
             | self.picked.len()
             | self.printed.len()

@@ -1,4 +1,4 @@
-//! What code sees while a step runs.
+//! The context in which compiled code runs during a step.
 
 use crate::bounds::is_bounded;
 use crate::choose::Chooser;
@@ -17,20 +17,20 @@ use asmotion_ir::{
 };
 use asmotion_value::Value;
 
-/// What one body may need at most: its terms nest at most so deep that this will do.
+/// Stack space, in bytes, that suffices for one body: the nesting of its terms is limited.
 const FRAME: usize = 512 * 1024;
 
-/// Does some work, on a new piece of stack if the old one is nearly used up.
+/// Runs `work`, on a new stack segment if the current one is nearly exhausted.
 pub fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
     stacker::maybe_grow(FRAME, 4 * FRAME, work)
 }
 
-/// What a location takes, as far as writing it has to know.
+/// The checks for updates of a function's locations.
 #[derive(Clone, Copy)]
 pub(crate) struct CodomainCheck {
     function: FunctionId,
     within: Option<DomainId>,
-    /// Whether its arguments must be elements of subsets.
+    /// `true` if arguments must be checked for membership in concrete domains.
     narrow: bool,
     open: bool,
 }
@@ -47,28 +47,28 @@ impl CodomainCheck {
     }
 }
 
-/// A rule stopped: its run holds the fault.
+/// A rule stopped; the context holds the fault.
 #[derive(Debug)]
 pub struct RuleStopped;
 
 /// A truth value of strong Kleene logic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KleeneTruth {
-    /// False.
+    /// The Boolean value `false`.
     False,
-    /// True.
+    /// The Boolean value `true`.
     True,
-    /// Neither.
+    /// Undef: neither true nor false.
     Undef,
 }
 
 impl KleeneTruth {
-    /// The truth value of a `bool`.
+    /// Converts a `bool`.
     pub fn of(truth: bool) -> Self {
         if truth { Self::True } else { Self::False }
     }
 
-    /// The same as a value of the language.
+    /// Converts to a value of the language.
     pub fn value(self) -> Value {
         match self {
             Self::False => Value::Bool(false),
@@ -77,7 +77,7 @@ impl KleeneTruth {
         }
     }
 
-    /// The truth value that a value is; undef for what is none.
+    /// Converts a value of the language; all values but truth values become undef.
     pub fn from_value(value: &Value) -> Self {
         match value {
             Value::Bool(truth) => Self::of(*truth),
@@ -86,10 +86,11 @@ impl KleeneTruth {
     }
 }
 
-/// A step under way.
+/// The context of a step in progress.
 ///
-/// A term that fails puts its reason in `fault` and is undef; rules look at `fault` before they go
-/// on. So terms need no result type of their own, and a step that failed writes nothing.
+/// A term that fails records the reason in `fault` and returns undef; rules check `fault` before
+/// they continue. Terms therefore need no result type of their own, and a failed step writes
+/// nothing.
 pub struct StepContext<'a> {
     pub(crate) program: &'a Program,
     pub(crate) code: &'a CompiledProgram,
@@ -99,39 +100,39 @@ pub struct StepContext<'a> {
     pub(crate) post: &'a MessagesInTransit,
     pub(crate) chooser: &'a mut dyn Chooser,
     pub(crate) record: &'a mut StepLog,
-    /// The variables of all routines and bodies that are being run, one frame after another.
+    /// The frames of all active routines and bodies, outermost first.
     pub locals: &'a mut Vec<Value>,
-    /// Arguments of a location or library function while they are computed.
+    /// Arguments of locations and library functions while they are evaluated.
     pub(crate) stack: &'a mut Vec<Value>,
-    /// Where the frame of the innermost one begins.
+    /// Start of the innermost frame in `locals`.
     pub base: usize,
-    /// The agent that runs, or undef.
+    /// The running agent (`self`), undef outside of agents' programs.
     pub agent: Value,
-    /// How deep calls are nested.
+    /// Nesting depth of calls.
     pub depth: u32,
-    /// How many runs with local state are open.
+    /// Number of active runs with local state; identifies the innermost one.
     pub(crate) runs: i64,
-    /// How often bodies and routines were called in this step.
+    /// Number of calls of bodies and routines in this step.
     pub calls: u32,
-    /// How often the loops of the step went round.
+    /// Number of loop iterations in this step.
     pub iterations: u32,
-    /// How often variables were bound in this step.
+    /// Number of variables bound in this step.
     pub bindings: u32,
     pub(crate) step: u64,
-    /// What was asked of the environment in this round holds.
+    /// The current attempt: inputs marked with this number are valid.
     pub(crate) round: u64,
     pub(crate) now_ns: i64,
-    /// While the initial state is built, the current state is the initial one.
+    /// `true` while the initial state is computed, during which it is the current state.
     pub(crate) building: bool,
-    /// Whether the current state is the one before the step, for a term that asks for it.
+    /// `true` while a term is evaluated in the state before the step.
     pub(crate) is_before: bool,
     pub(crate) fault: Option<Box<StepFault>>,
-    /// Where watched code writes down what it sees.
+    /// Destination of recording code; `None` in a normal step.
     pub(crate) notes: &'a mut Option<WitnessNotes>,
 }
 
 impl StepContext<'_> {
-    /// How often the loops of the step may go round.
+    /// Returns the limit for loop iterations in this step.
     pub(crate) fn max_iterations(&self) -> u32 {
         match &self.notes {
             Some(notes) => notes.max_iterations(),
@@ -139,8 +140,8 @@ impl StepContext<'_> {
         }
     }
 
-    /// Notes why the step fails, unless an earlier reason was noted; gives undef, the value of a term that
-    /// failed.
+    /// Records the reason for the step's failure, unless one was recorded before. Returns undef,
+    /// the value of a failed term.
     #[cold]
     pub fn fail(&mut self, kind: FaultKind, origin: Origin) -> Value {
         if self.fault.is_none() {
@@ -164,7 +165,7 @@ impl StepContext<'_> {
         RuleStopped
     }
 
-    /// Goes on unless a term failed.
+    /// Returns an error if a term has failed.
     pub(crate) fn checked(&self) -> Result<(), RuleStopped> {
         if self.fault.is_none() {
             Ok(())
@@ -181,10 +182,10 @@ impl StepContext<'_> {
         self.locals[self.base + local as usize] = value;
     }
 
-    /// What an input location holds in this step.
+    /// Returns the value of an input location in this step.
     pub(crate) fn input(&mut self, slot: Slot, function: FunctionId, origin: Origin) -> Value {
         let index = slot as usize;
-        // the initial state knows the inputs of the first step and no others
+        // the initial state depends on the inputs of the first step only
         let is_past = self.building && self.step > 1;
         if is_past || self.state.memo.asked[index] == self.round {
             return self.state.store.slots[index].clone();
@@ -197,7 +198,7 @@ impl StepContext<'_> {
         }
         let answer = self.answer(slot, function, from);
         self.stack.truncate(from);
-        // one question a round, whatever comes of it
+        // whatever the answer, the environment is asked only once in a round
         self.asked(slot);
         let value = match (answer, declared.clock) {
             (Ok(Some(value)), _) => Some(value),
@@ -223,7 +224,8 @@ impl StepContext<'_> {
         value
     }
 
-    /// What the environment says of a location, whose arguments are on the stack from there on.
+    /// Asks the environment for the value of a location whose arguments are on the stack from
+    /// `arguments` on.
     fn answer(
         &mut self,
         slot: Slot,
@@ -246,8 +248,8 @@ impl StepContext<'_> {
         }
     }
 
-    /// Notes that the environment was asked: not again in this step. The reference forgets it with the
-    /// intermediate state in which it asked.
+    /// Records that the environment was asked, which happens once in a step. The reference forgets
+    /// this together with the intermediate state in which it asked.
     pub(crate) fn asked(&mut self, slot: Slot) {
         let before = std::mem::replace(&mut self.state.memo.asked[slot as usize], self.round);
         if self.program.compatible {
@@ -255,7 +257,7 @@ impl StepContext<'_> {
         }
     }
 
-    /// The slot of a location whose arguments are on the stack from `arguments` on.
+    /// Returns the slot of a location whose arguments are on the stack from `arguments` on.
     pub(crate) fn slot(&mut self, function: FunctionId, arguments: usize) -> Slot {
         if let Some(slot) = dense(self.program, function, &self.stack[arguments..]) {
             if !self.state.locations.is_met(slot) {
@@ -279,7 +281,7 @@ impl StepContext<'_> {
         slot
     }
 
-    /// The value in the initial state of a location that is met for the first time.
+    /// Returns the initial value of a location on first access.
     fn first_value(&mut self, function: FunctionId, arguments: usize) -> Value {
         match self.program.functions[function.0 as usize].initial {
             Some(body) => self.initial_value(body, arguments),
@@ -287,7 +289,7 @@ impl StepContext<'_> {
         }
     }
 
-    /// The value of an initial-value body in the initial state, for arguments on the stack.
+    /// Evaluates the body of an initial value in the initial state, with arguments from the stack.
     fn initial_value(&mut self, body: BodyId, arguments: usize) -> Value {
         let from = self.locals.len();
         self.locals.extend_from_slice(&self.stack[arguments..]);
@@ -306,14 +308,14 @@ impl StepContext<'_> {
         value
     }
 
-    /// Exchanges the state and the initial one.
+    /// Swaps the current state with the initial one.
     fn swap_initial(&mut self) {
         let state = &mut *self.state;
         std::mem::swap(&mut state.store.slots, &mut state.initial.slots);
         std::mem::swap(&mut state.store.extents, &mut state.initial.extents);
     }
 
-    /// Runs a body whose arguments are the locals from `from` on.
+    /// Evaluates a body whose arguments are the locals from `from` on.
     pub(crate) fn call_body(&mut self, body: BodyId, from: usize) -> Value {
         let code = self.code;
         let body = &code.bodies[body.0 as usize];
@@ -337,7 +339,7 @@ impl StepContext<'_> {
         value
     }
 
-    /// Notes a fault if an argument is too large.
+    /// Fails if an argument exceeds the limits for values.
     fn bound_arguments(&mut self, from: usize, count: u32, origin: Origin) {
         if !self
             .locals
@@ -350,7 +352,7 @@ impl StepContext<'_> {
         }
     }
 
-    /// Runs the main rule; nothing ran before.
+    /// Runs the main rule at the start of a step.
     #[inline]
     pub(crate) fn call_main(
         &mut self,
@@ -412,7 +414,7 @@ impl StepContext<'_> {
         true
     }
 
-    /// Writes a location.
+    /// Adds an update after checking its value.
     pub(crate) fn write(
         &mut self,
         slot: Slot,
@@ -427,7 +429,7 @@ impl StepContext<'_> {
         }
     }
 
-    /// Whether a location takes a value.
+    /// Checks that a location may receive a value.
     #[inline]
     pub(crate) fn accepts(
         &mut self,
@@ -475,7 +477,7 @@ impl StepContext<'_> {
         updates.close_applying(layer, &mut written);
     }
 
-    /// Writes a location within a sequence, and the state at once.
+    /// Adds an update within a sequence and applies it immediately.
     pub fn write_through(&mut self, slot: Slot, value: Value, origin: Origin) {
         let (updates, mut written) = self.written();
         updates.write_through(slot, value, origin, &mut written);
@@ -503,7 +505,8 @@ impl StepContext<'_> {
         }
     }
 
-    /// Runs what leaves its value in `result`, and takes it from there: nobody else sees it.
+    /// Runs a turbo rule and returns the value it wrote to `result`, which is hidden from its
+    /// caller.
     pub(crate) fn taking_result(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<(), RuleStopped>,
@@ -524,8 +527,8 @@ impl StepContext<'_> {
         }
     }
 
-    /// Runs what has local state, under a number of its own, first what gives that state its values:
-    /// nobody else sees it.
+    /// Runs a rule with local state: first the initialisation, then the body, under a new run
+    /// number. The local locations are hidden from the caller.
     pub(crate) fn with_state(
         &mut self,
         number: Local,

@@ -1,4 +1,4 @@
-//! Snapshots: a machine put back into a state it, or another one of its program, was in.
+//! Snapshots: return a machine to a state that it, or another machine of its program, was in.
 
 use crate::machine::Machine;
 use crate::messages::MessagesInTransit;
@@ -6,19 +6,20 @@ use crate::packed::{PackedState, Reader, Unpacked, Writer};
 use std::error::Error;
 use std::fmt;
 
-/// What a machine needs to go on and to show what it would have shown: its state, how far it had come,
-/// and which locations it knew. Take [`Snapshot::into_state`] to keep many.
+/// A state of a machine, with the number of steps and the accessed locations, so that a restored
+/// machine continues and displays its state in the same way. Use [`Snapshot::into_state`] to store
+/// many states.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Snapshot {
     state: PackedState,
     steps: u64,
-    /// The number of the last message.
+    /// Id of the last message.
     messages: u64,
-    /// Which other locations were met: listings show them.
+    /// Packed locations that were accessed but hold their initial value; shown by listings.
     history: Box<[u8]>,
 }
 
-/// A snapshot is one of another program.
+/// The snapshot belongs to another program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ForeignSnapshot;
 
@@ -31,31 +32,31 @@ impl fmt::Display for ForeignSnapshot {
 impl Error for ForeignSnapshot {}
 
 impl Snapshot {
-    /// The state: equal for all machines of a program that go on in the same way.
+    /// Returns the state; equal for all machines of the program that continue in the same way.
     pub fn state(&self) -> &PackedState {
         &self.state
     }
 
-    /// The state alone, to be kept in a set of states.
+    /// Returns the state, without the rest of the snapshot.
     pub fn into_state(self) -> PackedState {
         self.state
     }
 
-    /// How many steps the machine had done.
+    /// Returns the number of steps that the machine had completed.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 }
 
-/// The initial state holds the values that depend on inputs.
+/// Flag: the initial state contains the values that depend on inputs.
 const COMPLETE: u64 = 1;
-/// The first step was done, or does nothing that others do not.
+/// Flag: the first step is done, or does not differ from others.
 const BEGUN: u64 = 2;
 
 impl Machine {
-    /// The state the machine is in, packed. Takes time linear in the number of locations.
+    /// Returns a snapshot of the current state. Takes time linear in the number of locations.
     ///
-    /// Which agents are outside ([`Machine::set_partners`]) and what was counted are no part of it.
+    /// Partners ([`Machine::set_partners`]) and coverage counts are not part of it.
     pub fn snapshot(&self) -> Snapshot {
         let layout = &self.code.layout;
         let mut to = Writer::default();
@@ -76,13 +77,14 @@ impl Machine {
         }
     }
 
-    /// Puts the machine into the state of a snapshot: given the same inputs, choices and times, it goes on
-    /// as the machine did that the snapshot was taken of. There is no last step then.
+    /// Returns the machine to the state of a snapshot. Given the same inputs, choices and times, it
+    /// then continues like the machine from which the snapshot was taken. The record of the last
+    /// step is empty afterwards.
     ///
-    /// Slots of locations that are not fixed by the program may have other numbers afterwards.
+    /// The slots of interned locations may have changed.
     ///
     /// # Errors
-    /// The snapshot was taken of a machine with another program; this one is as before.
+    /// The snapshot belongs to another program; the machine is unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ForeignSnapshot> {
         let (program, code) = (&*self.program, &*self.code);
         let mut from = Reader::new(snapshot.state.as_bytes(), program.rules.len());

@@ -1,16 +1,16 @@
-//! States: what every location holds.
+//! States: the values of all locations.
 //!
-//! A [`MachineState`] has four parts, and only the first two are what it *is*:
+//! A [`MachineState`] has four parts. Only the first two constitute the state in the sense of ASMs:
 //!
 //! | part | contents | set by |
 //! |---|---|---|
 //! | [`Store`] | slots, extents of the domains, reserve | every step |
 //! | [`InitialState`] | the store that the run began with | the first step; then fixed |
-//! | [`Locations`] | which location a slot beyond the fixed ones is | a location met for the first time |
-//! | [`Memo`] | what need not be computed or asked again | whatever reads |
+//! | [`Locations`] | the locations of slots beyond those fixed by the program | the first access to a location |
+//! | [`Memo`] | cached results of queries and computations | any read |
 //!
-//! Code that steps reads and writes the store in place: a value is two words, and a slot is an index. To
-//! keep a state, to compare it or to look it up, it is packed: see [`PackedState`](crate::PackedState).
+//! Steps read and write the store in place: a value is two words, and a slot is an index. For
+//! storage, comparison and lookup, a state is packed: see [`PackedState`](crate::PackedState).
 
 mod locations;
 mod memo;
@@ -25,7 +25,7 @@ use asmotion_value::Value;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// A state of a machine. Locations that were never met hold their initial value implicitly.
+/// A state of a machine. Locations that were never accessed have their initial value implicitly.
 #[derive(Clone)]
 pub struct MachineState {
     pub(crate) store: Store,
@@ -34,17 +34,17 @@ pub struct MachineState {
     pub(crate) memo: Memo,
 }
 
-/// The state that a run began with: initial values of locations met later are computed there.
+/// The state at the start of a run, in which initial values are computed on first access.
 #[derive(Clone, Default)]
 pub(crate) struct InitialState {
-    /// What each slot held.
+    /// Initial value of each slot.
     pub slots: Vec<Value>,
-    /// The elements of each domain.
+    /// Initial elements of each domain.
     pub extents: Vec<Arc<Vec<Value>>>,
-    /// The time, in nanoseconds.
+    /// Time of the first step, in nanoseconds.
     pub now_ns: i64,
-    /// Slots that are no eager ones and began with what the environment said in the first step, in the
-    /// order they were met.
+    /// Lazy and interned slots whose initial value the environment provided in the first step, in
+    /// order of access.
     pub heard: Vec<Slot>,
 }
 
@@ -58,21 +58,21 @@ impl MachineState {
         }
     }
 
-    /// A lazy slot holds this value now and in the initial state.
+    /// Initialises a lazy slot with this value, in the current and in the initial state.
     pub(crate) fn meet(&mut self, slot: Slot, value: Value) {
         self.store.slots[slot as usize] = value.clone();
         self.initial.slots[slot as usize] = value;
         self.locations.meet(slot);
     }
 
-    /// Whether a slot's location had arguments outside their domains when it was met.
+    /// Returns `true` if an argument of the slot's location was outside its domain on first access.
     #[inline]
     pub(crate) fn is_outside(&self, slot: Slot) -> bool {
         let outside = &self.locations.outside;
         !outside.is_empty() && outside.binary_search(&slot).is_ok()
     }
 
-    /// A new slot for a location, holding this value now and in the initial state.
+    /// Allocates a slot for a location, with this value in the current and in the initial state.
     pub(crate) fn intern(
         &mut self,
         function: FunctionId,
@@ -86,7 +86,7 @@ impl MachineState {
         self.locations.intern(function, arguments, outside)
     }
 
-    /// Notes what the environment said in the first step about a location: it held that initially.
+    /// Records a value from the environment in the first step as the initial value of a location.
     #[cold]
     pub(crate) fn began_with(&mut self, slot: Slot, value: Value) {
         let initial = &mut self.initial;
@@ -99,13 +99,13 @@ impl MachineState {
         initial.slots[slot as usize] = value;
     }
 
-    /// Keeps the locations that were met.
+    /// Keeps the locations accessed since the last successful step.
     pub(crate) fn commit(&mut self) {
         self.locations.committed = self.store.slots.len();
         self.locations.uncommitted.clear();
     }
 
-    /// Forgets the locations that only a failed step met.
+    /// Forgets the locations that were first accessed in a failed step.
     #[inline]
     pub(crate) fn forget_uncommitted(&mut self) {
         let locations = &self.locations;
@@ -135,7 +135,7 @@ impl MachineState {
         self.memo.near.forget(committed as Slot);
     }
 
-    /// Forgets all locations that were met, and what is remembered of them.
+    /// Forgets all lazy and interned locations, together with everything cached about them.
     pub(crate) fn forget_met(&mut self) {
         let fixed = self.locations.fixed as usize;
         let lazy = self.locations.eager as usize..fixed;
@@ -149,32 +149,32 @@ impl MachineState {
         self.locations.forget_all();
     }
 
-    /// What a slot holds.
+    /// Returns the value of a slot.
     pub fn get(&self, slot: Slot) -> &Value {
         &self.store.slots[slot as usize]
     }
 
-    /// What a slot held in the initial state.
+    /// Returns the initial value of a slot.
     pub fn get_initial(&self, slot: Slot) -> &Value {
         &self.initial.slots[slot as usize]
     }
 
-    /// How many slots there are.
+    /// Returns the number of slots, including those of interned locations.
     pub fn len(&self) -> usize {
         self.locations.committed
     }
 
-    /// Whether there is no location at all.
+    /// Returns `true` if the state has no slots.
     pub fn is_empty(&self) -> bool {
         self.locations.committed == 0
     }
 
-    /// The elements a domain has now, ascending.
+    /// Returns the elements of a domain, in ascending order.
     pub fn extent(&self, domain: DomainId) -> &[Value] {
         &self.store.extents[domain.0 as usize]
     }
 
-    /// The slot of a location, if it was met or is fixed.
+    /// Returns the slot of a location; `None` if it is neither fixed by the program nor interned.
     pub fn slot(
         &self,
         program: &Program,
@@ -187,7 +187,7 @@ impl MachineState {
         }
     }
 
-    /// The function one of whose locations a slot is.
+    /// Returns the function of a slot's location.
     pub fn function(&self, program: &Program, slot: Slot) -> Option<FunctionId> {
         match self.locations.get(slot) {
             Some((function, _)) => Some(*function),
@@ -195,7 +195,7 @@ impl MachineState {
         }
     }
 
-    /// The location of a slot.
+    /// Returns the location of a slot.
     pub fn location(&self, program: &Program, slot: Slot) -> Option<(FunctionId, Vec<Value>)> {
         let function = self.function(program, slot)?;
         let mut arguments = Vec::new();
@@ -203,7 +203,7 @@ impl MachineState {
         Some((function, arguments))
     }
 
-    /// Adds the arguments of a slot's location to a list.
+    /// Appends the arguments of a slot's location to a list.
     pub(crate) fn arguments(&self, program: &Program, slot: Slot, to: &mut Vec<Value>) {
         if let Some((_, arguments)) = self.locations.get(slot) {
             return to.extend(arguments.iter().cloned());
@@ -220,15 +220,15 @@ impl MachineState {
         }
     }
 
-    /// The slots whose locations are part of the state: they hold what their location holds, and were
-    /// not met by a step that failed.
+    /// Iterates over the slots whose location is part of the state. Excludes lazy slots before
+    /// their first access, and locations that only a failed step accessed.
     pub fn slots(&self) -> impl Iterator<Item = Slot> {
         let met_in_vain: BTreeSet<Slot> = self.locations.uncommitted.iter().copied().collect();
         (0..self.locations.committed as Slot)
             .filter(move |slot| self.locations.is_met(*slot) && !met_in_vain.contains(slot))
     }
 
-    /// All locations and what they hold, by function and arguments; those of the specification only.
+    /// Lists the locations of the specification's own functions, sorted by function and arguments.
     pub fn locations(&self, program: &Program) -> Vec<(FunctionId, Vec<Value>, Slot)> {
         let known = self.slots().filter_map(|slot| {
             let (function, arguments) = self.location(program, slot)?;
@@ -242,7 +242,7 @@ impl MachineState {
     }
 }
 
-/// The slot of a location whose arguments all lie on the function's axes.
+/// Returns the slot of a location if all arguments lie on the function's axes.
 pub(crate) fn dense(program: &Program, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
     let Storage::Dense { base, axes, .. } = &program.functions[function.0 as usize].storage else {
         return None;

@@ -1,28 +1,29 @@
 //! Update sets: collected in parallel, applied at once.
 //!
-//! The updates of a step lie in one list. A mark a slot says which update of the list is the slot's,
-//! as long as the mark's epoch is the current one: so a clash is found by one comparison, and a new
-//! set begins by counting the epoch up. Within `seq` sets nest: a layer of its own for every rule of
-//! the sequence, applied to the state when the rule is done and taken back when the sequence is.
+//! The updates of a step form one list. For each slot, a mark holds the index of the slot's update,
+//! valid if the mark's epoch is the current one. A clash is thus found by one comparison, and
+//! incrementing the epoch starts a new set. Within `seq`, sets are nested: each rule of the
+//! sequence has a layer, which is applied to the state when the rule ends and undone when the
+//! sequence ends.
 
 use crate::fault::FaultKind;
 use asmotion_ir::{DomainId, Origin, Slot};
 use asmotion_value::{Atom, Value};
 use std::sync::Arc;
 
-/// One update.
+/// An update of a location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Update {
-    /// The location.
+    /// Slot of the location.
     pub slot: Slot,
-    /// Its new value.
+    /// Value of the location in the next state.
     pub value: Value,
-    /// The rule that wrote it, so that a clash can show both writers.
+    /// Place of the rule that produced it, so that a clash can show both writers.
     pub origin: Origin,
 }
 
 impl Update {
-    /// The fault that another value for the same location is.
+    /// Returns the fault for a second, different value of the same location.
     fn clash(&self, second: Value) -> FaultKind {
         FaultKind::Clash {
             slot: self.slot,
@@ -33,73 +34,74 @@ impl Update {
     }
 }
 
-/// Which update is a slot's, in the set of which epoch.
+/// The update of a slot in the set of an epoch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mark {
-    /// The epoch of the set.
+    /// Epoch of the set; the mark is void in any other.
     pub epoch: u32,
-    /// The index of the update in the list.
+    /// Index of the update in the list.
     pub index: u32,
 }
 
-/// A mark of an outer set that the current one covers.
+/// A mark of an outer set, saved because the current set has overwritten it. Native code writes it,
+/// hence the layout.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CoveredMark {
-    /// The slot.
+    /// The slot whose mark was overwritten.
     pub slot: Slot,
-    /// Its mark in the outer set.
+    /// The slot's mark in the outer set.
     pub mark: Mark,
 }
 
-/// What a slot held in the state that a sequence began in.
+/// The value of a slot before a sequence changed it. Native code writes it, hence the layout.
 #[derive(Debug)]
 #[repr(C)]
 pub struct SavedValue {
-    /// What it held.
+    /// The previous value.
     pub value: Value,
-    /// The slot.
+    /// The slot that was changed.
     pub slot: Slot,
 }
 
-/// What else taking back an intermediate state must restore.
+/// Further changes to undo when an intermediate state is left.
 #[derive(Debug)]
 enum UndoEntry {
-    /// When a slot was asked of the environment.
+    /// The environment was asked for a slot; the previous round is restored.
     Asked(Slot, u64),
-    /// The last element of a domain joined it.
+    /// An element was appended to the extent of a domain.
     Joined(DomainId),
 }
 
-/// The intermediate state that was left for the one before the step.
+/// The intermediate state, while a term is evaluated in the state before the step.
 #[derive(Debug)]
 pub(crate) struct LeftState {
-    /// How much there was to undo.
+    /// Number of undo entries at the time of leaving.
     undo: usize,
-    /// The elements that had joined a domain, the first one last.
+    /// The elements removed from the extents, the one added first being last.
     joined: Vec<Value>,
 }
 
-/// The update set of a step while it grows.
+/// The update set of the current step, with its nested layers.
 #[derive(Debug, Default)]
 pub(crate) struct Updates {
-    /// The updates; those of the innermost layer last.
+    /// The updates of all layers; those of the innermost one come last.
     pub list: Vec<Update>,
-    /// New elements of domains, likewise.
+    /// The elements added to domains by all layers; those of the innermost one come last.
     pub extended: Vec<(DomainId, Atom)>,
     marks: Vec<Mark>,
     epoch: u32,
-    /// The last epoch given out.
+    /// The last epoch allocated.
     last_epoch: u32,
     covered: Vec<CoveredMark>,
     held: Vec<SavedValue>,
     undo: Vec<UndoEntry>,
     depth: u32,
-    /// The layers that native code has open.
+    /// Layers opened by native code, innermost last.
     pub layers: Vec<Layer>,
 }
 
-/// What a layer has to give back.
+/// The lengths of the lists and the epoch at the start of a layer, restored at its end.
 #[derive(Debug)]
 pub(crate) struct Layer {
     start: usize,
@@ -110,45 +112,45 @@ pub(crate) struct Layer {
     epoch: u32,
 }
 
-/// The parts of a state that updates write.
+/// The parts of a state that updates change.
 pub(crate) struct WritableState<'a> {
     pub slots: &'a mut [Value],
     pub extents: &'a mut [Arc<Vec<Value>>],
-    /// When each slot was last asked of the environment.
+    /// Round in which each slot was last asked of the environment.
     pub asked: &'a mut [u64],
-    /// What is asked now.
+    /// The current round.
     pub round: u64,
-    /// The domains an element of a domain belongs to, beginning with itself.
+    /// For each domain, the domain itself and all domains it is a subset of.
     pub supers: &'a [Vec<DomainId>],
 }
 
-/// The lists of an update set. Native code may
+/// The lists of an update set, for native code, which may only
 ///
-/// - add an update of a slot that has none in the innermost set, and set the slot's mark to the epoch
-///   and the update's index;
-/// - within a sequence also add what the slot held, and the mark that the new one covers.
+/// - append an update of a slot that has none in the innermost set, and set the slot's mark to the
+///   epoch and the update's index;
+/// - within a sequence, also save the slot's previous value and the mark that is overwritten.
 ///
-/// Nothing else: an update that finds a mark of this epoch may be a clash, and is left to closures.
+/// An update of a slot whose mark has this epoch could be a clash, and is left to closures.
 pub struct UpdateLists<'a> {
-    /// The updates; those of the innermost set last.
+    /// The updates of all sets; those of the innermost set come last.
     pub updates: &'a mut Vec<Update>,
-    /// What slots held in the state that a sequence began in.
+    /// Values of slots before the sequence, in order of change.
     pub held: &'a mut Vec<SavedValue>,
-    /// Marks of outer sets that those of the innermost one cover.
+    /// Overwritten marks of outer sets.
     pub covered: &'a mut Vec<CoveredMark>,
-    /// By slot, which update is the slot's.
+    /// The mark of each slot, indexed by slot.
     pub marks: &'a mut [Mark],
-    /// The epoch of the innermost set: marks of another epoch do not count.
+    /// Epoch of the innermost set; marks with another epoch are void.
     pub epoch: u32,
 }
 
 impl Updates {
-    /// Begins the update set of a step: what the layers of the last one needed they gave back.
+    /// Starts the update set of a step. The layers of the previous step have restored their lists.
     #[inline]
     pub fn begin(&mut self, slots: usize) {
         self.extended.clear();
         if self.last_epoch > u32::MAX / 2 {
-            // no mark of an earlier step counts any more
+            // invalidates all marks before the epochs can wrap around
             self.marks.fill(Mark::default());
             self.last_epoch = 0;
         }
@@ -156,7 +158,7 @@ impl Updates {
         self.grow(slots);
     }
 
-    /// Makes room for the marks of newly interned slots.
+    /// Adds marks for newly interned slots.
     #[inline]
     pub fn grow(&mut self, slots: usize) {
         if self.marks.len() < slots {
@@ -165,7 +167,7 @@ impl Updates {
     }
 
     fn new_epoch(&mut self) {
-        // a step does not open two thousand million sets: its loops end before
+        // cannot overflow within a step: the limits on loops allow less than 2³¹ sets
         self.last_epoch = self.last_epoch.wrapping_add(1);
         self.epoch = self.last_epoch;
     }
@@ -191,7 +193,7 @@ impl Updates {
         Ok(())
     }
 
-    /// The same value once more is no conflict.
+    /// Handles a second update of a location: a clash unless the values are equal.
     fn write_again(&self, index: u32, value: Value) -> Result<(), Box<FaultKind>> {
         let first = &self.list[index as usize];
         if first.value == value {
@@ -211,7 +213,7 @@ impl Updates {
         };
     }
 
-    /// The lists, for native code.
+    /// Returns the lists for native code.
     #[inline]
     pub fn lists(&mut self) -> UpdateLists<'_> {
         UpdateLists {
@@ -223,7 +225,7 @@ impl Updates {
         }
     }
 
-    /// Begins a set within the current one.
+    /// Opens a layer within the current one.
     pub fn open(&mut self) -> Layer {
         let layer = Layer {
             start: self.list.len(),
@@ -238,13 +240,13 @@ impl Updates {
         layer
     }
 
-    /// Whether the layer's set is empty.
+    /// Returns `true` if the layer's set is empty.
     pub fn is_empty(&self, layer: &Layer) -> bool {
         self.list.len() == layer.start && self.extended.len() == layer.extended
     }
 
-    /// Ends a layer within a sequence: its updates are applied to the state and override those of
-    /// the set around it.
+    /// Closes a layer within a sequence: applies its updates to the state, and lets them override
+    /// those of the enclosing set.
     pub fn close_applying(&mut self, layer: Layer, written: &mut WritableState<'_>) {
         self.uncover(&layer);
         for index in layer.start..self.list.len() {
@@ -255,7 +257,7 @@ impl Updates {
                 value,
                 slot: update.slot,
             });
-            // what was written in this step is not asked of the environment
+            // a location written in this step is no longer read from the environment
             if written.asked[slot] != written.round {
                 let before = std::mem::replace(&mut written.asked[slot], written.round);
                 self.undo.push(UndoEntry::Asked(update.slot, before));
@@ -269,14 +271,14 @@ impl Updates {
                 Arc::make_mut(extent).push(Value::Atom(atom));
             }
         }
-        // overriding never conflicts
+        // overriding cannot clash
         let _ = self.merge::<()>(layer.start, |known, update| {
             *known = update;
             Ok(())
         });
     }
 
-    /// An update of a rule of a sequence that is applied at once, as if it were a set of its own.
+    /// Adds an update in a sequence that is applied immediately, as if it had a layer of its own.
     pub fn write_through(
         &mut self,
         slot: Slot,
@@ -287,7 +289,7 @@ impl Updates {
         let mark = self.marks[slot as usize];
         let held = &mut written.slots[slot as usize];
         if mark.epoch == self.epoch {
-            // what the sequence found there is known already
+            // the value before the sequence is already saved
             let known = &mut self.list[mark.index as usize];
             held.replace_by(value.clone());
             known.value.replace_by(value);
@@ -307,7 +309,8 @@ impl Updates {
         });
     }
 
-    /// Ends a sequence: the state is as before it, its net updates join the set around it.
+    /// Closes a sequence: restores the state before it and merges its net updates into the
+    /// enclosing set.
     pub fn close_sequence(
         &mut self,
         layer: Layer,
@@ -316,15 +319,16 @@ impl Updates {
         if self.depth > 1 || layer.start > 0 {
             return self.close_restoring(layer, written, |_| false);
         }
-        // the set around it is the step's and still empty: the sequence's takes its place
+        // the enclosing set is that of the step and still empty, so the updates can stay where they
+        // are
         self.take_back(layer.held, layer.undo, written);
         self.covered.clear();
         self.depth = 0;
         Ok(())
     }
 
-    /// Ends a sequence as [`Self::close_sequence`] does, but for the updates of slots that are local to
-    /// it: they are forgotten.
+    /// Closes a sequence like [`Self::close_sequence`], but discards the updates of slots that are
+    /// local to it.
     pub fn close_restoring(
         &mut self,
         layer: Layer,
@@ -351,32 +355,33 @@ impl Updates {
         })
     }
 
-    /// Sets a slot for as long as the layer is open, without an update.
+    /// Sets a slot without an update until the layer is closed.
     pub fn hide(&mut self, slot: Slot, value: Value, written: &mut WritableState<'_>) {
         let value = std::mem::replace(&mut written.slots[slot as usize], value);
         self.held.push(SavedValue { value, slot });
     }
 
-    /// Takes it back, with the intermediate state, that a slot was asked of the environment.
+    /// Lets the environment be asked for a slot again once the intermediate state is undone.
     pub fn forget_asking(&mut self, slot: Slot, before: u64) {
         if self.depth > 0 {
             self.undo.push(UndoEntry::Asked(slot, before));
         }
     }
 
-    /// The value that the innermost set gives a slot.
+    /// Returns the value that the innermost set gives a slot, if any.
     pub fn given(&self, slot: Slot) -> Option<&Value> {
         let mark = self.marks[slot as usize];
         (mark.epoch == self.epoch).then(|| &self.list[mark.index as usize].value)
     }
 
-    /// How far the set has grown.
+    /// Returns the sizes of the set, for [`Self::abandon`].
     #[inline]
     pub fn grown(&self) -> (usize, usize) {
         (self.list.len(), self.extended.len())
     }
 
-    /// Restores the state after a fault, and the set as it was when it had grown so far.
+    /// Restores the state after a fault, and truncates the set to the sizes given by
+    /// [`Self::grown`].
     pub fn abandon(
         &mut self,
         (updates, extended): (usize, usize),
@@ -390,7 +395,7 @@ impl Updates {
         self.depth = 0;
     }
 
-    /// Exchanges the state for the one before all layers, for as long as a term is evaluated.
+    /// Exchanges the state for the one before all layers, while a term is evaluated.
     pub fn go_back(&mut self, written: &mut WritableState<'_>) -> LeftState {
         for SavedValue { value, slot } in self.held.iter_mut().rev() {
             std::mem::swap(&mut written.slots[*slot as usize], value);
@@ -407,7 +412,7 @@ impl Updates {
         }
     }
 
-    /// Comes back to the state that was left.
+    /// Returns to the state left by [`Self::go_back`].
     pub fn return_from(&mut self, mut passed: LeftState, written: &mut WritableState<'_>) {
         for SavedValue { value, slot } in &mut self.held {
             std::mem::swap(&mut written.slots[*slot as usize], value);
@@ -437,7 +442,7 @@ impl Updates {
         }
     }
 
-    /// Gives the marks back that the layer covered.
+    /// Restores the marks that the layer has overwritten.
     fn uncover(&mut self, layer: &Layer) {
         for CoveredMark { slot, mark } in self.covered.drain(layer.covered..).rev() {
             self.marks[slot as usize] = mark;
@@ -446,7 +451,7 @@ impl Updates {
         self.depth -= 1;
     }
 
-    /// Moves the updates from `start` on into the current set.
+    /// Merges the updates from `start` on into the current set.
     fn merge<E>(
         &mut self,
         start: usize,

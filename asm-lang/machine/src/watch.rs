@@ -1,14 +1,15 @@
-//! Programs in which every read and every rule is watched, for a step that is done once more.
+//! Instrumentation of programs for recording every read and every rule, for repeating a failed
+//! step.
 
 use asmotion_ir::{Rule, RuleNode, Term, TermNode};
 
-/// A term in which every read is watched.
+/// Instruments a term.
 pub(crate) fn watched_term(mut term: Term) -> Term {
     watch_term(&mut term);
     term
 }
 
-/// A rule in which every read and every rule is watched.
+/// Instruments a rule.
 pub(crate) fn watched_rule(mut rule: Rule) -> Rule {
     watch_rule(&mut rule);
     rule
@@ -48,7 +49,8 @@ fn watch_rule(rule: &mut Rule) {
     };
 }
 
-/// Whether the value of a term is worth a note: its parts alone do not tell it.
+/// Returns `true` if the value of a term is recorded: it does not follow from the values of its
+/// parts.
 fn is_read(node: &TermNode) -> bool {
     match node {
         TermNode::Local(_)

@@ -1,23 +1,23 @@
-//! Shortcuts to interned locations.
+//! Windows: shortcuts to interned locations.
 //!
-//! Most functions over Integer are used for small numbers: as arrays. Their locations are interned,
-//! and found by hashing; a window over small arguments remembers the slots of those that were met, so
-//! that they are found as fast as if the domain were known to be small.
+//! Most functions over Integer are used with small numbers, like arrays. Their locations are
+//! interned and found by hashing. A window over small arguments caches the slots of accessed
+//! locations, which makes access as fast as with a finite domain.
 
 use asmotion_ir::{
     AxisRange, DomainElements, Function, Program, Slot, SlotAxis, Storage, ValueShape,
 };
 
-/// How many locations the windows of one function hold at most.
+/// Limit for the number of locations in the window of a function.
 const MAX_SIZE: u32 = 1 << 16;
 
-/// A window is worth while for so many numbers on an axis.
+/// Least extent of a window along an axis for which it pays off.
 const MIN_NUMBERS: u32 = 16;
 
-/// The least number of a window.
+/// Least number in a window.
 const LEAST: i64 = -16;
 
-/// The window of every interned function that has one; their number is their place in [`Near`].
+/// Returns the window of each interned function that has one, with its index in [`Near`].
 pub(crate) fn windows(program: &Program) -> Vec<Option<(usize, Vec<SlotAxis>)>> {
     let mut count = 0;
     let window = |function: &Function| {
@@ -28,7 +28,7 @@ pub(crate) fn windows(program: &Program) -> Vec<Option<(usize, Vec<SlotAxis>)>> 
     program.functions.iter().map(window).collect()
 }
 
-/// What the arguments of a function range over in its window, if it has one.
+/// Returns the axes of a function's window, if it has one.
 fn window(program: &Program, function: &Function) -> Option<Vec<SlotAxis>> {
     if function.storage != Storage::Interned || function.parameters.len() > crate::limits::MAX_AXES
     {
@@ -45,7 +45,7 @@ fn window(program: &Program, function: &Function) -> Option<Vec<SlotAxis>> {
         .try_fold(1u32, |product, range| product.checked_mul(range.count()));
     let open = known.iter().filter(|range| range.is_none()).count();
     let room = MAX_SIZE.checked_div(finite?)?;
-    // as many numbers on every open axis as there is room for
+    // divides the available locations evenly among the unbounded axes
     let numbers = f64::from(room).powf(1.0 / open as f64).floor() as u32;
     if open == 0 || numbers < MIN_NUMBERS {
         return None;
@@ -63,7 +63,8 @@ fn window(program: &Program, function: &Function) -> Option<Vec<SlotAxis>> {
     Some(axes.collect())
 }
 
-/// What an argument ranges over, `None` within for numbers; nothing where a window cannot hold it.
+/// Returns the range of an argument, `Some(None)` for integers, and `None` if a window does not
+/// support it.
 fn finite(program: &Program, shape: &ValueShape) -> Option<Option<AxisRange>> {
     match shape {
         ValueShape::Int | ValueShape::Natural => Some(None),
@@ -90,22 +91,22 @@ fn finite(program: &Program, shape: &ValueShape) -> Option<Option<AxisRange>> {
     }
 }
 
-/// The slots that were met, by window and index.
+/// The cached slots, by window and index within it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Near {
     slots: Vec<Vec<Option<Slot>>>,
-    /// The greatest slot in them.
+    /// Greatest cached slot.
     greatest: Option<Slot>,
 }
 
 impl Near {
-    /// The slot at an index of a window, if it was met.
+    /// Returns the cached slot at an index of a window.
     #[inline]
     pub fn find(&self, window: usize, index: u32) -> Option<Slot> {
         *self.slots.get(window)?.get(index as usize)?
     }
 
-    /// Forgets the slots from this one on.
+    /// Removes the slots from this one on.
     pub fn forget(&mut self, from: Slot) {
         if self.greatest < Some(from) {
             return;
@@ -118,7 +119,7 @@ impl Near {
         self.greatest = from.checked_sub(1);
     }
 
-    /// Remembers a slot.
+    /// Adds a slot to the cache.
     pub fn remember(&mut self, window: usize, index: u32, slot: Slot) {
         if self.slots.len() <= window {
             self.slots.resize(window + 1, Vec::new());

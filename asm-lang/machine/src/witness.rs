@@ -1,8 +1,8 @@
-//! What a failed step saw.
+//! Explanations of failed steps.
 //!
-//! A step keeps no notes, so that it is fast. Where one fails, it is done once more: on the state it
-//! began in, with the inputs and choices it had, by code in which every read and every rule is
-//! watched.
+//! A step records nothing about its evaluation, for speed. A step that fails is therefore repeated
+//! from its initial state, with the same inputs and choices, by code that records every read and
+//! every rule.
 
 use crate::choose::Chooser;
 use crate::code::CompiledProgram;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl Witness {
-    /// What a machine saw that could not be built.
+    /// Explains why the initial state of a program could not be computed.
     pub fn initially(program: &Arc<Program>, fault: &StepFault) -> Option<Self> {
         let mut again = Machine::blank(program.clone(), CompiledProgram::watched(program));
         again.watch(fault);
@@ -27,10 +27,10 @@ impl Witness {
 }
 
 impl Machine {
-    /// What the step saw that failed just now.
+    /// Explains the fault of the step that has just failed; `None` if it cannot be reproduced.
     pub fn witness(&self, fault: &StepFault) -> Option<Witness> {
         if matches!(fault.kind, FaultKind::ManyCalls(_)) {
-            // it would take that long once more, and longer
+            // would take as long as the step itself, or longer
             return None;
         }
         let last = self.last_step();
@@ -66,7 +66,7 @@ impl Machine {
         again.watch(fault);
         let done = fault.step > 0 && fault.step == last.number();
         let failed = match done {
-            // the step was done, and its new state violates an invariant
+            // the step itself succeeded, but its new state violates an invariant
             true => again
                 .check_again(&mut inputs, &mut choices, last.now_ns())
                 .err(),
@@ -75,7 +75,8 @@ impl Machine {
         again.told(fault, failed)
     }
 
-    /// The witness, if it was the same fault; of a loop without end, the same loop.
+    /// Returns the records if the repetition ended with the same fault, or in the same endless
+    /// loop.
     fn told(&mut self, fault: &StepFault, again: Option<Box<StepFault>>) -> Option<Witness> {
         let (notes, again) = (self.notes()?, again?);
         let is_it = match (&again.kind, &fault.kind) {
@@ -86,12 +87,12 @@ impl Machine {
     }
 }
 
-/// Answers as the environment did.
+/// Replays the recorded inputs.
 struct ReplayInputs {
     known: BTreeMap<(FunctionId, Vec<Value>), Value>,
-    /// Why there was no answer, if there was none.
+    /// The error of the environment, if it refused an input.
     refused: String,
-    /// Who gave a value that is none of its location's.
+    /// Source of a rejected input value.
     source: String,
 }
 
@@ -109,7 +110,7 @@ impl Environment for ReplayInputs {
     }
 }
 
-/// Chooses as it was chosen.
+/// Replays the recorded choices.
 struct ReplayChoices<'a> {
     made: &'a [StepChoice],
     picked: &'a [(Origin, Value)],

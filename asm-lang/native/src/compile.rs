@@ -1,4 +1,4 @@
-//! From a program to native code.
+//! Compiles the main rule of a program to a native function.
 
 use crate::detour::Detour;
 use crate::emit::{Emitter, entry_signature};
@@ -13,7 +13,7 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, default_libcall_names};
 
-/// Compiles main rules with Cranelift, for the processor that the program runs on.
+/// Compiles main rules with Cranelift, for the processor of the running process.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cranelift;
 
@@ -25,7 +25,7 @@ impl NativeCompiler for Cranelift {
         let main = program.main.ok_or(NoNativeCode::NoMainRule)?;
         let mut module = module().ok_or(NoNativeCode::Processor)?;
         let compiled = compile(program, main, &mut module);
-        // the module's memory is freed, whatever became of it
+        // takes ownership first, so that the module's memory is freed on every path
         let memory = CodeMemory::new(module);
         let (function, detours, locals) = compiled.ok_or(NoNativeCode::TooLarge)?;
         Ok(Box::new(MainRule {
@@ -40,11 +40,11 @@ impl NativeCompiler for Cranelift {
 /// A main rule as native code.
 struct MainRule {
     entry: NativeEntry,
-    /// What is done by closures.
+    /// The closures for everything that native code does not handle.
     detours: Vec<Detour>,
-    /// How many locals there are, those of the macros built in included.
+    /// Number of locals, including those of inlined macros.
     locals: u32,
-    /// Where the code is.
+    /// Owns the code that `entry` points to.
     _memory: CodeMemory,
 }
 
@@ -55,8 +55,8 @@ impl NativeRule for MainRule {
     }
 }
 
-/// An empty module for this processor. Native code reads values by their layout in memory, which is
-/// that of little-endian machines with pointers of 64 bits.
+/// Creates an empty module for this processor. Native code accesses values by their layout in
+/// memory, which is defined for little-endian machines with 64-bit pointers only.
 fn module() -> Option<JITModule> {
     if cfg!(target_endian = "big") || cfg!(not(target_pointer_width = "64")) {
         return None;
@@ -76,7 +76,7 @@ fn module() -> Option<JITModule> {
     Some(JITModule::new(builder))
 }
 
-/// The function, what it leaves to closures, and how many locals it needs.
+/// Returns the function, its detours, and the number of locals that it needs.
 fn compile(
     program: &Program,
     main: RoutineId,

@@ -1,8 +1,8 @@
-//! Detours: the closures that native code leaves work to.
+//! Detours: the closures to which native code leaves work.
 
 use asmotion_machine::back_end::{RuleCode, TermCode, TruthCode};
 
-/// A closure that does the work of a node again from its beginning.
+/// A closure that executes a node from its beginning.
 pub(crate) enum Detour {
     Rule(RuleCode),
     Truth(TruthCode),

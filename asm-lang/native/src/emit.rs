@@ -1,4 +1,4 @@
-//! The function under construction: blocks, memory, ways out.
+//! The function under construction: blocks, memory accesses and exits.
 
 use crate::detour::Detour;
 use crate::frame::{at, out, place};
@@ -15,18 +15,18 @@ use cranelift_frontend::FunctionBuilder;
 use cranelift_jit::JITModule;
 use cranelift_module::Module;
 
-/// A value of the function under construction.
+/// A value of the function under construction, in static single assignment form.
 pub(crate) type Ssa = clif::Value;
 
-/// Programs are built into one function as long as it has no more rules than this.
+/// Limit for the number of rules in the function; macros beyond it are not inlined.
 const MAX_RULES: u32 = 20_000;
 
-/// An integer in a register, and what is known about it.
+/// An integer in a register, with its known bounds.
 #[derive(Clone, Copy)]
 pub(crate) struct NativeInt {
     pub value: Ssa,
     pub interval: IntegerInterval,
-    /// The value is this one and a constant.
+    /// The value as the sum of another value and a constant.
     pub root: (Ssa, i64),
 }
 
@@ -44,61 +44,61 @@ impl NativeInt {
 #[derive(Clone, Copy)]
 pub(crate) struct AtomCode {
     pub value: Ssa,
-    /// The first atom it may be, and how many there are.
+    /// The range of atoms it belongs to, if known: number of the first, and count.
     pub among: Option<(u32, u32)>,
 }
 
-/// What is known about a variable.
+/// Compile-time knowledge about a variable.
 #[derive(Clone, Copy)]
 pub(crate) enum KnownValue {
     Nothing,
     Int(NativeInt),
     Bool(Ssa),
     Atom(AtomCode),
-    /// It lies among the locals of the run.
+    /// The value is in memory, among the locals of the step.
     Memory(ValueKind),
 }
 
-/// The routine that is being built in.
+/// The innermost inlined routine.
 #[derive(Clone)]
 pub(crate) struct EmitScope {
-    /// Where its locals begin.
+    /// Index of its first local.
     pub base: u32,
-    /// How many there are.
+    /// Number of its locals.
     pub size: u32,
-    /// How deep it is called.
+    /// Nesting depth of its call.
     pub depth: u32,
     pub locals: Vec<KnownValue>,
-    /// The agent, once a native rule has set it.
+    /// The running agent, if native code has set it.
     pub agent: Option<AtomCode>,
 }
 
-/// Where updates go.
+/// The destination of updates.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum UpdateMode {
-    /// Into the update set of the step.
+    /// The update set of the step.
     Step,
-    /// Into a set within it.
+    /// A layer within a sequence.
     Layer,
-    /// Into the set of a sequence, and to the state at once.
+    /// The set of a sequence, applied to the state immediately.
     Sequence,
 }
 
-/// Where code goes that meets what it does not do itself.
+/// The exit of the current unit, to its detour.
 #[derive(Clone, Copy)]
 struct Bail {
     block: Block,
     used: bool,
 }
 
-/// A function outside.
+/// A function of the host that native code calls.
 #[derive(Clone, Copy)]
 pub(crate) struct HostFunction {
     address: i64,
     signature: SigRef,
 }
 
-/// The functions outside, see [`out`].
+/// The host functions, see [`out`].
 pub(crate) struct Calls {
     pub rule: HostFunction,
     pub layered: HostFunction,
@@ -117,19 +117,19 @@ pub(crate) struct Calls {
     pub write_through: HostFunction,
 }
 
-/// Memory that does not overlap.
+/// Alias regions: accesses to different ones do not overlap, which lets Cranelift reorder them.
 #[derive(Clone, Copy)]
 pub(crate) struct Regions {
     pub frame: MemFlagsData,
     pub run: MemFlagsData,
     pub slots: MemFlagsData,
     pub updates: MemFlagsData,
-    /// How many updates there are.
+    /// Lengths of the lists, separate because they change with every update.
     pub length: MemFlagsData,
     pub locals: MemFlagsData,
 }
 
-/// Writes one function.
+/// Generates one function.
 pub(crate) struct Emitter<'a> {
     pub program: &'a Program,
     compiler: &'a Compiler<'a>,
@@ -137,21 +137,21 @@ pub(crate) struct Emitter<'a> {
     pub calls: Calls,
     pub memory: Regions,
     pub frame: Ssa,
-    /// Where a rule goes that stopped.
+    /// The exit for a rule that stopped with a fault.
     pub exit: Block,
     bail: Bail,
     pub scope: EmitScope,
     pub mode: UpdateMode,
     pub loops: Vec<crate::rule::Loops>,
-    /// The routines that are being built in, the outermost first.
+    /// The routines that are being inlined, outermost first.
     pub inlined: Vec<RoutineId>,
-    /// How many rules may still be built in.
+    /// Number of rules that may still be inlined.
     room: u32,
     detours: Vec<Detour>,
     locals: u32,
 }
 
-/// The signature of [`crate::frame::NativeEntry`].
+/// Returns the signature of [`crate::frame::NativeEntry`].
 pub(crate) fn entry_signature(module: &JITModule) -> clif::Signature {
     let mut signature = module.make_signature();
     signature.params.push(AbiParam::new(I64));
@@ -254,7 +254,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// The whole function: the main rule, then the ways to its end.
+    /// Generates the main rule and the exits.
     pub fn main(mut self, main: RoutineId, config: TargetFrontendConfig) -> (Vec<Detour>, u32) {
         let routine = &self.program.routines[main.0 as usize];
         self.enter(main, Vec::new());
@@ -269,7 +269,7 @@ impl<'a> Emitter<'a> {
         (self.detours, self.locals)
     }
 
-    /// Begins the frame of a routine; gives the one around it.
+    /// Enters the frame of a routine, and returns the enclosing one.
     pub fn enter(&mut self, routine: RoutineId, mut arguments: Vec<KnownValue>) -> EmitScope {
         let size = self.program.routines[routine.0 as usize].locals;
         arguments.resize(size as usize, KnownValue::Nothing);
@@ -286,17 +286,17 @@ impl<'a> Emitter<'a> {
         std::mem::replace(&mut self.scope, scope)
     }
 
-    /// Where the locals of a routine begin that is called here.
+    /// Returns the index of the first local of a routine called here.
     pub fn inner_base(&self) -> u32 {
         self.scope.base + self.scope.size
     }
 
-    /// Makes sure that this local is there when native code runs.
+    /// Ensures that locals up to `end` are allocated before native code runs.
     pub fn reserve_locals(&mut self, end: u32) {
         self.locals = self.locals.max(end);
     }
 
-    /// Whether one more rule may be built in.
+    /// Returns `true` if another rule may be inlined.
     pub fn has_room(&mut self) -> bool {
         self.room = self.room.saturating_sub(1);
         self.room > 0
@@ -344,12 +344,12 @@ impl<'a> Emitter<'a> {
         self.builder.ins().store(memory, value, at, offset);
     }
 
-    /// A field of the frame.
+    /// Loads a field of the frame.
     pub fn field(&mut self, ty: Type, offset: i32) -> Ssa {
         self.load(self.memory.frame, ty, self.frame, offset)
     }
 
-    /// Where the run is.
+    /// Loads the pointer to the step context.
     pub fn run(&mut self) -> Ssa {
         self.field(I64, at::RUN)
     }
@@ -363,7 +363,7 @@ impl<'a> Emitter<'a> {
         self.builder.inst_results(call).first().copied()
     }
 
-    /// Takes the detour of the unit at hand if the condition holds.
+    /// Leaves the current unit for its detour if the condition holds.
     pub fn bail_if(&mut self, condition: Ssa) {
         self.bail.used = true;
         let next = self.block();
@@ -371,15 +371,16 @@ impl<'a> Emitter<'a> {
         self.begin(next);
     }
 
-    /// Takes the detour of the unit at hand.
+    /// Leaves the current unit for its detour.
     pub fn bail(&mut self) {
         self.bail.used = true;
         self.jump(self.bail.block);
     }
 
-    /// Code that may be begun anew by a detour: up to where it bails out it has changed nothing, but
-    /// counted bindings if it `counts`. `native` ends where the unit is done, or elsewhere if it says
-    /// so by giving no block to go on in; so does `detour`.
+    /// Generates a unit: native code that a detour can execute again from the beginning. Before it
+    /// leaves for the detour, the code has no effect except on the counter of bindings, which is
+    /// restored if `counts` is set. Both `native` and `detour` continue at `done`; if that is
+    /// `None`, they choose their continuations themselves.
     pub fn unit(
         &mut self,
         counts: bool,
@@ -396,7 +397,7 @@ impl<'a> Emitter<'a> {
         let outer = std::mem::replace(&mut self.bail, bail);
         native(self);
         let bail = std::mem::replace(&mut self.bail, outer);
-        // what was bound within is out of scope
+        // variables bound in the unit are out of scope
         self.scope.locals = known;
         if let Some(done) = done {
             self.jump(done);
@@ -426,13 +427,13 @@ impl<'a> Emitter<'a> {
         self.store(self.memory.run, bindings, run, at::BINDINGS);
     }
 
-    /// Where closures find their locals, and how deep they are called.
+    /// Returns the frame and call depth for a host function, as an argument.
     pub fn place(&mut self) -> Ssa {
         let place = place(self.scope.base, self.scope.depth);
         self.number(I64, place)
     }
 
-    /// Puts the variables where closures look for them.
+    /// Stores the variables in memory, where closures expect them.
     fn spill(&mut self) {
         for local in 0..self.scope.locals.len() {
             let known = self.scope.locals[local];
@@ -444,7 +445,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// A scalar as its tag and a payload of 64 bits.
+    /// Returns a scalar as its tag and its 64-bit payload.
     pub fn word(&mut self, known: KnownValue) -> Option<(u8, Ssa)> {
         match known {
             KnownValue::Nothing | KnownValue::Memory(_) => None,
@@ -463,7 +464,7 @@ impl<'a> Emitter<'a> {
         [index, self.place()]
     }
 
-    /// Leaves a rule to its closure.
+    /// Generates a call to the closure of a rule.
     pub fn rule_outside(&mut self, rule: &Rule) {
         let code = self.compiler.rule(rule);
         let [index, place] = self.detour(Detour::Rule(code));
@@ -477,7 +478,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// Leaves a guard to its closure.
+    /// Generates a call to the closure of a guard.
     pub fn guard_outside(&mut self, guard: &Term, yes: Block, no: Block) {
         let code = self.compiler.truth(guard);
         let [index, place] = self.detour(Detour::Truth(code));
@@ -490,7 +491,8 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// A truth value by its closure; undef and faults are left to the detour of the unit.
+    /// Generates a call to the closure of a Boolean term. Undef and faults are left to the detour
+    /// of the current unit.
     pub fn truth_outside(&mut self, term: &Term, yes: Block, no: Block) {
         let code = self.compiler.truth(term);
         let [index, place] = self.detour(Detour::Truth(code));
@@ -501,7 +503,8 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// A scalar by its closure; undef and faults are left to the detour of the unit.
+    /// Generates a call to the closure of a term with scalar value. Undef and faults are left to
+    /// the detour of the current unit.
     pub fn term_outside(&mut self, term: &Term, tag: u8, ty: Type) -> Ssa {
         let code = self.compiler.term(term);
         let arguments = self.detour(Detour::Term(code));
@@ -509,7 +512,8 @@ impl<'a> Emitter<'a> {
         self.expect(self.memory.frame, self.frame, at::ANSWER, tag, ty)
     }
 
-    /// Evaluates a term by its closure into a local; faults are left to the detour of the unit.
+    /// Generates a call to the closure of a term that stores the value in a local. Faults are left
+    /// to the detour of the current unit.
     pub fn bind_outside(&mut self, term: &Term, local: u32) {
         let code = self.compiler.term(term);
         let [index, place] = self.detour(Detour::Term(code));
@@ -519,7 +523,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// The payload of a value in memory that has this tag.
+    /// Loads the payload of a value in memory; leaves for the detour if its tag differs from `tag`.
     pub fn expect(&mut self, memory: MemFlagsData, at: Ssa, offset: i32, tag: u8, ty: Type) -> Ssa {
         let found = self.load(memory, I8, at, offset);
         let other = self.compare(IntCC::NotEqual, found, i64::from(tag));
@@ -527,14 +531,14 @@ impl<'a> Emitter<'a> {
         self.load(memory, ty, at, offset + at::PAYLOAD)
     }
 
-    /// Ends the step if the condition holds: the fault is noted.
+    /// Ends the step if the condition holds. The fault has already been recorded.
     pub fn stop_if(&mut self, condition: Ssa) {
         let next = self.block();
         self.branch(condition, self.exit, next);
         self.begin(next);
     }
 
-    /// Where a local of the scope lies, as an offset to the locals.
+    /// Returns the offset in bytes of a local in the scope.
     pub fn local_offset(&self, local: Local) -> i32 {
         (i64::from(self.scope.base + local) * at::VALUE_SIZE) as i32
     }

@@ -1,9 +1,10 @@
-//! What native code sees of a run, and the ways back out of it.
+//! The memory that native code shares with a step, and its calls to the host.
 //!
-//! The only unsafe code of the language. Native code gets one pointer, to a [`NativeFrame`]: there stand the
-//! raw parts of the vectors it reads and writes, and the run itself. Whatever it does not do itself, it
-//! asks one of the functions below for; before each the vectors learn what native code did to them, and
-//! after each the frame learns what became of the vectors.
+//! Native code gets a single pointer, to a [`NativeFrame`], which contains the raw parts of the
+//! vectors that it accesses and a pointer to the step context. For everything else it calls one of
+//! the functions in [`out`]. Before each call the lengths of the vectors are set according to the
+//! work of native code (`settle`); after each call the frame is updated, because the vectors may
+//! have been reallocated (`refresh`). The README of this crate gives the whole safety argument.
 
 #![allow(
     unsafe_code,
@@ -20,42 +21,42 @@ use asmotion_machine::{FaultKind, Update};
 use asmotion_value::{Atom, Value};
 use std::mem::{ManuallyDrop, offset_of};
 
-/// What a native routine takes and gives: 0 when the rule is done, 1 when it stopped.
+/// The signature of a native function. It returns 0 if the rule succeeded and 1 if it stopped.
 pub(crate) type NativeEntry = unsafe extern "C" fn(*mut NativeFrame) -> u8;
 
-/// What native code sees.
+/// The interface to a step, at offsets known to native code (see [`at`]).
 #[repr(C)]
 pub(crate) struct NativeFrame {
     slots: *mut Value,
     marks: *mut Mark,
     list: *mut Update,
-    /// How many updates there are.
+    /// Number of updates in `list`.
     length: usize,
-    /// For how many there is room.
+    /// Capacity of `list`.
     room: usize,
     held: *mut SavedValue,
-    /// How many slots hold what a sequence wrote.
+    /// Number of values in `held`, saved from before the sequence.
     held_length: usize,
     covered: *mut CoveredMark,
-    /// How many marks are covered.
+    /// Number of marks in `covered`, overwritten by inner sets.
     covered_length: usize,
-    /// For how many updates of a sequence there is room in all three lists.
+    /// Number of further updates within a sequence for which all three lists have capacity.
     sequence_room: usize,
     locals: *mut Value,
-    /// What a term gave that was evaluated outside.
+    /// Value of a term evaluated by a closure.
     answer: Value,
-    /// The scalar that native code has written by a function outside.
+    /// Argument of host functions that write a scalar.
     given: ManuallyDrop<Value>,
     epoch: u32,
-    /// How deep calls were nested when native code began.
+    /// Nesting depth of calls on entry.
     depth: u32,
     run: *mut StepContext<'static>,
     detours: *const Detour,
-    /// How many locals closures expect.
+    /// Number of locals required by closures.
     needed: usize,
 }
 
-/// Where things are, for code that is generated.
+/// Offsets and sizes for generated code.
 pub(crate) mod at {
     use super::{CoveredMark, Mark, NativeFrame, SavedValue, StepContext, Update, offset_of};
 
@@ -103,7 +104,7 @@ pub(crate) mod at {
 }
 
 impl NativeFrame {
-    /// Runs native code.
+    /// Runs native code in the context of a step.
     #[inline]
     pub fn enter(
         run: &mut StepContext<'_>,
@@ -132,14 +133,15 @@ impl NativeFrame {
             needed,
         };
         frame.refresh_list();
-        // SAFETY: the entry was generated for the program of this run, for a frame of this layout, and
-        // its memory lives as long as the detours, which are borrowed here. It reads and writes slots
-        // and marks below the number of slots the program fixes, and updates below `room`; it keeps no
-        // pointer across a call of the functions below. `run` is not used here meanwhile.
+        // SAFETY: the entry was generated for the program of this step and for this layout of the
+        // frame. Its memory lives as long as the detours, which are borrowed here. It accesses
+        // slots and marks only below the number of slots that the program fixes, and updates only
+        // below `room`; it keeps no pointer into a vector across a call to the host. `run` is not
+        // used here until it returns.
         let stopped = unsafe { entry(&raw mut frame) };
         let done = match stopped {
             0 => {
-                // every sequence has ended
+                // all sequences have ended, so the other lists are already settled
                 frame.settle_list();
                 Ok(())
             }
@@ -154,12 +156,13 @@ impl NativeFrame {
     }
 
     fn run(&mut self) -> &mut StepContext<'static> {
-        // SAFETY: set from the exclusive borrow that `enter` holds and does not use meanwhile; the
-        // reference does not outlive the call out of native code, and native code does not run during it.
+        // SAFETY: the pointer stems from the exclusive borrow that `enter` holds and does not use
+        // meanwhile. The reference does not outlive the call to the host, during which native code
+        // is suspended.
         unsafe { &mut *self.run }
     }
 
-    /// Tells the run what native code did.
+    /// Sets the lengths of the vectors to what native code has written.
     fn settle(&mut self) {
         self.settle_list();
         let (held, covered) = (self.held_length, self.covered_length);
@@ -168,8 +171,8 @@ impl NativeFrame {
             covered: covered_list,
             ..
         } = self.run().update_lists();
-        // SAFETY: native code has filled the lists up to these lengths, which are at most the room there
-        // was in each.
+        // SAFETY: native code has initialised the elements of both lists up to these lengths, which
+        // do not exceed the capacities stored in the frame.
         unsafe {
             held_list.set_len(held);
             covered_list.set_len(covered);
@@ -179,11 +182,12 @@ impl NativeFrame {
     #[inline]
     fn settle_list(&mut self) {
         let length = self.length;
-        // SAFETY: native code has filled the updates up to `length`, which is at most the room there was.
+        // SAFETY: native code has initialised the updates up to `length`, which does not exceed the
+        // capacity stored in the frame.
         unsafe { self.run().update_lists().updates.set_len(length) }
     }
 
-    /// Finds out what became of the vectors.
+    /// Reloads pointers, lengths and capacities of all vectors.
     fn refresh(&mut self) {
         self.refresh_list();
         let UpdateLists {
@@ -202,11 +206,11 @@ impl NativeFrame {
         self.sequence_room = room;
     }
 
-    /// Finds out what became of all vectors but those of sequences: where native code begins there is
-    /// none.
+    /// Reloads those of all vectors except the lists for sequences, which are empty on entry.
     #[inline]
     fn refresh_list(&mut self) {
-        // SAFETY: as in `run`; the borrow of the field and that of the frame's other fields are apart.
+        // SAFETY: as in `run`; the step context does not overlap the frame, whose other fields are
+        // borrowed.
         let run = unsafe { &mut *self.run };
         self.slots = run.slots_mut().as_mut_ptr();
         self.locals = run.locals.as_mut_ptr();
@@ -217,7 +221,8 @@ impl NativeFrame {
         self.room = lists.updates.capacity();
     }
 
-    /// Does some work outside native code, in the frame of locals of an inlined routine.
+    /// Runs `work` outside native code, with the frame of locals and the call depth of an inlined
+    /// routine.
     fn outside<T>(
         &mut self,
         place: u64,
@@ -225,7 +230,8 @@ impl NativeFrame {
     ) -> T {
         self.settle();
         let (base, depth) = (place as u32 as usize, (place >> 32) as u32 + self.depth);
-        // SAFETY: as in `run`; the borrow of the field and that of the frame's other fields are apart.
+        // SAFETY: as in `run`; the step context does not overlap the frame, whose `answer` is
+        // borrowed.
         let run = unsafe { &mut *self.run };
         let outer = (run.base, run.depth);
         (run.base, run.depth) = (base, depth);
@@ -239,22 +245,23 @@ impl NativeFrame {
     }
 }
 
-/// Where a call out of native code stands: the first local of its frame, and how deep it is.
+/// Packs the position of a call to the host: the first local of its frame, and its call depth.
 pub(crate) fn place(base: u32, depth: u32) -> i64 {
     i64::from(base) | i64::from(depth) << 32
 }
 
-/// The functions native code calls. Their names are those of [`super::emit`]'s table.
+/// The host functions that native code calls. The table in [`super::emit`] uses their names.
 ///
-/// Each takes the frame first: it is the one `enter` made, so it lives, and nobody else borrows it.
+/// The first argument is always the frame that `enter` created; it is alive and not borrowed
+/// elsewhere.
 pub(crate) mod out {
     use super::{
         Atom, Choosing, Detour, FaultKind, KleeneTruth, NativeFrame, Origin, StepContext, Value,
     };
 
     fn detour(frame: &NativeFrame, index: u32) -> &'static Detour {
-        // SAFETY: generated code knows only numbers of detours that were made with it; `enter` borrows
-        // them while it runs.
+        // SAFETY: generated code contains only indices of detours created together with it, and
+        // `enter` borrows those while it runs.
         unsafe { &*frame.detours.add(index as usize) }
     }
 
@@ -262,7 +269,7 @@ pub(crate) mod out {
         u8::from(!done)
     }
 
-    /// A rule by its closure.
+    /// Runs the closure of a rule.
     pub extern "C" fn rule(frame: &mut NativeFrame, index: u32, place: u64) -> u8 {
         let Detour::Rule(rule) = detour(frame, index) else {
             return 1;
@@ -270,7 +277,7 @@ pub(crate) mod out {
         stopped(frame.outside(place, |run, _| rule(run).is_ok()))
     }
 
-    /// A rule by its closure, in a set of its own that is applied: 2 if the set is empty.
+    /// Runs the closure of a rule in a layer that is applied; returns 2 if its set is empty.
     pub extern "C" fn layered(frame: &mut NativeFrame, index: u32, place: u64) -> u8 {
         let Detour::Rule(rule) = detour(frame, index) else {
             return 1;
@@ -282,7 +289,7 @@ pub(crate) mod out {
         })
     }
 
-    /// A guard by its closure: 0 false, 1 true, 2 stopped.
+    /// Evaluates the closure of a guard; returns 0 for false, 1 for true, 2 for a fault.
     pub extern "C" fn guard(frame: &mut NativeFrame, index: u32, place: u64, origin: u32) -> u8 {
         let Detour::Truth(truth) = detour(frame, index) else {
             return 2;
@@ -301,7 +308,7 @@ pub(crate) mod out {
         })
     }
 
-    /// A truth value by its closure: 2 for undef.
+    /// Evaluates the closure of a Boolean term; returns 2 for undef.
     pub extern "C" fn truth(frame: &mut NativeFrame, index: u32, place: u64) -> u8 {
         let Detour::Truth(truth) = detour(frame, index) else {
             return 2;
@@ -317,7 +324,7 @@ pub(crate) mod out {
         })
     }
 
-    /// A value by its closure, left in the frame's answer.
+    /// Evaluates the closure of a term and stores the value in the frame's `answer`.
     pub extern "C" fn term(frame: &mut NativeFrame, index: u32, place: u64) {
         if let Detour::Term(term) = detour(frame, index) {
             frame.outside(place, |run, answer| {
@@ -330,7 +337,7 @@ pub(crate) mod out {
         }
     }
 
-    /// A value by its closure, left in a local: 1 if it failed.
+    /// Evaluates the closure of a term and stores the value in a local; returns 1 for a fault.
     pub extern "C" fn bind(frame: &mut NativeFrame, index: u32, place: u64, local: u32) -> u8 {
         let Detour::Term(term) = detour(frame, index) else {
             return 1;
@@ -342,7 +349,7 @@ pub(crate) mod out {
         })
     }
 
-    /// A scalar put into a local, for closures to see.
+    /// Stores a scalar in a local, where closures can read it.
     pub extern "C" fn spill(frame: &mut NativeFrame, local: u32, tag: u32, payload: i64) {
         let needed = frame.needed;
         let locals = &mut frame.run().locals;
@@ -352,8 +359,8 @@ pub(crate) mod out {
         locals[local as usize] = scalar(tag, payload);
     }
 
-    /// How the value of a variable with this range is chosen: 0 by a number, 1 as the first one, 2 from
-    /// outside.
+    /// Returns how the value of a variable with this range is chosen: 0 by index, 1 the first
+    /// candidate, 2 picked from outside.
     pub extern "C" fn way(frame: &mut NativeFrame, range: u32) -> u8 {
         match frame.run().choosing(Origin(range)) {
             Choosing::ByNumber => 0,
@@ -362,48 +369,48 @@ pub(crate) mod out {
         }
     }
 
-    /// Which of so many candidates.
+    /// Returns the index of the chosen one of `count` candidates.
     pub extern "C" fn choose(frame: &mut NativeFrame, count: u64, origin: u32) -> u64 {
         frame.run().choose(count as usize, Origin(origin)) as u64
     }
 
-    /// A loop went round too often.
+    /// Records the fault of a loop with too many iterations.
     pub extern "C" fn endless(frame: &mut NativeFrame, most: u32, origin: u32, place: u64) {
         frame.outside(place, |run, _| {
             run.fail(FaultKind::Endless(most), Origin(origin));
         });
     }
 
-    /// Begins a set within the current one.
+    /// Opens a set within the current one.
     pub extern "C" fn open(frame: &mut NativeFrame) {
         frame.outside_here(StepContext::open_set);
     }
 
-    /// Ends a set and applies it: 1 if it was empty.
+    /// Closes a set and applies it; returns 1 if it was empty.
     pub extern "C" fn apply(frame: &mut NativeFrame) -> u8 {
         u8::from(frame.outside_here(StepContext::apply_set))
     }
 
-    /// Ends a sequence.
+    /// Ends a sequence; returns 1 if it stopped with a clash.
     pub extern "C" fn restore(frame: &mut NativeFrame) -> u8 {
         stopped(frame.outside_here(|run| run.end_sequence().is_ok()))
     }
 
-    /// Adds an update within a sequence; the slot has none yet.
+    /// Adds an update of a slot that has none in the current set.
     pub extern "C" fn write(frame: &mut NativeFrame, slot: u32, origin: u32) {
         let value = Value::clone(&frame.given);
-        // generated code has looked at the mark
+        // cannot clash: generated code has checked the slot's mark
         frame.outside_here(|run| run.write_first(slot, value, Origin(origin)));
     }
 
-    /// An update of a sequence that is applied at once.
+    /// Adds an update in a sequence and applies it immediately.
     pub extern "C" fn write_through(frame: &mut NativeFrame, slot: u32, origin: u32) {
         let value = Value::clone(&frame.given);
         frame.outside_here(|run| run.write_through(slot, value, Origin(origin)));
     }
 
     impl NativeFrame {
-        /// Work that runs no code of the program.
+        /// Runs `work` that executes no code of the program and needs no frame of locals.
         fn outside_here<T>(&mut self, work: impl FnOnce(&mut StepContext<'static>) -> T) -> T {
             self.settle();
             let result = work(self.run());

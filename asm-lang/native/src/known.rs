@@ -1,4 +1,4 @@
-//! What is known about a program before it runs: what a term gives, and what it may do.
+//! Static analysis: kinds of values, ranges of variables, and possible effects of terms.
 
 use crate::emit::{Emitter, KnownValue};
 use asmotion_ir::{
@@ -7,7 +7,7 @@ use asmotion_ir::{
 };
 use asmotion_value::Value;
 
-/// What a variable ranges over without looking at the state.
+/// A range that does not depend on the state.
 #[derive(Clone, Copy)]
 pub(crate) enum StaticRange {
     Ints(i64, i64),
@@ -27,7 +27,7 @@ impl StaticRange {
 }
 
 impl Emitter<'_> {
-    /// What a term gives, if it is not undef.
+    /// Returns the kind of a term's value, provided that it is not undef.
     pub fn kind(&self, term: &Term) -> ValueKind {
         match &*term.node {
             TermNode::Constant(Value::Bool(_)) => ValueKind::Bool,
@@ -45,7 +45,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Whether a term gives a scalar and may be evaluated twice.
+    /// Returns `true` if a term has a scalar value and can be evaluated twice without an effect.
     pub fn is_native(&self, term: &Term) -> bool {
         matches!(
             self.kind(term),
@@ -53,7 +53,7 @@ impl Emitter<'_> {
         ) && is_repeatable(self.program, term)
     }
 
-    /// Whether the environment owns a function.
+    /// Returns `true` if the environment provides values of a function.
     pub fn is_input(&self, function: asmotion_ir::FunctionId) -> bool {
         match self.program.functions[function.0 as usize].kind {
             FunctionKind::Monitored | FunctionKind::Shared => true,
@@ -64,7 +64,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// What a variable ranges over, if that never changes and need not be computed.
+    /// Returns the range of a variable if it is constant.
     pub fn span(&self, range: &BinderRange) -> Option<StaticRange> {
         match range {
             BinderRange::Ints(low, high) => Some(StaticRange::Ints(*low, *high)),
@@ -85,7 +85,7 @@ impl Emitter<'_> {
     }
 }
 
-/// Whether some rule extends a domain.
+/// Returns `true` if some rule extends a domain.
 fn grows(program: &Program, domain: DomainId) -> bool {
     let reaches = |mut extended: DomainId| {
         for _ in 0..=program.domains.len() {
@@ -107,7 +107,8 @@ fn grows(program: &Program, domain: DomainId) -> bool {
     })
 }
 
-/// Whether evaluating a term twice is as good as evaluating it once: nothing is printed.
+/// Returns `true` if evaluating a term twice has the same effect as evaluating it once: it neither
+/// prints nor records.
 pub(crate) fn is_repeatable(program: &Program, term: &Term) -> bool {
     !reaches(program, term, &mut Vec::new(), &|node| match node {
         TermNode::Builtin(builtin, _) => builtin.prints(),
@@ -116,7 +117,7 @@ pub(crate) fn is_repeatable(program: &Program, term: &Term) -> bool {
     })
 }
 
-/// Whether evaluating a term may bind variables.
+/// Returns `true` if evaluating a term may bind variables, which is counted.
 pub(crate) fn counts(program: &Program, term: &Term) -> bool {
     reaches(program, term, &mut Vec::new(), &|node| {
         matches!(
@@ -126,7 +127,7 @@ pub(crate) fn counts(program: &Program, term: &Term) -> bool {
     })
 }
 
-/// Whether running a rule may bind variables that range over something.
+/// Returns `true` if running a rule may bind variables to elements of a range, which is counted.
 pub(crate) fn rule_counts(program: &Program, rule: &Rule) -> bool {
     fn search(program: &Program, rule: &Rule, seen: &mut Vec<RoutineId>) -> bool {
         any_rule(rule, &mut |rule| {
@@ -157,7 +158,8 @@ pub(crate) fn rule_counts(program: &Program, rule: &Rule) -> bool {
     search(program, rule, &mut Vec::new())
 }
 
-/// Whether a term, or a definition it applies, contains such a node.
+/// Returns `true` if a term, or a definition that it applies, contains a node that satisfies
+/// `is_it`.
 fn reaches(
     program: &Program,
     term: &Term,
@@ -187,7 +189,7 @@ fn reaches(
     search(program, &mut term.node.clone(), seen, is_it)
 }
 
-/// Whether a rule contains such a rule, or is one.
+/// Returns `true` if a rule is or contains one that satisfies `is_it`.
 fn any_rule(rule: &Rule, is_it: &mut dyn FnMut(&Rule) -> bool) -> bool {
     fn search(rule: &mut Rule, is_it: &mut dyn FnMut(&Rule) -> bool) -> bool {
         is_it(rule)

@@ -1,13 +1,12 @@
-//! Native code: the second back end, for the part of a program that machines spend their time on.
+//! Native code: a second back end for the main rule, where machines spend most of their time.
 //!
-//! The main rule, with the macros it calls built in, becomes one function. It does what needs scalars
-//! only: integers, truth values and atoms in registers, locations of known axes read in place, updates
-//! that are the first of their slot. The closures stay the reference. Wherever anything else comes up,
-//! an undef, an overflow, a second update of a location, native code takes a *detour*: the closure of
-//! the rule or guard at hand does it again from its beginning, and finds the value, the fault or the
-//! clash as it always would. That is the same, because terms can be evaluated twice: they change
-//! nothing, and what was asked of the environment holds for the whole step. So a step is the same
-//! whichever back end does it.
+//! The main rule and the macros that it calls become one function. It handles what needs only
+//! scalars: integers, truth values and atoms in registers, locations whose arguments lie on known
+//! axes, and the first update of a location. Everything else (undef, overflow, a second update of a
+//! location) is left to a *detour*: the closure of the current rule or guard runs from its
+//! beginning and yields the value, the fault or the clash. Starting again is sound, because terms
+//! have no effects and an input keeps its value throughout a step. Steps are therefore identical in
+//! both back ends.
 
 mod compile;
 mod detour;

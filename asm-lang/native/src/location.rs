@@ -1,4 +1,4 @@
-//! Locations of known axes, read and written in place.
+//! Locations with known slots or axes, accessed in place.
 
 use crate::emit::{Emitter, KnownValue, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
@@ -12,20 +12,20 @@ use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64, I64X2};
 use cranelift_codegen::ir::{InstBuilder, Type};
 
-/// A location in place.
+/// The address of a location.
 pub(crate) struct Located {
-    /// Where the function's first slot is, in bytes from here.
+    /// Address from which `offset`, in bytes, leads to the slot.
     pointer: Ssa,
     offset: i32,
-    /// The number of the slot: computed, and a constant to add.
+    /// The number of the slot, relative to `base`; `None` if it is constant.
     index: Option<Ssa>,
     base: i64,
-    /// Whether its value may still have to be computed.
+    /// `true` if the location may still need its initial value.
     pub is_lazy: bool,
 }
 
 impl Emitter<'_> {
-    /// The location a term denotes, if native code finds it.
+    /// Generates the address of the location that a term denotes, if native code supports it.
     pub fn place_of(&mut self, term: &Term) -> Option<Located> {
         match &*term.node {
             TermNode::Slot(function, slot) if !self.is_input(*function) => Some(self.fixed(*slot)),
@@ -36,7 +36,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Whether native code finds the place an update writes.
+    /// Returns `true` if native code can compute the address of an update's location.
     pub fn is_place(&self, place: &AssignTarget) -> bool {
         match place {
             AssignTarget::Slot(function, _) => !self.is_input(*function),
@@ -47,7 +47,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// The place of an update; it [`Emitter::is_place`].
+    /// Generates the address of an update's location; requires [`Emitter::is_place`].
     pub fn target(&mut self, place: &AssignTarget) -> Option<Located> {
         match place {
             AssignTarget::Slot(_, slot) => Some(self.fixed(*slot)),
@@ -82,7 +82,7 @@ impl Emitter<'_> {
             })
     }
 
-    /// A location by its arguments; off the axes, the unit at hand takes its detour.
+    /// Generates the address of a location; leaves for the detour if an argument is off its axis.
     fn located(&mut self, function: FunctionId, arguments: &[Term]) -> Option<Located> {
         if !self.has_axes(function, arguments) {
             return None;
@@ -145,7 +145,7 @@ impl Emitter<'_> {
         })
     }
 
-    /// How far along an axis a number is: so far, and a constant more.
+    /// Returns the position of a number on an axis as a sum of a value and a constant.
     fn along(&mut self, number: NativeInt, low: i64, count: u32) -> (Ssa, i64) {
         let high = low.saturating_add(i64::from(count) - 1);
         let (root, offset) = number.root;
@@ -168,17 +168,17 @@ impl Emitter<'_> {
         self.bail_if(outside);
     }
 
-    /// The tag of what a location holds.
+    /// Loads the tag of a location's value.
     pub fn tag(&mut self, located: &Located) -> Ssa {
         self.load(self.memory.slots, I8, located.pointer, located.offset)
     }
 
-    /// What a location holds, if it has this tag.
+    /// Loads the payload of a location's value; leaves for the detour if the tag differs.
     pub fn read(&mut self, located: &Located, tag: u8, ty: Type) -> Ssa {
         self.expect(self.memory.slots, located.pointer, located.offset, tag, ty)
     }
 
-    /// The number of the slot.
+    /// Returns the number of the slot.
     fn slot(&mut self, located: &Located) -> Ssa {
         match located.index {
             None => self.number(I64, located.base),
@@ -186,7 +186,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// The domain whose elements a place takes only.
+    /// Returns the domain to which values of a location are restricted.
     fn within(&self, place: &AssignTarget) -> Option<DomainId> {
         match place {
             AssignTarget::Slot(function, _) | AssignTarget::Location(function, _) => {
@@ -196,7 +196,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Whether native code can tell that a place takes a value.
+    /// Returns `true` if native code can check a value of this kind against the location's domain.
     pub fn is_accepted(&self, place: &AssignTarget, kind: ValueKind) -> bool {
         let Some(domain) = self.within(place) else {
             return true;
@@ -209,7 +209,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Takes the detour of the unit at hand unless the place takes the value.
+    /// Leaves for the detour if the value is not in the location's domain.
     pub fn accept(&mut self, place: &AssignTarget, value: KnownValue) {
         let Some(domain) = self.within(place) else {
             return;
@@ -235,10 +235,11 @@ impl Emitter<'_> {
         }
     }
 
-    /// Adds an update; where there is one of the location already, the unit takes its detour.
+    /// Adds an update; leaves for the detour if the location already has one.
     pub fn write(&mut self, located: &Located, value: KnownValue, origin: Origin) {
         if located.is_lazy {
-            // a location that was not met yet is undef, and must be met first
+            // undef may mean that a lazy location has no initial value yet, which a closure
+            // computes
             let tag = self.tag(located);
             let unmet = self.compare(IntCC::Equal, tag, i64::from(layout::UNDEF));
             self.bail_if(unmet);
@@ -266,7 +267,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Adds an update to the set of a sequence, and writes the slot at once.
+    /// Adds an update to the set of a sequence and writes the slot immediately.
     fn write_through(
         &mut self,
         located: &Located,
@@ -278,7 +279,7 @@ impl Emitter<'_> {
     ) {
         let (over, first, done) = (self.block(), self.block(), self.block());
         let (scalar, fits, outside) = (self.block(), self.block(), self.cold_block());
-        // what is there must own nothing, for it is moved and overwritten as it is
+        // the old value is moved and overwritten without a drop, so it must be a scalar
         let tag = self.tag(located);
         let last_scalar = i64::from(layout::LAST_SCALAR);
         let is_scalar = self.compare(IntCC::UnsignedLessThanOrEqual, tag, last_scalar);
@@ -310,7 +311,7 @@ impl Emitter<'_> {
         self.begin(done);
     }
 
-    /// Keeps what a slot holds until the sequence ends.
+    /// Saves the value of a slot until the sequence ends.
     fn hold(&mut self, located: &Located, slot: Ssa) {
         let held = self.next(at::HELD, at::HELD_LENGTH, at::HELD_SIZE);
         let value = self.load(self.memory.slots, I64X2, located.pointer, located.offset);
@@ -318,7 +319,7 @@ impl Emitter<'_> {
         self.store(self.memory.updates, slot, held, at::HELD_SLOT);
     }
 
-    /// Keeps the mark of a slot until the sequence ends.
+    /// Saves the mark of a slot until the sequence ends.
     fn cover(&mut self, mark: Ssa, slot: Ssa) {
         let covered = self.next(at::COVERED, at::COVERED_LENGTH, at::COVERED_SIZE);
         self.store(self.memory.updates, slot, covered, at::COVERED_SLOT);
@@ -331,7 +332,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Adds an update to the list and marks its slot.
+    /// Appends an update to the list and marks its slot.
     fn add(&mut self, slot: Ssa, mark: Ssa, value: KnownValue, origin: Origin) {
         let length = self.load(self.memory.length, I64, self.frame, at::LENGTH);
         let index = self.builder.ins().ireduce(I32, length);
@@ -343,7 +344,7 @@ impl Emitter<'_> {
         self.put_update(update, value, origin);
     }
 
-    /// The next element of a list, for which there is room.
+    /// Returns the address of the next element of a list, which has capacity for it.
     fn next(&mut self, list: i32, length: i32, size: i64) -> Ssa {
         let start = self.field(I64, list);
         let count = self.load(self.memory.length, I64, self.frame, length);
@@ -353,7 +354,7 @@ impl Emitter<'_> {
         self.builder.ins().iadd(start, bytes)
     }
 
-    /// Writes by a call; the value lies in the frame.
+    /// Calls a host function that writes; the value is passed in the frame.
     fn write_outside(
         &mut self,
         call: crate::emit::HostFunction,
@@ -385,7 +386,7 @@ impl Emitter<'_> {
         self.put(self.memory.updates, update, at::UPDATE_VALUE, value);
     }
 
-    /// Writes a scalar into memory that holds nothing, or a scalar.
+    /// Stores a scalar in memory that is uninitialised or holds a scalar.
     pub fn put(
         &mut self,
         memory: cranelift_codegen::ir::MemFlagsData,
@@ -396,7 +397,8 @@ impl Emitter<'_> {
         let Some((tag, payload)) = self.word(value) else {
             return;
         };
-        // one store, so that whoever reads the whole value soon need not wait for two
+        // a single store, because a wider load of two recent narrow stores would stall (no store
+        // forwarding)
         let tag = self.number(I64, i64::from(tag));
         let both = self.builder.ins().scalar_to_vector(I64X2, tag);
         let both = self.builder.ins().insertlane(both, payload, 1);

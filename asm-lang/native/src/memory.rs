@@ -1,4 +1,4 @@
-//! The memory that native code lies in.
+//! Ownership of the executable memory.
 
 #![allow(unsafe_code, reason = "code is made a function, and freed")]
 
@@ -6,11 +6,11 @@ use crate::frame::NativeEntry;
 use cranelift_jit::JITModule;
 use cranelift_module::FuncId;
 
-/// Owns the code of one module.
+/// Owns the code of one module, and frees it when dropped.
 pub(crate) struct CodeMemory(Option<JITModule>);
 
-// SAFETY: after `entry` nothing reads or writes the module but `drop`, which has it alone; the code
-// itself is only read, and executed.
+// SAFETY: after `entry`, the module is accessed only by `drop`, which has exclusive access. The
+// code itself is read-only and may be executed by several threads.
 unsafe impl Sync for CodeMemory {}
 
 impl CodeMemory {
@@ -18,10 +18,11 @@ impl CodeMemory {
         Self(Some(module))
     }
 
-    /// A finished function of the module. It may be called as long as this lives.
+    /// Returns a finished function of the module. It may only be called while this value lives.
     pub fn entry(&self, function: FuncId) -> Option<NativeEntry> {
         let code = self.0.as_ref()?.get_finalized_function(function);
-        // SAFETY: the function was defined with the signature of `NativeEntry`: see `emit::entry_signature`.
+        // SAFETY: the function was defined with the signature of `NativeEntry`, by
+        // `emit::entry_signature`.
         Some(unsafe { std::mem::transmute::<*const u8, NativeEntry>(code) })
     }
 }
@@ -29,7 +30,8 @@ impl CodeMemory {
 impl Drop for CodeMemory {
     fn drop(&mut self) {
         if let Some(module) = self.0.take() {
-            // SAFETY: whoever holds an entry holds this as well, so no code of it runs any more.
+            // SAFETY: an entry is always stored together with its `CodeMemory`, so no code of the
+            // module is running.
             unsafe { module.free_memory() };
         }
     }

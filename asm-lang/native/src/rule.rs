@@ -1,4 +1,4 @@
-//! Rules.
+//! Generates code for rules.
 
 use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
@@ -12,35 +12,36 @@ use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder, Type};
 
-/// Macros are built into each other this deep.
+/// Limit for the nesting of inlined macros.
 const MAX_INLINED: usize = 48;
 
-/// A variable, what it ranges over, and where that stands.
+/// A variable, its range, and the place of the range.
 pub(crate) type BoundRange = (Local, StaticRange, Origin);
 
-/// How the bindings of a loop are counted.
+/// The way in which the bindings of a loop are counted against the limit.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Counting {
-    /// Before the loop, which nobody interrupts: the detour is taken if there may be too many.
+    /// All before the loop, which runs to its end; leaves for the detour if the limit could be
+    /// exceeded.
     Together,
-    /// The same, and they were found not to be too many.
+    /// As `Together`, after the limit was already checked.
     Checked,
-    /// Each by itself, in a rule.
+    /// One by one, in a rule; exceeding the limit is a fault.
     EachInRule,
-    /// Each by itself, in a term.
+    /// One by one, in a term; exceeding the limit is left to the detour.
     EachInTerm,
 }
 
-/// The loops around the code at hand.
+/// The enclosing loops of a quantifier, `choose` or `forall`.
 pub(crate) struct Loops {
-    /// How many bindings there were before, unless each is counted by itself.
+    /// Number of bindings before the loops; `None` if they are counted one by one.
     before: Option<Ssa>,
-    /// For each loop how often it went round, and how many bindings there are within one round.
+    /// For each loop, the number of completed iterations and of bindings in each iteration.
     rounds: Vec<(Ssa, u64)>,
 }
 
 impl Emitter<'_> {
-    /// A rule: code goes on behind it when it is done.
+    /// Generates code for a rule; the code that follows continues after it.
     pub fn rule(&mut self, rule: &Rule) {
         stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.rule_here(rule));
     }
@@ -88,7 +89,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Whether an update can be done here.
+    /// Returns `true` if native code supports an update.
     pub fn is_native_update(&self, place: &AssignTarget, value: &Term) -> bool {
         self.is_native(value) && self.is_place(place) && self.is_accepted(place, self.kind(value))
     }
@@ -121,7 +122,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// A guard of a rule: undef is a fault.
+    /// Generates code for the guard of a rule, for which undef is a fault.
     pub fn guard(&mut self, guard: &Term, yes: Block, no: Block) {
         if !self.is_truth(guard) || !self.is_native(guard) {
             return self.guard_outside(guard, yes, no);
@@ -147,7 +148,7 @@ impl Emitter<'_> {
         self.begin(done);
     }
 
-    /// Cases that are constants are compared with the subject one after the other.
+    /// Generates code for `switch`, comparing the subject with constant cases in order.
     fn switch(&mut self, rule: &Rule, subject: &Term, cases: &[(Term, Rule)], otherwise: &Rule) {
         let is_constant = |(case, _): &(Term, Rule)| matches!(*case.node, TermNode::Constant(_));
         if !self.is_native(subject) || !cases.iter().all(is_constant) {
@@ -173,7 +174,7 @@ impl Emitter<'_> {
         self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
     }
 
-    /// Whether a subject is the value of a case; nothing where it never is.
+    /// Generates the comparison of a subject with a case; `None` if they can never be equal.
     fn is_case(&mut self, subject: KnownValue, case: &Term) -> Option<Ssa> {
         let TermNode::Constant(value) = &*case.node else {
             return None;
@@ -204,7 +205,7 @@ impl Emitter<'_> {
         self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
     }
 
-    /// A term in a register, or in this place among the locals.
+    /// Evaluates an argument to a register, or to the local at `place`.
     fn argument(&mut self, term: &Term, place: u32) -> KnownValue {
         if self.is_native(term) {
             return self.scalar(term);
@@ -214,7 +215,7 @@ impl Emitter<'_> {
         KnownValue::Memory(kind)
     }
 
-    /// A macro becomes part of the rule that calls it.
+    /// Inlines a macro into the rule that calls it.
     fn build_in(&mut self, rule: &Rule, routine: RoutineId, arguments: &[Term]) {
         let called = &self.program.routines[routine.0 as usize];
         let may_be = self.may_build_in(routine)
@@ -244,7 +245,7 @@ impl Emitter<'_> {
         self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
     }
 
-    /// A call counts; where there were too many, the unit at hand takes its detour.
+    /// Counts a call; leaves for the detour if there were too many.
     fn count_call(&mut self) {
         let run = self.run();
         let before = self.load(self.memory.run, I32, run, at::CALLS);
@@ -270,7 +271,7 @@ impl Emitter<'_> {
         self.inlined.pop();
     }
 
-    /// The program of an agent, where all agents it may be have the same.
+    /// Generates code for the program of an agent, if all agents in question have the same one.
     fn run_agent(&mut self, rule: &Rule, agent: &Term, arguments: &[Term]) {
         let Some((agent, routine)) = self.one_program(agent).filter(|_| arguments.is_empty())
         else {
@@ -281,7 +282,7 @@ impl Emitter<'_> {
         let native = |this: &mut Self| {
             this.count_call();
             let run = this.run();
-            // the agent before is an atom or undef: it is put back as it was
+            // the previous agent is an atom or undef, so it can be saved and restored as raw words
             let before = [0, at::PAYLOAD]
                 .map(|offset| this.load(this.memory.run, I64, run, at::AGENT + offset));
             this.put(this.memory.run, run, at::AGENT, KnownValue::Atom(agent));
@@ -297,7 +298,7 @@ impl Emitter<'_> {
         self.unit(false, native, |this| this.rule_outside(rule), Some(done));
     }
 
-    /// An agent in a register, and the one routine that is its program.
+    /// Returns the agent, in a register, and the only routine that can be its program.
     fn one_program(&self, agent: &Term) -> Option<(AtomCode, RoutineId)> {
         let TermNode::Local(local) = &*agent.node else {
             return None;
@@ -341,7 +342,7 @@ impl Emitter<'_> {
         self.unit(false, native, |this| this.rule_outside(rule), Some(done));
     }
 
-    /// Goes on only where the guard holds.
+    /// Continues only if the guard holds; otherwise jumps.
     fn guarded(&mut self, guard: Option<&Term>, otherwise: Block) {
         if let Some(guard) = guard {
             let holds = self.block();
@@ -350,7 +351,8 @@ impl Emitter<'_> {
         }
     }
 
-    /// Candidates are counted first, then the one chosen is found again.
+    /// Generates code for `choose`: counts the candidates, then enumerates them again up to the
+    /// chosen one.
     fn choose(
         &mut self,
         rule: &Rule,
@@ -402,7 +404,7 @@ impl Emitter<'_> {
         self.unit(false, native, |this| this.rule_outside(rule), Some(done));
     }
 
-    /// Which candidate to take.
+    /// Generates the index of the chosen candidate.
     fn wanted(
         &mut self,
         spans: &[BoundRange],
@@ -448,7 +450,7 @@ impl Emitter<'_> {
         wanted
     }
 
-    /// What variables range over, if native code can go through it.
+    /// Returns the ranges of variables if native code can enumerate all of them.
     pub fn spans(&self, binders: &[Binder]) -> Option<Vec<BoundRange>> {
         let spanned = |binder: &Binder| {
             let span = self.span(&binder.range)?;
@@ -457,8 +459,8 @@ impl Emitter<'_> {
         binders.iter().map(spanned).collect()
     }
 
-    /// Loops over all variables. `body` is given where the next round begins, and ends by going there
-    /// or elsewhere.
+    /// Generates nested loops over all variables. `body` gets the block of the next iteration, and
+    /// must end with a jump to it or elsewhere.
     pub fn each(
         &mut self,
         spans: &[BoundRange],
@@ -576,7 +578,7 @@ impl Emitter<'_> {
         self.endless_if(many, MAX_BINDINGS, origin);
     }
 
-    /// Ends the step with the fault of a loop without end, if the condition holds.
+    /// Ends the step with the fault of an endless loop if the condition holds.
     pub fn endless_if(&mut self, condition: Ssa, most: u32, origin: Origin) {
         let (many, next) = (self.cold_block(), self.block());
         self.branch(condition, many, next);
@@ -589,7 +591,7 @@ impl Emitter<'_> {
         self.begin(next);
     }
 
-    /// Counts the bindings up to this round: the loops are left.
+    /// Counts the bindings up to the current iteration, before the loops are left early.
     pub fn count_up_to_here(&mut self) {
         let Some(Loops {
             before: Some(before),
@@ -609,7 +611,7 @@ impl Emitter<'_> {
         self.set_bindings(sum);
     }
 
-    /// A loop within a sequence.
+    /// Generates a loop within a sequence.
     fn repeat(&mut self, guard: Option<&Term>, body: &Rule, until_idle: bool, origin: Origin) {
         let (head, done) = (self.block(), self.block());
         self.jump(head);
@@ -637,7 +639,7 @@ impl Emitter<'_> {
     }
 }
 
-/// How many bindings loops over these variables make.
+/// Returns the number of bindings made by loops over these variables.
 fn total(spans: &[BoundRange]) -> u64 {
     spans.iter().rev().fold(0u64, |inner, (_, span, _)| {
         span.count().saturating_mul(inner.saturating_add(1))

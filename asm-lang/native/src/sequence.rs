@@ -1,8 +1,8 @@
-//! Sequences: updates that later rules of the step see.
+//! Generates code for sequences, whose updates are visible to later rules of the step.
 //!
-//! Within a sequence a rule that only writes known slots is applied update by update, without a set of
-//! its own: its updates cannot clash. Sequences and loops directly within a sequence share its set:
-//! what they write in the end is the same.
+//! Within a sequence, a rule that only updates distinct known slots needs no layer: its updates
+//! cannot clash and are applied one by one. Sequences and loops directly within a sequence share
+//! its layer, because this does not change their net updates.
 
 use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
 use asmotion_ir::{AssignTarget, Rule, RuleNode, Slot, Term};
@@ -10,7 +10,7 @@ use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I8;
 
 impl Emitter<'_> {
-    /// Rules one after the other.
+    /// Generates code for a sequence of rules.
     pub fn sequence(&mut self, rules: impl FnOnce(&mut Self)) {
         if self.mode == UpdateMode::Sequence {
             return rules(self);
@@ -25,7 +25,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// A rule that collects a set: within a sequence one of its own.
+    /// Generates code for a rule that needs an update set: within a sequence, a layer of its own.
     pub fn as_set(&mut self, rule: impl FnOnce(&mut Self)) {
         match self.mode {
             UpdateMode::Step | UpdateMode::Layer => rule(self),
@@ -35,7 +35,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// A set within a sequence, applied when it is complete; whether it is empty.
+    /// Generates a layer within a sequence, applied at its end; returns `true` if its set is empty.
     pub fn layer(&mut self, rule: impl FnOnce(&mut Self)) -> Ssa {
         self.call(self.calls.open, &[]);
         let outer = std::mem::replace(&mut self.mode, UpdateMode::Layer);
@@ -70,7 +70,7 @@ impl Emitter<'_> {
         self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
     }
 
-    /// Updates of different slots.
+    /// Returns the updates that the rules consist of, if their slots are distinct.
     fn apart<'r>(&self, rules: &'r [Rule]) -> Option<Vec<(&'r AssignTarget, &'r Term, &'r Rule)>> {
         let mut slots: Vec<Slot> = Vec::new();
         let mut updates = Vec::new();
@@ -91,7 +91,7 @@ impl Emitter<'_> {
     }
 }
 
-/// Whether a rule that is done has written something.
+/// Returns `true` if a rule always yields an update, unless it stops.
 pub(crate) fn always_writes(rule: &Rule) -> bool {
     match &*rule.node {
         RuleNode::Update(..) => true,

@@ -1,4 +1,4 @@
-//! Terms that give integers and atoms.
+//! Generates code for terms whose values are integers or atoms.
 
 use crate::emit::{AtomCode, Emitter, KnownValue, NativeInt};
 use crate::known::counts;
@@ -9,7 +9,7 @@ use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I32, I64};
 
 impl Emitter<'_> {
-    /// A term that [`Emitter::is_native`].
+    /// Generates code for a term that satisfies [`Emitter::is_native`].
     pub fn scalar(&mut self, term: &Term) -> KnownValue {
         match self.kind(term) {
             ValueKind::Int => KnownValue::Int(self.integer(term)),
@@ -19,13 +19,13 @@ impl Emitter<'_> {
         }
     }
 
-    /// Whether evaluating some of these terms counts bindings.
+    /// Returns `true` if evaluating one of these terms counts bindings.
     pub fn any_counts<'t>(&self, terms: impl IntoIterator<Item = &'t Term>) -> bool {
         let mut terms = terms.into_iter();
         terms.any(|term| counts(self.program, term))
     }
 
-    /// An integer; where it is undef, the unit at hand takes its detour.
+    /// Generates code for an integer; leaves for the detour if it is undef.
     pub fn integer(&mut self, term: &Term) -> NativeInt {
         let anything = |value| NativeInt::new(value, IntegerInterval::ANY);
         match &*term.node {
@@ -67,7 +67,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// An atom; where it is undef, the unit at hand takes its detour.
+    /// Generates code for an atom; leaves for the detour if it is undef.
     pub fn atom(&mut self, term: &Term) -> AtomCode {
         let anything = |value| AtomCode { value, among: None };
         match &*term.node {
@@ -91,7 +91,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// A local that closures left in memory.
+    /// Loads a local that a closure has stored in memory.
     pub fn local(
         &mut self,
         local: asmotion_ir::Local,
@@ -142,7 +142,7 @@ impl Emitter<'_> {
             (Arithmetic::Mod, _) => self.modulo(left, right),
         };
         let mut int = NativeInt::new(value, interval);
-        // neighbours of one number are found at one address
+        // indices that differ by a constant share an address computation
         let constant = right.interval;
         if !overflows && constant.low == constant.high {
             let (root, offset) = left.root;
@@ -158,13 +158,13 @@ impl Emitter<'_> {
         int
     }
 
-    /// The remainder; its sign is the dividend's.
+    /// Generates code for the remainder, which has the sign of the dividend.
     fn modulo(&mut self, left: NativeInt, right: NativeInt) -> crate::emit::Ssa {
         let (a, b) = (left.value, right.value);
         let divisor = right.interval;
         if divisor.low == divisor.high && divisor.low > 0 {
             if left.interval.within(0, divisor.low.saturating_mul(2) - 1) {
-                // at most one divisor too much
+                // one subtraction suffices
                 let less = self.builder.ins().isub(a, b);
                 let enough = self
                     .builder
@@ -178,14 +178,14 @@ impl Emitter<'_> {
             };
         }
         if divisor.low <= 0 {
-            // no divisor, or one that is hardly ever met
+            // zero and negative divisors are rare and left to the detour
             let odd = self.compare(IntCC::SignedLessThanOrEqual, b, 0);
             self.bail_if(odd);
         }
         if left.interval.low >= 0 {
             return self.builder.ins().urem(a, b);
         }
-        // unsigned division is faster, and most dividends are positive
+        // unsigned division is faster, and most dividends are not negative
         let (positive, negative, done) = (self.block(), self.cold_block(), self.block());
         let result = self.builder.append_block_param(done, I64);
         let is_negative = self.compare(IntCC::SignedLessThan, a, 0);

@@ -1,4 +1,4 @@
-//! Terms that give truth values, mostly as the way code goes on.
+//! Generates code for Boolean terms, mostly as branches.
 
 use crate::emit::{Emitter, KnownValue, Ssa};
 use crate::known::counts;
@@ -10,7 +10,7 @@ use cranelift_codegen::ir::types::I8;
 use cranelift_codegen::ir::{Block, InstBuilder};
 
 impl Emitter<'_> {
-    /// A truth value in a register; where it is undef, the unit at hand takes its detour.
+    /// Generates a truth value in a register; leaves for the detour if it is undef.
     pub fn truth(&mut self, term: &Term) -> Ssa {
         match &*term.node {
             TermNode::Local(local) => match self.scope.locals.get(*local as usize) {
@@ -36,9 +36,9 @@ impl Emitter<'_> {
         }
     }
 
-    /// Goes on where a truth value says; where it is undef, the unit at hand takes its detour.
+    /// Generates a branch on a truth value; leaves for the detour if it is undef.
     ///
-    /// An operand that is undef may leave a connective true or false: the detour finds out.
+    /// A connective with an undef operand may still have a truth value, which the detour computes.
     pub fn test(&mut self, term: &Term, yes: Block, no: Block) {
         match &*term.node {
             TermNode::Constant(Value::Bool(truth)) => self.jump(if *truth { yes } else { no }),
@@ -128,7 +128,7 @@ impl Emitter<'_> {
         self.branch(same, yes, no);
     }
 
-    /// A quantifier that one assignment decides.
+    /// Generates code for a quantifier, which ends with the first assignment that decides it.
     fn quantified(
         &mut self,
         term: &Term,

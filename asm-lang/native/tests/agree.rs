@@ -1,4 +1,4 @@
-//! Native code does the steps that closures do, and leads to the same states.
+//! Native code and closures execute the same steps and reach the same states.
 
 #![allow(
     clippy::disallowed_methods,
@@ -11,10 +11,10 @@ use asmotion_lang::simulate::{Random, Seeded, Trace};
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, Specification};
 use std::path::Path;
 
-/// How many steps are compared.
+/// Number of steps that are compared.
 const STEPS: i64 = 30;
 
-/// A machine gets no further after so many faults.
+/// Number of faults after which a run is abandoned, as the machine makes no progress.
 const FAULTS: usize = 2;
 
 fn open(name: &str, text: &str) -> Option<Specification> {
@@ -23,7 +23,7 @@ fn open(name: &str, text: &str) -> Option<Specification> {
     asmotion_lang::open(name, &files).ok()
 }
 
-/// The trace of each step, and the state after it.
+/// Returns the trace of each step, followed by the state after it.
 fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
     let mut inputs = Random::new(specification.program.clone(), &machine, 5);
     let mut choices = Seeded::new(5);

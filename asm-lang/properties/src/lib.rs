@@ -1,5 +1,5 @@
-//! What holds for every text, whatever is in it. Each function takes bytes and panics where something
-//! does not hold; the fuzzers (`fuzz/`) and the tests of this crate feed them.
+//! Properties that hold for every input text. Each function takes bytes and panics if its property
+//! is violated; the fuzzers (`fuzz/`) and the tests of this crate call them.
 
 #[path = "../../syntax/tests/shared/faithful.rs"]
 mod faithful;
@@ -8,10 +8,10 @@ use asmotion_lang::diagnostics::FileId;
 use asmotion_lang::simulate::{Causes, Random, Simulation, SimulationError};
 use asmotion_lang::{MemoryFiles, Report, Specification, Style, render_all, syntax};
 
-/// So many steps are done with what opens.
+/// Number of steps executed with a specification that opens.
 const STEPS: u64 = 3;
 
-/// Reading a text ends with a tree and a report whose places lie in the text.
+/// Parsing a text yields a tree and a report whose spans lie in the text.
 pub fn parse(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     lies_within(&text, &syntax::parse(FileId(0), &text).report);
@@ -36,8 +36,8 @@ fn lies_within(text: &str, report: &Report) {
     }
 }
 
-/// A specification opens or is refused with a report that can be shown; what opens runs or stops with
-/// a fault that can be shown, the same way every time.
+/// A specification either opens or is rejected with a report that can be rendered. An opened one
+/// runs deterministically, possibly ending with a fault that can be rendered.
 pub fn check(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let mut files = MemoryFiles::new();
@@ -54,7 +54,7 @@ pub fn check(bytes: &[u8]) {
     }
 }
 
-/// The trace of a few steps.
+/// Returns the trace of a few steps.
 fn run(specification: &Specification) -> String {
     let machine = match specification.machine() {
         Ok(machine) => machine,
@@ -71,7 +71,7 @@ fn run(specification: &Specification) -> String {
     run.into_trace(None).unwrap_or_default()
 }
 
-/// A formatted text says what the text says, and is formatted.
+/// Formatting preserves the meaning of a text, and formatting the result changes nothing.
 pub fn fmt(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let formatted = faithful::formatted(&text);

@@ -1,5 +1,5 @@
-//! The properties on programs of the language with something changed in them: a bounded run of what
-//! the fuzzers do without end, the same every time.
+//! The properties for small mutations of existing programs: a bounded, deterministic version of
+//! what the fuzzers do.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(clippy::disallowed_methods, reason = "the programs are on the disk")]
@@ -9,7 +9,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 
-/// Folders with programs, seen from the root.
+/// Folders with programs, relative to the root of the repository.
 const SEEDS: &[&str] = &[
     "tests/language/semantics",
     "tests/language/messages",
@@ -20,7 +20,7 @@ const SEEDS: &[&str] = &[
     "specs/allocation",
 ];
 
-/// What is put around a part, again and again.
+/// Pairs of brackets and keywords, nested many times around a part of a program.
 const NESTS: &[(&str, &str)] = &[
     ("(", ")"),
     ("{", "}"),
@@ -56,7 +56,7 @@ fn seeds() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Where a word, a number, a run of blanks or a sign begins or ends.
+/// Returns the positions between words, numbers, runs of blanks and signs.
 fn borders(text: &[u8]) -> Vec<usize> {
     let kind = |byte: u8| match byte {
         b'_' | b'$' => 0,
@@ -71,7 +71,7 @@ fn borders(text: &[u8]) -> Vec<usize> {
     (0..=text.len()).filter(differ).collect()
 }
 
-/// A part between two borders, no longer than a line or two.
+/// Returns the range between two borders, at most a few lines long.
 fn part(text: &[u8], random: &mut impl Rng) -> std::ops::Range<usize> {
     let borders = borders(text);
     let first = random.random_range(0..borders.len());
@@ -79,7 +79,7 @@ fn part(text: &[u8], random: &mut impl Rng) -> std::ops::Range<usize> {
     borders[first]..borders[last]
 }
 
-/// One small change.
+/// Applies a random small change.
 fn mutate(text: &mut Vec<u8>, other: &[u8], random: &mut impl Rng) {
     let here = part(text, random);
     let inside = text[here.clone()].to_vec();
@@ -112,7 +112,7 @@ fn mutate(text: &mut Vec<u8>, other: &[u8], random: &mut impl Rng) {
     }
 }
 
-/// Feeds a property with so many changed programs.
+/// Checks a property for all seeds and for `count` mutations of them.
 fn holds(property: fn(&[u8]), count: usize) {
     let seeds = seeds();
     let mut random = ChaCha8Rng::seed_from_u64(1);
@@ -131,7 +131,7 @@ fn holds(property: fn(&[u8]), count: usize) {
     }
 }
 
-/// Shows the text a property panicked on.
+/// Prints the text for which a property panicked.
 struct Told<'text>(&'text [u8]);
 
 impl Drop for Told<'_> {

@@ -1,4 +1,4 @@
-//! Packed states: equal when machines go on in the same way, and enough to go on with.
+//! Packed states: equal if machines continue in the same way, and sufficient to continue from.
 
 #![allow(
     clippy::unwrap_used,
@@ -14,11 +14,11 @@ use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::path::{Path, PathBuf};
 
-/// How many steps a run has, and after how many of them a snapshot is taken.
+/// Number of steps in a run, and number of steps between snapshots.
 const STEPS: u64 = 12;
 const EVERY: u64 = 3;
 
-/// A machine and the outside that it goes on with.
+/// A machine with the sources of its inputs and choices.
 #[derive(Clone)]
 struct Going {
     machine: Machine,
@@ -37,7 +37,7 @@ impl Going {
         })
     }
 
-    /// Does a step; gives its part of the trace.
+    /// Executes a step and returns its part of the trace.
     fn step(&mut self) -> String {
         let now_ns = self.machine.steps() as i64 * 100_000_000;
         let mut trace = Trace::default();
@@ -63,7 +63,7 @@ fn opened(text: &str) -> Specification {
     open("a.asm", text, &ReadOptions::default()).unwrap_or_else(|| panic!("does not open: {text}"))
 }
 
-/// The programs of the repository that stand alone and have a main rule.
+/// Returns the self-contained programs of the repository that have a main rule.
 fn programs() -> Vec<(String, Specification)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut paths: Vec<PathBuf> = Vec::new();
@@ -83,7 +83,7 @@ fn programs() -> Vec<(String, Specification)> {
             continue;
         }
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        // the large ones are only more of the same, and what does not end takes its time
+        // large programs add nothing, and endless ones take too long
         let is_large = ["life128.asm", "sort512.asm", "bfs1000.asm"].contains(&name.as_str());
         if is_large || name.contains("endless") {
             continue;
@@ -120,7 +120,7 @@ fn a_restored_machine_goes_on_with_the_same_trace() {
         let Some(mut original) = Going::new(&specification, 11) else {
             continue;
         };
-        // one that has met other locations, in another order
+        // a machine that has accessed other locations, in another order
         let Some(mut other) = Going::new(&specification, 12) else {
             continue;
         };
@@ -149,7 +149,7 @@ fn a_restored_machine_goes_on_with_the_same_trace() {
                 }
                 restored += 1;
             }
-            // a machine that fails gets no further
+            // a machine that fails makes no further progress
             let before = original.machine.steps();
             let _ = original.step();
             if original.machine.steps() == before {
@@ -185,7 +185,7 @@ default init s0:
         machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
         states.push(machine.snapshot());
     }
-    // `seen(100)` was met meanwhile, and holds its initial value again
+    // `seen(100)` was accessed in the meantime, and has its initial value again
     for (early, late) in [(0, 3), (1, 4), (2, 5), (3, 6)] {
         assert_same("wheel", &states[early], &states[late], &by);
         assert!(states[early].steps() < states[late].steps());
@@ -260,10 +260,10 @@ fn a_state_takes_little_memory() {
     let slots = machine.state().len();
     let state = machine.snapshot().into_state();
     let bytes = state.as_bytes().len() + size_of::<PackedState>();
-    // as values in place they take 16 bytes a slot
+    // in the store, each slot takes 16 bytes
     assert!(bytes < 16 * slots / 4, "{bytes} bytes for {slots} slots");
 
-    // one slot of one bit's worth: what is beyond the slots
+    // a single slot of one bit, to measure the overhead
     let text = "asm flag
 import StandardLibrary
 signature:

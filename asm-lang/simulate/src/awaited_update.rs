@@ -1,4 +1,4 @@
-//! An update that a run waits for, as a person names it: `mode=ARRIVED`.
+//! An update that a run waits for, written by the user as `mode=ARRIVED`.
 
 use crate::literal::Literals;
 use asmotion_diagnostics::similar;
@@ -6,52 +6,52 @@ use asmotion_ir::{Function, FunctionKind, Program, ValueShape};
 use asmotion_machine::Machine;
 use std::sync::Arc;
 
-/// A location and a value, written as steps show them.
+/// A location and a value, in the notation of traces.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AwaitedUpdate {
-    /// The location.
+    /// The location, as in `doing(ROB1, TASK2)`.
     pub location: String,
-    /// What it is to become.
+    /// The value that an update gives it.
     pub value: String,
 }
 
-/// Why no step can bring what is awaited.
+/// The reason why no step can produce the update.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AwaitError {
-    /// There is no function of this name.
+    /// No function has this name.
     #[error("there is no function `{name}`{}", meant(similar.as_deref()))]
     Unknown {
-        /// What was written.
+        /// Name as written.
         name: String,
-        /// A name like it.
+        /// A declared name that is similar.
         similar: Option<Arc<str>>,
     },
-    /// No function of this name takes so many arguments.
+    /// No overload of the function takes this number of arguments.
     #[error("`{name}` takes {wanted} argument{}, not {found}", if *wanted == 1 { "" } else { "s" })]
     Arity {
-        /// The function.
+        /// Name of the function.
         name: String,
-        /// How many it takes.
+        /// Number of its parameters.
         wanted: usize,
-        /// How many there are.
+        /// Number of arguments given.
         found: usize,
     },
-    /// Rules do not write it.
+    /// Rules cannot update the function.
     #[error("no rule writes `{name}`: it is {kind}")]
     NotWritten {
-        /// The function.
+        /// Name of the function.
         name: String,
-        /// What it is.
+        /// Its kind, as in "monitored".
         kind: &'static str,
     },
-    /// An argument or the value is none.
+    /// The text of an argument or of the value denotes no element of its domain.
     #[error("`{text}` is no value {place}{}", meant(similar.as_deref()))]
     NotAValue {
-        /// What was written.
+        /// Text as written.
         text: String,
-        /// As in "of `mode`".
+        /// The position of the text, as in "of `mode`".
         place: String,
-        /// An element like it.
+        /// An element with a similar name.
         similar: Option<Arc<str>>,
     },
 }
@@ -61,10 +61,11 @@ fn meant(similar: Option<&str>) -> String {
 }
 
 impl AwaitedUpdate {
-    /// What the texts name in a specification that is about to run.
+    /// Checks the texts against the specification of a machine, and converts them to the notation
+    /// of traces.
     ///
     /// # Errors
-    /// No step can ever write this value there.
+    /// No step can produce such an update.
     pub fn of(machine: &Machine, location: &str, value: &str) -> Result<Self, AwaitError> {
         let (name, texts) = Literals::location(location);
         let function = written(machine.program(), name, texts.len())?;
@@ -81,7 +82,7 @@ impl AwaitedUpdate {
     }
 }
 
-/// The function of this name that rules write.
+/// Returns the function of this name that rules update.
 fn written<'p>(program: &'p Program, name: &str, arity: usize) -> Result<&'p Function, AwaitError> {
     let all = || program.symbols.functions.iter().zip(&program.functions);
     let own = || all().filter(|(_, function)| function.own);
@@ -108,7 +109,7 @@ fn written<'p>(program: &'p Program, name: &str, arity: usize) -> Result<&'p Fun
     }
 }
 
-/// Why rules do not write such functions, if they do not.
+/// Returns the kind of a function that rules cannot update, otherwise `None`.
 fn unwritten(kind: FunctionKind) -> Option<&'static str> {
     match kind {
         FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared => None,
@@ -118,7 +119,7 @@ fn unwritten(kind: FunctionKind) -> Option<&'static str> {
     }
 }
 
-/// A value as steps show it.
+/// Converts the text of a value to the notation of traces.
 fn element(
     machine: &Machine,
     text: &str,
@@ -128,7 +129,7 @@ fn element(
     let literals = Literals::new(machine.program(), &[]);
     match literals.value(text, shape) {
         Some(value) => Ok(value.show(&machine.naming()).to_string()),
-        // an element that `extend` will take from the reserve
+        // accepted unchecked: the name of an element that `extend` may still create
         None if text.contains('!') => Ok(text.trim().to_owned()),
         None => Err(AwaitError::NotAValue {
             text: text.to_owned(),

@@ -1,21 +1,21 @@
-//! At what time the steps of a run are done.
+//! The times at which the steps of a run take place.
 
 use std::fmt;
 
-/// The clock of a run. What tells the real time comes from outside: the language has no clock.
+/// The clock of a run. Real time is passed in from outside, because the language reads no clock.
 #[derive(Default)]
 pub enum SimulationClock {
-    /// Time stands still, but for what scripts and recordings say.
+    /// The time is 0, except in the steps of scripts and recordings that set it.
     #[default]
     Virtual,
-    /// So many nanoseconds pass from step to step; none before the first.
+    /// Each step is this number of nanoseconds later than the one before; the first is at 0.
     Stepped(i64),
-    /// The nanoseconds since the run began, asked for at each step.
+    /// Calls a function at each step, which returns the nanoseconds since the start of the run.
     Told(Box<dyn FnMut() -> i64 + Send>),
 }
 
 impl SimulationClock {
-    /// The time of a step, counted from 1, in nanoseconds.
+    /// Returns the time of a step in nanoseconds. Steps are counted from 1.
     pub fn now(&mut self, step: u64) -> i64 {
         match self {
             Self::Virtual => 0,

@@ -1,4 +1,4 @@
-//! The findings about scripts of inputs and about scenarios, one file a code.
+//! The diagnostic codes of input scripts and scenarios, one file for each.
 
 pub(crate) mod s001;
 pub(crate) mod s002;
@@ -21,7 +21,7 @@ pub(crate) mod v022;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of this crate, in order.
+/// All codes of this crate, sorted by name.
 pub const CODES: &[&Code] = &[
     s001::InvalidScript::CODE,
     s002::UnknownSection::CODE,

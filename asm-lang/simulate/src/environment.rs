@@ -1,7 +1,7 @@
-//! Inputs from a script: by name, step by step.
+//! Scripted inputs: values by name, for each step.
 //!
 //! ```toml
-//! [default]                 # holds in every step that does not say otherwise
+//! [default]                 # for steps that give no other value
 //! estop = false
 //!
 //! [[step]]
@@ -11,9 +11,9 @@
 //! ev = "MAP_OK"             # an enumeration literal
 //! "battery(ROB1)" = 42      # an argument
 //!
-//! [partner.planner]         # an agent that is not there, and what it answers
-//! plan = { reply = [3, 4], after = 2 }      # in the second step after the one that asked
-//! cancel = { fault = "CALL_UNAVAILABLE" }   # in the next one
+//! [partner.planner]         # a simulated agent, and its replies
+//! plan = { reply = [3, 4], after = 2 }      # two steps after the request
+//! cancel = { fault = "CALL_UNAVAILABLE" }   # in the step after the request
 //! ```
 
 use crate::codes::s001::InvalidScript;
@@ -33,16 +33,16 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The inputs of a run, step by step.
+/// The inputs of a run, for each step.
 #[derive(Clone, Debug, Default)]
 pub struct Script {
     defaults: InputValues,
-    /// The functions that tell the time: where the script is silent, the run's clock speaks.
+    /// Functions that return the time: they default to the run's clock.
     clocks: Vec<FunctionId>,
     steps: Vec<InputValues>,
-    /// What partners answer.
+    /// Replies of simulated partners.
     pub(crate) answers: Vec<ScriptedAnswer>,
-    /// The step the machine is in, from 0.
+    /// Index of the current step, from 0.
     at: usize,
 }
 
@@ -52,8 +52,8 @@ impl Script {
     /// Reads a script for a program.
     ///
     /// # Errors
-    /// The text is not TOML, names something that is no input, or gives it a value outside its
-    /// codomain; all such places are reported.
+    /// The text is not TOML, or it names no input, or a value is outside the codomain of its
+    /// function. All errors are reported.
     pub fn read(file: FileId, text: &str, program: &Program) -> Result<Self, Report> {
         let mut reading = ScriptReader {
             program,
@@ -68,17 +68,17 @@ impl Script {
         }
     }
 
-    /// How many steps the script has.
+    /// Returns the number of steps in the script.
     pub fn len(&self) -> usize {
         self.steps.len()
     }
 
-    /// Whether the script has no step.
+    /// Returns `true` if the script has no steps.
     pub fn is_empty(&self) -> bool {
         self.steps.is_empty()
     }
 
-    /// Goes on to the inputs of the next step.
+    /// Advances to the inputs of the next step.
     pub fn advance(&mut self) {
         self.at += 1;
     }
@@ -165,7 +165,7 @@ impl ScriptReader<'_> {
         script
     }
 
-    /// What a partner answers to its operations.
+    /// Reads the replies of a partner to its operations.
     fn partner(
         &mut self,
         name: &Spanned<Cow<'_, str>>,
@@ -335,7 +335,7 @@ impl ScriptReader<'_> {
         }
     }
 
-    /// A value of TOML as a value of the shape.
+    /// Converts a TOML value to a value of the shape.
     fn value(&self, value: &DeValue<'_>, shape: &ValueShape) -> Option<Value> {
         match (value, shape) {
             (DeValue::String(text), ValueShape::Text | ValueShape::Any) => {

@@ -1,4 +1,5 @@
-//! Runs without a robot: environments, seeded choice, traces, scenarios.
+//! Simulation: runs without a robot, with scripted, recorded or random inputs, seeded choices,
+//! traces and scenarios.
 
 mod awaited_update;
 mod clock;

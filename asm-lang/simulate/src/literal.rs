@@ -1,27 +1,28 @@
-//! Values read back from text: of scripts, of traces.
+//! Parses values in the notation of scripts and traces.
 
 use asmotion_ir::{DomainElements, DomainId, FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
 
-/// Values may nest this deep.
+/// Limit for the nesting of values.
 const MAX_DEPTH: usize = 64;
 
-/// Reads the values of a program.
+/// Parses values of a program.
 #[derive(Clone, Copy)]
 pub(crate) struct Literals<'a> {
     program: &'a Program,
-    /// The elements a running machine took from the reserve.
+    /// The elements that the machine has created from the reserve.
     reserve: &'a [(DomainId, u32)],
 }
 
 impl<'a> Literals<'a> {
-    /// What a program declares; of a running machine also what `extend` added.
+    /// Creates a parser for the elements that a program declares and those created from the
+    /// reserve.
     pub fn new(program: &'a Program, reserve: &'a [(DomainId, u32)]) -> Self {
         Self { program, reserve }
     }
 
-    /// The value of a text that stands where this shape is wanted.
+    /// Parses a value of this shape; returns `None` if the text denotes none.
     pub fn value(self, text: &str, shape: &ValueShape) -> Option<Value> {
         let mut reader = LiteralReader {
             literals: self,
@@ -32,7 +33,7 @@ impl<'a> Literals<'a> {
         reader.rest.trim_start().is_empty().then_some(value)
     }
 
-    /// The name and the arguments of a location, as in `battery(ROB1)`; the arguments as texts.
+    /// Splits a location such as `battery(ROB1)` into its name and the texts of its arguments.
     pub fn location(text: &str) -> (&str, Vec<&str>) {
         let text = text.trim();
         match text.split_once('(') {
@@ -41,7 +42,7 @@ impl<'a> Literals<'a> {
         }
     }
 
-    /// The inputs of this name that take so many arguments.
+    /// Iterates over the inputs with this name and number of parameters.
     pub fn inputs(self, name: &str, arity: usize) -> impl Iterator<Item = FunctionId> {
         let functions = self.program.functions.iter().enumerate();
         let found = functions.filter(move |(index, function)| {
@@ -54,7 +55,7 @@ impl<'a> Literals<'a> {
         found.map(|(index, _)| FunctionId(index as u32))
     }
 
-    /// The arguments of a function from their texts.
+    /// Parses the arguments of a function.
     pub fn arguments(self, function: FunctionId, texts: &[&str]) -> Option<Vec<Value>> {
         let shapes = &self.program.functions[function.0 as usize].parameters;
         texts
@@ -64,7 +65,7 @@ impl<'a> Literals<'a> {
             .collect()
     }
 
-    /// The input location that a text names, and the value that another one gives it.
+    /// Parses an input location and its value.
     pub fn input(self, location: &str, value: &str) -> Option<((FunctionId, Vec<Value>), Value)> {
         let (name, arguments) = Self::location(location);
         self.inputs(name, arguments.len()).find_map(|function| {
@@ -74,7 +75,7 @@ impl<'a> Literals<'a> {
         })
     }
 
-    /// The names a value of this shape may have, where they are known before the run.
+    /// Returns the names of the elements of a domain, if they are known before the run.
     pub fn names(self, shape: &ValueShape) -> Option<&'a [Arc<str>]> {
         let ValueShape::Domain(domain) = shape else {
             return None;
@@ -112,7 +113,8 @@ impl<'a> Literals<'a> {
         }
     }
 
-    /// An element that `extend` named `domain!number`.
+    /// Resolves `domain!number`, the name of an element created by `extend`; returns its index in
+    /// the reserve.
     fn taken(self, word: &str) -> Option<u32> {
         let (name, number) = word.split_once('!')?;
         let number: u32 = number.parse().ok()?;
@@ -123,7 +125,7 @@ impl<'a> Literals<'a> {
         Some((self.program.symbols.atoms.len() + at) as u32)
     }
 
-    /// A word as what it looks like.
+    /// Parses a word of unknown shape.
     fn word(self, word: &str) -> Option<Value> {
         match word {
             "undef" => return Some(Value::Undef),
@@ -150,7 +152,7 @@ impl<'a> Literals<'a> {
     }
 }
 
-/// The parts between the commas that stand in no brackets or quotes.
+/// Splits at the commas outside brackets and quotes.
 fn split(text: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let (mut depth, mut quoted, mut escaped, mut start) = (0i32, false, false, 0);
@@ -176,7 +178,7 @@ fn split(text: &str) -> Vec<&str> {
     parts
 }
 
-/// A place in a text.
+/// The remaining text of a value.
 struct LiteralReader<'a> {
     literals: Literals<'a>,
     rest: &'a str,
@@ -269,7 +271,7 @@ impl<'a> LiteralReader<'a> {
         }
     }
 
-    /// Letters up to the next bracket, comma, blank or arrow.
+    /// Reads the characters up to the next bracket, comma, blank or arrow.
     fn word(&mut self) -> &'a str {
         let rest = self.rest.trim_start();
         let stops = |letter: char| letter.is_whitespace() || ",()[]{}<>\"'".contains(letter);
@@ -348,7 +350,7 @@ impl<'a> LiteralReader<'a> {
         }
     }
 
-    /// A text, as JSON writes it, from behind the first quote.
+    /// Reads a string in JSON notation, after the opening quote.
     fn text(&mut self) -> Option<String> {
         let mut text = String::new();
         let mut letters = self.rest.chars();
@@ -373,7 +375,8 @@ impl<'a> LiteralReader<'a> {
         self.accept("'").then_some(Value::Char(letter))
     }
 
-    /// The rule of a name; of several, the one whose parameters have the domains that follow it.
+    /// Reads a rule by its name; the domains of the parameters that may follow select among
+    /// several.
     fn rule(&mut self) -> Option<Value> {
         let name = self.word();
         let domains = self.bracketed();
@@ -387,7 +390,7 @@ impl<'a> LiteralReader<'a> {
         Some(Value::Rule(RuleId(at as u32)))
     }
 
-    /// What stands between brackets, if they follow.
+    /// Reads the text in brackets that may follow.
     fn bracketed(&mut self) -> Option<&'a str> {
         let inner = self.rest.strip_prefix('(')?;
         let mut open = 1;
@@ -400,7 +403,7 @@ impl<'a> LiteralReader<'a> {
     }
 }
 
-/// The character behind a backslash.
+/// Reads the character after a backslash.
 fn escaped(letters: &mut std::str::Chars<'_>) -> Option<char> {
     Some(match letters.next()? {
         'n' => '\n',

@@ -1,22 +1,22 @@
-//! Partners that a script plays: services that are not there, and what they answer.
+//! Simulated partners: services that are absent, with scripted replies.
 
 use asmotion_machine::{CallFault, Machine, MessageId, SentKind};
 use asmotion_value::Value;
 
-/// What a partner answers to an operation.
+/// A scripted reply to an operation.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ScriptedAnswer {
-    /// The agent that stands for the partner.
+    /// The agent that represents the partner.
     pub partner: Value,
-    /// The operation.
+    /// Name of the operation.
     pub operation: String,
-    /// What it answers; a fault ends a call, and answers a message with nothing.
+    /// The reply, or a fault. A fault ends a call; a one-way message gets no reply.
     pub outcome: Result<Value, CallFault>,
-    /// In which step after the one that asked; 1 is the next one.
+    /// Number of steps between request and reply; 1 is the step after the request.
     pub after: u64,
 }
 
-/// The partners of a run, and the answers that are due.
+/// The simulated partners of a run, and their pending replies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ScriptedPartners {
     answers: Vec<ScriptedAnswer>,
@@ -26,16 +26,16 @@ pub(crate) struct ScriptedPartners {
 #[derive(Clone, Debug)]
 struct DueAnswer {
     step: u64,
-    /// Its place among the answers.
+    /// Index into the list of scripted replies.
     answer: usize,
     asked: MessageId,
     by: Value,
-    /// Whether the asker waits for the reply, or receives it as a message.
+    /// `true` if the request is a call, `false` if it is a one-way message.
     waits: bool,
 }
 
 impl ScriptedPartners {
-    /// Partners with these answers; their messages leave the machine from now on.
+    /// Creates the partners. From now on, messages to them leave the machine.
     pub fn new(answers: Vec<ScriptedAnswer>, machine: &mut Machine) -> Self {
         let partners = answers.iter().map(|answer| answer.partner.clone());
         machine.set_partners(partners.collect());
@@ -45,7 +45,7 @@ impl ScriptedPartners {
         }
     }
 
-    /// Brings the answers that are due in the next step.
+    /// Delivers the replies that are due in the next step.
     pub fn answer(&mut self, machine: &mut Machine) {
         let step = machine.steps() + 1;
         for due in self.due.extract_if(.., |due| due.step <= step) {
@@ -61,7 +61,7 @@ impl ScriptedPartners {
         }
     }
 
-    /// Hears what the last step sent.
+    /// Schedules the replies to the messages sent in the last step.
     pub fn hear(&mut self, machine: &Machine) {
         for sent in machine.last_step().sent() {
             let waits = match sent.kind {

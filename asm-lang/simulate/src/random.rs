@@ -1,4 +1,4 @@
-//! Chance with a seed: the same seed, the same run.
+//! Random inputs and choices, determined by a seed.
 
 use asmotion_ir::{FunctionId, ValueShape};
 use asmotion_machine::{Chooser, Environment, Machine};
@@ -7,16 +7,17 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
 
-/// Chooses every candidate with the same probability.
+/// Chooses among the candidates with uniform probability.
 #[derive(Clone, Debug)]
 pub struct Seeded {
     random: ChaCha8Rng,
 }
 
 impl Seeded {
-    /// The stream of choices of a seed.
+    /// Creates the sequence of choices for a seed.
     pub fn new(seed: u64) -> Self {
-        // inputs and choices draw from different streams, so that neither shifts the other
+        // separate streams for inputs and choices, so that drawing from one does not shift the
+        // other
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(1);
         Self { random }
@@ -29,13 +30,13 @@ impl Chooser for Seeded {
     }
 }
 
-/// Gives inputs at random: truth values and elements of domains with equal probability, numbers from
-/// −100 to 100, sequences and sets of up to three elements.
+/// Generates random inputs: truth values and elements of domains with uniform probability, numbers
+/// from −100 to 100, sequences and sets of up to three elements.
 #[derive(Clone, Debug)]
 pub struct Random {
     random: ChaCha8Rng,
     program: Arc<asmotion_ir::Program>,
-    /// The elements of each domain in the machine's initial state.
+    /// Elements of each domain in the machine's initial state.
     extents: Vec<Vec<Value>>,
 }
 
@@ -43,12 +44,12 @@ const NUMBERS: std::ops::RangeInclusive<i64> = -100..=100;
 const WORDS: &[&str] = &["", "a", "b", "alpha", "beta"];
 
 impl Random {
-    /// The stream of inputs of a seed, for this machine.
+    /// Creates the sequence of inputs for a seed and a machine.
     pub fn new(program: Arc<asmotion_ir::Program>, machine: &Machine, seed: u64) -> Self {
         let extent = |index: usize| {
             let domain = asmotion_ir::DomainId(index as u32);
             match program.domains[index].elements {
-                // intervals are drawn from without listing them
+                // sampled by their bounds, without listing them
                 asmotion_ir::DomainElements::Ints { .. } => Vec::new(),
                 _ => machine.state().extent(domain).to_vec(),
             }
@@ -116,7 +117,7 @@ impl Environment for Random {
     ) -> Result<Option<Value>, String> {
         let program = self.program.clone();
         let declared = &program.functions[function.0 as usize];
-        // what time it is and who sent what, is no matter of chance
+        // the time and messages are not random
         let is_known = declared.clock.is_some() || declared.mail.is_some();
         Ok((!is_known).then(|| self.value(&declared.codomain)))
     }

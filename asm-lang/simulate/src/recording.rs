@@ -1,4 +1,4 @@
-//! Runs again what a trace recorded: the same inputs, choices and times.
+//! Replay: repeats a recorded run with the same inputs, choices and times.
 
 use crate::literal::Literals;
 use asmotion_ir::{FunctionId, FunctionKind, Program};
@@ -7,39 +7,39 @@ use asmotion_value::Value;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-/// A trace that was read, to be run again.
+/// The inputs, choices and times of a trace.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
     steps: Vec<RecordedStep>,
     unread: UnreadInput,
 }
 
-/// What is said about an input that the recorded step did not read.
+/// The value of an input that the recorded step did not read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum UnreadInput {
-    /// The replay has gone another way than the recorded run.
+    /// An error: the replay deviates from the recorded run.
     #[default]
     Astray,
-    /// The recorded run had no inputs at all.
+    /// No value: the recorded run had no inputs at all.
     Silent,
-    /// Undef: another tool read its inputs in another order, and left out others.
+    /// Undef: the recording tool reads inputs in a different order and may skip some.
     Undefined,
 }
 
-/// What caused a step.
+/// The inputs, choices and time of a recorded step.
 #[derive(Clone, Debug, Default)]
 pub struct RecordedStep {
-    /// The time in nanoseconds.
+    /// The time of the step in nanoseconds.
     pub now_ns: i64,
-    /// Location and value.
+    /// Location and value, as text.
     inputs: Vec<(String, String)>,
     choices: Vec<usize>,
     unread: UnreadInput,
 }
 
 impl Recording {
-    /// Reads the causes of the steps; all else is what a replay computes anew. A line `# reader …`
-    /// says that another tool recorded them, and how it came by its inputs.
+    /// Reads a trace. Only inputs, choices and times are used; a replay computes everything else. A
+    /// line `# reader …` marks the recording of another tool, and tells how that tool reads inputs.
     pub fn read(text: &str) -> Self {
         let mut recording = Self::default();
         for line in text.lines() {
@@ -77,7 +77,7 @@ impl Recording {
         recording
     }
 
-    /// A step, from 0; one that was not recorded read nothing.
+    /// Returns the step with an index, from 0. A step beyond the recording has no inputs.
     pub fn step(&self, index: usize) -> RecordedStep {
         let recorded = self.steps.get(index).cloned();
         recorded.unwrap_or_else(|| self.unrecorded())
@@ -90,17 +90,17 @@ impl Recording {
         }
     }
 
-    /// The steps, in order.
+    /// Returns all recorded steps in order.
     pub fn steps(&self) -> &[RecordedStep] {
         &self.steps
     }
 }
 
 impl RecordedStep {
-    /// The inputs of the step, for a machine that is about to do it.
+    /// Returns the inputs of the step for a machine that is about to execute it.
     ///
     /// # Errors
-    /// A line names no input of the machine, or gives it no value: the lines.
+    /// The lines that name no input of the machine, or give it an invalid value.
     pub fn inputs(&self, machine: &Machine) -> Result<RecordedInputs, Vec<String>> {
         let naming = machine.naming();
         let literals = Literals::new(naming.program, naming.reserve);
@@ -126,7 +126,7 @@ impl RecordedStep {
         }
     }
 
-    /// The choices of the step.
+    /// Returns the choices of the step.
     pub fn choices(&self) -> RecordedChoices {
         RecordedChoices {
             indices: self.choices.clone(),
@@ -135,8 +135,8 @@ impl RecordedStep {
     }
 }
 
-/// The inputs of one recorded step. What was read several times in it (by the reference, which asks
-/// again after an intermediate state) is answered in that order, the last answer for ever.
+/// The inputs of a recorded step. Several values for one location (the reference reads again after
+/// an intermediate state) are returned in order, and the last one from then on.
 #[derive(Clone, Debug)]
 pub struct RecordedInputs {
     values: BTreeMap<(FunctionId, Vec<Value>), VecDeque<Value>>,
@@ -145,8 +145,8 @@ pub struct RecordedInputs {
     ticks: Ticks,
 }
 
-/// The clock of the reference: it moves on by one unit in every step that reads it, the unit being
-/// that of the function read first.
+/// The clock of the reference simulator. It advances in each step that reads it, by one unit of the
+/// function that is read first.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ticks {
     passed_ns: i64,
@@ -154,7 +154,7 @@ pub struct Ticks {
 }
 
 impl Ticks {
-    /// The time in units of so many nanoseconds.
+    /// Returns the time in units of `unit_ns` nanoseconds.
     fn tell(&mut self, unit_ns: i64) -> i64 {
         if !std::mem::replace(&mut self.has_ticked, true) {
             self.passed_ns = self.passed_ns.saturating_add(unit_ns);
@@ -164,7 +164,7 @@ impl Ticks {
 }
 
 impl RecordedInputs {
-    /// The same, where another tool's clock stood after the step before.
+    /// Sets the state of the reference's clock after the previous step.
     pub fn after(mut self, ticks: Ticks) -> Self {
         self.ticks = Ticks {
             has_ticked: false,
@@ -173,7 +173,7 @@ impl RecordedInputs {
         self
     }
 
-    /// Where another tool's clock stands now.
+    /// Returns the state of the reference's clock.
     pub fn ticks(&self) -> Ticks {
         self.ticks
     }
@@ -207,7 +207,7 @@ impl Environment for RecordedInputs {
     }
 }
 
-/// The choices of one recorded step; beyond the last one the first candidate is taken.
+/// The choices of a recorded step; the first candidate once they are used up.
 #[derive(Clone, Debug, Default)]
 pub struct RecordedChoices {
     indices: Vec<usize>,

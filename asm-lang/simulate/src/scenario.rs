@@ -1,20 +1,21 @@
-//! Scenarios (Avalla) carried out on a machine, without a detour over another specification.
+//! Scenarios in Avalla, executed directly on a machine.
 //!
 //! ```text
 //! tree ─Plan→ actions, their terms added to the model ─asmotion_ir::lower→ program ─run→ Outcome
 //! ```
 //!
-//! What the commands mean:
+//! Meaning of the commands:
 //!
-//! * `set` gives an input its value: it keeps it until it is set again, and is undef before. A
-//!   location that rules write is written at once.
-//! * `check` is evaluated where it stands, on the state and the inputs of that moment. Checks that
-//!   fail do not stop the checks behind them, but no further step is done.
-//! * `step` is a step of the main rule; `step until` repeats it while its condition does not hold.
-//! * `exec` fires a rule between two steps; no invariant is checked then.
-//! * `pick` says which value a `choose` takes in the next step. It must be a candidate. Whatever is
-//!   not picked is chosen by the seed.
-//! * `invariant`s are checked in the first state and after every step, as those of the specification.
+//! * `set` gives an input a value, which it keeps until it is set again; before the first `set` it
+//!   is undef. A location of a controlled function is updated immediately.
+//! * `check` is evaluated in the current state, with the current inputs. After a failed check, the
+//!   following checks are still evaluated, but no further step is executed.
+//! * `step` executes the main rule; `step until` repeats it until its condition holds.
+//! * `exec` fires a rule between two steps, without checking invariants.
+//! * `pick` determines the value that a `choose` takes in the next step; the value must be a
+//!   candidate. All other choices depend on the seed.
+//! * `invariant`s are checked in the initial state and after every step, like those of the
+//!   specification.
 
 mod choices;
 mod inputs;

@@ -1,26 +1,26 @@
-//! What was seen where a condition of a scenario did not hold, and other parts of messages.
+//! Observed values that explain why a condition of a scenario failed.
 
 use asmotion_diagnostics::{Diagnostic, Span};
 use std::sync::Arc;
 
-/// What was seen where a condition did not hold.
+/// A condition that failed, with the observed values.
 #[derive(Clone, Debug, Default)]
 pub struct FailedCondition {
-    /// The condition.
+    /// Span of the condition.
     pub condition: Span,
-    /// Its value: false or undef.
+    /// Its value as text: false or undef.
     pub value: String,
-    /// The locations it reads, and their values.
+    /// Spans of the locations it reads, with their values.
     pub parts: Vec<(Span, String)>,
-    /// What the last step wrote: `location := value`.
+    /// Updates of the last step, as `location := value`.
     pub written: Vec<String>,
 }
 
-/// More updates than this are not listed in a message.
+/// Limit for the number of updates listed in a message.
 const MAX_WRITTEN: usize = 12;
 
 impl FailedCondition {
-    /// Adds the values that were read, and what the last step wrote.
+    /// Adds the observed values and the updates of the last step to a diagnostic.
     pub(crate) fn explain(&self, finding: Diagnostic) -> Diagnostic {
         let mut finding = finding.label(self.condition, format!("is {}", self.value));
         for (span, value) in &self.parts {
@@ -44,7 +44,7 @@ impl FailedCondition {
     }
 }
 
-/// Offers a similar name, if there is one.
+/// Suggests a similar name, if there is one.
 pub(crate) fn meant(finding: Diagnostic, at: Span, similar: &Option<Arc<str>>) -> Diagnostic {
     match similar {
         Some(name) => finding.guess(format!("did you mean `{name}`?"), at, name.to_string()),
@@ -52,7 +52,7 @@ pub(crate) fn meant(finding: Diagnostic, at: Span, similar: &Option<Arc<str>>) -
     }
 }
 
-/// How a condition that is false or undef failed.
+/// Returns the predicate for a condition that is false or undef.
 pub(crate) fn holds(seen: &FailedCondition) -> &'static str {
     match seen.value.as_str() {
         "undef" => "is undef",
@@ -60,7 +60,7 @@ pub(crate) fn holds(seen: &FailedCondition) -> &'static str {
     }
 }
 
-/// After how many steps.
+/// Returns the time of a failure in words.
 pub(crate) fn when(steps: u64) -> String {
     match steps {
         0 => "before the first step".to_owned(),

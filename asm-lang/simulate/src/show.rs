@@ -1,10 +1,10 @@
-//! Locations and updates as text.
+//! Text form of locations, updates and messages.
 
 use asmotion_ir::Slot;
 use asmotion_machine::{Machine, SentKind, SentMessage, Step};
 use asmotion_value::Value;
 
-/// A location, as in `doing(ROB1, TASK2)`.
+/// Formats a location, as in `doing(ROB1, TASK2)`.
 pub fn location(machine: &Machine, slot: Slot) -> String {
     let Some((function, arguments)) = machine.state().location(machine.program(), slot) else {
         return format!("location {slot}");
@@ -12,7 +12,7 @@ pub fn location(machine: &Machine, slot: Slot) -> String {
     applied(machine, function, &arguments)
 }
 
-/// A function applied to arguments.
+/// Formats a function applied to arguments.
 pub fn applied(
     machine: &Machine,
     function: asmotion_ir::FunctionId,
@@ -30,7 +30,8 @@ pub fn applied(
     format!("{name}({})", arguments.join(", "))
 }
 
-/// The updates of the last step as location, value before and value after, sorted by location.
+/// Returns the updates of the last step as location, previous value and new value, sorted by
+/// location.
 pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, String)> {
     let naming = machine.naming();
     let mut shown: Vec<(String, String, String)> = step
@@ -50,7 +51,7 @@ pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, Strin
     shown
 }
 
-/// A message that a step sent, as in `self -> planner: plan((3,4))`.
+/// Formats a message sent by a step, as in `self -> planner: plan((3,4))`.
 pub fn sent(machine: &Machine, sent: &SentMessage) -> String {
     let naming = machine.naming();
     let (from, to) = (sent.from.show(&naming), sent.to.show(&naming));

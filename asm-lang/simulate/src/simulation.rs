@@ -1,4 +1,4 @@
-//! A machine that runs alone: what causes its steps, and what is written down about them.
+//! Simulation: a machine with the source of its inputs, choices and times, and an optional trace.
 
 use crate::clock::SimulationClock;
 use crate::environment::Script;
@@ -9,19 +9,19 @@ use crate::trace::Trace;
 use asmotion_machine::{Chooser, Environment, Machine, StepFault};
 use std::fmt;
 
-/// What causes the steps of a run: inputs, choices, times.
+/// The source of a run's inputs, choices and times.
 #[derive(Clone, Debug)]
 pub enum Causes {
-    /// Inputs by name, step by step; choices by chance.
+    /// Scripted inputs; choices by seed.
     Script(Script),
-    /// Inputs and choices by chance.
+    /// Inputs and choices by seed.
     Random(Box<Random>),
-    /// What once was: inputs, choices and times.
+    /// Recorded inputs, choices and times.
     Recording(Recording),
 }
 
 impl Causes {
-    /// How many steps they are made for; chance has no end.
+    /// Returns the number of steps provided; `None` for random inputs, which are unlimited.
     pub fn steps(&self) -> Option<u64> {
         match self {
             Self::Script(script) => Some(script.len() as u64),
@@ -31,16 +31,16 @@ impl Causes {
     }
 }
 
-/// Why a run ends early.
+/// The reason why a simulation cannot execute a step.
 #[derive(Debug)]
 pub enum SimulationError {
-    /// A step has no next state.
+    /// The step has no next state.
     Fault(Box<StepFault>),
-    /// A recorded step gives values to what is no input of this machine, or no values of theirs.
+    /// A recorded step names no input of this machine, or gives one an invalid value.
     Unreadable {
-        /// The step.
+        /// Number of the step, from 1.
         step: u64,
-        /// What is recorded there.
+        /// The invalid lines of the recording.
         lines: Vec<String>,
     },
 }
@@ -66,7 +66,7 @@ impl fmt::Display for SimulationError {
     }
 }
 
-/// A machine, what causes its steps, and the trace of them.
+/// A run: a machine, the source of its inputs, and its trace.
 pub struct Simulation {
     machine: Machine,
     causes: Causes,
@@ -78,7 +78,8 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A run that begins in the state of the machine. The seed decides choices that are not recorded.
+    /// Creates a run that starts in the state of the machine. The seed determines choices that are
+    /// not recorded.
     pub fn new(mut machine: Machine, causes: Causes, seed: u64) -> Self {
         let answers = match &causes {
             Causes::Script(script) => script.answers.clone(),
@@ -95,32 +96,32 @@ impl Simulation {
         }
     }
 
-    /// Lets a clock say when steps are done, where no recording does.
+    /// Sets the clock for steps whose time is not recorded. Default: [`SimulationClock::Virtual`].
     pub fn timed(mut self, clock: SimulationClock) -> Self {
         self.clock = clock;
         self
     }
 
-    /// Writes down what happens from now on; the trace begins with lines of comment.
+    /// Starts a trace; `comment` becomes comment lines at its head.
     pub fn traced(mut self, comment: &str) -> Self {
         self.trace = Some(Trace::begin(&self.machine, comment));
         self
     }
 
-    /// The machine.
+    /// Returns the machine in its current state.
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
 
-    /// How many steps are caused.
+    /// Returns the number of steps that the source provides.
     pub fn steps(&self) -> Option<u64> {
         self.causes.steps()
     }
 
-    /// Does a step.
+    /// Executes a step and adds it to the trace.
     ///
     /// # Errors
-    /// There is no next state, or a recorded step that is none of this machine's.
+    /// The step has no next state, or its recording does not fit this machine.
     pub fn step(&mut self) -> Result<(), SimulationError> {
         let done = self.attempt();
         match (&mut self.trace, &done) {
@@ -131,7 +132,7 @@ impl Simulation {
         done
     }
 
-    /// The trace, if one was asked for, of a run that was stopped or was not.
+    /// Returns the trace, if one was started. `stopped` is the fault that ended the run, if any.
     pub fn into_trace(self, stopped: Option<&StepFault>) -> Option<String> {
         let trace = self.trace?;
         Some(trace.end(&self.machine, stopped))

@@ -1,27 +1,27 @@
-//! The normalised trace: what a run read, chose and wrote, one fact a line.
+//! The normalised trace of a run: inputs, choices and updates, one fact a line.
 //!
 //! ```text
 //! # trace-format 1
-//! D0 Robot = {rob1,rob2}        the elements of the domains that may grow, before the first step;
-//!                               each in the domain it was declared in or taken for
+//! D0 Robot = {rob1,rob2}        elements of the domains that may grow, before the first step;
+//!                               each listed under the domain that declares or creates it
 //! @step 1
-//! T 40000000                    the time of the step in nanoseconds, unless it is 0
-//! M estop = false               what was read of the environment, in reading order
-//! C 1 of 3                      which candidate was chosen, counted from 0
-//! P self -> planner: plan(3)    what was sent, in sending order
-//! U mode = MOVING               the update set, sorted
-//! UD Order = {order!1}          the elements that joined a domain
-//! S mode = MOVING               every location that rules may write, after the step
-//! D Order = {order!1}           the elements of the domains that may grow, after the step
+//! T 40000000                    time of the step in nanoseconds, unless it is 0
+//! M estop = false               value read from the environment, in order of reading
+//! C 1 of 3                      chosen candidate, counted from 0
+//! P self -> planner: plan(3)    message sent, in order of sending
+//! U mode = MOVING               update set, sorted
+//! UD Order = {order!1}          elements added to a domain
+//! S mode = MOVING               every location that rules may update, after the step
+//! D Order = {order!1}           elements of the domains that may grow, after the step
 //! D Robot = {rob1,rob2}
-//! @invariant post inv_safe      or `@error CLASH …`: why there is no further step
+//! @invariant post inv_safe      or `@error CLASH …`: the reason why there is no further step
 //! @end INV                      `OK`, or the kind of the fault
-//! I mode = IDLE                 what the locations that rules may write held in the initial state
+//! I mode = IDLE                 initial values of the locations that rules may update
 //! ```
 //!
-//! Values are written as in the language, without blanks; the elements of sets, bags and maps are
-//! sorted by their text. Every tool that runs the language can write such a trace, so that runs can
-//! be compared; and a [`Recording`](crate::Recording) replays one.
+//! Values are written in the notation of the language, without blanks; the elements of sets, bags
+//! and maps are sorted by their text. Any tool that runs the language can write such traces, so
+//! that runs can be compared. A [`Recording`](crate::Recording) replays one.
 
 mod text;
 
@@ -31,14 +31,14 @@ use asmotion_value::{Atom, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// A trace that is being written.
+/// A trace under construction.
 #[derive(Debug, Default)]
 pub struct Trace {
     text: String,
 }
 
 impl Trace {
-    /// The head of a trace: the format, lines of comment, the machine's domains.
+    /// Starts a trace: format, comment lines, and the machine's domains.
     pub fn begin(machine: &Machine, comment: &str) -> Self {
         let mut trace = Self::default();
         trace.head(comment);
@@ -46,7 +46,7 @@ impl Trace {
         trace
     }
 
-    /// The trace of a run that could not begin, for a fault in the initial state.
+    /// Returns the trace of a run that failed in the initial state.
     pub fn stillborn(program: &Program, fault: &StepFault, comment: &str) -> String {
         let mut trace = Self::default();
         trace.head(comment);
@@ -64,17 +64,17 @@ impl Trace {
         trace.text
     }
 
-    /// The step that the machine did last.
+    /// Adds the machine's last step.
     pub fn step(&mut self, machine: &Machine) {
         let step = machine.last_step();
         self.causes(machine, &step, step.number());
         self.effects(machine, &step);
     }
 
-    /// The step that failed last.
+    /// Adds the machine's last step, which failed.
     pub fn fault(&mut self, machine: &Machine, fault: &StepFault) {
         let step = machine.last_step();
-        // the first step completes the initial state, and finds what is wrong with it
+        // a fault of step 0 appears in the first step, which completes the initial state
         self.causes(machine, &step, fault.step.max(1));
         if let FaultKind::Invariant { index, .. } = &fault.kind {
             let is_before = fault.step == 0 || machine.program().invariants[*index].assumes;
@@ -88,7 +88,7 @@ impl Trace {
         }
     }
 
-    /// The whole text, of a run that was stopped by a fault or was not.
+    /// Returns the complete trace; `fault` is the fault that ended the run, if any.
     pub fn end(mut self, machine: &Machine, fault: Option<&StepFault>) -> String {
         self.line(format_args!("@end {}", fault.map_or("OK", kind)));
         let state = machine.state();
@@ -109,7 +109,7 @@ impl Trace {
     }
 
     fn invariant(&mut self, program: &Program, index: usize, when: &str) {
-        // an invariant without a name is called by its text
+        // an unnamed invariant is identified by its text, on one line
         let name: Vec<&str> = program.invariants[index].name.split_whitespace().collect();
         self.line(format_args!("@invariant {when} {}", name.join(" ")));
     }
@@ -178,7 +178,8 @@ impl Trace {
         }
     }
 
-    /// The domains that may grow, each with the elements that were declared in it or taken for it.
+    /// Adds the domains that may grow, each with the elements that were declared in it or created
+    /// for it.
     fn domains(&mut self, word: &str, naming: Naming<'_>) {
         let declared = naming.program.atom_domains.iter();
         let homes = declared.chain(naming.reserve.iter().map(|(domain, _)| domain));
@@ -201,7 +202,7 @@ impl Trace {
     }
 }
 
-/// The locations that rules may write.
+/// Iterates over the locations that rules may update.
 fn written(machine: &Machine) -> impl Iterator<Item = Slot> {
     let (state, program) = (machine.state(), machine.program());
     state.slots().filter(move |&slot| {

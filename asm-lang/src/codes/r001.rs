@@ -36,7 +36,7 @@ pub(crate) struct Clash {
     pub when: String,
     pub at: Span,
     pub value: String,
-    /// The other writer.
+    /// Place of the rule that wrote first.
     pub first_at: Span,
     pub first: String,
 }

@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("{foreign}, {when}")]
 pub(crate) struct WritesForeignValue {
     pub location: String,
-    /// The domain of the function.
+    /// Codomain of the function, as text.
     pub codomain: String,
     pub foreign: Foreign,
     pub when: String,

@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(R004, error)]
 #[error("{reason}, {when}")]
 pub(crate) struct LibraryFault {
-    /// Why the function of the library has no value, and what to do.
+    /// The reason, with a suggestion.
     pub reason: String,
     pub help: &'static str,
     pub when: String,

@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct InvariantViolated {
     pub name: String,
     pub is_undef: bool,
-    /// Whether it is an assumption on inputs.
+    /// `true` for an assumption about inputs, which is checked before the step.
     pub assumes: bool,
     pub step: u64,
     pub when: String,

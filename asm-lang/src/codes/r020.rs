@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(R020, error)]
 #[error("{values} was picked, and is no candidate, {when}")]
 pub(crate) struct PickedNoCandidate {
-    /// The values that were picked, with commas between.
+    /// The picked values, separated by commas.
     pub values: String,
     pub when: String,
     pub at: Span,

@@ -2,8 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Too many calls
 ///
-/// A step may call functions and rules 10,000,000 times. A function that calls itself twice doubles the
-/// number of calls with every level: 30 levels are a thousand million calls.
+/// A step may call functions and rules 10,000,000 times. A function that calls itself twice doubles
+/// the number of calls with every level: 30 levels make 10⁹ calls.
 ///
 /// ```asm wrong
 /// asm example

@@ -40,10 +40,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("{foreign}, {when}")]
 pub(crate) struct ReadsForeignValue {
     pub location: String,
-    /// The domain of the function.
+    /// Codomain of the function, as text.
     pub codomain: String,
     pub foreign: Foreign,
-    /// Where the environment has it from.
+    /// Source of the value, as in "the script".
     pub given_by: String,
     pub when: String,
     pub at: Span,

@@ -1,20 +1,20 @@
-//! The values at hand where a step failed.
+//! The values involved in a fault.
 
 use crate::specification::Specification;
 use asmotion_diagnostics::{Diagnostic, Label, Span};
 use asmotion_machine::{FaultKind, Machine, PathEntry, StepFault, Witness};
 use asmotion_value::Value;
 
-/// So many values are shown of each place, the nearest ones.
+/// Limit for the values shown for each position; the closest ones are shown.
 const SHOWN: usize = 8;
 
-/// So many calls are shown on the way to a place, the last ones.
+/// Limit for the calls shown on the way to a position; the last ones are shown.
 const CALLS: usize = 3;
 
-/// Longer values are cut.
+/// Limit for the characters of a value; longer ones are cut.
 const LENGTH: usize = 60;
 
-/// Adds what the rules and terms around the fault read, and who called them.
+/// Adds the values read by rules and terms around the fault, and the calls that led to them.
 pub(super) fn add(
     mut finding: Diagnostic,
     fault: &StepFault,
@@ -51,7 +51,7 @@ pub(super) fn add(
     finding
 }
 
-/// Adds what the environment said in the failed step.
+/// Adds the inputs of the failed step.
 pub(super) fn add_inputs(finding: Diagnostic, machine: &Machine) -> Diagnostic {
     let naming = machine.naming();
     let inputs = machine.last_step().inputs().iter().map(|input| {
@@ -64,7 +64,7 @@ pub(super) fn add_inputs(finding: Diagnostic, machine: &Machine) -> Diagnostic {
     listed(finding, "the inputs of the step", inputs.collect())
 }
 
-/// Adds what the step wrote that led to the state at fault.
+/// Adds the updates of the step that led to the faulty state.
 pub(super) fn add_updates(finding: Diagnostic, machine: &Machine) -> Diagnostic {
     let updates = asmotion_simulate::updates(machine, &machine.last_step());
     let updates = updates.into_iter().map(|(location, before, after)| {
@@ -85,14 +85,15 @@ fn listed(finding: Diagnostic, what: &str, items: Vec<String>) -> Diagnostic {
     finding.note(format!("{what}: {shown}{more}"))
 }
 
-/// How places and values are shown.
+/// Context for formatting places and values.
 struct ValueDisplay<'a> {
     specification: &'a Specification,
     show: &'a dyn Fn(&Value) -> String,
 }
 
 impl ValueDisplay<'_> {
-    /// "`$r` = R1": variables first, then what is nearest. A name of a term stands for one value.
+    /// Returns facts such as "`$r` = R1": first variables, then the closest values. Each text is
+    /// listed once.
     fn facts(&self, path: &[PathEntry]) -> Vec<String> {
         let mut known: Vec<(&str, &Value)> = Vec::new();
         for (origin, value) in path.iter().rev().flat_map(|passed| &passed.reads) {
@@ -112,7 +113,7 @@ impl ValueDisplay<'_> {
         known.into_iter().map(fact).collect()
     }
 
-    /// The calls on the way, the innermost last; a recursive one counts once.
+    /// Returns the calls on the way, innermost last; a recursive call is listed once.
     fn calls(&self, path: &[PathEntry]) -> Vec<Span> {
         let mut calls: Vec<Span> = Vec::new();
         for passed in path.iter().rev().filter(|passed| passed.calls) {
@@ -126,7 +127,7 @@ impl ValueDisplay<'_> {
     }
 }
 
-/// On one line, with single blanks.
+/// Replaces each run of white space by a single blank.
 fn joined(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ")

@@ -1,7 +1,7 @@
-// Computation tree logic: what holds on some, or on all, runs that leave a state.
+// Computation tree logic: properties of some or all runs that start in a state.
 //
-// The operators have no definition: the verifier gives them their meaning, a simulation cannot
-// evaluate them. The patterns below them are ordinary definitions over the operators.
+// The operators have no definition: a verifier interprets them, and a simulation cannot evaluate
+// them. The patterns below are ordinary definitions in terms of the operators.
 module CTLLibrary
 
 import StandardLibrary
@@ -11,32 +11,32 @@ export *
 signature:
 	// ---- operators ----------------------------------------------------------------------
 
-	// on some run, in the next state
+	// in the next state of some run
 	static ex: Boolean -> Boolean
-	// on every run, in the next state
+	// in the next state of every run
 	static ax: Boolean -> Boolean
-	// on some run, in some state, this one included
+	// in some state of some run, possibly the current one
 	static ef: Boolean -> Boolean
-	// on every run, in some state, this one included
+	// in some state of every run, possibly the current one
 	static af: Boolean -> Boolean
-	// on some run, in every state, this one included
+	// in every state of some run, including the current one
 	static eg: Boolean -> Boolean
-	// on every run, in every state, this one included
+	// in every state of every run, including the current one
 	static ag: Boolean -> Boolean
-	// eu(p, q): on some run q comes about, and p holds until then
+	// eu(p, q): on some run, q holds eventually and p holds until then
 	static eu: Prod(Boolean, Boolean) -> Boolean
-	// au(p, q): on every run q comes about, and p holds until then
+	// au(p, q): on every run, q holds eventually and p holds until then
 	static au: Prod(Boolean, Boolean) -> Boolean
-	// exN(p, n): on some run, n steps from here
+	// exN(p, n): on some run, after n steps
 	static exN: Prod(Boolean, Natural) -> Boolean
-	// axN(p, n): on every run, n steps from here
+	// axN(p, n): on every run, after n steps
 	static axN: Prod(Boolean, Natural) -> Boolean
 
 	// ---- weak until ---------------------------------------------------------------------
 
-	// ew(p, q): on some run p holds until q, or for ever
+	// ew(p, q): on some run, p holds until q or for ever
 	static ew: Prod(Boolean, Boolean) -> Boolean
-	// aw(p, q): on every run p holds until q, or for ever
+	// aw(p, q): on every run, p holds until q or for ever
 	static aw: Prod(Boolean, Boolean) -> Boolean
 
 	// ---- property patterns (Dwyer, Avrunin, Corbett) ------------------------------------
@@ -45,11 +45,11 @@ signature:
 	static absenceG: Boolean -> Boolean
 	// absenceBefore(p, r): p does not hold before the first r
 	static absenceBefore: Prod(Boolean, Boolean) -> Boolean
-	// absenceAfter(p, q): p does not hold once q did
+	// absenceAfter(p, q): p does not hold after q
 	static absenceAfter: Prod(Boolean, Boolean) -> Boolean
-	// absenceBetween(p, q, r): p does not hold between a q and the r that follows it
+	// absenceBetween(p, q, r): p does not hold between q and the following r
 	static absenceBetween: Prod(Boolean, Boolean, Boolean) -> Boolean
-	// absenceAfterUntil(p, q, r): p does not hold after a q until r, even if no r follows
+	// absenceAfterUntil(p, q, r): p does not hold after q until r, even if no r follows
 	static absenceAfterUntil: Prod(Boolean, Boolean, Boolean) -> Boolean
 	// ap(p, s): p is preceded by s
 	static ap: Prod(Boolean, Boolean) -> Boolean

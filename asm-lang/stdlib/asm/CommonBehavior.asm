@@ -1,15 +1,15 @@
 // Messages between agents, and between a specification and the services around it (SCA-ASM).
 //
-//     r_wsend[planner, "plan", goal]                          // send, and go on
-//     r_wreceive[client(self), "r_drive(Agent,Goal)", goal]   // take the next message
-//     r_wreply[client(self), "r_drive(Agent,Goal)", true]     // answer it
-//     r_wsendreceive[planner, "plan", goal, path]             // send, and poll until the reply is there
-//     r_wcall[planner, "plan", goal, 2000, path]              // likewise, for 2000 ms at most
-//     r_wcancel[planner, "plan"]                              // wait for it no longer
+//     r_wsend[planner, "plan", goal]                          // send without waiting
+//     r_wreceive[client(self), "r_drive(Agent,Goal)", goal]   // receive the next message
+//     r_wreply[client(self), "r_drive(Agent,Goal)", true]     // reply to it
+//     r_wsendreceive[planner, "plan", goal, path]             // send, and poll until the reply arrives
+//     r_wcall[planner, "plan", goal, 2000, path]              // the same, with a timeout of 2000 ms
+//     r_wcancel[planner, "plan"]                              // stop waiting for the reply
 //
-// Messages wait outside the state: any number can be sent in a step, and none hides another. What is
-// sent in a step arrives with the next one at the earliest. A step sees one message of each sender
-// and operation, the oldest; a reply goes to the request that was received longest ago.
+// Messages wait outside the state: a step can send any number, and none overwrites another. A
+// message arrives in the next step at the earliest. A step sees one message for each sender and
+// operation, the oldest; a reply answers the request that was received longest ago.
 module CommonBehavior
 
 import StandardLibrary
@@ -21,47 +21,47 @@ signature:
 	domain Clock subsetof Agent
 	enum domain Status = {INIT | READY | BLOCKED | EXITED | EXCEPTION | COMPENSATION}
 	enum domain CommunicatorStatus = {AVAILABLE | UNAVAILABLE | RESET}
-	// why a call ended without a reply
+	// reasons for the end of a call without a reply
 	enum domain CallFault = {CALL_TIMEOUT | CALL_UNAVAILABLE | CALL_FAILED | CALL_CANCELLED}
 
-	// what an agent can do: one that is blocked waits for a message, and sends none
+	// state of an agent; a blocked one waits for a message and sends none
 	controlled status: Agent -> Status
-	// the channel all messages go through, and the clock
+	// the channel for all messages, and the clock
 	static communicator: CommunicationChannel
 	static clock: Clock
-	// whether messages go out: the state of the broker
+	// state of the channel: that of the broker
 	monitored communicatorStatus: CommunicationChannel -> CommunicatorStatus
-	// milliseconds
+	// time in milliseconds
 	monitored time: Clock -> Integer
 
-	// the operation of the oldest message that an agent has not received
+	// operation of the oldest message that an agent has not received
 	monitored nextRequest: Agent -> String
-	// arrived(a, b, op): what the oldest message from b to a with this operation says
+	// arrived(a, b, op): data of the oldest message from b to a with this operation
 	monitored arrived: Prod(Agent, Agent, String) -> Any
-	// answered(a, b, op): the reply to the oldest call of a to b
+	// answered(a, b, op): reply to the oldest call from a to b
 	monitored answered: Prod(Agent, Agent, String) -> Any
-	// calling(a, b, op): a waits for a reply of b
+	// calling(a, b, op): true if a waits for a reply from b
 	monitored calling: Prod(Agent, Agent, String) -> Boolean
-	// why the last call of an operation failed, until it is made again
+	// reason for the failure of the last call of an operation, until the next call
 	monitored callFault: Prod(Agent, String) -> CallFault
-	// whether the last message with this operation could not be sent
+	// true if the last message with this operation could not be sent
 	monitored sendFault: Prod(Agent, String) -> Boolean
 
-	// what handles an exception of an agent, or compensates an activity, by name
+	// handlers of exceptions and compensations of an agent, by name
 	controlled exceptionHandler: Prod(Agent, String) -> Rule(Agent)
 	controlled compensationHandler: Prod(Agent, String) -> Rule(Agent)
 	controlled exceptionSubject: Agent -> String
-	// the activities of an agent that can be compensated, the last one first
+	// activities of an agent that can be compensated, the last one first
 	controlled toCompensate: Prod(Agent, String) -> Seq(String)
 
-	// whether an agent can send: it did not end, fail or block
+	// true if an agent can send: it has not ended, failed or blocked
 	derived canSend: Agent -> Boolean
 
 definitions:
 	function canSend($a in Agent) =
 		isUndef(status($a)) or status($a) = READY or status($a) = INIT
 
-	// ---- what the machine does itself; the bodies are not used --------------------------------
+	// ---- implemented by the machine; the bodies are not used ---------------------------------
 
 	macro rule r_actSend($self in Agent, $to in Agent, $operation in String, $data in Any) = skip
 	macro rule r_actCall(
@@ -114,7 +114,7 @@ definitions:
 			r_actReply[self, $to, $operation, $data]
 		endif
 
-	// what older specifications write
+	// spelling in older specifications
 	macro rule r_wreplay($to in Agent, $operation in String, $data in Any) =
 		r_wreply[$to, $operation, $data]
 
@@ -130,7 +130,7 @@ definitions:
 			endif
 		endlet
 
-	// called once while the reply is undef: set it to undef to call again
+	// calls only while the reply is undef: set it to undef to call again
 	macro rule r_wcall(
 		$to in Agent,
 		$operation in String,
@@ -154,7 +154,7 @@ definitions:
 	macro rule r_wsendreceive($to in Agent, $operation in String, $reply in Any) =
 		r_wcall[$to, $operation, true, 0, $reply]
 
-	// forgets the calls that wait, and why one failed
+	// discards the pending calls and the fault of the last one
 	macro rule r_wcancel($to in Agent, $operation in String) =
 		r_actCancel[self, $to, $operation]
 
@@ -187,7 +187,7 @@ definitions:
 	macro rule r_exit($a in Agent) =
 		status($a) := EXITED
 
-	// ---- delivery and time are the machine's: these do nothing ---------------------------------
+	// ---- implemented by the machine; without effect ---------------------------------------------
 
 	macro rule r_CommunicatorProgram = skip
 	macro rule r_ClockProgram = skip

@@ -1,8 +1,8 @@
-// Linear temporal logic: what holds along each run.
+// Linear temporal logic: properties of each run.
 //
-// The operators have no definition: the verifier gives them their meaning, a simulation cannot
-// evaluate them. They are ordinary functions with short names, so a specification that imports
-// this module shares the names `f`, `g`, `s`, `x`, … with it.
+// The operators have no definition: a verifier interprets them, and a simulation cannot evaluate
+// them. They are ordinary functions with short names: a specification that imports this module
+// has functions named `f`, `g`, `s`, `x`, … in scope.
 module LTLLibrary
 
 import StandardLibrary
@@ -18,24 +18,24 @@ signature:
 	static g: Boolean -> Boolean
 	// finally: in this state or some later one
 	static f: Boolean -> Boolean
-	// until: u(p, q), q comes about, and p holds until then
+	// until: u(p, q), q holds eventually and p holds until then
 	static u: Prod(Boolean, Boolean) -> Boolean
 	// releases: v(p, q), q holds up to and including the first state with p, or for ever
 	static v: Prod(Boolean, Boolean) -> Boolean
 
 	// ---- past ---------------------------------------------------------------------------
 
-	// yesterday: there is a state before this one, and it holds there
+	// yesterday: there is a previous state, and it holds there
 	static y: Boolean -> Boolean
-	// weak yesterday: this is the first state, or it holds in the one before
+	// weak yesterday: there is no previous state, or it holds there
 	static z: Boolean -> Boolean
 	// historically: in this state and every earlier one
 	static h: Boolean -> Boolean
 	// once: in this state or some earlier one
 	static o: Boolean -> Boolean
-	// since: s(p, q), q held once, and p holds since then
+	// since: s(p, q), q held in some earlier state, and p has held since then
 	static s: Prod(Boolean, Boolean) -> Boolean
-	// triggered: t(p, q), q holds since and including the last state with p, or always did
+	// triggered: t(p, q), q has held since and including the last state with p, or always
 	static t: Prod(Boolean, Boolean) -> Boolean
 
 	// ---- old specifications -------------------------------------------------------------

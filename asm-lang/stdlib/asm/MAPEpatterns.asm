@@ -1,5 +1,5 @@
-// How the steps of a self-adaptation loop (monitor, analyse, plan, execute) may follow one another,
-// as properties for the verifier.
+// The permitted orders of the steps of a self-adaptation loop (monitor, analyse, plan, execute),
+// as properties for a verifier.
 module MAPEpatterns
 
 import StandardLibrary
@@ -8,13 +8,13 @@ import LTLLibrary
 export *
 
 signature:
-	// correctStep(p, q, others): after p comes q, and none of the others before it
+	// correctStep(p, q, others): q follows p, and none of the others holds in between
 	static correctStep: Prod(Boolean, Boolean, Powerset(Boolean)) -> Boolean
-	// both(p, q): with p also q, sooner or later, and with q also p
+	// both(p, q): q holds eventually after p, and p eventually after q
 	static both: Prod(Boolean, Boolean) -> Boolean
-	// requires(p, all): before p, each of all held once
+	// requires(p, all): each of all has held once before p
 	static requires: Prod(Boolean, Powerset(Boolean)) -> Boolean
-	// ensures(p, all): after p, each of all comes about
+	// ensures(p, all): each of all holds eventually after p
 	static ensures: Prod(Boolean, Powerset(Boolean)) -> Boolean
 
 definitions:

@@ -1,9 +1,9 @@
-// The standard library: what every specification may use without declaring it.
+// The standard library: functions and domains for every specification.
 //
-// A `static` function below has no definition here: its body is compiled into the tool, one Rust
-// file a topic (stdlib/src). Unless a comment says otherwise, a function of `undef` is `undef`,
-// positions count from 0, and what cannot be computed (a division by zero, a position outside the
-// sequence, a number beyond 64 bits) stops the run with a message that shows the numbers.
+// A `static` function without a definition is implemented in Rust, in one file for each topic
+// (stdlib/src). Unless a comment says otherwise, the result is `undef` if an argument is `undef`,
+// and positions count from 0. If a result does not exist (a division by zero, a position outside
+// a sequence, a number beyond 64 bits), the run stops with a message that shows the arguments.
 module StandardLibrary
 
 export *
@@ -11,7 +11,7 @@ export *
 signature:
 	// ---- domains ------------------------------------------------------------------------
 
-	// placeholders: each stands for one domain within one application of a function
+	// type variables: each stands for one domain within one application of a function
 	anydomain Any
 	anydomain D
 	anydomain D1
@@ -24,48 +24,48 @@ signature:
 	anydomain D8
 	anydomain D9
 
-	// true and false
+	// truth values: true and false
 	basic domain Boolean
-	// whole numbers of 64 bits
+	// integers of 64 bits
 	basic domain Integer
-	// whole numbers from 0: 0n, 1n, 2n, ...
+	// non-negative integers of 64 bits: 0n, 1n, 2n, ...
 	basic domain Natural
-	// IEEE 754 doubles
+	// real numbers, as IEEE 754 doubles
 	basic domain Real
-	// pairs of reals: 1.0+i2.0
+	// complex numbers, as pairs of reals: 1.0+i2.0
 	basic domain Complex
 	// characters: 'a'
 	basic domain Char
-	// texts: "abc"
+	// strings: "abc"
 	basic domain String
-	// the domain of undef alone
+	// the domain that contains only undef
 	basic domain Undef
 
-	// who acts: the agents of a specification are its elements
+	// the agents of a specification
 	abstract domain Agent
-	// where `extend` takes new elements from
+	// the reserve from which `extend` takes new elements
 	abstract domain Reserve
 
-	// ---- the machine's own --------------------------------------------------------------
+	// ---- implemented by the machine -----------------------------------------------------
 
-	// the agent whose program runs
+	// the running agent
 	controlled self: Agent
-	// the program of an agent
+	// the rule that an agent runs
 	static program: Agent -> Rule
-	// the name of an agent, and the agent of that name
+	// the name of an agent, and the agent with a name
 	static id: Agent -> String
 	static getAgent: String -> Agent
-	// what a turbo rule returns
+	// the result of a turbo rule
 	controlled result: Any
 
 	// ---- every domain -------------------------------------------------------------------
 
-	// the same element; total, undef = undef is true
+	// equality of elements; total: undef = undef is true
 	static eq: Prod(D, D) -> Boolean
 	static neq: Prod(D, D) -> Boolean
 	static eq: Prod(Agent, Agent) -> Boolean
 	static neq: Prod(Agent, Agent) -> Boolean
-	// the same number, whatever its domain
+	// equality of numbers of different domains
 	static eq: Prod(Natural, Integer) -> Boolean
 	static eq: Prod(Integer, Natural) -> Boolean
 	static eq: Prod(Natural, Real) -> Boolean
@@ -78,14 +78,14 @@ signature:
 	static neq: Prod(Real, Natural) -> Boolean
 	static neq: Prod(Integer, Real) -> Boolean
 	static neq: Prod(Real, Integer) -> Boolean
-	// whether there is a value; total
+	// true if there is a value; total
 	static isDef: D -> Boolean
 	static isUndef: D -> Boolean
-	// the value before the step: outside `seq` every term shows it
+	// the value before the step; differs from the argument only within `seq`
 	static pre: D -> D
-	// the value as text; a text and a character without quotes, a real as in 0.5, 1.0E7, Infinity
+	// text form; strings and characters without quotes, reals as in 0.5, 1.0E7, Infinity
 	static toString: D -> String
-	// shows the values on one line of the console and returns how many they are; total
+	// prints the values on one line and returns their number; total
 	static print: D -> Integer
 	static print: Prod(D, D1) -> Integer
 	static print: Prod(D, D1, D2) -> Integer
@@ -99,14 +99,14 @@ signature:
 
 	// ---- Boolean ------------------------------------------------------------------------
 
-	// undef means unknown: false and undef = false, true and undef = undef (strong Kleene)
+	// strong Kleene logic, undef is unknown: false and undef = false, true and undef = undef
 	static not: Boolean -> Boolean
 	static and: Prod(Boolean, Boolean) -> Boolean
 	static or: Prod(Boolean, Boolean) -> Boolean
 	static xor: Prod(Boolean, Boolean) -> Boolean
 	static implies: Prod(Boolean, Boolean) -> Boolean
 	static iff: Prod(Boolean, Boolean) -> Boolean
-	// the same as iff, an old spelling
+	// old spelling of iff
 	static iif: Prod(Boolean, Boolean) -> Boolean
 
 	// ---- Integer ------------------------------------------------------------------------
@@ -116,11 +116,11 @@ signature:
 	static plus: Prod(Integer, Integer) -> Integer
 	static minus: Prod(Integer, Integer) -> Integer
 	static mult: Prod(Integer, Integer) -> Integer
-	// the quotient as a real: 7 / 2 = 3.5, 1 / 0 = Infinity
+	// quotient as a real: 7 / 2 = 3.5, 1 / 0 = Infinity
 	static div: Prod(Integer, Integer) -> Real
-	// the quotient without its fraction: idiv(-7, 2) = -3
+	// quotient truncated towards zero: idiv(-7, 2) = -3
 	static idiv: Prod(Integer, Integer) -> Integer
-	// what idiv leaves, with the sign of the dividend: -7 mod 2 = -1
+	// remainder of idiv, with the sign of the dividend: -7 mod 2 = -1
 	static mod: Prod(Integer, Integer) -> Integer
 	static abs: Integer -> Integer
 	static max: Prod(Integer, Integer) -> Integer
@@ -130,7 +130,7 @@ signature:
 	static gt: Prod(Integer, Integer) -> Boolean
 	static ge: Prod(Integer, Integer) -> Boolean
 	static toString: Integer -> String
-	// as a real; as a natural, which a negative number is not
+	// conversion to a real; to a natural, which fails for a negative number
 	static itor: Integer -> Real
 	static iton: Integer -> Natural
 
@@ -152,12 +152,12 @@ signature:
 	static gt: Prod(Natural, Natural) -> Boolean
 	static ge: Prod(Natural, Natural) -> Boolean
 	static toString: Natural -> String
-	// the numbers from the first up to, not including, the second
+	// the numbers from the first up to, but excluding, the second
 	static range: Prod(Natural, Natural) -> Powerset(Natural)
-	// as an integer, as a real
+	// conversion to an integer; to a real
 	static ntoi: Natural -> Integer
 	static ntor: Natural -> Real
-	// the number itself; old specifications convert twice
+	// returns the number itself; used by old specifications
 	static iton: Natural -> Natural
 	static ntor: Integer -> Real
 
@@ -178,7 +178,7 @@ signature:
 
 	// ---- Real ---------------------------------------------------------------------------
 
-	// arithmetic of IEEE 754: nothing stops the run, 1.0 / 0.0 = Infinity
+	// arithmetic of IEEE 754 without run-time errors: 1.0 / 0.0 = Infinity
 	static plus: Real -> Real
 	static minus: Real -> Real
 	static plus: Prod(Real, Real) -> Real
@@ -191,13 +191,13 @@ signature:
 	static abs: Real -> Real
 	static max: Prod(Real, Real) -> Real
 	static min: Prod(Real, Real) -> Real
-	// comparisons of IEEE 754: false if either side is not a number
+	// comparisons of IEEE 754: false if an operand is NaN
 	static lt: Prod(Real, Real) -> Boolean
 	static le: Prod(Real, Real) -> Boolean
 	static gt: Prod(Real, Real) -> Boolean
 	static ge: Prod(Real, Real) -> Boolean
 	static toString: Real -> String
-	// downwards; to the nearest, a half away from zero; without the fraction
+	// rounding down; to the nearest, halves away from zero; towards zero
 	static floor: Real -> Integer
 	static round: Real -> Integer
 	static rtoi: Real -> Integer
@@ -213,15 +213,15 @@ signature:
 	static minus: Prod(Complex, Complex) -> Complex
 	static mult: Prod(Complex, Complex) -> Complex
 	static div: Prod(Complex, Complex) -> Complex
-	// the modulus, as a complex number without imaginary part
+	// modulus, as a complex number without imaginary part
 	static norm: Complex -> Complex
-	// whether both parts are zero
+	// true if both parts are zero
 	static iszero: Complex -> Boolean
 	static toString: Complex -> String
 
 	// ---- Char ---------------------------------------------------------------------------
 
-	// by code point
+	// order by code point
 	static lt: Prod(Char, Char) -> Boolean
 	static le: Prod(Char, Char) -> Boolean
 	static gt: Prod(Char, Char) -> Boolean
@@ -230,20 +230,20 @@ signature:
 
 	// ---- String -------------------------------------------------------------------------
 
-	// how many characters
+	// number of characters
 	static size: String -> Integer
-	// the second text after the first
+	// concatenation
 	static plus: Prod(String, String) -> String
 	static concat: Prod(String, String) -> String
 	static toUpper: String -> String
 	static toLower: String -> String
 	// subString(t, from, to): the characters at from, from + 1, ..., to - 1
 	static subString: Prod(String, Integer, Integer) -> String
-	// whether the second text stands in the first
+	// true if the first string contains the second
 	static contains: Prod(String, String) -> Boolean
-	// the parts between the separators, empty ones at the end left out
+	// parts between the separators, without empty ones at the end
 	static split: Prod(String, String) -> Seq(String)
-	// the number written in the text
+	// conversion of the number written in the string
 	static toInteger: String -> Integer
 	static toNatural: String -> Natural
 	static toReal: String -> Real
@@ -253,107 +253,107 @@ signature:
 
 	// ---- Powerset -----------------------------------------------------------------------
 
-	// how many elements
+	// number of elements
 	static size: Powerset(D) -> Integer
 	static isEmpty: Powerset(D) -> Boolean
 	static notEmpty: Powerset(D) -> Boolean
-	// whether the second is an element; of undef nothing is
+	// true if the second argument is an element; false for an undef set
 	static contains: Prod(Powerset(D), D) -> Boolean
 	static notin: Prod(Powerset(D), D) -> Boolean
-	// how often the second is an element: 0n or 1n
+	// number of occurrences: 0n or 1n
 	static count: Prod(Powerset(D), D) -> Natural
-	// allin(a, b): whether all of b is in a
+	// allin(a, b): true if b is a subset of a
 	static allin: Prod(Powerset(D), Powerset(D)) -> Boolean
 	static notallin: Prod(Powerset(D), Powerset(D)) -> Boolean
-	// the same elements
+	// equality of sets
 	static equality: Prod(Powerset(D), Powerset(D)) -> Boolean
-	// in either; the elements may be of different domains
+	// union; the elements may be of different domains
 	static union: Prod(Powerset(D), Powerset(D)) -> Powerset(D)
 	static union: Prod(Powerset(D), Powerset(D1)) -> Powerset(D2)
-	// every element of the set once more
+	// the bag with the multiplicity of each element of the set increased by 1
 	static union: Prod(Powerset(D), Bag(D)) -> Bag(D)
-	// in both
+	// intersection
 	static intersection: Prod(Powerset(D), Powerset(D)) -> Powerset(D)
 	static intersection: Prod(Powerset(D), Bag(D)) -> Powerset(D)
-	// in the first and not in the second
+	// elements of the first set that are not in the second
 	static difference: Prod(Powerset(D), Powerset(D)) -> Powerset(D)
-	// in exactly one of the two
+	// elements of exactly one of the sets
 	static symmetricDifference: Prod(Powerset(D), Powerset(D)) -> Powerset(D)
-	// with, and without, the element
+	// the set with, and without, the element
 	static including: Prod(Powerset(D), D) -> Powerset(D)
 	static excluding: Prod(Powerset(D), D) -> Powerset(D)
-	// the sum of the elements; 0 of none
+	// sum of the elements; 0 for the empty set
 	static sum: Powerset(D) -> D
 	static sum: Powerset(Real) -> Real
-	// the smallest element; undef of none
+	// the least element; undef for the empty set
 	static chooseone: Powerset(D) -> D
-	// the elements in ascending order, and each of them once
+	// the elements in ascending order; each with multiplicity 1
 	static asSequence: Powerset(D) -> Seq(D)
 	static asBag: Powerset(D) -> Bag(D)
 
 	// ---- Seq ----------------------------------------------------------------------------
 
-	// how many elements
+	// number of elements
 	static length: Seq(D) -> Integer
 	static isEmpty: Seq(D) -> Boolean
-	// whether, how often, and first where (else -1) the second is an element
+	// membership, number of occurrences, and first position (-1 if there is none)
 	static contains: Prod(Seq(D), D) -> Boolean
 	static count: Prod(Seq(D), D) -> Natural
 	static indexOf: Prod(Seq(D), D) -> Integer
-	// the element at the position; the first; the last
+	// the element at a position; the first; the last
 	static at: Prod(Seq(D), Natural) -> D
 	static first: Seq(D) -> D
 	static last: Seq(D) -> D
-	// all but the first
+	// all elements but the first
 	static tail: Seq(D) -> Seq(D)
 	// subSequence(s, from, to): the elements at from, from + 1, ..., to - 1
 	static subSequence: Prod(Seq(D), Natural, Natural) -> Seq(D)
-	// one after the other
+	// concatenation
 	static union: Prod(Seq(D), Seq(D)) -> Seq(D)
-	// with one more element, at the end and at the front
+	// the sequence with an element added at the end; at the front
 	static append: Prod(Seq(D), D) -> Seq(D)
 	static prepend: Prod(D, Seq(D)) -> Seq(D)
-	// with one more element before the position; with another one at the position
+	// the sequence with an element inserted before a position; replaced at a position
 	static insertAt: Prod(Seq(D), Natural, D) -> Seq(D)
 	static replaceAt: Prod(Seq(D), Natural, D) -> Seq(D)
-	// without the first occurrence of the element
+	// the sequence without the first occurrence of the element
 	static excluding: Prod(Seq(D), D) -> Seq(D)
 	static asSet: Seq(D) -> Powerset(D)
 	static asBag: Seq(D) -> Bag(D)
 
 	// ---- Bag ----------------------------------------------------------------------------
 
-	// whether, and how often, the second is an element
+	// membership, and number of occurrences
 	static contains: Prod(Bag(D), D) -> Boolean
 	static count: Prod(Bag(D), D) -> Natural
-	// as often as in both together
+	// union; multiplicities are added
 	static union: Prod(Bag(D), Bag(D)) -> Bag(D)
 	static union: Prod(Bag(D), Powerset(D)) -> Bag(D)
-	// as often as in the one where it is rarer
+	// intersection; with the lesser of both multiplicities
 	static intersection: Prod(Bag(D), Bag(D)) -> Bag(D)
 	static intersection: Prod(Bag(D), Powerset(D)) -> Bag(D)
-	// once more; once less
+	// the bag with one more, or one less, occurrence of the element
 	static including: Prod(Bag(D), D) -> Bag(D)
 	static excluding: Prod(Bag(D), D) -> Bag(D)
-	// the sum, each element as often as it is there; 0 of none
+	// sum of the elements by multiplicity; 0 for the empty bag
 	static sum: Bag(D) -> D
 	static sum: Bag(Real) -> Real
-	// the elements in ascending order, as often as they are there; the elements once
+	// the elements in ascending order, by multiplicity; the set of the elements
 	static asSequence: Bag(D) -> Seq(D)
 	static asSet: Bag(D) -> Powerset(D)
 
 	// ---- Map ----------------------------------------------------------------------------
 
-	// the value of the key; undef without
+	// the value of the key; undef if there is none
 	static at: Prod(Map(D1, D2), D1) -> D2
-	// with the value for the key
+	// the map with the value for the key
 	static assign: Prod(Map(D1, D2), D1, D2) -> Map(D1, D2)
-	// the pairs of both; of two values for a key that of the second map
+	// the entries of both maps; for a key in both, the second map prevails
 	static merge: Prod(Map(D1, D2), Map(D1, D2)) -> Map(D1, D2)
 
 	// ---- Prod ---------------------------------------------------------------------------
 
-	// the component; undef only if that component is
+	// the component; undef only if that component is undef
 	static first: Prod(D1, D2) -> D1
 	static first: Prod(D1, D2, D3) -> D1
 	static first: Prod(D1, D2, D3, D4) -> D1
@@ -398,18 +398,18 @@ signature:
 	static eighth: Prod(D1, D2, D3, D4, D5, D6, D7, D8) -> D8
 	static eighth: Prod(D1, D2, D3, D4, D5, D6, D7, D8, D9) -> D8
 	static ninth: Prod(D1, D2, D3, D4, D5, D6, D7, D8, D9) -> D9
-	// the component at the position
+	// the component at a position
 	static at: Prod(Prod(D1, D2), Natural) -> Any
 	static at: Prod(Prod(D1, D2, D3), Natural) -> Any
 	static at: Prod(Prod(D1, D2, D3, D4), Natural) -> Any
-	// first where the component is, else -1
+	// first position of the component, -1 if there is none
 	static indexOf: Prod(Prod(D1, D2), Any) -> Integer
 	static indexOf: Prod(Prod(D1, D2, D3), Any) -> Integer
 	static indexOf: Prod(Prod(D1, D2, D3, D4), Any) -> Integer
 
 	// ---- time ---------------------------------------------------------------------------
 
-	// the time of the step, each cut to a whole number of its unit
+	// the time of the step, rounded down to a whole number of the unit
 	static currTimeNanosecs: Integer
 	static currTimeMillisecs: Integer
 	static currTimeSecs: Integer

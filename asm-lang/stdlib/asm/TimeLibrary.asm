@@ -1,9 +1,9 @@
 // Timers over a monitored clock. A timer is set with r_set_duration (and r_set_timer_unit),
-// started with r_reset_timer, and asked with expired.
+// started with r_reset_timer, and queried with expired.
 //
 //     static patience: Timer
 //     ...
-//     r_reset_timer[patience]              // from now on
+//     r_reset_timer[patience]              // starts now
 //     if expired(patience) then ...        // its duration has passed
 module TimeLibrary
 
@@ -15,23 +15,23 @@ signature:
 	abstract domain Timer
 	enum domain TimerUnit = {NANOSEC | MILLISEC | SEC | MIN | HOUR}
 
-	// when the timer was last started, in its own unit
+	// time of the last start, in the timer's own unit
 	controlled start: Timer -> Integer
-	// how long it runs, in its own unit
+	// duration, in the timer's own unit
 	controlled duration: Timer -> Integer
-	// what it counts in; a timer without a unit counts seconds
+	// unit of the timer; seconds if it has none
 	controlled timerUnit: Timer -> TimerUnit
 
-	// the time of this state. All five show one instant, each cut to a whole number of its unit
+	// the time of the current state; all five return the same instant, rounded down to their unit
 	monitored mCurrTimeNanosecs: Integer
 	monitored mCurrTimeMillisecs: Integer
 	monitored mCurrTimeSecs: Integer
 	monitored mCurrTimeMins: Integer
 	monitored mCurrTimeHours: Integer
 
-	// the time of this state, in the unit of the timer
+	// the time of the current state, in the unit of the timer
 	derived currentTime: Timer -> Integer
-	// whether the timer was started at least its duration ago
+	// true if the timer was started at least its duration ago
 	derived expired: Timer -> Boolean
 
 definitions:
@@ -47,14 +47,14 @@ definitions:
 	function expired($t in Timer) =
 		currentTime($t) >= start($t) + duration($t)
 
-	// starts the timer, again if it runs
+	// starts or restarts the timer
 	macro rule r_reset_timer($t in Timer) =
 		start($t) := currentTime($t)
 
-	// sets how long the timer runs, in its unit
+	// sets the duration of the timer, in its unit
 	macro rule r_set_duration($t in Timer, $duration in Integer) =
 		duration($t) := $duration
 
-	// sets what the timer counts in; start and duration keep their numbers
+	// sets the unit of the timer; the values of start and duration are not converted
 	macro rule r_set_timer_unit($t in Timer, $unit in TimerUnit) =
 		timerUnit($t) := $unit

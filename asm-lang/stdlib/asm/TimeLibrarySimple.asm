@@ -8,17 +8,17 @@ export *
 signature:
 	abstract domain Timer
 
-	// when the timer was last started, in seconds
+	// time of the last start, in seconds
 	controlled start: Timer -> Integer
-	// how long it runs, in seconds
+	// duration, in seconds
 	controlled duration: Timer -> Integer
 
-	// the time of this state, in whole seconds
+	// the time of the current state, in whole seconds
 	monitored mCurrTimeSecs: Integer
 
-	// the time of this state
+	// the time of the current state
 	derived currentTime: Timer -> Integer
-	// whether the timer was started at least its duration ago
+	// true if the timer was started at least its duration ago
 	derived expired: Timer -> Boolean
 
 definitions:
@@ -27,10 +27,10 @@ definitions:
 	function expired($t in Timer) =
 		currentTime($t) >= start($t) + duration($t)
 
-	// starts the timer, again if it runs
+	// starts or restarts the timer
 	macro rule r_reset_timer($t in Timer) =
 		start($t) := currentTime($t)
 
-	// sets how long the timer runs, in seconds
+	// sets the duration of the timer, in seconds
 	macro rule r_set_duration($t in Timer, $duration in Integer) =
 		duration($t) := $duration

@@ -1,4 +1,4 @@
-//! Functions of every domain: equality, `isDef`, text, console.
+//! Functions for every domain: equality, `isDef`, conversion to strings, output.
 
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, BuiltinBody, BuiltinContext, strict, total};
@@ -6,21 +6,22 @@ use crate::fault::BuiltinFault;
 use crate::real;
 use asmotion_value::{Value, ValueNames};
 
-/// Whether the two are one element. Total: `undef` equals `undef`, a real equals itself by its
-/// bits (`NaN = NaN`, and `-0.0` is not `0.0`), collections compare by content.
+/// Returns `true` if two values are equal. Total: `undef` equals `undef`, reals compare by bits
+/// (`NaN = NaN`, and `-0.0` differs from `0.0`), collections by content.
 #[inline]
 pub fn eq(left: &Value, right: &Value) -> bool {
     left == right
 }
 
-/// Whether an integer (or natural) and a real are the same number, exactly: `2^53 + 1` is no double.
+/// Returns `true` if an integer (or natural) and a real are exactly the same number; `2^53 + 1`
+/// equals no double.
 pub fn same_number(integer: i64, real: f64) -> bool {
-    // A double outside this range is no i64; inside it, truncation is exact.
+    // a double outside this range is no i64; inside it, truncation is exact
     const END: f64 = 9_223_372_036_854_775_808.0;
     (-END..END).contains(&real) && real.fract() == 0.0 && real as i64 == integer
 }
 
-/// The value as text: as it is shown, but a text and a character without their quotes.
+/// Converts a value to a string: as displayed, but strings and characters without quotes.
 pub fn to_string(value: &Value, names: &dyn ValueNames) -> String {
     match value {
         Value::Text(text) => text.as_ref().clone(),
@@ -30,7 +31,7 @@ pub fn to_string(value: &Value, names: &dyn ValueNames) -> String {
     }
 }
 
-/// `toString` as a body; every `toString` of the library is this one.
+/// The body of every `toString` in the library.
 pub(crate) const TO_STRING: BuiltinBody =
     |arguments, context| unary(arguments, |value: &Value| to_string(value, context.names));
 
@@ -52,7 +53,7 @@ const NEQ_REAL: BuiltinBody =
 const NEQ_INTEGER: BuiltinBody =
     |arguments, _| binary(arguments, |real, integer| !mixed(integer, real));
 
-/// Writes the values on one line, with blanks between them, and returns how many they are.
+/// Writes the values on one line, separated by blanks, and returns their number.
 fn print(arguments: &[Value], context: &mut BuiltinContext<'_>) -> Result<Value, BuiltinFault> {
     let words: Vec<String> = arguments
         .iter()
@@ -85,7 +86,8 @@ pub(crate) const TABLE: &[Builtin] = &[
     total("isUndef", "D", |arguments, _| {
         unary(arguments, Value::is_undef)
     }),
-    // Terms are evaluated before the step fires; a machine in a `seq` answers `pre` itself.
+    // outside `seq`, terms are evaluated in the state before the step anyway; within, the machine
+    // evaluates `pre` itself
     total("pre", "D", |arguments, _| {
         unary(arguments, |value: &Value| value.clone())
     }),
@@ -102,7 +104,8 @@ pub(crate) const TABLE: &[Builtin] = &[
     total("print", "Prod(D,D1,D2,D3,D4,D5,D6,D7,D8,D9)", print),
 ];
 
-/// What the reference tool computes instead: sets are written like its lists, tuples without blanks.
+/// Functions that differ in the reference tools: sets are written like sequences, tuples without
+/// blanks.
 pub(crate) const COMPATIBLE: &[Builtin] = &[strict("toString", "D", |arguments, context| {
     unary(arguments, |value: &Value| to_list(value, context.names))
 })];
@@ -137,7 +140,7 @@ mod tests {
     use crate::testing::*;
     use asmotion_value::{Atom, RuleId, Value};
 
-    /// Of every kind one value and a neighbour of it.
+    /// Pairs of a value and a similar one, for every kind of value.
     fn pairs() -> Vec<(Value, Value)> {
         vec![
             (TRUE, FALSE),

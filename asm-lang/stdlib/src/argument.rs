@@ -1,4 +1,4 @@
-//! From values to typed arguments and back, so that a body is a plain Rust function.
+//! Conversion between values and typed arguments, which makes a body a plain Rust function.
 
 use crate::complex::Complex;
 use crate::fault::BuiltinFault;
@@ -6,25 +6,25 @@ use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A type that a body can take.
+/// A Rust type for arguments.
 pub(crate) trait FromValue<'a>: Sized {
-    /// What to say was expected.
+    /// Description of the expected value, for messages.
     const EXPECTED: &'static str;
 
-    /// The argument, if the value has this shape.
+    /// Converts a value; returns `None` if it has another shape.
     fn read(value: &'a Value) -> Option<Self>;
 }
 
-/// A type that a body can return.
+/// A Rust type for results.
 pub(crate) trait IntoValue {
-    /// The value it stands for.
+    /// Converts to a value.
     fn answer(self) -> Result<Value, BuiltinFault>;
 }
 
-/// The components of a tuple; a bare slice is a sequence.
+/// The components of a tuple, as opposed to a plain slice, which stands for a sequence.
 pub(crate) struct TupleArguments<'a>(pub &'a [Value]);
 
-/// Runs a function of one argument.
+/// Calls a function of one argument.
 pub(crate) fn unary<'a, A: FromValue<'a>, R: IntoValue>(
     arguments: &'a [Value],
     function: impl FnOnce(A) -> R,
@@ -35,7 +35,7 @@ pub(crate) fn unary<'a, A: FromValue<'a>, R: IntoValue>(
     }
 }
 
-/// Runs a function of two arguments.
+/// Calls a function of two arguments.
 pub(crate) fn binary<'a, A: FromValue<'a>, B: FromValue<'a>, R: IntoValue>(
     arguments: &'a [Value],
     function: impl FnOnce(A, B) -> R,
@@ -46,7 +46,7 @@ pub(crate) fn binary<'a, A: FromValue<'a>, B: FromValue<'a>, R: IntoValue>(
     }
 }
 
-/// Runs a function of three arguments.
+/// Calls a function of three arguments.
 pub(crate) fn ternary<'a, A: FromValue<'a>, B: FromValue<'a>, C: FromValue<'a>, R: IntoValue>(
     arguments: &'a [Value],
     function: impl FnOnce(A, B, C) -> R,
@@ -57,7 +57,7 @@ pub(crate) fn ternary<'a, A: FromValue<'a>, B: FromValue<'a>, C: FromValue<'a>, 
     }
 }
 
-/// What a value is, in words.
+/// Returns the kind of a value in words.
 pub(crate) fn kind(value: &Value) -> &'static str {
     match value {
         Value::Undef => "undef",
@@ -98,7 +98,7 @@ impl<'a> FromValue<'a> for &'a Value {
     }
 }
 
-/// `undef` is `None`.
+/// `None` stands for `undef`.
 impl<'a, A: FromValue<'a>> FromValue<'a> for Option<A> {
     const EXPECTED: &'static str = A::EXPECTED;
     fn read(value: &'a Value) -> Option<Self> {
@@ -109,7 +109,7 @@ impl<'a, A: FromValue<'a>> FromValue<'a> for Option<A> {
     }
 }
 
-/// One shape of value, one Rust type.
+/// Implements [`FromValue`] for the Rust type of one shape of values.
 macro_rules! shape {
     ($type:ty, $expected:literal, $pattern:pat => $argument:expr) => {
         impl<'a> FromValue<'a> for $type {
@@ -149,7 +149,7 @@ impl IntoValue for &Value {
     }
 }
 
-/// `None` is `undef`.
+/// `None` stands for `undef`.
 impl<R: IntoValue> IntoValue for Option<R> {
     fn answer(self) -> Result<Value, BuiltinFault> {
         self.map_or(Ok(Value::Undef), R::answer)

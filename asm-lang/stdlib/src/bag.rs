@@ -1,5 +1,5 @@
-//! Bags (multisets): element to multiplicity, none of them zero. An element may be `undef`; a bag
-//! that is `undef` makes the result `undef`, except that nothing is contained in it.
+//! Bags (multisets): elements with their multiplicities, which are greater than 0. An element may
+//! be `undef`. If a bag is `undef`, so is the result, except that `contains` is false.
 
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict, total};
@@ -9,23 +9,23 @@ use crate::set::{self, SetValue};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
-/// A multiset.
+/// A bag: elements with their multiplicities.
 pub type BagValue = BTreeMap<Value, usize>;
 
-/// Whether `element` is in `bag`.
+/// Returns `true` if `bag` contains `element`.
 pub fn contains(bag: &BagValue, element: &Value) -> bool {
     bag.contains_key(element)
 }
 
-/// How often `element` is in `bag`.
+/// Returns the multiplicity of `element`, 0 if it is not in `bag`.
 pub fn count(bag: &BagValue, element: &Value) -> i64 {
     integer::of(bag.get(element).copied().unwrap_or(0))
 }
 
-/// Each element as often as in both together.
+/// Returns the union; multiplicities are added.
 ///
 /// # Errors
-/// [`BuiltinFault::TooLarge`] for an element more than [`LIMIT`] times.
+/// [`BuiltinFault::TooLarge`] if a multiplicity exceeds [`LIMIT`].
 pub fn union(left: &BagValue, right: &BagValue) -> Result<BagValue, BuiltinFault> {
     let mut union = left.clone();
     for (element, &times) in right {
@@ -34,7 +34,7 @@ pub fn union(left: &BagValue, right: &BagValue) -> Result<BagValue, BuiltinFault
     Ok(union)
 }
 
-/// Each element as often as in the one where it is rarer.
+/// Returns the intersection, with the lesser multiplicity of each element.
 pub fn intersection(left: &BagValue, right: &BagValue) -> BagValue {
     let both = |(element, &times): (&Value, &usize)| {
         right
@@ -44,17 +44,17 @@ pub fn intersection(left: &BagValue, right: &BagValue) -> BagValue {
     left.iter().filter_map(both).collect()
 }
 
-/// `bag` with `element` once more.
+/// Returns `bag` with the multiplicity of `element` increased by 1.
 ///
 /// # Errors
-/// [`BuiltinFault::TooLarge`] for the element more than [`LIMIT`] times.
+/// [`BuiltinFault::TooLarge`] if the multiplicity exceeds [`LIMIT`].
 pub fn including(bag: &BagValue, element: &Value) -> Result<BagValue, BuiltinFault> {
     let mut bag = bag.clone();
     add(&mut bag, element, 1, "including")?;
     Ok(bag)
 }
 
-/// `bag` with `element` once less.
+/// Returns `bag` with the multiplicity of `element` decreased by 1.
 pub fn excluding(bag: &BagValue, element: &Value) -> BagValue {
     let mut bag = bag.clone();
     match bag.get_mut(element) {
@@ -66,10 +66,10 @@ pub fn excluding(bag: &BagValue, element: &Value) -> BagValue {
     bag
 }
 
-/// The elements in ascending order, as often as they are there.
+/// Returns the elements in ascending order, each repeated by its multiplicity.
 ///
 /// # Errors
-/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] elements.
+/// [`BuiltinFault::TooLarge`] for more than [`LIMIT`] elements.
 pub fn as_sequence(bag: &BagValue) -> Result<Vec<Value>, BuiltinFault> {
     let size = bag
         .values()
@@ -84,7 +84,7 @@ pub fn as_sequence(bag: &BagValue) -> Result<Vec<Value>, BuiltinFault> {
     Ok(bag.iter().flat_map(repeat).cloned().collect())
 }
 
-/// The elements, each once.
+/// Returns the set of the elements.
 pub fn as_set(bag: &BagValue) -> SetValue {
     bag.keys().cloned().collect()
 }

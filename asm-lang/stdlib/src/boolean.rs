@@ -1,18 +1,18 @@
-//! Truth values; `None` is `undef`, read as unknown (Kleene's strong three-valued logic).
+//! Truth values in Kleene's strong three-valued logic; `None` is `undef`, read as unknown.
 
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, total};
 
-/// A truth value, or `undef`.
+/// A truth value, or `None` for `undef`.
 pub type TruthValue = Option<bool>;
 
-/// Negation; of `undef` unknown.
+/// Negation; `undef` for `undef`.
 #[inline]
 pub fn not(operand: TruthValue) -> TruthValue {
     operand.map(|truth| !truth)
 }
 
-/// Conjunction; one `false` decides it.
+/// Conjunction; `false` if either operand is `false`.
 #[inline]
 pub fn and(left: TruthValue, right: TruthValue) -> TruthValue {
     match (left, right) {
@@ -22,25 +22,25 @@ pub fn and(left: TruthValue, right: TruthValue) -> TruthValue {
     }
 }
 
-/// Disjunction; one `true` decides it.
+/// Disjunction; `true` if either operand is `true`.
 #[inline]
 pub fn or(left: TruthValue, right: TruthValue) -> TruthValue {
     not(and(not(left), not(right)))
 }
 
-/// Exactly one of the two; unknown as soon as either is.
+/// Exclusive disjunction; `undef` if either operand is.
 #[inline]
 pub fn xor(left: TruthValue, right: TruthValue) -> TruthValue {
     Some(left? != right?)
 }
 
-/// Implication; a `false` premise or a `true` conclusion decides it.
+/// Implication; `true` if the premise is `false` or the conclusion `true`.
 #[inline]
 pub fn implies(left: TruthValue, right: TruthValue) -> TruthValue {
     or(not(left), right)
 }
 
-/// Equivalence; unknown as soon as either is.
+/// Equivalence; `undef` if either operand is.
 #[inline]
 pub fn iff(left: TruthValue, right: TruthValue) -> TruthValue {
     Some(left? == right?)
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn kleene_tables() {
-        // The two operands, then and, or, xor, implies, iff.
+        // both operands, then and, or, xor, implies, iff
         let tables = [
             (TRUE, TRUE, "true true false true true"),
             (TRUE, FALSE, "false true true false false"),

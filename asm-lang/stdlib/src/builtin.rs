@@ -1,34 +1,34 @@
-//! A row of the library: name and domain of a standard function, and its body.
+//! Entries of the library: a standard function's name, domain and body.
 
 use crate::fault::BuiltinFault;
 use asmotion_value::{Value, ValueNames};
 use std::fmt;
 
-/// What a body may use besides its arguments.
+/// The context of a body: everything that it may access besides its arguments.
 pub struct BuiltinContext<'a> {
-    /// What atoms and rules are called, for `toString` and `print`.
+    /// Names of atoms and rules, for `toString` and `print`.
     pub names: &'a dyn ValueNames,
-    /// The time of the step, for `currTime…`.
+    /// Time of the step in nanoseconds, for `currTime…`.
     pub now_ns: i64,
-    /// The lines that `print` wrote in this step, the oldest first.
+    /// Lines written by `print` in this step, oldest first.
     pub printed: &'a mut Vec<String>,
 }
 
-/// Computes a function: one argument for each component of its domain.
+/// Computes a function, given one argument for each component of its domain.
 pub type BuiltinBody = fn(&[Value], &mut BuiltinContext<'_>) -> Result<Value, BuiltinFault>;
 
 /// A function of the standard library.
 #[derive(Clone, Copy)]
 pub struct Builtin {
-    /// Its name.
+    /// Name, shared by overloads.
     pub name: &'static str,
-    /// Its domain as the library declares it, without blanks: `Prod(Integer,Integer)`; empty for a
+    /// Domain as declared in the library, without blanks: `Prod(Integer,Integer)`. Empty for a
     /// function without arguments.
     pub domain: &'static str,
-    /// Whether `undef` among the arguments makes the result `undef`. The caller sees to that before
-    /// it runs the body.
+    /// `true` if the result is `undef` whenever an argument is. The caller checks this before it
+    /// calls the body.
     pub strict: bool,
-    /// Its body.
+    /// The implementation.
     pub body: BuiltinBody,
 }
 
@@ -39,22 +39,23 @@ impl fmt::Debug for Builtin {
 }
 
 impl Builtin {
-    /// Whether it writes a line: then evaluating it twice is not as good as once.
+    /// Returns `true` for `print`, which must not be evaluated twice.
     pub fn prints(&self) -> bool {
         self.name == "print"
     }
 }
 
-/// Functions that the standard library declares and the machine itself answers: no bodies here.
+/// Functions declared in the standard library but implemented by the machine.
 pub const RESERVED: &[&str] = &["self", "program", "id", "getAgent", "result"];
 
-/// Functions that the temporal libraries declare without a definition: the verifier's.
+/// Functions that the temporal libraries declare without a definition, interpreted by a verifier
+/// only.
 pub const TEMPORAL: &[&str] = &[
     "ex", "ax", "ef", "af", "eg", "ag", "eu", "au", "exN", "axN", "ctl", // branching time
     "x", "g", "f", "u", "v", "y", "z", "h", "o", "s", "t", "ltl", // linear time
 ];
 
-/// A row whose body never meets `undef`.
+/// Creates an entry whose body is never called with `undef`.
 pub(crate) const fn strict(name: &'static str, domain: &'static str, body: BuiltinBody) -> Builtin {
     Builtin {
         name,
@@ -64,7 +65,7 @@ pub(crate) const fn strict(name: &'static str, domain: &'static str, body: Built
     }
 }
 
-/// A row whose body decides about `undef` itself.
+/// Creates an entry whose body handles `undef` itself.
 pub(crate) const fn total(name: &'static str, domain: &'static str, body: BuiltinBody) -> Builtin {
     Builtin {
         name,

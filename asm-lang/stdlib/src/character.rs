@@ -4,25 +4,25 @@ use crate::any::TO_STRING;
 use crate::argument::binary;
 use crate::builtin::{Builtin, strict};
 
-/// Before.
+/// Returns `true` if `left` has the lesser code point.
 #[inline]
 pub fn lt(left: char, right: char) -> bool {
     left < right
 }
 
-/// Before, or the same.
+/// Returns `true` if `left` has the lesser code point, or the same.
 #[inline]
 pub fn le(left: char, right: char) -> bool {
     left <= right
 }
 
-/// After.
+/// Returns `true` if `left` has the greater code point.
 #[inline]
 pub fn gt(left: char, right: char) -> bool {
     left > right
 }
 
-/// After, or the same.
+/// Returns `true` if `left` has the greater code point, or the same.
 #[inline]
 pub fn ge(left: char, right: char) -> bool {
     left >= right

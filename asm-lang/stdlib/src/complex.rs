@@ -1,4 +1,4 @@
-//! Complex numbers: pairs of reals, with the textbook arithmetic.
+//! Complex numbers: pairs of reals with the usual arithmetic.
 
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
@@ -6,7 +6,7 @@ use crate::builtin::{Builtin, strict};
 use asmotion_value::{Real, Value};
 use std::sync::Arc;
 
-/// A complex number.
+/// A complex number in Cartesian form.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Complex {
     /// Real part.
@@ -16,12 +16,12 @@ pub struct Complex {
 }
 
 impl Complex {
-    /// The number with these parts.
+    /// Creates a number from its real and imaginary part.
     pub fn new(re: f64, im: f64) -> Self {
         Self { re, im }
     }
 
-    /// This number as a value.
+    /// Converts to a value.
     pub fn value(self) -> Value {
         Value::Complex(Arc::new((Real::new(self.re), Real::new(self.im))))
     }
@@ -33,17 +33,17 @@ impl From<(Real, Real)> for Complex {
     }
 }
 
-/// The sum.
+/// Addition.
 pub fn plus(left: Complex, right: Complex) -> Complex {
     Complex::new(left.re + right.re, left.im + right.im)
 }
 
-/// The difference.
+/// Subtraction.
 pub fn minus(left: Complex, right: Complex) -> Complex {
     Complex::new(left.re - right.re, left.im - right.im)
 }
 
-/// The product.
+/// Multiplication.
 pub fn mult(left: Complex, right: Complex) -> Complex {
     Complex::new(
         left.re * right.re - left.im * right.im,
@@ -51,29 +51,29 @@ pub fn mult(left: Complex, right: Complex) -> Complex {
     )
 }
 
-/// The quotient; by zero its parts are not numbers.
+/// Division; both parts of the result are NaN for a divisor of zero.
 pub fn div(left: Complex, right: Complex) -> Complex {
     let square = right.re * right.re + right.im * right.im;
     let product = mult(left, Complex::new(right.re, -right.im));
     Complex::new(product.re / square, product.im / square)
 }
 
-/// The product with a real.
+/// Multiplication by a real number.
 pub fn scale(factor: f64, operand: Complex) -> Complex {
     Complex::new(factor * operand.re, factor * operand.im)
 }
 
-/// The opposite.
+/// Negation.
 pub fn negate(operand: Complex) -> Complex {
     Complex::new(-operand.re, -operand.im)
 }
 
-/// The modulus. The library declares it complex, so it comes as a number without imaginary part.
+/// Modulus, as a complex number because the library declares its codomain as Complex.
 pub fn norm(operand: Complex) -> Complex {
     Complex::new(operand.re.hypot(operand.im), 0.0)
 }
 
-/// Whether both parts are zero, of either sign.
+/// Returns `true` if both parts are zero, of either sign.
 pub fn is_zero(operand: Complex) -> bool {
     operand.re == 0.0 && operand.im == 0.0
 }

@@ -1,123 +1,124 @@
-//! Why a function has no value for its arguments.
+//! Faults of standard functions: arguments for which a function is undefined.
 
 use asmotion_value::Real;
 use std::sync::Arc;
 
-/// The most elements a function may put into one collection or text. A specification that doubles
-/// a sequence at every step meets this fault, not the end of the memory.
+/// Limit for the elements of a collection or string that a function creates. A specification that
+/// doubles a sequence in every step ends with a fault rather than by exhausting the memory.
 pub const LIMIT: usize = if cfg!(fuzzing) { 1 << 14 } else { 1 << 24 };
 
-/// What stops a function. The message shows the values; [`BuiltinFault::help`] a way out.
+/// The reason why a function is undefined for its arguments. The message shows the values;
+/// [`BuiltinFault::help`] suggests a remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BuiltinFault {
-    /// A result of two integers that 64 bits cannot hold.
+    /// The result of a binary integer operation does not fit in 64 bits.
     #[error("`{function}({left}, {right})` is outside the integers of 64 bits")]
     Overflow {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// Its first argument.
+        /// First argument.
         left: i64,
-        /// Its second argument.
+        /// Second argument.
         right: i64,
     },
-    /// A result of one integer that 64 bits cannot hold.
+    /// The result of a unary integer operation does not fit in 64 bits.
     #[error("`{function}({operand})` is outside the integers of 64 bits")]
     OverflowOf {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// Its argument.
+        /// The argument.
         operand: i64,
     },
-    /// An integer division by zero.
+    /// Integer division by zero.
     #[error("`{function}({dividend}, 0)` divides by zero")]
     ZeroDivisor {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// What was to be divided.
+        /// The number to be divided.
         dividend: i64,
     },
-    /// A real that no integer of 64 bits is near to.
+    /// A real is outside the range of 64-bit integers.
     #[error("`{function}({:?})` is outside the integers of 64 bits", number.get())]
     NotInteger {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// Its argument: too large, infinite, or not a number.
+        /// The argument: too large, infinite, or NaN.
         number: Real,
     },
-    /// A negative number where a Natural is wanted.
+    /// A negative number where a Natural is required.
     #[error("`{function}` meets {number}, and a Natural is not negative")]
     Negative {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// The number.
+        /// The negative number.
         number: i64,
     },
-    /// A position outside a sequence, a tuple or a text.
+    /// A position outside a sequence, a tuple or a string.
     #[error("`{function}` asks for position {position} of {length}")]
     Position {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// The position.
+        /// The position, counted from 0.
         position: i64,
-        /// How many there are.
+        /// Number of elements.
         length: usize,
     },
-    /// A part that does not lie within the whole.
+    /// A range of positions outside a sequence or string.
     #[error("`{function}` asks for {from} to {to} of {length}")]
     Part {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// The first position wanted.
+        /// First position of the range.
         from: i64,
-        /// The position after the last one wanted.
+        /// Position after the last one of the range.
         to: i64,
-        /// How many there are.
+        /// Number of elements.
         length: usize,
     },
-    /// An element of an empty sequence or text.
+    /// Access to an element of an empty sequence or string.
     #[error("`{function}` of nothing: the argument is empty")]
     Empty {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
     },
-    /// A text that does not read as the value wanted.
+    /// A string that does not denote a value of the required domain.
     #[error("`{function}` cannot read {text:?} as {expected}")]
     Unreadable {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// The text.
+        /// The string.
         text: Arc<str>,
-        /// What was expected, as in "an integer".
+        /// Description of the required value, as in "an integer".
         expected: &'static str,
     },
     /// A sum with an element that is no number, or with numbers of different domains.
     #[error("`sum` cannot add {right} to {left}")]
     Sum {
-        /// The kind of the sum so far.
+        /// Kind of the sum so far.
         left: &'static str,
-        /// The kind of the next element.
+        /// Kind of the next element.
         right: &'static str,
     },
-    /// A result of more elements than [`LIMIT`].
+    /// A result with more than [`LIMIT`] elements.
     #[error("`{function}` would make {size} elements, more than {LIMIT}")]
     TooLarge {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// How many it would make.
+        /// Number of elements of the result.
         size: usize,
     },
-    /// Arguments that the signature excludes: the caller did not check the types.
+    /// An argument outside the signature, passed by a caller that did not check types.
     #[error("expected {expected}, found {found}")]
     Shape {
-        /// What the body can take.
+        /// Description of the required value.
         expected: &'static str,
-        /// The kind of value it was given.
+        /// Kind of the given value.
         found: &'static str,
     },
 }
 
 impl BuiltinFault {
-    /// What the author of the specification can do about it.
+    /// Suggests what the author of the specification can do.
     pub fn help(&self) -> &'static str {
         match self {
             Self::Overflow { .. } | Self::OverflowOf { .. } => {

@@ -1,14 +1,14 @@
-//! Integers of 64 bits, checked: what does not fit is a fault, never another number.
+//! Integers of 64 bits with checked arithmetic: overflow is a fault.
 
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::fault::BuiltinFault;
 
-/// The sum.
+/// Addition.
 ///
 /// # Errors
-/// [`BuiltinFault::Overflow`].
+/// [`BuiltinFault::Overflow`] if the result does not fit in 64 bits.
 #[inline]
 pub fn plus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     left.checked_add(right).ok_or(BuiltinFault::Overflow {
@@ -18,10 +18,10 @@ pub fn plus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// The difference.
+/// Subtraction.
 ///
 /// # Errors
-/// [`BuiltinFault::Overflow`].
+/// [`BuiltinFault::Overflow`] if the result does not fit in 64 bits.
 #[inline]
 pub fn minus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     left.checked_sub(right).ok_or(BuiltinFault::Overflow {
@@ -31,10 +31,10 @@ pub fn minus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// The product.
+/// Multiplication.
 ///
 /// # Errors
-/// [`BuiltinFault::Overflow`].
+/// [`BuiltinFault::Overflow`] if the result does not fit in 64 bits.
 #[inline]
 pub fn mult(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     left.checked_mul(right).ok_or(BuiltinFault::Overflow {
@@ -44,17 +44,18 @@ pub fn mult(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// The quotient as a real. Total, as IEEE 754 has it: `1 / 0` is infinite, `0 / 0` not a number;
-/// operands beyond 53 bits are rounded first.
+/// Division with a real result. Total as in IEEE 754: `1 / 0` is infinite and `0 / 0` is NaN.
+/// Operands beyond 53 bits are rounded first.
 #[inline]
 pub fn div(left: i64, right: i64) -> f64 {
     left as f64 / right as f64
 }
 
-/// The quotient without its fraction: `idiv(-7, 2) = -3`.
+/// Division truncated towards zero: `idiv(-7, 2) = -3`.
 ///
 /// # Errors
-/// [`BuiltinFault::ZeroDivisor`], and [`BuiltinFault::Overflow`] for the smallest integer by -1.
+/// [`BuiltinFault::ZeroDivisor`], or [`BuiltinFault::Overflow`] for the least integer divided by
+/// -1.
 #[inline]
 pub fn idiv(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     if right == 0 {
@@ -70,10 +71,10 @@ pub fn idiv(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// What [`idiv`] leaves, with the sign of the dividend: `-7 mod 2 = -1`.
+/// Remainder of [`idiv`], with the sign of the dividend: `-7 mod 2 = -1`.
 ///
 /// # Errors
-/// [`BuiltinFault::ZeroDivisor`].
+/// [`BuiltinFault::ZeroDivisor`] if `right` is 0.
 #[inline]
 pub fn modulo(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     if right == 0 {
@@ -82,20 +83,20 @@ pub fn modulo(left: i64, right: i64) -> Result<i64, BuiltinFault> {
             dividend: left,
         });
     }
-    // Not `checked_rem`: the smallest integer mod -1 is 0, although the quotient overflows.
+    // not `checked_rem`: the least integer mod -1 is 0, although the quotient overflows
     Ok(left.wrapping_rem(right))
 }
 
-/// The number itself.
+/// Unary plus: returns the number itself.
 #[inline]
 pub fn plus_sign(operand: i64) -> i64 {
     operand
 }
 
-/// The opposite.
+/// Negation.
 ///
 /// # Errors
-/// [`BuiltinFault::OverflowOf`] for the smallest integer.
+/// [`BuiltinFault::OverflowOf`] for the least integer.
 #[inline]
 pub fn negate(operand: i64) -> Result<i64, BuiltinFault> {
     operand.checked_neg().ok_or(BuiltinFault::OverflowOf {
@@ -104,10 +105,10 @@ pub fn negate(operand: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// The absolute value.
+/// Absolute value.
 ///
 /// # Errors
-/// [`BuiltinFault::OverflowOf`] for the smallest integer.
+/// [`BuiltinFault::OverflowOf`] for the least integer.
 #[inline]
 pub fn abs(operand: i64) -> Result<i64, BuiltinFault> {
     operand.checked_abs().ok_or(BuiltinFault::OverflowOf {
@@ -116,52 +117,52 @@ pub fn abs(operand: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// The greater one.
+/// Returns the greater of two numbers.
 #[inline]
 pub fn max(left: i64, right: i64) -> i64 {
     left.max(right)
 }
 
-/// The smaller one.
+/// Returns the lesser of two numbers.
 #[inline]
 pub fn min(left: i64, right: i64) -> i64 {
     left.min(right)
 }
 
-/// Less.
+/// Returns `true` if `left < right`.
 #[inline]
 pub fn lt(left: i64, right: i64) -> bool {
     left < right
 }
 
-/// Less or equal.
+/// Returns `true` if `left <= right`.
 #[inline]
 pub fn le(left: i64, right: i64) -> bool {
     left <= right
 }
 
-/// Greater.
+/// Returns `true` if `left > right`.
 #[inline]
 pub fn gt(left: i64, right: i64) -> bool {
     left > right
 }
 
-/// Greater or equal.
+/// Returns `true` if `left >= right`.
 #[inline]
 pub fn ge(left: i64, right: i64) -> bool {
     left >= right
 }
 
-/// The nearest real; exact up to 53 bits.
+/// Converts to the nearest real; exact up to 53 bits.
 #[inline]
 pub fn to_real(operand: i64) -> f64 {
     operand as f64
 }
 
-/// The same number as a natural.
+/// Converts to a natural.
 ///
 /// # Errors
-/// [`BuiltinFault::Negative`].
+/// [`BuiltinFault::Negative`] for a negative number.
 #[inline]
 pub fn to_natural(operand: i64) -> Result<i64, BuiltinFault> {
     if operand < 0 {
@@ -173,7 +174,7 @@ pub fn to_natural(operand: i64) -> Result<i64, BuiltinFault> {
     Ok(operand)
 }
 
-/// A size as an integer.
+/// Converts a size to an integer.
 pub(crate) fn of(size: usize) -> i64 {
     i64::try_from(size).unwrap_or(i64::MAX)
 }
@@ -226,7 +227,7 @@ pub(crate) const TABLE: &[Builtin] = &[
         unary(arguments, to_natural)
     }),
     strict("ntor", "Integer", |arguments, _| unary(arguments, to_real)),
-    // Integer with Natural: one representation, so the same functions.
+    // Integer with Natural: both have the same representation, so the same functions apply
     strict("mult", "Prod(Natural,Integer)", |arguments, _| {
         binary(arguments, mult)
     }),
@@ -265,7 +266,8 @@ pub(crate) const TABLE: &[Builtin] = &[
     }),
 ];
 
-/// What the reference tool computes instead.
+/// Functions that differ in the reference tools: arithmetic wraps around, and conversions are
+/// unchecked.
 pub(crate) const COMPATIBLE: &[Builtin] = &[
     strict("plus", "Prod(Integer,Integer)", |arguments, _| {
         binary(arguments, i64::wrapping_add)

@@ -1,8 +1,8 @@
-//! The standard libraries: signatures in `.asm`, bodies in Rust, held equal by a test.
+//! The standard libraries: signatures in `.asm`, bodies in Rust; a test keeps them consistent.
 //!
-//! [`library`] gives the text of a library, for whoever resolves an `import`. [`builtin`] gives the
-//! body of one of its functions, for whoever lowers a call. The functions themselves stand in one
-//! module a topic, typed, so that compiled code can call them without the table:
+//! [`library`] returns the text of a library, for resolving an `import`. [`builtin`] returns the
+//! body of a library function, for lowering a call. The functions themselves are in one module for
+//! each topic, with Rust types, so that compiled code can call them without the table:
 //!
 //! ```
 //! assert_eq!(asmotion_stdlib::integer::idiv(-7, 2), Ok(-3));

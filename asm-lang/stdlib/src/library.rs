@@ -1,11 +1,11 @@
-//! The texts of the libraries, compiled in.
+//! The embedded texts of the standard libraries.
 
-/// A library as a specification imports it.
+/// A standard library, as imported by specifications.
 #[derive(Debug)]
 pub struct StandardLibrary {
-    /// Its module name, `StandardLibrary`.
+    /// Name of the module, for example `StandardLibrary`.
     pub name: &'static str,
-    /// Its source text.
+    /// Source text in AsmetaL.
     pub text: &'static str,
 }
 
@@ -40,7 +40,8 @@ static LIBRARIES: [StandardLibrary; 7] = [
     },
 ];
 
-/// The library an `import` means, by the last component of its path, with or without `.asm`.
+/// Returns the library that an `import` refers to by the last component of its path, with or
+/// without `.asm`.
 ///
 /// ```
 /// assert!(asmotion_stdlib::library("StandardLibrary.asm").is_some());
@@ -51,8 +52,8 @@ pub fn library(last_path_component: &str) -> Option<&'static StandardLibrary> {
     LIBRARIES.iter().find(|library| library.name == name)
 }
 
-/// The library whose name differs in capitals only: where files are found whatever their capitals,
-/// people write `CTLlibrary`.
+/// Returns the library whose name differs in case only. Models written on case-insensitive file
+/// systems contain such spellings, for example `CTLlibrary`.
 pub fn library_spelt_like(last_path_component: &str) -> Option<&'static StandardLibrary> {
     let name = stem(last_path_component);
     LIBRARIES
@@ -64,13 +65,14 @@ fn stem(file: &str) -> &str {
     file.strip_suffix(".asm").unwrap_or(file)
 }
 
-/// All libraries, the standard library first.
+/// Returns all libraries, the standard library first.
 pub fn libraries() -> &'static [StandardLibrary] {
     &LIBRARIES
 }
 
-/// The library that declares a name, for who did not import it. The temporal operators of the others
-/// have one letter or two: whoever writes such a name means something else.
+/// Returns the library that declares a name, for a message about a missing import. Temporal
+/// libraries are left out: their operators have names of one or two letters, which are more likely
+/// to mean something else.
 ///
 /// ```
 /// let name = |name| asmotion_stdlib::library_declaring(name).map(|library| library.name);
@@ -90,7 +92,7 @@ pub fn library_declaring(name: &str) -> Option<&'static StandardLibrary> {
     libraries.find(|library| library.text.lines().map(str::trim_start).any(declares))
 }
 
-/// The words that declarations begin with.
+/// The keywords with which declarations begin.
 const DECLARES: &[&str] = &[
     "static",
     "derived",

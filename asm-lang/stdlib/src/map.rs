@@ -1,26 +1,26 @@
-//! Finite maps. A key and a value may be `undef`; a map that is `undef` makes the result `undef`.
+//! Finite maps. Keys and values may be `undef`; if a map is `undef`, so is the result.
 
 use crate::argument::{binary, ternary};
 use crate::builtin::{Builtin, strict, total};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
-/// A finite map.
+/// A finite map from keys to values.
 pub type MapValue = BTreeMap<Value, Value>;
 
-/// The value of `key`; `None` without.
+/// Returns the value of `key`, or `None` if there is none.
 pub fn at<'a>(map: &'a MapValue, key: &Value) -> Option<&'a Value> {
     map.get(key)
 }
 
-/// `map` with `value` for `key`, whether or not there was one.
+/// Returns `map` with `value` for `key`, replacing a previous value.
 pub fn assign(map: &MapValue, key: &Value, value: &Value) -> MapValue {
     let mut map = map.clone();
     map.insert(key.clone(), value.clone());
     map
 }
 
-/// The pairs of both; of two values for a key that of `right`.
+/// Returns the entries of both maps; for a key in both, `right` prevails.
 pub fn merge(left: &MapValue, right: &MapValue) -> MapValue {
     let pairs = left.iter().chain(right);
     pairs

@@ -1,26 +1,27 @@
-//! What the machine does itself of CommonBehavior, the library of messages.
+//! The part of the message library CommonBehavior that the machine implements.
 
-/// What an agent does with messages; CommonBehavior has a rule for each.
+/// An action of an agent on messages; CommonBehavior has a rule for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageAction {
-    /// Sends a message: sender, recipient, operation, data.
+    /// Sends a message. Arguments: sender, recipient, operation, data.
     Send,
-    /// Sends a request and waits for the reply: likewise, and for how many milliseconds; 0 for ever.
+    /// Sends a request and waits for the reply. Arguments: as for `Send`, and the timeout in
+    /// milliseconds, 0 for none.
     Call,
-    /// Answers the request received longest ago: sender, recipient, operation, data.
+    /// Replies to the oldest request received. Arguments: sender, recipient, operation, data.
     Reply,
-    /// Receives the oldest message: recipient, sender, operation.
+    /// Receives the oldest message. Arguments: recipient, sender, operation.
     Take,
-    /// Receives the reply to the oldest call: caller, provider, operation.
+    /// Receives the reply to the oldest call. Arguments: caller, provider, operation.
     Answer,
-    /// Has found no message: the agent.
+    /// Reports that no message was found. Argument: the agent.
     Wait,
-    /// Waits for replies no longer: caller, provider, operation.
+    /// Stops waiting for replies. Arguments: caller, provider, operation.
     Cancel,
 }
 
 impl MessageAction {
-    /// All of them, with the names of their rules.
+    /// All actions, with the names of their rules.
     pub const ALL: [(&'static str, Self); 7] = [
         ("r_actSend", Self::Send),
         ("r_actCall", Self::Call),
@@ -31,38 +32,38 @@ impl MessageAction {
         ("r_actCancel", Self::Cancel),
     ];
 
-    /// The one that a rule of the library is.
+    /// Returns the action of a library rule.
     pub fn named(rule: &str) -> Option<Self> {
         let mut all = Self::ALL.into_iter();
         all.find(|(name, _)| *name == rule).map(|(_, act)| act)
     }
 }
 
-/// What is asked about messages; CommonBehavior has a monitored function for each but the last.
+/// A query about messages; CommonBehavior has a monitored function for each but the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageQuery {
-    /// The operation of the oldest message for an agent.
+    /// Operation of the oldest message for an agent.
     Next,
-    /// What the oldest message says: recipient, sender, operation.
+    /// Data of the oldest message. Arguments: recipient, sender, operation.
     Arrived,
-    /// What the reply to the oldest call says: caller, provider, operation.
+    /// Data of the reply to the oldest call. Arguments: caller, provider, operation.
     Answered,
-    /// Whether a call waits: caller, provider, operation.
+    /// True if a call awaits its reply. Arguments: caller, provider, operation.
     Calling,
-    /// Why the last call failed: caller, operation.
+    /// Fault of the last call. Arguments: caller, operation.
     CallFault,
-    /// Whether the last message could not be sent: sender, operation.
+    /// True if the last message could not be sent. Arguments: sender, operation.
     SendFault,
-    /// Whether messages go out: the channel.
+    /// Status of the channel, available or not.
     Channel,
-    /// Milliseconds: the clock.
+    /// Time of the step in milliseconds. Argument: the clock.
     Time,
-    /// Who sent the oldest message for an agent: a function annotated `//@Backref`.
+    /// Sender of the oldest message for an agent: a function annotated `//@Backref`.
     Client,
 }
 
 impl MessageQuery {
-    /// Those with a function in the library, with its name.
+    /// All queries with a library function, with its name.
     pub const ALL: [(&'static str, Self); 8] = [
         ("nextRequest", Self::Next),
         ("arrived", Self::Arrived),
@@ -74,7 +75,7 @@ impl MessageQuery {
         ("time", Self::Time),
     ];
 
-    /// What a function of the library asks.
+    /// Returns the query that a library function stands for.
     pub fn named(function: &str) -> Option<Self> {
         let mut all = Self::ALL.into_iter();
         all.find(|(name, _)| *name == function)
@@ -82,8 +83,8 @@ impl MessageQuery {
     }
 }
 
-/// The name of an operation, however a specification spells it: `"r_plan(Agent,Goal)"` and `"r_plan"`
-/// mean `plan`.
+/// Returns the name of an operation without the prefix `r_` and the signature:
+/// `"r_plan(Agent,Goal)"` and `"r_plan"` both become `plan`.
 ///
 /// ```
 /// assert_eq!(asmotion_stdlib::operation("r_plan(Agent,Goal)"), "plan");

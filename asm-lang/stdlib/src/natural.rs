@@ -1,4 +1,4 @@
-//! Naturals: integers of 64 bits that the types keep from being negative.
+//! Naturals: 64-bit integers that static types restrict to non-negative values.
 
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
@@ -11,16 +11,16 @@ pub use crate::integer::{
     abs, div, ge, gt, idiv, le, lt, max, min, minus, modulo, mult, plus, to_real,
 };
 
-/// The same number as an integer.
+/// Converts to an integer.
 #[inline]
 pub fn to_integer(operand: i64) -> i64 {
     operand
 }
 
-/// The numbers from `from` up to, not including, `to`; none if `from` is not below `to`.
+/// Returns the numbers from `from` up to, but excluding, `to`; none if `from >= to`.
 ///
 /// # Errors
-/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] numbers.
+/// [`BuiltinFault::TooLarge`] for more than [`LIMIT`] numbers.
 pub fn range(from: i64, to: i64) -> Result<BTreeSet<Value>, BuiltinFault> {
     if from >= to {
         return Ok(BTreeSet::new());

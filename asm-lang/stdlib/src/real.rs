@@ -1,4 +1,5 @@
-//! Reals: IEEE 754 doubles. Arithmetic and comparison are IEEE's; only the ways to Integer fault.
+//! Reals: 64-bit floats with IEEE 754 arithmetic and comparison. Only conversions to Integer and
+//! Natural can fail.
 
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
@@ -6,7 +7,7 @@ use crate::builtin::{Builtin, strict};
 use crate::fault::BuiltinFault;
 use asmotion_value::Real;
 
-/// A number as the reference writes it: with an exponent below a thousandth and from ten million on.
+/// Formats a number as the reference does: with an exponent below 10⁻³ and from 10⁷ on.
 pub fn text(number: f64) -> String {
     let size = number.abs();
     if number.is_nan() {
@@ -25,61 +26,62 @@ pub fn text(number: f64) -> String {
     }
 }
 
-/// The sum.
+/// Addition.
 #[inline]
 pub fn plus(left: f64, right: f64) -> f64 {
     left + right
 }
 
-/// The difference.
+/// Subtraction.
 #[inline]
 pub fn minus(left: f64, right: f64) -> f64 {
     left - right
 }
 
-/// The product.
+/// Multiplication.
 #[inline]
 pub fn mult(left: f64, right: f64) -> f64 {
     left * right
 }
 
-/// The quotient.
+/// Division; infinite or NaN for a divisor of zero.
 #[inline]
 pub fn div(left: f64, right: f64) -> f64 {
     left / right
 }
 
-/// The power `base ^ exponent`.
+/// Power `base ^ exponent`.
 #[inline]
 pub fn pwr(base: f64, exponent: f64) -> f64 {
     base.powf(exponent)
 }
 
-/// The number itself.
+/// Unary plus: returns the number itself.
 #[inline]
 pub fn plus_sign(operand: f64) -> f64 {
     operand
 }
 
-/// The opposite.
+/// Negation.
 #[inline]
 pub fn negate(operand: f64) -> f64 {
     -operand
 }
 
-/// The absolute value.
+/// Absolute value.
 #[inline]
 pub fn abs(operand: f64) -> f64 {
     operand.abs()
 }
 
-/// The square root; of a negative number not a number.
+/// Square root; NaN for a negative number.
 #[inline]
 pub fn sqrt(operand: f64) -> f64 {
     operand.sqrt()
 }
 
-/// The greater one; not a number if either is none, and `0.0` above `-0.0` (IEEE 754 `maximum`).
+/// Returns the greater of two numbers; NaN if either is, and `0.0` for `0.0` and `-0.0` (IEEE 754
+/// `maximum`).
 #[inline]
 pub fn max(left: f64, right: f64) -> f64 {
     if left.is_nan() || right.is_nan() {
@@ -89,7 +91,8 @@ pub fn max(left: f64, right: f64) -> f64 {
     }
 }
 
-/// The smaller one; not a number if either is none, and `-0.0` below `0.0` (IEEE 754 `minimum`).
+/// Returns the lesser of two numbers; NaN if either is, and `-0.0` for `0.0` and `-0.0` (IEEE 754
+/// `minimum`).
 #[inline]
 pub fn min(left: f64, right: f64) -> f64 {
     if left.is_nan() || right.is_nan() {
@@ -99,61 +102,62 @@ pub fn min(left: f64, right: f64) -> f64 {
     }
 }
 
-/// Less; as IEEE 754 has it, like its three sisters: false with a NaN, and `-0.0` is not below `0.0`.
+/// Returns `true` if `left < right` in IEEE 754: false with a NaN, and `-0.0` equals `0.0`.
 #[inline]
 pub fn lt(left: f64, right: f64) -> bool {
     left < right
 }
 
-/// Less or equal.
+/// Returns `true` if `left <= right`; false with a NaN.
 #[inline]
 pub fn le(left: f64, right: f64) -> bool {
     left <= right
 }
 
-/// Greater.
+/// Returns `true` if `left > right`; false with a NaN.
 #[inline]
 pub fn gt(left: f64, right: f64) -> bool {
     left > right
 }
 
-/// Greater or equal.
+/// Returns `true` if `left >= right`; false with a NaN.
 #[inline]
 pub fn ge(left: f64, right: f64) -> bool {
     left >= right
 }
 
-/// The greatest integer not above.
+/// Returns the greatest integer less than or equal to the number.
 ///
 /// # Errors
-/// [`BuiltinFault::NotInteger`] beyond 64 bits.
+/// [`BuiltinFault::NotInteger`] if the result does not fit in 64 bits.
 #[inline]
 pub fn floor(operand: f64) -> Result<i64, BuiltinFault> {
     whole("floor", operand, operand.floor())
 }
 
-/// The nearest integer; a half goes away from zero, `round(-2.5) = -3`.
+/// Returns the nearest integer; halves are rounded away from zero, `round(-2.5) = -3`.
 ///
 /// # Errors
-/// [`BuiltinFault::NotInteger`] beyond 64 bits.
+/// [`BuiltinFault::NotInteger`] if the result does not fit in 64 bits.
 #[inline]
 pub fn round(operand: f64) -> Result<i64, BuiltinFault> {
     whole("round", operand, operand.round())
 }
 
-/// The number without its fraction.
+/// Truncates towards zero.
 ///
 /// # Errors
-/// [`BuiltinFault::NotInteger`] beyond 64 bits.
+/// [`BuiltinFault::NotInteger`] if the result does not fit in 64 bits.
 #[inline]
 pub fn to_integer(operand: f64) -> Result<i64, BuiltinFault> {
     whole("rtoi", operand, operand.trunc())
 }
 
-/// The number without its fraction, as a natural.
+/// Truncates towards zero and converts to a natural.
 ///
 /// # Errors
-/// [`BuiltinFault::NotInteger`] beyond 64 bits, [`BuiltinFault::Negative`] at -1.0 and below.
+/// [`BuiltinFault::NotInteger`] if the result does not fit in 64 bits, [`BuiltinFault::Negative`]
+/// for -1.0 and less.
 #[inline]
 pub fn to_natural(operand: f64) -> Result<i64, BuiltinFault> {
     let number = whole("rton", operand, operand.trunc())?;
@@ -166,9 +170,9 @@ pub fn to_natural(operand: f64) -> Result<i64, BuiltinFault> {
     Ok(number)
 }
 
-/// The whole number `rounded` as an integer; `operand` is what the fault shows.
+/// Converts the whole number `rounded` to an integer; `operand` is shown in the fault.
 fn whole(function: &'static str, operand: f64, rounded: f64) -> Result<i64, BuiltinFault> {
-    // 2^63 is a double and no i64, -2^63 is both; NaN is in no range.
+    // 2^63 is a double but no i64, -2^63 is both; NaN is in no range
     const END: f64 = 9_223_372_036_854_775_808.0;
     if (-END..END).contains(&rounded) {
         Ok(rounded as i64)
@@ -225,8 +229,7 @@ pub(crate) const TABLE: &[Builtin] = &[
     strict("rton", "Real", |arguments, _| unary(arguments, to_natural)),
 ];
 
-/// What the reference tool computes instead: what is too large is the largest integer, and what is no
-/// number is 0.
+/// Functions that differ in the reference tools: conversions saturate, and NaN becomes 0.
 pub(crate) const COMPATIBLE: &[Builtin] = &[
     strict("rtoi", "Real", |arguments, _| {
         unary(arguments, |number: f64| number as i64)
@@ -282,7 +285,7 @@ mod tests {
 
     #[test]
     fn comparison_is_that_of_ieee() {
-        // The left operand against 0.0: lt, le, gt, ge.
+        // the left operand against 0.0: lt, le, gt, ge
         for (left, results) in [
             (-1.0, "true true false false"),
             (0.0, "false true false true"),

@@ -1,5 +1,5 @@
-//! Sequences, counted from 0. An element may be `undef`; a sequence that is `undef` makes the
-//! result `undef`, except that nothing is contained in it.
+//! Sequences, indexed from 0. An element may be `undef`. If a sequence is `undef`, so is the
+//! result, except that `contains` is false.
 
 use crate::argument::{binary, ternary, unary};
 use crate::bag::BagValue;
@@ -9,34 +9,34 @@ use crate::integer;
 use crate::set::SetValue;
 use asmotion_value::Value;
 
-/// How many elements.
+/// Returns the number of elements.
 pub fn length(seq: &[Value]) -> i64 {
     integer::of(seq.len())
 }
 
-/// Whether there is no element.
+/// Returns `true` if there are no elements.
 pub fn is_empty(seq: &[Value]) -> bool {
     seq.is_empty()
 }
 
-/// Whether `element` is in `seq`.
+/// Returns `true` if `seq` contains `element`.
 pub fn contains(seq: &[Value], element: &Value) -> bool {
     seq.contains(element)
 }
 
-/// How often `element` is in `seq`.
+/// Returns the number of occurrences of `element`.
 pub fn count(seq: &[Value], element: &Value) -> i64 {
     integer::of(seq.iter().filter(|each| *each == element).count())
 }
 
-/// Where `element` is first; -1 where it is not.
+/// Returns the position of the first occurrence of `element`, or -1 if there is none.
 pub fn index_of(seq: &[Value], element: &Value) -> i64 {
     seq.iter()
         .position(|each| each == element)
         .map_or(-1, integer::of)
 }
 
-/// The element at the position.
+/// Returns the element at a position.
 ///
 /// # Errors
 /// [`BuiltinFault::Position`] unless `0 <= position < length`.
@@ -52,26 +52,26 @@ pub fn at(seq: &[Value], position: i64) -> Result<&Value, BuiltinFault> {
         })
 }
 
-/// The first element.
+/// Returns the first element.
 ///
 /// # Errors
-/// [`BuiltinFault::Empty`].
+/// [`BuiltinFault::Empty`] if there are no elements.
 pub fn first(seq: &[Value]) -> Result<&Value, BuiltinFault> {
     seq.first().ok_or(BuiltinFault::Empty { function: "first" })
 }
 
-/// The last element.
+/// Returns the last element.
 ///
 /// # Errors
-/// [`BuiltinFault::Empty`].
+/// [`BuiltinFault::Empty`] if there are no elements.
 pub fn last(seq: &[Value]) -> Result<&Value, BuiltinFault> {
     seq.last().ok_or(BuiltinFault::Empty { function: "last" })
 }
 
-/// All but the first element.
+/// Returns all elements but the first.
 ///
 /// # Errors
-/// [`BuiltinFault::Empty`].
+/// [`BuiltinFault::Empty`] if there are no elements.
 pub fn tail(seq: &[Value]) -> Result<Vec<Value>, BuiltinFault> {
     match seq {
         [] => Err(BuiltinFault::Empty { function: "tail" }),
@@ -79,7 +79,7 @@ pub fn tail(seq: &[Value]) -> Result<Vec<Value>, BuiltinFault> {
     }
 }
 
-/// The elements at `from`, `from + 1`, …, `to - 1`.
+/// Returns the elements at positions `from` to `to - 1`.
 ///
 /// # Errors
 /// [`BuiltinFault::Part`] unless `0 <= from <= to <= length`.
@@ -98,10 +98,10 @@ pub fn sub_sequence(seq: &[Value], from: i64, to: i64) -> Result<Vec<Value>, Bui
         })
 }
 
-/// The second sequence after the first.
+/// Returns the concatenation of two sequences.
 ///
 /// # Errors
-/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] elements.
+/// [`BuiltinFault::TooLarge`] for more than [`LIMIT`] elements.
 pub fn union(left: &[Value], right: &[Value]) -> Result<Vec<Value>, BuiltinFault> {
     let size = left.len().saturating_add(right.len());
     if size > LIMIT {
@@ -113,17 +113,18 @@ pub fn union(left: &[Value], right: &[Value]) -> Result<Vec<Value>, BuiltinFault
     Ok([left, right].concat())
 }
 
-/// `seq`, then `element`.
+/// Returns `seq` with `element` added at the end.
 pub fn append(seq: &[Value], element: &Value) -> Vec<Value> {
     [seq, std::slice::from_ref(element)].concat()
 }
 
-/// `element`, then `seq`.
+/// Returns `seq` with `element` added at the front.
 pub fn prepend(element: &Value, seq: &[Value]) -> Vec<Value> {
     [std::slice::from_ref(element), seq].concat()
 }
 
-/// `seq` with `element` before what was at the position; at the length it is appended.
+/// Returns `seq` with `element` inserted before the one at `position`, or appended if that is the
+/// length.
 ///
 /// # Errors
 /// [`BuiltinFault::Position`] unless `0 <= position <= length`.
@@ -143,7 +144,7 @@ pub fn insert_at(
     Ok([before, std::slice::from_ref(element), after].concat())
 }
 
-/// `seq` with `element` instead of what was at the position.
+/// Returns `seq` with the element at `position` replaced.
 ///
 /// # Errors
 /// [`BuiltinFault::Position`] unless `0 <= position < length`.
@@ -166,7 +167,7 @@ pub fn replace_at(
     Ok(seq)
 }
 
-/// `seq` without the first occurrence of `element`.
+/// Returns `seq` without the first occurrence of `element`.
 pub fn excluding(seq: &[Value], element: &Value) -> Vec<Value> {
     let mut seq = seq.to_vec();
     if let Some(index) = seq.iter().position(|each| each == element) {
@@ -175,12 +176,12 @@ pub fn excluding(seq: &[Value], element: &Value) -> Vec<Value> {
     seq
 }
 
-/// The elements, each once.
+/// Returns the set of the elements.
 pub fn as_set(seq: &[Value]) -> SetValue {
     seq.iter().cloned().collect()
 }
 
-/// The elements, as often as they are there.
+/// Returns the bag of the elements, with their numbers of occurrences.
 pub fn as_bag(seq: &[Value]) -> BagValue {
     let mut bag = BagValue::new();
     for element in seq {

@@ -1,5 +1,5 @@
-//! Finite sets. An element may be `undef`; a set that is `undef` makes the result `undef`, except
-//! that nothing is contained in it.
+//! Finite sets. An element may be `undef`. If a set is `undef`, so is the result, except that
+//! `contains` is false.
 
 use crate::argument::{binary, unary};
 use crate::bag::BagValue;
@@ -8,45 +8,45 @@ use crate::{bag, integer};
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 
-/// A finite set.
+/// A finite set of values.
 pub type SetValue = BTreeSet<Value>;
 
-/// How many elements.
+/// Returns the number of elements.
 pub fn size(set: &SetValue) -> i64 {
     integer::of(set.len())
 }
 
-/// Whether there is no element.
+/// Returns `true` if there are no elements.
 pub fn is_empty(set: &SetValue) -> bool {
     set.is_empty()
 }
 
-/// Whether `element` is in `set`.
+/// Returns `true` if `set` contains `element`.
 pub fn contains(set: &SetValue, element: &Value) -> bool {
     set.contains(element)
 }
 
-/// How often `element` is in `set`: 0 or 1.
+/// Returns 1 if `set` contains `element`, otherwise 0.
 pub fn count(set: &SetValue, element: &Value) -> i64 {
     i64::from(set.contains(element))
 }
 
-/// Whether all of `part` is in `whole`. Mind the order: the subset comes second.
+/// Returns `true` if `part` is a subset of `whole`. Note the order: the subset comes second.
 pub fn all_in(whole: &SetValue, part: &SetValue) -> bool {
     part.is_subset(whole)
 }
 
-/// The elements of either.
+/// Returns the elements of either set.
 pub fn union(left: &SetValue, right: &SetValue) -> SetValue {
     left.union(right).cloned().collect()
 }
 
-/// The elements of both.
+/// Returns the elements of both sets.
 pub fn intersection(left: &SetValue, right: &SetValue) -> SetValue {
     left.intersection(right).cloned().collect()
 }
 
-/// The elements of `set` that are in `bag`.
+/// Returns the elements of `set` that are also in `bag`.
 pub fn intersection_with_bag(set: &SetValue, bag: &BagValue) -> SetValue {
     set.iter()
         .filter(|element| bag.contains_key(element))
@@ -54,41 +54,41 @@ pub fn intersection_with_bag(set: &SetValue, bag: &BagValue) -> SetValue {
         .collect()
 }
 
-/// The elements of `left` that are not in `right`.
+/// Returns the elements of `left` that are not in `right`.
 pub fn difference(left: &SetValue, right: &SetValue) -> SetValue {
     left.difference(right).cloned().collect()
 }
 
-/// The elements of exactly one of the two.
+/// Returns the elements of exactly one of the sets.
 pub fn symmetric_difference(left: &SetValue, right: &SetValue) -> SetValue {
     left.symmetric_difference(right).cloned().collect()
 }
 
-/// `set` with `element`.
+/// Returns `set` with `element` added.
 pub fn including(set: &SetValue, element: &Value) -> SetValue {
     let mut set = set.clone();
     set.insert(element.clone());
     set
 }
 
-/// `set` without `element`.
+/// Returns `set` without `element`.
 pub fn excluding(set: &SetValue, element: &Value) -> SetValue {
     let mut set = set.clone();
     set.remove(element);
     set
 }
 
-/// The smallest element; `None` of the empty set.
+/// Returns the least element, or `None` for the empty set.
 pub fn choose_one(set: &SetValue) -> Option<Value> {
     set.first().cloned()
 }
 
-/// The elements in ascending order.
+/// Returns the elements in ascending order.
 pub fn as_sequence(set: &SetValue) -> Vec<Value> {
     set.iter().cloned().collect()
 }
 
-/// Each element once.
+/// Returns the bag of the elements, each with multiplicity 1.
 pub fn as_bag(set: &SetValue) -> BagValue {
     set.iter().map(|element| (element.clone(), 1)).collect()
 }
@@ -179,7 +179,7 @@ pub(crate) const TABLE: &[Builtin] = &[
     }),
 ];
 
-/// What the reference tool computes instead.
+/// Functions that differ in the reference tools: `difference` is symmetric.
 pub(crate) const COMPATIBLE: &[Builtin] = &[strict(
     "difference",
     "Prod(Powerset(D),Powerset(D))",

@@ -9,7 +9,8 @@ use crate::set::SetValue;
 use crate::{integer, real};
 use asmotion_value::Value;
 
-/// Adds up numbers of one domain, each `times` often; `zero` of none, `undef` if one is.
+/// Adds numbers of one domain with their multiplicities. Returns `zero` for no numbers, and `undef`
+/// if one of them is.
 fn sum<'a>(
     zero: Value,
     numbers: impl Iterator<Item = (&'a Value, usize)>,
@@ -25,7 +26,7 @@ fn sum<'a>(
     Ok(sum.unwrap_or(zero))
 }
 
-/// `times` times the number.
+/// Multiplies a number by its multiplicity.
 fn repeated(number: &Value, times: usize) -> Result<Value, BuiltinFault> {
     let times = integer::of(times);
     match number {

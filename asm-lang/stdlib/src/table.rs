@@ -1,4 +1,4 @@
-//! The tables of all topics, and the functions in them by name and domain.
+//! The table of all standard functions, indexed by name and domain.
 
 use crate::builtin::Builtin;
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// The topics, in the order of the library.
+/// The functions by topic, in the order of the library.
 const TOPICS: &[&[Builtin]] = &[
     any::TABLE,
     boolean::TABLE,
@@ -46,14 +46,14 @@ fn index(functions: impl Iterator<Item = &'static Builtin>) -> BuiltinIndex {
         .collect()
 }
 
-/// The function with this name and this domain, written as in [`Builtin::domain`].
+/// Returns the function with a name and a domain, written as in [`Builtin::domain`].
 pub fn builtin(name: &str, domain: &str) -> Option<&'static Builtin> {
     INDEX.get(&(name, domain)).copied()
 }
 
-/// The function as `--compat asmeta` wants it: as [`builtin`] has it, except where the reference
-/// tool observably computes something else: `difference` is symmetric there, integers wrap around,
-/// `iton` lets negative numbers pass, and a set is written as a list.
+/// Returns the function for `--compat asmeta`. It differs from [`builtin`] where the results of the
+/// reference tools observably differ: `difference` is symmetric, integers wrap around, `iton`
+/// accepts negative numbers, and sets are written as lists.
 pub fn compatible(name: &str, domain: &str) -> Option<&'static Builtin> {
     COMPATIBLE
         .get(&(name, domain))
@@ -61,7 +61,7 @@ pub fn compatible(name: &str, domain: &str) -> Option<&'static Builtin> {
         .or_else(|| builtin(name, domain))
 }
 
-/// Every function that has a body, in the order of the library.
+/// Iterates over all functions with a body, in the order of the library.
 pub fn builtins() -> impl Iterator<Item = &'static Builtin> {
     TOPICS.iter().copied().flatten()
 }

@@ -1,4 +1,4 @@
-//! What the tests of the topics share: short names for values, and a call as the machine makes it.
+//! Shared by the tests of all topics: short names for values, and calls as the machine makes them.
 
 use crate::builtin::{Builtin, BuiltinContext};
 use crate::table::{builtin, compatible};
@@ -27,7 +27,7 @@ pub(crate) fn ints<const N: usize>(numbers: [i64; N]) -> impl Iterator<Item = Va
     numbers.into_iter().map(Value::Int)
 }
 
-/// Atoms `a0`, `a1`, …, rules `r_0`, `r_1`, ….
+/// Names atoms `a0`, `a1`, … and rules `r_0`, `r_1`, ….
 struct Numbered;
 
 impl ValueNames for Numbered {
@@ -40,21 +40,22 @@ impl ValueNames for Numbered {
     }
 }
 
-/// Calls a function as the machine does and compares what it shows: the value, or the fault.
+/// Calls a function and compares the text of its value or fault.
 #[track_caller]
 pub(crate) fn check(name: &str, domain: &str, arguments: &[Value], expected: &str) {
     let (shown, _) = call(builtin(name, domain), arguments);
     assert_eq!(shown, expected, "{name}: {domain} of {arguments:?}");
 }
 
-/// The same with `--compat asmeta`.
+/// As `check`, for `--compat asmeta`.
 #[track_caller]
 pub(crate) fn check_compatible(name: &str, domain: &str, arguments: &[Value], expected: &str) {
     let (shown, _) = call(compatible(name, domain), arguments);
     assert_eq!(shown, expected, "{name}: {domain} of {arguments:?}");
 }
 
-/// The value or the fault as text, and what was printed.
+/// Calls a function as the machine does; returns the text of its value or fault, and the printed
+/// lines.
 pub(crate) fn call(function: Option<&Builtin>, arguments: &[Value]) -> (String, Vec<String>) {
     let mut printed = Vec::new();
     let mut context = BuiltinContext {

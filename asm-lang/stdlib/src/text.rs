@@ -1,4 +1,4 @@
-//! Texts: sequences of characters (Unicode scalar values), counted from 0.
+//! Strings: sequences of Unicode scalar values, indexed from 0.
 
 use crate::argument::{binary, ternary, unary};
 use crate::builtin::{Builtin, strict};
@@ -7,15 +7,15 @@ use crate::fault::{BuiltinFault, LIMIT};
 use crate::integer;
 use asmotion_value::Value;
 
-/// How many characters.
+/// Returns the number of characters.
 pub fn size(text: &str) -> i64 {
     integer::of(text.chars().count())
 }
 
-/// The second text after the first.
+/// Returns the concatenation of two strings.
 ///
 /// # Errors
-/// [`BuiltinFault::TooLarge`] beyond [`LIMIT`] bytes.
+/// [`BuiltinFault::TooLarge`] for more than [`LIMIT`] bytes.
 pub fn concat(left: &str, right: &str) -> Result<String, BuiltinFault> {
     let size = left.len().saturating_add(right.len());
     if size > LIMIT {
@@ -27,17 +27,17 @@ pub fn concat(left: &str, right: &str) -> Result<String, BuiltinFault> {
     Ok([left, right].concat())
 }
 
-/// The text in capitals, as Unicode has them: `ß` becomes `SS`.
+/// Converts to upper case according to Unicode: `ß` becomes `SS`.
 pub fn to_upper(text: &str) -> String {
     text.to_uppercase()
 }
 
-/// The text in small letters.
+/// Converts to lower case according to Unicode.
 pub fn to_lower(text: &str) -> String {
     text.to_lowercase()
 }
 
-/// The characters at `from`, `from + 1`, …, `to - 1`.
+/// Returns the characters at positions `from` to `to - 1`.
 ///
 /// # Errors
 /// [`BuiltinFault::Part`] unless `0 <= from <= to <= size`.
@@ -57,13 +57,13 @@ pub fn sub_string(text: &str, from: i64, to: i64) -> Result<String, BuiltinFault
     Ok(text.chars().skip(start).take(end - start).collect())
 }
 
-/// Whether `part` stands in `text`.
+/// Returns `true` if `text` contains `part`.
 pub fn contains(text: &str, part: &str) -> bool {
     text.contains(part)
 }
 
-/// The parts of `text` between the separators. The separator is a text, not a pattern; parts at
-/// the end that are empty are left out; an empty separator stands between any two characters.
+/// Splits `text` at the separator, which is a plain string, not a pattern. Empty parts at the end
+/// are left out. An empty separator splits between any two characters.
 pub fn split(text: &str, separator: &str) -> Vec<Value> {
     if text.is_empty() {
         return vec![Value::text("")];
@@ -78,20 +78,21 @@ pub fn split(text: &str, separator: &str) -> Vec<Value> {
     parts.into_iter().map(Value::text).collect()
 }
 
-/// The integer written in the text; blanks around it are lawful.
+/// Parses an integer; surrounding blanks are ignored.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`].
+/// [`BuiltinFault::Unreadable`] if the text is no integer of 64 bits.
 pub fn to_integer(text: &str) -> Result<i64, BuiltinFault> {
     text.trim()
         .parse()
         .map_err(|_| unreadable("toInteger", text, "an integer of 64 bits"))
 }
 
-/// The natural written in the text, with or without the `n` of a literal.
+/// Parses a natural, with or without the suffix `n` of a literal.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`]; [`BuiltinFault::Negative`].
+/// [`BuiltinFault::Unreadable`] if the text is no integer of 64 bits, [`BuiltinFault::Negative`]
+/// for a negative one.
 pub fn to_natural(text: &str) -> Result<i64, BuiltinFault> {
     let digits = text.trim();
     let digits = digits.strip_suffix('n').unwrap_or(digits);
@@ -107,36 +108,37 @@ pub fn to_natural(text: &str) -> Result<i64, BuiltinFault> {
     Ok(number)
 }
 
-/// The real written in the text; an exponent, `Infinity` and `NaN` are lawful.
+/// Parses a real; exponents, `Infinity` and `NaN` are accepted.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`].
+/// [`BuiltinFault::Unreadable`] if the text is no number.
 pub fn to_real(text: &str) -> Result<f64, BuiltinFault> {
     text.trim()
         .parse()
         .map_err(|_| unreadable("toReal", text, "a real"))
 }
 
-/// The complex number written in the text as a literal is: `1.5`, `i2.0`, `1.5-i2.0`, and `i` for
+/// Parses a complex number in the notation of literals: `1.5`, `i2.0`, `1.5-i2.0`. `i` stands for
 /// `i1`.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`].
+/// [`BuiltinFault::Unreadable`] if the text is no complex number.
 pub fn to_complex(text: &str) -> Result<Complex, BuiltinFault> {
     parse_complex(text.trim()).ok_or_else(|| unreadable("toComplex", text, "a complex number"))
 }
 
-/// The first character.
+/// Returns the first character.
 ///
 /// # Errors
-/// [`BuiltinFault::Empty`].
+/// [`BuiltinFault::Empty`] for an empty text.
 pub fn to_char(text: &str) -> Result<char, BuiltinFault> {
     text.chars()
         .next()
         .ok_or(BuiltinFault::Empty { function: "toChar" })
 }
 
-/// `re`, `±i im` or both; the imaginary part begins at the only `i` that a sign, or nothing, precedes.
+/// Parses `re`, `±i im` or both. The imaginary part starts at the only `i` that follows a sign or
+/// starts the text.
 fn parse_complex(text: &str) -> Option<Complex> {
     let Some((before, imaginary)) = split_imaginary(text) else {
         return Some(Complex::new(text.parse().ok()?, 0.0));
@@ -158,7 +160,7 @@ fn parse_complex(text: &str) -> Option<Complex> {
     Some(Complex::new(re, sign * size))
 }
 
-/// What stands before and after the `i` of the imaginary unit (not that of `inf`).
+/// Splits at the `i` of the imaginary unit, as opposed to that of `inf`.
 fn split_imaginary(text: &str) -> Option<(&str, &str)> {
     let at_each = text.match_indices('i');
     at_each

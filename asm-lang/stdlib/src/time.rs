@@ -1,4 +1,4 @@
-//! The time of the step.
+//! Functions that return the time of the step.
 
 use crate::builtin::{Builtin, strict};
 use asmotion_value::Value;

@@ -1,7 +1,7 @@
-//! Tuples: their components by name and by position.
+//! Tuples: access to components by name and by position.
 //!
-//! A function whose domain is a product takes either the components or the one tuple of them:
-//! `first(1, 2)` and `first(q)`. Each component may be `undef` without the others being so.
+//! A function over a product takes either the components or a single tuple of them: `first(1, 2)`
+//! and `first(q)`. An `undef` component does not make the others `undef`.
 
 use crate::argument::{TupleArguments, binary};
 use crate::builtin::{Builtin, BuiltinBody, BuiltinContext, total};
@@ -9,21 +9,21 @@ use crate::fault::BuiltinFault;
 use crate::sequence;
 use asmotion_value::Value;
 
-/// The component at the position, from 0.
+/// Returns the component at a position, counted from 0.
 ///
 /// # Errors
-/// [`BuiltinFault::Position`].
+/// [`BuiltinFault::Position`] if there is no such component.
 #[inline]
 pub fn at(components: &[Value], position: i64) -> Result<&Value, BuiltinFault> {
     sequence::at(components, position)
 }
 
-/// First where the component is; -1 where it is not.
+/// Returns the position of the first occurrence of a component, or -1 if there is none.
 pub fn index_of(components: &[Value], component: &Value) -> i64 {
     sequence::index_of(components, component)
 }
 
-/// `first` … `ninth`, by position from 0; `undef` of `undef`.
+/// Body of `first` … `ninth`, given by position from 0; `undef` for `undef`.
 fn component<const POSITION: usize>(
     arguments: &[Value],
     _: &mut BuiltinContext<'_>,

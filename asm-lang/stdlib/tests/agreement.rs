@@ -1,5 +1,5 @@
-//! The texts and the table agree: every signature without a definition has one body, every body one
-//! signature, and what a body returns lies in the codomain that its signature promises.
+//! Consistency of texts and table: every signature without a definition has exactly one body and
+//! vice versa, and results of bodies belong to the declared codomains.
 
 use asmotion_stdlib::{
     Builtin, BuiltinContext, BuiltinFault, builtin, builtins, libraries, library,
@@ -129,8 +129,8 @@ fn lookup_finds_exactly_the_table() {
     assert!(builtin("self", "").is_none());
 }
 
-/// Bodies keep what their signatures promise: arguments of the domain give a value of the codomain,
-/// or a fault that is about the values and not about their shape.
+/// Bodies respect their signatures: for arguments of the domain, the result is a value of the
+/// codomain, or a fault about the values rather than their shape.
 #[test]
 fn bodies_keep_their_signatures() -> Result<(), String> {
     let reserved =
@@ -164,7 +164,8 @@ fn bodies_keep_their_signatures() -> Result<(), String> {
 }
 
 proptest! {
-    /// No body panics, whatever it is given; the types are the caller's promise, not its safety.
+    /// No body panics, whatever its arguments: type errors by the caller are not memory or panic
+    /// hazards.
     #[test]
     fn bodies_take_anything(arguments in prop::collection::vec(any_value(), 0..4)) {
         for function in builtins() {
@@ -201,14 +202,14 @@ impl ValueNames for Nameless {
     }
 }
 
-/// A function as the text declares it, without blanks.
+/// The signature of a function as declared in a text, without blanks.
 struct Signature {
     name: String,
     domain: String,
     codomain: String,
 }
 
-/// The static functions that a library declares and does not define.
+/// Returns the static functions that a library declares without a definition.
 fn undefined(module: &str) -> Result<Vec<Signature>, String> {
     let text = text(module)?;
     let defined: BTreeSet<&str> = lines(text).filter_map(definition).collect();
@@ -241,7 +242,7 @@ fn lines(text: &str) -> impl Iterator<Item = &str> {
         .map(|line| line.split("//").next().unwrap_or(line).trim())
 }
 
-/// `static f: D -> C` as its kind, its name and the rest.
+/// Splits `static f: D -> C` into kind, name and signature.
 fn declaration(line: &str) -> Option<(&str, &str, &str)> {
     let (head, profile) = line.split_once(':')?;
     let (kind, name) = head.trim().split_once(' ')?;
@@ -249,7 +250,7 @@ fn declaration(line: &str) -> Option<(&str, &str, &str)> {
     kinds.contains(&kind).then(|| (kind, name.trim(), profile))
 }
 
-/// The name in `function f(...) =`.
+/// Returns the name in `function f(...) =`.
 fn definition(line: &str) -> Option<&str> {
     line.strip_prefix("function ")?
         .split(['(', '='])
@@ -257,14 +258,14 @@ fn definition(line: &str) -> Option<&str> {
         .map(str::trim)
 }
 
-/// A domain as written: a name, and what it is applied to.
+/// A domain as written: a name, and its arguments.
 #[derive(Debug)]
 struct Domain {
     name: String,
     of: Vec<Domain>,
 }
 
-/// The domains of the arguments: the components of a product.
+/// Splits a domain into the domains of the arguments: the components of a product.
 fn components(domain: &str) -> Result<Vec<Domain>, String> {
     if domain.is_empty() {
         return Ok(Vec::new());
@@ -299,7 +300,7 @@ impl Domain {
         })
     }
 
-    /// Values of the domain and `undef`; placeholders stand for Integer.
+    /// Generates values of the domain and `undef`; type variables stand for Integer.
     fn values(&self) -> BoxedStrategy<Value> {
         let element = || self.of.first().map_or(integers(), Self::values);
         let defined = match self.name.as_str() {
@@ -334,7 +335,7 @@ impl Domain {
         prop_oneof![9 => defined, 1 => Just(Value::Undef)].boxed()
     }
 
-    /// Whether the value is `undef` or of this domain.
+    /// Returns `true` if the value is `undef` or belongs to the domain.
     fn has(&self, value: &Value) -> bool {
         let element = |value| self.of.first().is_some_and(|domain| domain.has(value));
         match (self.name.as_str(), value) {
@@ -358,7 +359,7 @@ impl Domain {
     }
 }
 
-/// Small ones, that meet, and those at the ends.
+/// Generates small integers, so that equal ones occur, and the extremes.
 fn integers() -> BoxedStrategy<Value> {
     let ends = prop::sample::select(vec![i64::MIN, i64::MIN + 1, i64::MAX - 1, i64::MAX]);
     prop_oneof![6 => -3_i64..4, 1 => ends]
@@ -380,7 +381,7 @@ fn complexes() -> BoxedStrategy<Value> {
         .boxed()
 }
 
-/// Values of every kind.
+/// Generates values of every kind.
 fn any_value() -> impl Strategy<Value = Value> {
     let kinds = [
         "Boolean", "Integer", "Natural", "Real", "Complex", "Char", "String", "Agent",

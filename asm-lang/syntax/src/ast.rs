@@ -1,4 +1,4 @@
-//! The tree of a file, as written: names are text, types are not known, every node has its span.
+//! The syntax tree of a file: names are text, types are unknown, every node has its span.
 //!
 //! One file a family, named like the files of the later stages: [`term`], [`rule`], [`scenario`]; the
 //! sections of a file stand here.
@@ -20,72 +20,73 @@ pub use term::{
 use asmotion_diagnostics::Span;
 use std::sync::Arc;
 
-/// Nodes may nest this deep; beyond it the parser reports an error and puts `Invalid`.
+/// Limit for the nesting of nodes. A node beyond it is reported and replaced by `Invalid`.
 pub const MAX_DEPTH: u32 = 400;
 
-/// A name and where it stands. Variables keep their `$`, rules their `r_`.
+/// A name with its span. Variables include their `$`, rules their `r_`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameText {
-    /// The text.
+    /// The name as written.
     pub text: Arc<str>,
-    /// Where it stands.
+    /// Span of the name.
     pub span: Span,
 }
 
-/// One file: `asm` or `module`.
+/// The contents of one file, an `asm` or a `module`.
 #[derive(Clone, Debug)]
 pub struct File {
-    /// `asyncr` in front.
+    /// `true` with the keyword `asyncr`.
     pub asyncr: bool,
-    /// `module` instead of `asm`.
+    /// `true` for a `module`, `false` for an `asm`.
     pub module: bool,
-    /// The name after `asm` or `module`; `None` in an empty file.
+    /// The name after `asm` or `module`; `None` if the heading is missing.
     pub name: Option<NameText>,
-    /// The imports, in order.
+    /// The imports, in source order.
     pub imports: Vec<Import>,
-    /// What the file lets others see; `None` without an `export` clause.
+    /// The exported names; `None` without an `export` clause.
     pub export: Option<Export>,
-    /// Domains declared in the signature, in order.
+    /// Domains declared in the signature, in source order.
     pub domains: Vec<Domain>,
-    /// Functions declared in the signature, in order.
+    /// Functions declared in the signature, in source order.
     pub functions: Vec<Function>,
-    /// `domain D = …` in the definitions.
+    /// `domain D = …` in the definitions, in source order.
     pub domain_definitions: Vec<DomainDefinition>,
-    /// `function f(…) = …` in the definitions.
+    /// `function f(…) = …` in the definitions, in source order.
     pub function_definitions: Vec<FunctionDefinition>,
-    /// Rules, the main rule excluded.
+    /// Rule declarations except the main rule, in source order.
     pub rules: Vec<RuleDeclaration>,
-    /// Invariants, constraints, fairness and temporal properties, in order.
+    /// Invariants, constraints, fairness and temporal properties, in source order.
     pub properties: Vec<Property>,
-    /// The main rule.
+    /// The main rule; `None` in a module.
     pub main: Option<RuleDeclaration>,
-    /// The initial states.
+    /// The initial states, in source order.
     pub inits: Vec<Init>,
-    /// `//@…` comments, in order; each belongs to the declaration that follows it.
+    /// `//@…` comments, in source order; each annotates the declaration that follows it.
     pub annotations: Vec<Annotation>,
-    /// What could not be read: names that are declared there are not known.
+    /// Spans that could not be parsed. Names declared in them are unknown, so later stages suppress
+    /// findings about such names.
     pub unread: Vec<Span>,
 }
 
-/// `import path (names)`.
+/// An import: `import path (names)`.
 #[derive(Clone, Debug)]
 pub struct Import {
     /// The path as written, without quotes.
     pub path: NameText,
-    /// The names asked for; `None` for all.
+    /// The names to import; `None` for all.
     pub names: Option<Vec<NameText>>,
 }
 
-/// `export * ` or `export names`.
+/// An export clause: `export *` or `export names`.
 #[derive(Clone, Debug)]
 pub struct Export {
-    /// The names; `None` for `*`.
+    /// The exported names; `None` for `*`.
     pub names: Option<Vec<NameText>>,
-    /// The whole clause.
+    /// Span of the clause.
     pub span: Span,
 }
 
-/// A `//@Name(arguments)` comment of the SCA-ASM dialect.
+/// An annotation of the SCA-ASM dialect: `//@Name(arguments)`.
 #[derive(Clone, Debug)]
 pub struct Annotation {
     /// The word after `@`, as in `Required`.
@@ -97,17 +98,17 @@ pub struct Annotation {
 /// A domain declared in the signature.
 #[derive(Clone, Debug)]
 pub struct Domain {
-    /// Its name; the printed form for a structured domain declared without one.
+    /// Declared name; for a structured domain without one, its text.
     pub name: NameText,
-    /// What it is.
+    /// Form of the declaration.
     pub kind: DomainKind,
-    /// `dynamic` in front.
+    /// `true` with the keyword `dynamic`.
     pub dynamic: bool,
-    /// The whole declaration.
+    /// Span of the declaration.
     pub span: Span,
 }
 
-/// What a declared domain is.
+/// The form of a domain's declaration.
 #[derive(Clone, Debug)]
 pub enum DomainKind {
     /// `domain D subsetof T`.
@@ -120,23 +121,23 @@ pub enum DomainKind {
     Abstract,
     /// `enum domain D = {A | B}`.
     Enum(Vec<NameText>),
-    /// A structured domain standing alone in the signature.
+    /// A structured domain without a name of its own.
     Structured(Type),
 }
 
-/// A domain where it is used.
+/// A domain in use, as opposed to its declaration.
 #[derive(Clone, Debug)]
 pub struct Type {
-    /// What it is.
+    /// Form of the domain.
     pub kind: TypeKind,
-    /// Where it stands.
+    /// Span of the domain.
     pub span: Span,
 }
 
 /// The forms of a domain in use.
 #[derive(Clone, Debug)]
 pub enum TypeKind {
-    /// A domain by name.
+    /// A domain referred to by name.
     Named(Arc<str>),
     /// `Rule` or `Rule(D1, …)`.
     Rule(Vec<Type>),
@@ -155,68 +156,69 @@ pub enum TypeKind {
 /// A function declared in the signature.
 #[derive(Clone, Debug)]
 pub struct Function {
-    /// Its name.
+    /// Declared name.
     pub name: NameText,
-    /// Who may write it.
+    /// Kind, from the keyword.
     pub kind: FunctionKind,
-    /// The domain; `None` for a function without arguments.
+    /// Domain of the arguments; `None` for a function without arguments.
     pub domain: Option<Type>,
-    /// The codomain.
+    /// Domain of the values.
     pub codomain: Type,
-    /// The whole declaration.
+    /// Span of the declaration.
     pub span: Span,
 }
 
-/// Who may write a function.
+/// The kind of a function, which determines who may update it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FunctionKind {
-    /// Nobody: fixed by definition or built in.
+    /// Never updated: fixed by its definition or built in.
     Static,
-    /// Nobody: computed from others.
+    /// Never updated: computed from other functions.
     Derived,
-    /// The environment.
+    /// Updated by the environment.
     Monitored,
-    /// The rules.
+    /// Updated by rules.
     Controlled,
-    /// Both.
+    /// Updated by rules and by the environment.
     Shared,
-    /// The rules; read by the environment.
+    /// Updated by rules, observed by the environment.
     Out,
-    /// The turbo rule that declares it.
+    /// Updated by the rule that declares it, and local to it.
     Local,
 }
 
-/// `$x in D`.
+/// A parameter: `$x in D`.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// The variable, with its `$`.
+    /// Variable, including its `$`.
     pub name: NameText,
-    /// Its domain.
+    /// Domain of the parameter.
     pub domain: Type,
 }
 
 /// `domain D = term`, in the definitions or in an initial state.
 #[derive(Clone, Debug)]
 pub struct DomainDefinition {
-    /// The domain.
+    /// Name of the domain.
     pub name: NameText,
-    /// Its elements.
+    /// Term for the set of its elements.
     pub body: Term,
 }
 
 /// `function f($x in D) = term`, in the definitions or in an initial state.
 #[derive(Clone, Debug)]
 pub struct FunctionDefinition {
-    /// The function.
+    /// Name of the function.
     pub name: NameText,
-    /// Its parameters.
+    /// Parameters; their domains select the overload.
     pub parameters: Vec<Parameter>,
-    /// Its value.
+    /// Term for its value.
     pub body: Term,
 }
 
 impl FunctionDefinition {
-    /// Whether it says that a constant is itself, as in `function a = a`.
+    /// Returns `true` if the definition has the form `function a = a`, which some models use to
+    /// declare a constant.
     pub fn is_circular(&self) -> bool {
         match &*self.body.kind {
             TermKind::Apply { name, arguments } => {
@@ -227,42 +229,42 @@ impl FunctionDefinition {
     }
 }
 
-/// `rule r_x($a in D) = …`.
+/// A rule declaration: `rule r_x($a in D) = …`.
 #[derive(Clone, Debug)]
 pub struct RuleDeclaration {
-    /// Its name.
+    /// Declared name, including `r_`.
     pub name: NameText,
-    /// `turbo` in front.
+    /// `true` with the keyword `turbo`.
     pub turbo: bool,
-    /// Its parameters.
+    /// Parameters, in order.
     pub parameters: Vec<Parameter>,
-    /// The domain of a turbo rule's result.
+    /// Domain of a turbo rule's result; `None` if not declared.
     pub result: Option<Type>,
-    /// Its body.
+    /// Body of the rule.
     pub body: Rule,
     /// From the first keyword to the end of the body.
     pub span: Span,
 }
 
-/// What is said of the states and runs.
+/// A property of states or runs.
 #[derive(Clone, Debug)]
 pub struct Property {
-    /// Its name, where it has one.
+    /// Name, if it has one.
     pub name: Option<NameText>,
-    /// What it is.
+    /// Kind, with its formulas.
     pub kind: PropertyKind,
-    /// The whole property.
+    /// Span of the property.
     pub span: Span,
 }
 
-/// The forms of a property.
+/// The kinds of a property.
 #[derive(Clone, Debug)]
 pub enum PropertyKind {
     /// `invariant over …: term`.
     Invariant {
-        /// What it speaks about; only the names are checked.
+        /// Names after `over`, which are checked but have no further effect.
         over: Vec<Over>,
-        /// What holds in every state.
+        /// Condition that holds in every state.
         body: Term,
     },
     /// `INVAR term`.
@@ -277,37 +279,37 @@ pub enum PropertyKind {
     Ltl(Term),
 }
 
-/// One name after `over`.
+/// A name after `over`.
 #[derive(Clone, Debug)]
 pub struct Over {
-    /// The domain, function or rule.
+    /// Name of a domain, function or rule.
     pub name: NameText,
-    /// The domain that picks an overload.
+    /// Domain that selects an overload; `None` if not given.
     pub domain: Option<Type>,
 }
 
-/// `init name: …`.
+/// An initial state: `init name: …`.
 #[derive(Clone, Debug)]
 pub struct Init {
-    /// Its name.
+    /// Name of the initial state.
     pub name: NameText,
-    /// `default` in front.
+    /// `true` with the keyword `default`.
     pub default: bool,
-    /// `domain D = …`.
+    /// `domain D = …`, in source order.
     pub domains: Vec<DomainDefinition>,
-    /// `function f(…) = …`.
+    /// `function f(…) = …`, in source order.
     pub functions: Vec<FunctionDefinition>,
-    /// `agent D: r_x[]`.
+    /// `agent D: r_x[]`, in source order.
     pub agents: Vec<AgentInit>,
 }
 
-/// `agent D: r_x[…]`.
+/// The program of agents in an initial state: `agent D: r_x[…]`.
 #[derive(Clone, Debug)]
 pub struct AgentInit {
-    /// The domain of the agents.
+    /// Domain of the agents.
     pub domain: NameText,
-    /// Their program.
+    /// Rule that they run.
     pub rule: NameText,
-    /// Its arguments.
+    /// Arguments of the rule.
     pub arguments: Vec<Term>,
 }

@@ -1,5 +1,5 @@
-//! The findings about the text of specifications and scenarios, one file a code. A new fact takes a new
-//! number at the end of its group.
+//! The diagnostic codes for the text of specifications and scenarios, one file for each. New codes
+//! take the next number of their group.
 
 pub(crate) mod l001;
 pub(crate) mod l002;
@@ -64,7 +64,7 @@ pub(crate) mod v010;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of this crate, in order.
+/// All codes of this crate, sorted by name.
 pub const CODES: &[&Code] = &[
     l001::UnknownCharacters::CODE,
     l002::ForeignLetters::CODE,

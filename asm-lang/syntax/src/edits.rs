@@ -1,11 +1,11 @@
-//! Parts of findings: places with their text, and fixes.
+//! Helpers for findings: text with its span, and fixes.
 
 use asmotion_diagnostics::{Applicability, Edit, Fix, Span};
 
-/// A word or a sign of the text and where it stands.
+/// A piece of the source text with its span.
 pub(crate) type SpannedText = (String, Span);
 
-/// Edits that keep the meaning.
+/// Creates a fix of several edits that keep the meaning.
 pub(crate) fn all_sure(title: &str, edits: &[Edit]) -> Fix {
     Fix {
         title: title.to_owned(),

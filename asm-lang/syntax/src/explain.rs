@@ -1,7 +1,8 @@
-//! Why the parser stopped, in the user's words.
+//! Explanations of syntax errors.
 //!
-//! The parser knows a token and the tokens it would rather have seen. A second look at the text up
-//! to there tells what was open; both together tell a mistake from its traces.
+//! The parser reports a token and the tokens that it would have accepted. The explainer reads the
+//! text up to that token once more and records which constructs are open. Both together distinguish
+//! an error from its consequences.
 
 mod block;
 mod expected;
@@ -27,26 +28,26 @@ use expected::Expected;
 use lalrpop_util::ParseError;
 use std::convert::Infallible;
 
-/// An error as the parser found it.
+/// An error reported by the parser.
 pub(crate) type ParserError<'input> = ParseError<usize, Token<'input>, Infallible>;
 
-/// So many bytes count as one line at most.
+/// Limit for the length of a line in bytes when errors are compared by line.
 const LINE: usize = 1000;
 
-/// So many characters of a token are shown at most.
+/// Limit for the number of characters of a token shown in a message.
 const SHOWN: usize = 40;
 
-/// Follows the parser from error to error.
+/// Follows the parser through the text, from error to error.
 #[derive(Debug)]
 pub(crate) struct Explainer<'input, 'run> {
     text: &'input str,
     findings: &'run SyntaxFindings,
     lexer: Lexer<'input, 'run>,
-    /// The token that is looked at.
+    /// The current token.
     found: Option<SpannedToken<'input>>,
-    /// What is open before it.
+    /// The constructs that are open before it.
     nesting: Nesting<'input>,
-    /// Where the third last token before it begins.
+    /// Offsets of the last three tokens before it, oldest first.
     recent: [usize; 3],
     last: Option<LastError>,
 }
@@ -55,14 +56,15 @@ pub(crate) struct Explainer<'input, 'run> {
 #[derive(Clone, Copy, Debug)]
 struct LastError {
     at: usize,
-    /// Where reading went on.
+    /// Offset at which the parser continued.
     resumed: usize,
-    /// Whether the word there was meant otherwise than the grammar takes it.
+    /// `true` if the user probably meant the word differently from the grammar.
     misused: bool,
 }
 
 impl<'input, 'run> Explainer<'input, 'run> {
-    /// Reads `text` a second time; what its tokens are blamed for goes to `unheard`.
+    /// Creates an explainer that reads `text` a second time. The lexer's findings go to `unheard`,
+    /// because they were already reported the first time.
     pub(crate) fn new(
         text: &'input str,
         findings: &'run SyntaxFindings,
@@ -82,7 +84,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
         }
     }
 
-    /// Leaves out what stands before a place.
+    /// Skips the text before an offset.
     pub(crate) fn starting_at(mut self, start: usize) -> Self {
         self.lexer.start_at(start);
         if self.found.is_some_and(|(from, _, _)| from < start) {
@@ -92,8 +94,8 @@ impl<'input, 'run> Explainer<'input, 'run> {
         self
     }
 
-    /// Reports an error, unless it only follows from one before. What the parser gave up for it
-    /// reaches from `start` to `resumed`.
+    /// Reports an error unless it is a consequence of an earlier one. The parser has skipped the
+    /// text from `start` to `resumed`.
     pub(crate) fn explain(&mut self, failure: &ParserError<'_>, start: usize, resumed: usize) {
         let (from, to, expected) = match failure {
             ParseError::UnrecognizedToken {
@@ -103,7 +105,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
             ParseError::UnrecognizedEof { location, expected } => {
                 (*location, *location, Expected::new(expected))
             }
-            // A grammar that reads to the end of the text has none of these.
+            // never produced by a grammar that reads to the end of the text
             ParseError::ExtraToken {
                 token: (from, _, to),
             } => (*from, *to, Expected::default()),
@@ -120,7 +122,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
         let misused = error.is_any(&[ReservedName::CODE, ForeignSign::CODE]);
         if !self.follows(&error, start, from) {
             if error.is_any(&[UnclosedBlock::CODE, FileCutOff::CODE]) {
-                // What looked like several rules is the inside of what was not closed.
+                // the supposed several rules are the contents of the unclosed construct
                 self.findings.retract(SeveralRules::CODE, start);
             }
             self.findings.add(error);
@@ -132,7 +134,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
         });
     }
 
-    /// Looks at the token that begins at `offset`.
+    /// Advances to the token that begins at `offset`.
     fn advance(&mut self, offset: usize) {
         while let Some(before) = self.found.filter(|(start, ..)| *start < offset) {
             self.nesting.step(before);
@@ -142,8 +144,8 @@ impl<'input, 'run> Explainer<'input, 'run> {
         }
     }
 
-    /// Whether the error is but a trace of one before: in the same declaration, and near it, or
-    /// around it, or an end whose beginning was lost.
+    /// Returns `true` if an error is a consequence of an earlier one: it is in the same declaration
+    /// and close to it, it encloses it, or it is a closing token whose opening one was skipped.
     fn follows(&self, error: &Diagnostic, start: usize, found: usize) -> bool {
         let declaration = self.declared_from();
         let line = self.line_start(found).max(declaration);
@@ -160,8 +162,8 @@ impl<'input, 'run> Explainer<'input, 'run> {
         near || around || lost
     }
 
-    /// Where the errors of the current declaration begin. One at its first word belongs to the
-    /// declaration before, except where that word was meant otherwise.
+    /// Returns the offset from which errors belong to the current declaration. An error at its
+    /// first word belongs to the previous one, unless the user meant that word differently.
     fn declared_from(&self) -> usize {
         let misused = |start| {
             self.last
@@ -201,7 +203,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
 
     // ── at a token ──
 
-    /// The first explanation that fits, from the most particular to the most general.
+    /// Returns the first explanation that applies, from the most specific to the most general.
     fn at_token(&self, found: SpannedToken<'input>, expected: &Expected<'_>) -> Diagnostic {
         let explanations: [Explanation<'input, 'run>; _] = [
             Self::unused_word,
@@ -225,7 +227,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
             .unwrap_or_else(|| self.unexpected(found, expected))
     }
 
-    /// What can always be said.
+    /// The most general explanation, which always applies.
     fn unexpected(&self, found: SpannedToken<'input>, expected: &Expected<'_>) -> Diagnostic {
         let before = self.nesting.previous.filter(|_| self.begins_line(found));
         UnexpectedToken {
@@ -239,16 +241,16 @@ impl<'input, 'run> Explainer<'input, 'run> {
         .diagnostic()
     }
 
-    // ── what all of them ask ──
+    // ── shared by the explanations ──
 
-    /// What is open innermost and its end, if the end may stand here.
+    /// Returns the innermost open construct with its closing token, if that token may follow here.
     fn missing_end(&self, expected: &Expected<'_>) -> Option<(&OpenConstruct<'input>, String)> {
         let open = self.nesting.open().next()?;
         let end = closer(open.opener.1)?.to_string();
         expected.has(&end).then_some((open, end))
     }
 
-    /// Whether the current declaration begins with one of these words.
+    /// Returns `true` if the current declaration begins with one of these keywords.
     fn declares(&self, words: &[Keyword]) -> bool {
         let Some((_, Token::Keyword(word), _)) = self.nesting.declaration() else {
             return false;
@@ -256,12 +258,12 @@ impl<'input, 'run> Explainer<'input, 'run> {
         words.contains(&word)
     }
 
-    /// What stands behind a token, blanks left out.
+    /// Returns the text after a token, without leading blanks.
     fn behind(&self, (_, _, end): SpannedToken<'_>) -> &'input str {
         self.text.get(end..).unwrap_or("").trim_start()
     }
 
-    /// Whether a token is the first of its line.
+    /// Returns `true` if a token is the first of its line.
     fn begins_line(&self, (start, ..): SpannedToken<'_>) -> bool {
         let between = self.nesting.previous.map_or(0, |(_, _, end)| end)..start;
         self.text
@@ -283,6 +285,6 @@ impl<'input, 'run> Explainer<'input, 'run> {
     }
 }
 
-/// Explains some errors at a token.
+/// An explanation for certain errors at a token; `None` if it does not apply.
 type Explanation<'input, 'run> =
     fn(&Explainer<'input, 'run>, SpannedToken<'input>, &Expected<'_>) -> Option<Diagnostic>;

@@ -1,4 +1,4 @@
-//! What is wrong with a file, collected while it is read.
+//! The findings about a file, collected while it is parsed.
 
 use crate::codes::l010::StraySemicolon;
 use crate::codes::l039::NestedTooDeep;
@@ -6,36 +6,38 @@ use crate::codes::l062::TooManyErrors;
 use asmotion_diagnostics::{Code, Diagnostic, FileId, Finding, Report, Severity, Span};
 use std::cell::{Cell, RefCell};
 
-/// A file with so many errors is not read to its end.
+/// Number of errors after which the rest of the file is not parsed.
 const MAX_ERRORS: u32 = 50;
 
-/// Nor is a file with so many, counting those that only follow from others.
+/// Number of errors, including consequences of others, after which the rest of the file is not
+/// parsed.
 const MAX_CAUGHT: u32 = 1000;
 
-/// What is beyond so many warnings is not worth telling.
+/// Number of warnings after which further ones are dropped.
 const MAX_WARNINGS: u32 = 100;
 
-/// Findings that are reported at most once a file.
+/// Findings that are reported only once for a file.
 const ONCE: &[&Code] = &[StraySemicolon::CODE, NestedTooDeep::CODE];
 
-/// A parser that takes so many tokens without building a node is lost.
+/// Number of tokens without a new node after which the parser is considered stuck.
 const MAX_IDLE: u32 = 10_000;
 
-/// The errors and warnings of one file; the lexer and the parser write to it in turns.
+/// The errors and warnings of a file. The lexer and the parser write to it alternately, hence the
+/// cells.
 #[derive(Debug, Default)]
 pub(crate) struct SyntaxFindings {
     file: FileId,
     found: RefCell<Vec<Diagnostic>>,
     errors: Cell<u32>,
     warnings: Cell<u32>,
-    /// The errors the parser caught, told or not.
+    /// Number of errors caught by the parser, reported or not.
     caught: Cell<u32>,
-    /// The tokens the parser took since it built something.
+    /// Number of tokens since the parser built the last node.
     idle: Cell<u32>,
 }
 
 impl SyntaxFindings {
-    /// Nothing found yet.
+    /// Creates an empty collection for a file.
     pub(crate) fn new(file: FileId) -> Self {
         Self {
             file,
@@ -43,17 +45,17 @@ impl SyntaxFindings {
         }
     }
 
-    /// A place in the file.
+    /// Creates a span in the file.
     pub(crate) fn span(&self, start: usize, end: usize) -> Span {
         Span::new(self.file, start, end)
     }
 
-    /// Adds a finding, as long as there is room for it.
+    /// Adds a finding, up to the limits.
     pub(crate) fn report(&self, finding: impl Finding) {
         self.add(finding.diagnostic());
     }
 
-    /// Adds a finding that is in words already.
+    /// Adds a finding in words, up to the limits.
     pub(crate) fn add(&self, finding: Diagnostic) {
         let again = ONCE
             .iter()
@@ -76,7 +78,7 @@ impl SyntaxFindings {
         }
     }
 
-    /// Notes that the parser caught an error, whether or not it is worth a word.
+    /// Counts an error caught by the parser, reported or not.
     pub(crate) fn caught(&self, at: Span) {
         let full = self.is_full();
         self.caught.update(|caught| caught + 1);
@@ -90,12 +92,12 @@ impl SyntaxFindings {
         self.found.borrow_mut().push(finding);
     }
 
-    /// Whether there are too many errors to go on.
+    /// Returns `true` if there are too many errors to continue.
     pub(crate) fn is_full(&self) -> bool {
         self.errors.get() >= MAX_ERRORS || self.caught.get() >= MAX_CAUGHT
     }
 
-    /// Takes back the last finding if it has this code and stands behind `start`.
+    /// Removes the last finding if it has this code and is not before `start`.
     pub(crate) fn retract(&self, code: &Code, start: usize) {
         let wrong = |last: &mut Diagnostic| last.is_any(&[code]) && place(last) >= start;
         if self.found.borrow_mut().pop_if(wrong).is_some() {
@@ -103,7 +105,7 @@ impl SyntaxFindings {
         }
     }
 
-    /// Whether an error was reported at one of these bytes.
+    /// Returns `true` if an error was reported at an offset in this range.
     pub(crate) fn error_between(&self, start: usize, end: usize) -> bool {
         let found = self.found.borrow();
         found.iter().rev().any(|finding| {
@@ -111,23 +113,23 @@ impl SyntaxFindings {
         })
     }
 
-    /// Whether an error was reported at all.
+    /// Returns `true` if an error was reported.
     pub(crate) fn has_errors(&self) -> bool {
         self.errors.get() > 0
     }
 
-    /// Notes that the parser takes a token; true when it has not built anything for long.
+    /// Counts a token taken by the parser; returns `true` if the parser seems to be stuck.
     pub(crate) fn token_taken(&self) -> bool {
         self.idle.update(|idle| idle.saturating_add(1));
         self.idle.get() > MAX_IDLE
     }
 
-    /// Notes that the parser built something.
+    /// Records that the parser has built a node.
     pub(crate) fn node_built(&self) {
         self.idle.set(0);
     }
 
-    /// All that was found, by place.
+    /// Returns all findings, sorted by position.
     pub(crate) fn finish(self) -> Report {
         let diagnostics = self.found.into_inner();
         Report { diagnostics }.finish()

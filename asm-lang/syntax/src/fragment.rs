@@ -1,4 +1,4 @@
-//! Single terms and rules: what scenarios, prompts and scripts contain.
+//! Parsing of single terms and rules, as in scenarios, prompts and scripts.
 
 use crate::ast;
 use crate::codes::l063::NotAnAssignment;
@@ -11,18 +11,18 @@ use crate::parse::{never, read};
 use asmotion_diagnostics::{FileId, Finding, Report};
 use std::ops::Range;
 
-/// Reads one term.
+/// Parses a term.
 ///
 /// # Errors
-/// The text is not one term.
+/// The text is not exactly one term.
 pub fn parse_term(file: FileId, text: &str) -> Result<ast::Term, Report> {
     parse_term_in(file, text, 0..text.len())
 }
 
-/// Reads one term that is a part of a text.
+/// Parses a term in a range of a text.
 ///
 /// # Errors
-/// The part is not one term.
+/// The range is not exactly one term.
 pub fn parse_term_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast::Term, Report> {
     parse(file, text, part, TextKind::Term, |parsed| match parsed {
         ParsedText::Term(term) => Some(term),
@@ -30,18 +30,18 @@ pub fn parse_term_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast
     })
 }
 
-/// Reads one rule.
+/// Parses a rule.
 ///
 /// # Errors
-/// The text is not one rule.
+/// The text is not exactly one rule.
 pub fn parse_rule(file: FileId, text: &str) -> Result<ast::Rule, Report> {
     parse_rule_in(file, text, 0..text.len())
 }
 
-/// Reads one rule that is a part of a text.
+/// Parses a rule in a range of a text.
 ///
 /// # Errors
-/// The part is not one rule.
+/// The range is not exactly one rule.
 pub fn parse_rule_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast::Rule, Report> {
     parse(file, text, part, TextKind::Rule, |parsed| match parsed {
         ParsedText::Rule(rule) => Some(rule),
@@ -49,18 +49,18 @@ pub fn parse_rule_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast
     })
 }
 
-/// Reads `location := term`.
+/// Parses `location := term`.
 ///
 /// # Errors
-/// The text is not one assignment.
+/// The text is not exactly one assignment.
 pub fn parse_assignment(file: FileId, text: &str) -> Result<(ast::Assignee, ast::Term), Report> {
     parse_assignment_in(file, text, 0..text.len())
 }
 
-/// Reads `location := term` that is a part of a text.
+/// Parses `location := term` in a range of a text.
 ///
 /// # Errors
-/// The part is not one assignment.
+/// The range is not exactly one assignment.
 pub fn parse_assignment_in(
     file: FileId,
     text: &str,

@@ -1,4 +1,5 @@
-//! Text to tokens, one at a time and never failing: what is no token is reported and skipped.
+//! The lexer: produces tokens one at a time and never fails; invalid characters are reported and
+//! skipped.
 
 mod comment;
 mod number;
@@ -18,31 +19,31 @@ use crate::codes::l010::StraySemicolon;
 use crate::findings::SyntaxFindings;
 use asmotion_diagnostics::Span;
 
-/// A token and the bytes it covers.
+/// A token with the offsets of its first byte and of the byte after its last.
 pub(crate) type SpannedToken<'input> = (usize, Token<'input>, usize);
 
-/// A token and how many bytes it takes.
+/// A token with its length in bytes.
 type TokenLength<'input> = (Token<'input>, usize);
 
-/// Reads tokens from a text.
+/// Splits a text into tokens.
 #[derive(Debug)]
 pub(crate) struct Lexer<'input, 'run> {
     text: &'input str,
     findings: &'run SyntaxFindings,
-    /// Where the next token is looked for.
+    /// Offset from which the next token is read.
     position: usize,
-    /// What was read last: paths, names and signs depend on what stands before them.
+    /// The last token, on which the reading of paths, names and signs depends.
     previous: Option<Token<'input>>,
-    /// Whether a `<<` waits for its `>>`; otherwise `>>` closes two bags.
+    /// `true` within `<<…`, where `>>` is one token; elsewhere it closes two bags.
     in_rule_reference: bool,
-    /// Whether elements of a run may be named, as in `person!1`.
+    /// `true` to accept names of elements, such as `person!1`.
     pub(crate) names_elements: bool,
-    /// The `//@…` comments met so far.
+    /// The `//@…` comments read so far.
     pub(crate) annotations: Vec<Annotation>,
 }
 
 impl<'input, 'run> Lexer<'input, 'run> {
-    /// Begins at the first character.
+    /// Creates a lexer at the first character, after a byte order mark.
     pub(crate) fn new(text: &'input str, findings: &'run SyntaxFindings) -> Self {
         const BYTE_ORDER_MARK: char = '\u{feff}';
         Self {
@@ -60,17 +61,17 @@ impl<'input, 'run> Lexer<'input, 'run> {
         }
     }
 
-    /// Leaves out what stands before a place, which is the beginning of a token.
+    /// Skips the text before an offset, which must be the beginning of a token.
     pub(crate) fn start_at(&mut self, start: usize) {
         self.position = self.position.max(start);
     }
 
-    /// Where the next token is looked for.
+    /// Returns the offset from which the next token is read.
     pub(crate) fn position(&self) -> usize {
         self.position
     }
 
-    /// Leaves out one token, or what is none; gives false at the end of the text.
+    /// Skips one token or invalid character; returns `false` at the end of the text.
     pub(crate) fn pass(&mut self) -> bool {
         let Some(next) = self.rest().chars().next() else {
             return false;
@@ -80,7 +81,7 @@ impl<'input, 'run> Lexer<'input, 'run> {
         true
     }
 
-    /// The token that begins here, if one does.
+    /// Reads the token at the current position, if there is one.
     fn read(&mut self) -> Option<TokenLength<'input>> {
         if self.previous == Some(Token::Keyword(Keyword::Import))
             && let Some(path) = self.path()
@@ -97,11 +98,11 @@ impl<'input, 'run> Lexer<'input, 'run> {
         }
     }
 
-    /// Reports a run of characters that begin no token, once, and goes on behind it.
+    /// Reports a run of invalid characters once, and skips it.
     fn skip_unknown(&mut self) {
         let rest = self.rest();
         let length = rest.find(|c| !is_unknown(c)).unwrap_or(rest.len());
-        // A character that fits only in company, as `$` does, stands alone here.
+        // a character that is valid only in combination, such as `$`, stands alone here
         let length = length.max(rest.chars().next().map_or(0, char::len_utf8));
         let at = self.next_bytes(length);
         let characters: String = self.from(self.position).get(..length).unwrap_or("").into();
@@ -112,7 +113,7 @@ impl<'input, 'run> Lexer<'input, 'run> {
         self.position += length;
     }
 
-    /// What is left to read.
+    /// Returns the remaining text.
     pub(crate) fn rest(&self) -> &'input str {
         self.from(self.position)
     }
@@ -146,7 +147,7 @@ impl<'input> Iterator for Lexer<'input, '_> {
     }
 }
 
-/// Whether no token at all begins with this character.
+/// Returns `true` if no token can begin with this character.
 fn is_unknown(c: char) -> bool {
     let begins_token = c.is_whitespace() || c.is_ascii_digit() || "\"'$;".contains(c);
     !begins_token && !word::begins(c) && !sign::begins(c)

@@ -1,4 +1,4 @@
-//! What is open at a token: bounds the parser's stack, and tells messages where they are.
+//! Tracks open constructs, which bounds the parser's stack and provides context for messages.
 
 use crate::ast::MAX_DEPTH;
 use crate::codes::l039::NestedTooDeep;
@@ -6,38 +6,39 @@ use crate::findings::SyntaxFindings;
 use crate::lexer::{Keyword, Lexer, Sign, SpannedToken, Token};
 use crate::spelling::nearest;
 
-/// A bracket, a block or a declaration that has begun and not ended.
+/// A bracket, a block or a declaration that has begun but not ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OpenConstruct<'input> {
-    /// What began it.
+    /// The token that opened it.
     pub(crate) opener: SpannedToken<'input>,
-    /// The first word of a rule that ends with another rule: `forall`, as long as it is unfinished.
+    /// The first keyword of an unfinished rule that ends with another rule, such as `forall`.
     pub(crate) prefix: Option<SpannedToken<'input>>,
-    /// The `if` that directly follows this one's `else`.
+    /// The `if` that directly follows the `else` of this one.
     pub(crate) else_if: Option<SpannedToken<'input>>,
-    /// A name directly inside that is nearly the end.
+    /// A name directly inside that resembles the closing keyword.
     pub(crate) suspect: Option<SpannedToken<'input>>,
-    /// Where the opener stands in its line, when it is the first of it.
+    /// Indentation of the opening token if it is the first of its line.
     indent: Option<usize>,
-    /// How many rules ending with a rule are nested here, directly.
+    /// Number of directly nested rules that end with another rule.
     chain: u32,
-    /// How deep everything outside nests.
+    /// Nesting depth of the enclosing constructs.
     outside: u32,
-    /// Whether `>` compares: so in the range and the guard of a bag.
+    /// `true` if `>` compares, as in the range and the guard of a bag.
     compares: bool,
 }
 
-/// What is open after the tokens seen so far.
+/// The constructs that are open after the tokens read so far.
 #[derive(Debug)]
 pub(crate) struct Nesting<'input> {
     text: &'input str,
-    /// From the outside in; the first one is the declaration.
+    /// Open constructs, outermost first; the first one is the declaration.
     open: Vec<OpenConstruct<'input>>,
-    /// The token seen last.
+    /// The last token.
     pub(crate) previous: Option<SpannedToken<'input>>,
-    /// An end and what it ended although it is indented otherwise.
+    /// The first closing token that is indented differently from its opening token, with that
+    /// token.
     pub(crate) misaligned: Option<(SpannedToken<'input>, SpannedToken<'input>)>,
-    /// Signs and `not` in a row.
+    /// Number of consecutive signs and `not`s.
     signs: u32,
 }
 
@@ -52,27 +53,28 @@ impl<'input> Nesting<'input> {
         }
     }
 
-    /// What began the current declaration.
+    /// Returns the first token of the current declaration.
     pub(crate) fn declaration(&self) -> Option<SpannedToken<'input>> {
         self.open.first().map(|open| open.opener)
     }
 
-    /// What is open, from the inside out, without the declaration itself.
+    /// Iterates over the open constructs, innermost first, without the declaration.
     pub(crate) fn open(&self) -> impl Iterator<Item = &OpenConstruct<'input>> {
         self.open.iter().skip(1).rev()
     }
 
-    /// The innermost bracket, block or declaration.
+    /// Returns the innermost open construct, possibly the declaration.
     pub(crate) fn innermost(&self) -> Option<&OpenConstruct<'input>> {
         self.open.last()
     }
 
-    /// How deep the next token nests; the parser's stack is a small multiple of it.
+    /// Returns the nesting depth of the next token; the size of the parser's stack is a small
+    /// multiple of it.
     fn depth(&self) -> u32 {
         self.signs + self.open.last().map_or(0, |open| open.outside + open.chain)
     }
 
-    /// Takes a token into account.
+    /// Processes the next token.
     pub(crate) fn step(&mut self, spanned: SpannedToken<'input>) {
         let (_, token, _) = spanned;
         let operand_before = self
@@ -119,7 +121,7 @@ impl<'input> Nesting<'input> {
         });
     }
 
-    /// How far a token is indented, where it is the first of its line.
+    /// Returns the indentation of a token if it is the first of its line.
     fn indent(&self, (start, _, _): SpannedToken<'_>) -> Option<usize> {
         let before = self.text.as_bytes().get(..start)?;
         let blanks = before
@@ -134,7 +136,7 @@ impl<'input> Nesting<'input> {
             .then_some(blanks)
     }
 
-    /// Closes the innermost `opener`, and with it what was left open inside.
+    /// Closes the innermost `opener` together with everything left open inside it.
     fn close(&mut self, opener: Token<'_>, closer: SpannedToken<'input>) {
         let same = |open: &OpenConstruct<'_>| open.opener.1 == opener;
         let Some(at) = self.open.iter().rposition(same).filter(|&at| at > 0) else {
@@ -143,7 +145,7 @@ impl<'input> Nesting<'input> {
         let Some(open) = self.open.get(at) else {
             return;
         };
-        // In the guard of a bag, and in anything else open inside it, `>` compares.
+        // in the guard of a bag, and in constructs open inside it, `>` compares
         if is_lt(opener) && (open.compares || at + 1 < self.open.len()) {
             return;
         }
@@ -166,7 +168,7 @@ impl<'input> Nesting<'input> {
         }
     }
 
-    /// A token that opens and closes nothing.
+    /// Processes a token that neither opens nor closes a construct.
     fn inside(&mut self, token: Token<'input>, spanned: SpannedToken<'input>) {
         let nested = matches!(
             self.previous,
@@ -186,7 +188,7 @@ impl<'input> Nesting<'input> {
                 open.chain = if nested { open.chain + 1 } else { 1 };
                 open.prefix = Some(spanned);
             }
-            // What follows `local f: D [R]` cannot be told from what follows a call.
+            // the text after `local f: D [R]` cannot be distinguished from that after a call
             Token::Keyword(Keyword::Local) => open.chain += 1,
             Token::Keyword(Keyword::Do) => open.prefix = None,
             Token::Name(name) if name.starts_with('e') => {
@@ -202,7 +204,7 @@ impl<'input> Nesting<'input> {
     }
 }
 
-/// The tokens of a text, as the parser gets them: never nested too deep, never endless.
+/// The tokens of a text for the parser, with limits on nesting and on errors.
 #[derive(Debug)]
 pub(crate) struct NestedTokens<'input, 'run> {
     pub(crate) lexer: Lexer<'input, 'run>,
@@ -219,7 +221,7 @@ impl<'input, 'run> NestedTokens<'input, 'run> {
         }
     }
 
-    /// Leaves out what cannot be read, up to the next declaration.
+    /// Skips the text up to the next declaration.
     fn next_item(&mut self) -> Option<SpannedToken<'input>> {
         self.lexer
             .by_ref()
@@ -249,7 +251,7 @@ impl<'input> Iterator for NestedTokens<'input, '_> {
     }
 }
 
-/// Whether a declaration, a section or a part of one begins with this token, and nothing else does.
+/// Returns `true` if this token can only begin a declaration, a section or a part of one.
 pub(crate) fn starts_item(token: Token<'_>) -> bool {
     let Token::Keyword(word) = token else {
         return false;
@@ -291,7 +293,7 @@ pub(crate) fn starts_item(token: Token<'_>) -> bool {
     )
 }
 
-/// Pairs of beginnings and ends.
+/// Opening tokens with their closing tokens.
 const PAIRS: &[(Token<'static>, Token<'static>)] = &[
     (Token::Sign(Sign::Open), Token::Sign(Sign::Close)),
     (Token::Sign(Sign::OpenBrace), Token::Sign(Sign::CloseBrace)),
@@ -323,7 +325,7 @@ const PAIRS: &[(Token<'static>, Token<'static>)] = &[
     ),
 ];
 
-/// What ends the thing this token begins.
+/// Returns the closing token for an opening one.
 pub(crate) fn closer(opener: Token<'_>) -> Option<Token<'static>> {
     PAIRS
         .iter()
@@ -331,7 +333,7 @@ pub(crate) fn closer(opener: Token<'_>) -> Option<Token<'static>> {
         .map(|&(_, end)| end)
 }
 
-/// What begins the thing this token ends; `>` may end a bag.
+/// Returns the opening token for a closing one; `>` may close a bag.
 pub(crate) fn opener(closer: Token<'_>) -> Option<Token<'static>> {
     if closer == Token::Sign(Sign::Gt) {
         return Some(Token::Sign(Sign::Lt));

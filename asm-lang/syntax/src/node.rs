@@ -1,4 +1,5 @@
-//! Builds the nodes of the tree: spans, depths, and what the grammar cannot say.
+//! Builds the nodes of the tree: computes spans and depths, and checks what the grammar cannot
+//! express.
 
 mod file;
 mod order;
@@ -21,10 +22,10 @@ use std::cell::RefCell;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// What the parser hands over where it caught an error.
+/// An error caught by the parser, with the skipped tokens.
 pub(crate) type Caught<'input> = ErrorRecovery<usize, Token<'input>, Infallible>;
 
-/// A text as a whole, of the kind that its first token says.
+/// The result of parsing a text, according to its start symbol.
 #[expect(
     clippy::large_enum_variant,
     reason = "one value exists for each parse, and it is taken apart at once"
@@ -32,13 +33,13 @@ pub(crate) type Caught<'input> = ErrorRecovery<usize, Token<'input>, Infallible>
 pub(crate) enum ParsedText {
     /// A specification.
     File(File),
-    /// One rule.
+    /// A single rule.
     Rule(Rule),
-    /// One term.
+    /// A single term.
     Term(Term),
 }
 
-/// The constructors the grammar calls.
+/// Constructors of nodes, called by the actions of the grammar.
 pub(crate) struct Nodes<'input, 'run> {
     text: &'input str,
     findings: &'run SyntaxFindings,
@@ -46,7 +47,7 @@ pub(crate) struct Nodes<'input, 'run> {
 }
 
 impl<'input, 'run> Nodes<'input, 'run> {
-    /// For one run of the parser.
+    /// Creates the constructors for one run of the parser.
     pub(crate) fn new(
         text: &'input str,
         findings: &'run SyntaxFindings,
@@ -61,13 +62,13 @@ impl<'input, 'run> Nodes<'input, 'run> {
 
     // ── declarations ──
 
-    /// `main` in front of a rule.
+    /// Builds the main rule from the rule after the keyword `main`.
     pub(crate) fn main(&self, start: usize, rule: RuleDeclaration) -> Item {
         let span = self.span(start, start).to(rule.span);
         Item::Main(RuleDeclaration { span, ..rule })
     }
 
-    /// A domain of the signature.
+    /// Builds a domain of the signature.
     pub(crate) fn domain(
         &self,
         start: usize,
@@ -83,7 +84,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         }
     }
 
-    /// A structured domain standing alone is named by its text.
+    /// Builds a structured domain without a name, which is named by its text.
     pub(crate) fn structured_domain(&self, of: Type) -> Domain {
         let span = of.span;
         let text = self.text.get(span.range()).unwrap_or("");
@@ -99,7 +100,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         }
     }
 
-    /// A function; the codomain comes first in `mapping` where it stands alone.
+    /// Builds a function. `mapping` holds the codomain first if there is no domain.
     pub(crate) fn function(
         &self,
         start: usize,
@@ -121,7 +122,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         }
     }
 
-    /// `rule foo`: the prefix `r_` is missing.
+    /// Reports a rule name without the prefix `r_`, and adds the prefix.
     pub(crate) fn rule_name_without_prefix(&self, name: NameText) -> NameText {
         let better = format!("r_{}", name.text);
         self.findings.report(Misnamed {
@@ -136,7 +137,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         }
     }
 
-    /// What is said of the states and runs.
+    /// Builds a property.
     pub(crate) fn property(
         &self,
         start: usize,
@@ -150,7 +151,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         }
     }
 
-    /// A name after `invariant`, `CTLSPEC` or `LTLSPEC`; AsmetaS wants each to begin its way.
+    /// Builds the name of a property. AsmetaS requires a certain prefix for each kind.
     pub(crate) fn property_name(
         &self,
         prefix: &'static str,
@@ -166,9 +167,9 @@ impl<'input, 'run> Nodes<'input, 'run> {
         name
     }
 
-    // ── names and places ──
+    // ── names and spans ──
 
-    /// A name.
+    /// Builds a name.
     pub(crate) fn name(&self, start: usize, text: &str, end: usize) -> NameText {
         NameText {
             text: Arc::from(text),
@@ -176,7 +177,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
         }
     }
 
-    /// A place.
+    /// Builds a span; called for each node, so it also records progress of the parser.
     pub(crate) fn span(&self, start: usize, end: usize) -> Span {
         self.findings.node_built();
         self.findings.span(start, end)
@@ -184,31 +185,31 @@ impl<'input, 'run> Nodes<'input, 'run> {
 
     // ── errors caught by the grammar ──
 
-    /// An item that could not be read.
+    /// Builds an item that could not be parsed.
     pub(crate) fn broken_item(&self, start: usize, caught: Caught<'input>, end: usize) -> Item {
         self.explain(&caught.error, start, end);
         Item::Broken(self.span(start, end))
     }
 
-    /// A rule that could not be read.
+    /// Builds a rule that could not be parsed.
     pub(crate) fn broken_rule(&self, start: usize, caught: Caught<'input>, end: usize) -> RuleKind {
         self.explain(&caught.error, start, end);
         RuleKind::Invalid
     }
 
-    /// A term that could not be read.
+    /// Builds a term that could not be parsed.
     pub(crate) fn broken_term(&self, start: usize, caught: Caught<'input>, end: usize) -> TermKind {
         self.explain(&caught.error, start, end);
         TermKind::Invalid
     }
 
-    /// The file the parser gave up.
+    /// Builds the file for a text that the parser has given up.
     pub(crate) fn unread(&self, failure: &ParserError<'_>) -> File {
         self.explain(failure, 0, self.text.len());
         file::empty()
     }
 
-    /// Reports an error; what the parser gave up for it reaches from `start` to `end`.
+    /// Reports an error for which the parser has skipped the text from `start` to `end`.
     pub(crate) fn explain(&self, failure: &ParserError<'_>, start: usize, end: usize) {
         self.explainer.borrow_mut().explain(failure, start, end);
     }

@@ -10,16 +10,16 @@ use crate::node::{Nodes, ParsedText};
 use asmotion_diagnostics::{FileId, Report};
 use std::iter;
 
-/// A file's tree, and what was wrong with its text.
+/// A parsed file with its report.
 #[derive(Clone, Debug)]
 pub struct Parsed {
-    /// The tree; parts that could not be read are `Invalid`.
+    /// The tree; parts that could not be parsed are `Invalid`.
     pub file: File,
-    /// Errors and warnings.
+    /// Errors and warnings, sorted by position.
     pub report: Report,
 }
 
-/// Reads a file.
+/// Parses a file.
 pub fn parse(file: FileId, text: &str) -> Parsed {
     let (findings, unheard) = (SyntaxFindings::new(file), SyntaxFindings::new(file));
     let nodes = Nodes::new(text, &findings, Explainer::new(text, &findings, &unheard));
@@ -36,7 +36,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
     }
 }
 
-/// Runs the parser over the tokens of a text, of which the first begins at `start` or later.
+/// Runs the parser on the tokens of a text from `start` on.
 pub(crate) fn read<'input, 'run>(
     kind: TextKind,
     start: usize,
@@ -47,7 +47,7 @@ pub(crate) fn read<'input, 'run>(
     ParsedTextParser::new().parse(nodes, iter::once(first).chain(tokens))
 }
 
-/// The failure of a text that was read as another kind than it was to be; the grammar excludes it.
+/// Returns the failure for a text parsed with the wrong start symbol, which the grammar rules out.
 pub(crate) fn never(at: usize) -> ParserError<'static> {
     ParserError::InvalidToken { location: at }
 }

@@ -1,7 +1,7 @@
-//! Trees back to text: the one layout every specification has.
+//! The formatter: prints specifications and scenarios in their canonical layout.
 //!
-//! The tree says where lines may end; words, signs and comments come from the text itself, one after
-//! the other, so that nothing is lost and nothing is put elsewhere.
+//! The tree determines where lines may be broken. Words, signs and comments are taken from the
+//! source text in order, so that nothing is lost or moved.
 
 mod branch;
 mod comments;
@@ -22,23 +22,23 @@ use pretty::Arena;
 use std::borrow::Cow;
 use trivia::TriviaTokens;
 
-/// A line is as wide as this at most, where it can be.
+/// Maximum width of a line in characters, exceeded only where no break is possible.
 const WIDTH: usize = 100;
 
-/// A level of indentation: one tab, measured as four blanks.
+/// Width of an indentation level in characters; written as one tab.
 const INDENT: usize = 4;
 
-/// The text of a specification in canonical layout.
+/// Formats a specification in canonical layout.
 ///
 /// # Errors
-/// The text has errors: it stays as it is.
+/// The text has errors and is not formatted.
 pub fn format(file: FileId, text: &str) -> Result<String, Report> {
     let unix = unix(text);
     let parsed = parse(file, text);
     if parsed.report.has_errors() {
         return Err(parsed.report);
     }
-    // The places in the tree are those of the text that is printed.
+    // reparse, because the spans of the tree must refer to the text that is printed
     let tree = if unix == text {
         parsed
     } else {
@@ -51,10 +51,10 @@ pub fn format(file: FileId, text: &str) -> Result<String, Report> {
     Ok(layout.finish())
 }
 
-/// The text of a scenario in canonical layout.
+/// Formats a scenario in canonical layout.
 ///
 /// # Errors
-/// The text has errors: it stays as it is.
+/// The text has errors and is not formatted.
 pub fn format_scenario(file: FileId, text: &str) -> Result<String, Report> {
     let (_, report) = parse_scenario(file, text);
     if report.has_errors() {
@@ -69,7 +69,7 @@ pub fn format_scenario(file: FileId, text: &str) -> Result<String, Report> {
     Ok(layout.finish())
 }
 
-/// With line ends as the printer knows them.
+/// Converts line ends to `\n`.
 fn unix(text: &str) -> Cow<'_, str> {
     match text.contains('\r') {
         true => text.replace("\r\n", "\n").replace('\r', "\n").into(),

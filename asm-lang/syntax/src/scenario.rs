@@ -1,4 +1,4 @@
-//! Scenarios: commands read word by word, the terms and rules in them by the grammar.
+//! The parser of scenarios: commands are parsed here, their terms and rules by the grammar.
 //!
 //! ```text
 //! scenario NAME
@@ -8,8 +8,8 @@
 //! | pick $x [in r_rule[(Domain, …)]] := term ;  | begin NAME … end  | execblock [scenario:]block ; )*
 //! ```
 //!
-//! The words of the commands are no reserved words of the language: `set` may be a function in a term.
-//! What stands between a command and its `;` is the language's own.
+//! The keywords of commands are not reserved in AsmetaL: `set` may be a function in a term. The
+//! text between a command and its `;` follows the syntax of AsmetaL.
 
 mod command;
 mod reader;
@@ -27,7 +27,7 @@ use reader::ScenarioReader;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Whether a text is meant as a scenario: that is its first word.
+/// Returns `true` if the first word of a text marks it as a scenario.
 pub fn begins_scenario(text: &str) -> bool {
     let unheard = SyntaxFindings::new(FileId(0));
     let mut lexer = Lexer::new(text, &unheard);
@@ -35,9 +35,9 @@ pub fn begins_scenario(text: &str) -> bool {
     lexer.rest().starts_with("scenario")
 }
 
-/// Reads a scenario: what could be read, and what was wrong.
+/// Parses a scenario; returns everything that could be parsed, with a report.
 pub fn parse_scenario(file: FileId, text: &str) -> (Scenario, Report) {
-    // what the lexer says of a part is said again by the parser of that part
+    // these findings are dropped, because the parser of each part reports them again
     let unheard = SyntaxFindings::new(file);
     let mut reader = ScenarioReader {
         file,
@@ -97,7 +97,7 @@ impl ScenarioReader<'_, '_> {
         }
     }
 
-    /// The path after `load`: in quotes, or up to the next blank.
+    /// Reads the path after `load`: in quotes, or up to the next blank.
     fn path(&mut self, at: Span) -> Option<NameText> {
         self.lexer.blanks_and_comments();
         let rest = self.lexer.rest();

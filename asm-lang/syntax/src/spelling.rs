@@ -1,10 +1,10 @@
-//! Words that are nearly other words.
+//! Misspelt keywords.
 
-/// A longer word is no slip of the finger.
+/// Words longer than this number of bytes are not compared: they are unlikely to be typing errors.
 const MAX_LENGTH: usize = 100;
 
-/// The candidate that differs from `written` by a slip of the finger, in whatever case, or that
-/// `written` begins.
+/// Returns the candidate that differs from `written` by a typing error, regardless of case, or that
+/// is a prefix of it.
 pub(crate) fn nearest<'a>(
     written: &str,
     candidates: impl IntoIterator<Item = &'a str>,

@@ -1,4 +1,4 @@
-//! Whatever the text, reading it ends soon, with bounded memory, and with a report.
+//! Parsing any text ends soon, with bounded memory and with a report.
 
 #![allow(clippy::disallowed_methods, reason = "how long it takes is the matter")]
 
@@ -7,7 +7,7 @@ use asmotion_syntax::{parse, parse_term};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 
-/// Reads a file with this main rule; it takes a moment at most.
+/// Parses a file with this main rule, within a time limit.
 fn read(rule: &str) -> Report {
     let begin = Instant::now();
     let text = format!("asm a\nsignature:\ndefinitions:\n  main rule r_Main = {rule}\n");
@@ -96,7 +96,7 @@ fn long_is_not_deep() {
     }
 }
 
-/// Words of the language and others, in a random order that is the same every time.
+/// Generates a pseudo-random sequence of words, the same in every run.
 fn soup(bytes: usize, words: &[&str]) -> String {
     let mut seed = 1_u64;
     let mut text = String::with_capacity(bytes + 16);

@@ -1,6 +1,6 @@
-//! Every file the reference parser accepts is read without an error, and what it refuses for its
-//! syntax is refused here too. Development only: the corpus is no part of the project (its folder is
-//! named by `ASMETA_CORPUS`), and where it is absent the test says so and passes.
+//! Files accepted by the reference parser are parsed without errors, and its syntax errors are
+//! errors here, too. For development only: the corpus is not part of the project. `ASMETA_CORPUS`
+//! names its folder; without it, the test prints a notice and passes.
 
 #![allow(clippy::disallowed_methods, reason = "the corpus is on the disk")]
 
@@ -52,7 +52,7 @@ fn reads_what_the_reference_reads() {
     println!("{accepted} files accepted and {refused} refused, as the reference does");
 }
 
-/// One line a finding.
+/// Renders findings, one a line.
 fn brief(text: &str, report: &Report) -> String {
     let mut sources = Sources::new();
     let file = sources.add("", text);

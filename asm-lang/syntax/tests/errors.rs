@@ -1,7 +1,7 @@
-//! Every message, beside the smallest text that earns it.
+//! Every message, with a minimal text that triggers it.
 //!
-//! A file of `tests/errors` carries `//~ CODE` on each line that something is to be said about. What
-//! is said is a snapshot; read it before you accept it.
+//! A file in `tests/errors` marks each line with a finding by `//~ CODE`. The messages are
+//! snapshots; read them before you accept them.
 
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 
@@ -47,8 +47,8 @@ fn says_what_is_wrong() {
     }
 }
 
-/// The code that only `parse_assignment` reports, which reads no file
-/// (`constructs/single_rules.rs`).
+/// A code that is reported only by `parse_assignment`, which parses no file (see
+/// `constructs/single_rules.rs`).
 const OF_AN_ASSIGNMENT: &str = "L063";
 
 #[test]
@@ -76,7 +76,7 @@ fn has_an_example_of_every_code() {
     assert_eq!(examples, codes);
 }
 
-/// The codes that a text asks for, with their lines.
+/// Returns the expected codes of a text, with their lines.
 fn expected(text: &str) -> Vec<(usize, &str)> {
     let marked = text.lines().enumerate().filter_map(|(line, text)| {
         let (_, codes) = text.split_once("//~")?;
@@ -85,7 +85,7 @@ fn expected(text: &str) -> Vec<(usize, &str)> {
     marked.flatten().collect()
 }
 
-/// `error L050 at 5:9 message`, then a line for each place, note, help and fix.
+/// Renders `error L050 at 5:9 message`, followed by a line for each label, note, help and fix.
 fn render(sources: &Sources, file: FileId, finding: &Diagnostic) -> String {
     let severity = match finding.severity {
         Severity::Error => "error",

@@ -1,6 +1,6 @@
-//! Scenarios read, and what is said of mistakes in them.
+//! Parsing of scenarios, and the messages about errors in them.
 //!
-//! A file of `tests/scenarios` carries `//~ CODE` on each line that something is to be said about.
+//! A file in `tests/scenarios` marks each line with a finding by `//~ CODE`.
 
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 

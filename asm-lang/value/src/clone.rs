@@ -1,4 +1,5 @@
-//! Cloning and dropping: machines do little else, and mostly to scalars.
+//! Cloning and dropping, with a fast path for scalars: machines do little else, and mostly to
+//! scalars.
 
 #![allow(unsafe_code, reason = "scalars are copied as they lie there")]
 
@@ -9,7 +10,8 @@ impl Clone for Value {
     #[inline]
     fn clone(&self) -> Self {
         if self.is_scalar() {
-            // SAFETY: a scalar owns nothing, so a second one with the same bits is another scalar.
+            // SAFETY: `self` is valid for reads, and a scalar owns nothing, so a bitwise copy is a
+            // valid clone.
             return unsafe { std::ptr::read(self) };
         }
         self.share()
@@ -17,19 +19,19 @@ impl Clone for Value {
 }
 
 impl Value {
-    /// Puts another value in the place of this one; of a scalar there is nothing to drop, and nothing
-    /// is moved but the new value.
+    /// Replaces this value. A scalar is overwritten by a plain store, because it needs no drop.
     #[inline]
     pub fn replace_by(&mut self, value: Self) {
         if self.is_scalar() {
-            // SAFETY: the place is valid, and what lies there owns nothing.
+            // SAFETY: `self` is valid for writes, and the overwritten scalar owns nothing that has
+            // to be dropped.
             unsafe { std::ptr::write(self, value) }
         } else {
             *self = value;
         }
     }
 
-    /// Drops the value; of a scalar there is nothing to drop.
+    /// Drops the value; returns immediately for a scalar.
     #[inline]
     pub fn discard(self) {
         if self.is_scalar() {
@@ -37,7 +39,7 @@ impl Value {
         }
     }
 
-    /// Whether the value lies in the `Value` itself, and shares nothing.
+    /// Returns `true` if the value owns no heap memory.
     #[inline]
     pub fn is_scalar(&self) -> bool {
         match self {

@@ -1,31 +1,31 @@
-//! Values as text, in the notation of AsmetaL literals.
+//! Text form of values, in the notation of AsmetaL literals.
 
 use crate::value::{Atom, RuleId, Value};
 use std::fmt::{self, Write};
 
-/// What the atoms and rules of a machine are called.
+/// The names of the atoms and rules of a machine.
 pub trait ValueNames {
     /// Writes the name of an atom, as in `IDLE` or `order!3`.
     ///
     /// # Errors
-    /// Only what the writer reports.
+    /// Errors of the formatter only.
     fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result;
 
     /// Writes the name of a rule, as in `r_work`.
     ///
     /// # Errors
-    /// Only what the writer reports.
+    /// Errors of the formatter only.
     fn rule(&self, rule: RuleId, to: &mut fmt::Formatter<'_>) -> fmt::Result;
 }
 
-/// A value together with the names it needs to be read.
+/// A value with the names needed to display it.
 pub struct DisplayValue<'a> {
     value: &'a Value,
     names: &'a dyn ValueNames,
 }
 
-/// What an element is called that `extend` added to a domain, as in `person!1`: after the domain,
-/// with a small letter first.
+/// Returns the name of an element that `extend` added to a domain, as in `person!1`: the domain's
+/// name with a lower-case initial, and a number.
 pub fn element_name(domain: &str, number: impl fmt::Display) -> String {
     let mut letters = domain.chars();
     let first: String = letters
@@ -37,8 +37,9 @@ pub fn element_name(domain: &str, number: impl fmt::Display) -> String {
 }
 
 impl Value {
-    /// This value as text: integers decimal, reals so that they read back, texts and characters
-    /// quoted as JSON quotes, sets, bags and maps in the order of the values.
+    /// Returns an adapter that displays this value. Reals are written so that reading them returns
+    /// the same number, strings and characters are quoted as in JSON, and sets, bags and maps are
+    /// in ascending order.
     pub fn show<'a>(&'a self, names: &'a dyn ValueNames) -> DisplayValue<'a> {
         DisplayValue { value: self, names }
     }
@@ -73,7 +74,7 @@ impl fmt::Display for DisplayValue<'_> {
                     .flat_map(|(item, &count)| std::iter::repeat_n(item, count));
                 list(to, "<", each.map(show), ">")
             }
-            // `{}` is the empty set.
+            // `{}` denotes the empty set
             Value::Map(pairs) if pairs.is_empty() => to.write_str("{->}"),
             Value::Map(pairs) => {
                 let pairs = pairs
@@ -85,7 +86,7 @@ impl fmt::Display for DisplayValue<'_> {
     }
 }
 
-/// `key -> value`.
+/// An entry of a map: `key -> value`.
 struct DisplayEntry<'a>(DisplayValue<'a>, DisplayValue<'a>);
 
 impl fmt::Display for DisplayEntry<'_> {
@@ -110,7 +111,7 @@ fn list(
     to.write_str(close)
 }
 
-/// The characters between quotes: the quote, the backslash and control characters escaped.
+/// Writes quoted characters, escaping the quote, the backslash and control characters.
 fn quoted(
     to: &mut fmt::Formatter<'_>,
     quote: char,
@@ -123,7 +124,7 @@ fn quoted(
             '\r' => to.write_str("\\r")?,
             '\t' => to.write_str("\\t")?,
             '\\' => to.write_str("\\\\")?,
-            // Below U+10000 all of them, so four digits do.
+            // all control characters are below U+10000, so four digits suffice
             control if control.is_control() => write!(to, "\\u{:04x}", u32::from(control))?,
             plain => {
                 if plain == quote {

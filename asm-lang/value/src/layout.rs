@@ -1,18 +1,18 @@
-//! How a [`Value`](crate::Value) lies in memory, for code that is generated.
+//! The memory layout of a [`Value`](crate::Value), for generated code.
 
-/// Where the tag is.
+/// Offset of the tag in bytes.
 pub const TAG: usize = 0;
-/// Where the payload is, whatever the tag.
+/// Offset of the payload in bytes, the same for every tag.
 pub const PAYLOAD: usize = 8;
-/// The tag of `undef`.
+/// Tag of `undef`, which has no payload.
 pub const UNDEF: u8 = 0;
-/// The tag of a truth value; the payload is a byte, 0 or 1.
+/// Tag of a truth value; the payload is one byte, 0 or 1.
 pub const BOOL: u8 = 1;
-/// The tag of an integer; the payload has 64 bits.
+/// Tag of an integer; the payload has 64 bits.
 pub const INT: u8 = 2;
-/// The tag of an atom; the payload has 32 bits.
+/// Tag of an atom; the payload has 32 bits.
 pub const ATOM: u8 = 5;
-/// Values with tags up to this own nothing.
+/// Greatest tag of a scalar. Values with greater tags own heap memory.
 pub const LAST_SCALAR: u8 = 6;
 
 #[cfg(test)]
@@ -23,10 +23,11 @@ mod tests {
     use crate::real::Real;
     use crate::value::{Atom, RuleId, Value};
 
-    /// The tag, and as many bytes of the payload as asked for.
+    /// Returns the tag and the first bytes of the payload.
     fn seen(value: &Value, bytes: usize) -> (u8, Vec<u8>) {
         let start = std::ptr::from_ref(value).cast::<u8>();
-        // SAFETY: the tag and the first bytes of the payload lie within the value and are initialised.
+        // SAFETY: the tag and the first bytes of the payload lie within the value and are
+        // initialised.
         unsafe {
             let payload = std::slice::from_raw_parts(start.add(PAYLOAD), bytes);
             (*start.add(TAG), payload.to_vec())

@@ -1,4 +1,4 @@
-//! The values every machine computes with: ordered, hashable, cheap to clone.
+//! The values of the language: totally ordered, hashable, cheap to clone.
 //!
 //! A [`Value`] is two words: scalars lie in it, collections and texts are shared behind one thin
 //! pointer. Equality, order and hash agree on every value, `Real` included (by the bits, so that a

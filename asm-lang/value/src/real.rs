@@ -3,18 +3,18 @@
 use std::cmp::Ordering;
 use std::hash::{Hash, Hasher};
 
-/// An IEEE double that is equal to itself, even NaN. Equality and order are IEEE 754 `totalOrder`
-/// with one NaN: `NaN = NaN`, `-0.0 < 0.0`.
+/// A 64-bit float with total equality and order: those of IEEE 754 `totalOrder`, with a single NaN.
+/// `NaN = NaN` and `-0.0 < 0.0` hold.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Real(f64);
 
 impl Real {
-    /// The number, with every NaN made the same one.
+    /// Creates a number; every NaN becomes the same one.
     pub fn new(number: f64) -> Self {
         Self(if number.is_nan() { f64::NAN } else { number })
     }
 
-    /// The number.
+    /// Returns the number as a float.
     pub fn get(self) -> f64 {
         self.0
     }

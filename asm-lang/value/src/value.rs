@@ -5,78 +5,78 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// An element without structure: an enumeration literal, an abstract constant, an agent, or an
-/// element that `extend` took from the reserve. Ordered by declaration, then by creation.
+/// element that `extend` created from the reserve. Ordered by declaration, then by creation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Atom(pub u32);
 
-/// A rule as a value (`<<r_x>>`, `program(a)`); the number is the machine's.
+/// A rule as a value (`<<r_x>>`, `program(a)`): its index in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RuleId(pub u32);
 
-/// What a location holds and a term denotes.
+/// The value of a location or a term.
 ///
 /// The representation is fixed, see [`layout`](crate::layout): generated code reads and writes scalars in place.
 #[derive(Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(C, u8)]
 pub enum Value {
-    /// No value.
+    /// The undefined value, default of every location.
     #[default]
     Undef,
-    /// `true` or `false`.
+    /// A truth value.
     Bool(bool),
-    /// An element of Integer or of Natural; the type tells them apart.
+    /// An element of Integer or Natural, which static types distinguish.
     Int(i64),
-    /// An element of Real.
+    /// An element of Real, a 64-bit float.
     Real(Real),
-    /// A character.
+    /// An element of Char, a Unicode scalar value.
     Char(char),
     /// An element of an enumeration or of an abstract domain.
     Atom(Atom),
-    /// A rule.
+    /// An element of Rule.
     Rule(RuleId),
-    /// A text.
+    /// An element of String.
     Text(Arc<String>),
-    /// A complex number.
+    /// An element of Complex: real and imaginary part.
     Complex(Arc<(Real, Real)>),
-    /// A tuple; at least two components.
+    /// A tuple of at least two components.
     Tuple(Arc<Vec<Value>>),
-    /// A sequence.
+    /// A finite sequence.
     Seq(Arc<Vec<Value>>),
     /// A finite set.
     Set(Arc<BTreeSet<Value>>),
-    /// A multiset: element to multiplicity, none of them zero.
+    /// A finite multiset: elements with their multiplicities, which are greater than 0.
     Bag(Arc<BTreeMap<Value, usize>>),
     /// A finite map.
     Map(Arc<BTreeMap<Value, Value>>),
 }
 
 impl Value {
-    /// A text.
+    /// Creates a string.
     pub fn text(text: impl Into<String>) -> Self {
         Self::Text(Arc::new(text.into()))
     }
 
-    /// A real number.
+    /// Creates a real number.
     pub fn real(number: f64) -> Self {
         Self::Real(Real::new(number))
     }
 
-    /// A tuple of the components, in order.
+    /// Creates a tuple of the components.
     pub fn tuple(components: impl IntoIterator<Item = Value>) -> Self {
         Self::Tuple(Arc::new(components.into_iter().collect()))
     }
 
-    /// A sequence of the elements, in order.
+    /// Creates a sequence of the elements.
     pub fn seq(elements: impl IntoIterator<Item = Value>) -> Self {
         Self::Seq(Arc::new(elements.into_iter().collect()))
     }
 
-    /// The set of the elements.
+    /// Creates the set of the elements.
     pub fn set(elements: impl IntoIterator<Item = Value>) -> Self {
         Self::Set(Arc::new(elements.into_iter().collect()))
     }
 
-    /// The bag of the elements.
+    /// Creates the bag of the elements.
     pub fn bag(elements: impl IntoIterator<Item = Value>) -> Self {
         let mut bag = BTreeMap::new();
         for element in elements {
@@ -85,12 +85,12 @@ impl Value {
         Self::Bag(Arc::new(bag))
     }
 
-    /// The map of the pairs; of two pairs with one key the later counts.
+    /// Creates the map of the pairs. Of several pairs with one key, the last prevails.
     pub fn map(pairs: impl IntoIterator<Item = (Value, Value)>) -> Self {
         Self::Map(Arc::new(pairs.into_iter().collect()))
     }
 
-    /// Whether this is `undef`.
+    /// Returns `true` for `undef`.
     pub fn is_undef(&self) -> bool {
         matches!(self, Self::Undef)
     }

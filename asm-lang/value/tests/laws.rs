@@ -1,4 +1,4 @@
-//! Laws of values: one total order, equality and hash agree with it, and the text reads back.
+//! Laws of values: a total order that agrees with equality and hash, and text that reads back.
 
 use asmotion_value::{Atom, Real, RuleId, Value, ValueNames};
 use proptest::prelude::*;
@@ -108,7 +108,7 @@ proptest! {
         if a <= b && b <= c {
             prop_assert!(a <= c);
         }
-        // The same content, built again and in another order, is the same value.
+        // the same contents, constructed in another order, are the same value
         prop_assert_eq!(Value::set([a.clone(), b.clone()]), Value::set([b.clone(), a.clone()]));
         prop_assert_eq!(hash(&Value::bag([a.clone(), b.clone()])), hash(&Value::bag([b, a])));
     }
@@ -132,7 +132,7 @@ fn hash(value: &Value) -> u64 {
     hasher.finish()
 }
 
-/// Values of every kind; small numbers, so that equal ones meet.
+/// Generates values of every kind, with small numbers so that equal values occur.
 fn values() -> impl Strategy<Value = Value> {
     let real =
         || prop_oneof![any::<f64>(), Just(f64::NAN), Just(-0.0), Just(0.0)].prop_map(Real::new);
@@ -160,7 +160,7 @@ fn values() -> impl Strategy<Value = Value> {
     })
 }
 
-/// Atoms `a0`, `a1`, …, rules `r_0`, `r_1`, ….
+/// Names atoms `a0`, `a1`, … and rules `r_0`, `r_1`, ….
 struct Numbered;
 
 impl ValueNames for Numbered {
@@ -173,7 +173,7 @@ impl ValueNames for Numbered {
     }
 }
 
-/// Reads what `show` writes, all of it.
+/// Parses a complete text written by `show`.
 fn read(text: &str) -> Option<Value> {
     let mut reader = Reader { rest: text };
     let value = reader.value()?;
@@ -236,7 +236,7 @@ impl<'a> Reader<'a> {
         Some(items)
     }
 
-    /// `undef`, `true`, an atom, a rule or a number: all that reaches to the next separator.
+    /// Parses `undef`, `true`, `false`, an atom, a rule or a number, up to the next separator.
     fn word(&mut self) -> Option<Value> {
         let end = self
             .rest
@@ -291,8 +291,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// `re+iim`, `re-iim`. The last sign before an `i` is the right one: an `inf` in front of it may
-/// have a sign of its own, the one behind has none.
+/// Parses `re+iim` or `re-iim`. The sign that separates the parts is the last one before an `i`: an
+/// `inf` in the real part may have a sign before it, but none after it.
 fn complex(word: &str) -> Option<Value> {
     let (at, sign) = match word.rfind("+i") {
         Some(at) => (at, 1.0),

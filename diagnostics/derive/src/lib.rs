@@ -1,4 +1,5 @@
-//! The derive macro of `asmotion-diagnostics`: `#[derive(Coded)]` turns the doc comment of a finding into its page.
+//! The derive macro of `asmotion-diagnostics`: `#[derive(Coded)]` turns the doc comment of a
+//! finding into the documentation page of its code.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -23,7 +24,7 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
     let (generics, arguments, bounds) = input.generics.split_for_impl();
     Ok(quote! {
         impl #generics #finding #arguments #bounds {
-            /// The code of this finding.
+            /// The code of this finding, with its documentation page.
             pub const CODE: &'static ::asmotion_diagnostics::Code = &::asmotion_diagnostics::Code {
                 name: #name,
                 severity: ::asmotion_diagnostics::Severity::#severity,
@@ -40,7 +41,7 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// The name and the severity in `#[code(A014, error)]`.
+/// Parses the name and the severity from `#[code(A014, error)]`.
 fn code(input: &DeriveInput) -> Result<(String, Ident)> {
     let is_code = |attribute: &&Attribute| attribute.path().is_ident("code");
     let Some(attribute) = input.attrs.iter().find(is_code) else {
@@ -60,7 +61,7 @@ fn code(input: &DeriveInput) -> Result<(String, Ident)> {
     })
 }
 
-/// The first line of the doc comment, and what follows it.
+/// Splits the doc comment into its first line, the title, and the remaining text.
 fn page(input: &DeriveInput) -> Result<(String, String)> {
     let lines: Vec<String> = input.attrs.iter().filter_map(doc_line).collect();
     let Some((title, rest)) = lines.split_first() else {
@@ -71,7 +72,7 @@ fn page(input: &DeriveInput) -> Result<(String, String)> {
     Ok((title.trim().to_owned(), text))
 }
 
-/// One line of a doc comment, without the blank after the slashes.
+/// Returns one line of a doc comment, without the blank after the slashes.
 fn doc_line(attribute: &Attribute) -> Option<String> {
     let Meta::NameValue(meta) = &attribute.meta else {
         return None;

@@ -34,7 +34,7 @@ pub(crate) struct NoOverload {
     pub actual: String,
     pub candidates: Vec<(String, Span)>,
     pub hint: Option<String>,
-    /// A number that is written for another domain.
+    /// A number argument that fits if it is written as a number of another domain.
     pub number: Option<Respelt>,
 }
 
@@ -59,7 +59,7 @@ impl Finding for NoOverload {
     }
 }
 
-/// A number as it is written in the domain that is wanted.
+/// A replacement for a number literal: its spelling in the required domain.
 #[derive(Debug)]
 pub(crate) struct Respelt {
     pub at: Span,

@@ -32,9 +32,9 @@ pub(crate) struct TypeMismatch {
     pub wanted: String,
     pub actual: String,
     pub at: Span,
-    /// Where the wanted type comes from, and how to say so.
+    /// Span that determines the required type, with the beginning of its label.
     pub because: Option<(Span, &'static str)>,
-    /// How a number that stands here is written in the wanted domain.
+    /// Spelling of a number literal in the required domain, if it has one.
     pub number: Option<String>,
 }
 
@@ -64,7 +64,7 @@ impl Finding for TypeMismatch {
     }
 }
 
-/// The standard function that leads from one type to the other.
+/// Returns a suggestion for the standard function that converts between the types.
 fn conversion(wanted: &str, actual: &str) -> Option<String> {
     let function = match (actual, wanted) {
         ("Integer", "Real") => "itor",

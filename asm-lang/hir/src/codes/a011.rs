@@ -39,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct ImportCycle {
     pub path: String,
     pub at: Span,
-    /// The files on the way round, each with the import that leads to the next one.
+    /// The files of the cycle, each with the import that leads to the next one.
     pub chain: Vec<(String, Option<Span>)>,
 }
 

@@ -37,7 +37,7 @@ pub(crate) struct DefinesWrongKind {
     pub why: &'static str,
     pub help: &'static str,
     pub at: Span,
-    /// Where, if not in a library.
+    /// Span of the declaration; `None` for a library function.
     pub declared: Option<Span>,
 }
 

@@ -48,7 +48,7 @@ impl Finding for WrongCallForm {
     }
 }
 
-/// What a rule was taken for that is called in the other form.
+/// Returns the kind of rule that the form of the call is meant for.
 fn other_form(is: &str) -> &'static str {
     match is {
         "turbo" => "macro rule",

@@ -45,7 +45,7 @@ impl Finding for FileNameDiffers {
     }
 }
 
-/// Whether the file's name can be a name of the language.
+/// Returns `true` if a file name is a valid name of a specification.
 fn is_word(stem: &str) -> bool {
     let mut letters = stem.chars();
     let first = letters.next();

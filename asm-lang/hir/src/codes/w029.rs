@@ -2,8 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Asynchronous machine without a scheduler
 ///
-/// Whatever the main rule runs, runs in every step. In an `asyncr` machine the main rule should choose
-/// an agent, so that one of them runs at a time.
+/// All rules called by the main rule run in every step. The main rule of an `asyncr` machine should
+/// choose an agent, so that one of them runs at a time.
 ///
 /// ```asm wrong
 /// asyncr asm example

@@ -39,7 +39,7 @@ pub(crate) struct UnknownOperation {
     pub name: String,
     pub at: Span,
     pub declared: Span,
-    /// The operations of the domain.
+    /// Names of the operations declared for the domain, for suggestions.
     pub known: Vec<Arc<str>>,
 }
 

@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(A041, error)]
 #[error("{expectation}, and this is {actual}")]
 pub(crate) struct MessageMismatch {
-    /// Which domain is expected where.
+    /// First part of the message: the required domain and its position.
     pub expectation: String,
     pub actual: String,
     pub at: Span,

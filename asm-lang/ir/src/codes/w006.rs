@@ -39,9 +39,9 @@ use std::sync::Arc;
 pub(crate) struct StaticChanges {
     pub name: Arc<str>,
     pub declared: Span,
-    /// The word `static` of the declaration.
+    /// Span of the keyword `static` in the declaration, which the fix replaces.
     pub keyword: Span,
-    /// The part that depends on the state, if a single one does.
+    /// Span of the first part that depends on the state, if one can be named.
     pub at: Option<Span>,
 }
 

@@ -34,9 +34,9 @@ use std::sync::Arc;
 pub(crate) struct DerivedNeverChanges {
     pub name: Arc<str>,
     pub declared: Span,
-    /// The word `derived` of the declaration.
+    /// Span of the keyword `derived` in the declaration, which the fix replaces.
     pub keyword: Span,
-    /// The definition.
+    /// Span of the definition.
     pub body: Span,
 }
 

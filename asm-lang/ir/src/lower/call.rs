@@ -1,4 +1,4 @@
-//! Calls: macro arguments that must be passed by name are built into a copy of the macro, all others
+//! Calls: a macro is specialised for the arguments that must be passed by name; all other arguments
 //! are passed by value.
 
 use super::frame::{Closed, LoweringFrame, VariableBinding, close};
@@ -12,27 +12,29 @@ use asmotion_hir::{TermKind, VarId};
 use asmotion_value::RuleId;
 use std::rc::Rc;
 
-/// Macros may be built into each other this deep.
+/// Limit for the nesting of macro specialisations.
 const MAX_DEPTH: usize = 64;
 
-/// Terms may nest this deep, those passed by name included; in the text they nest less.
+/// Limit for the nesting of terms after by-name substitution; the parser's limit is lower.
 const MAX_NESTING: usize = 1200;
 
-/// Terms passed by name may be written out this often, in a whole program.
+/// Limit for the number of by-name substitutions in a program.
 const MAX_EXPANSIONS: usize = 1 << 20;
 
-/// A rule, and for each parameter what is built in for it; `None` for one passed by value.
+/// A rule with, for each parameter, the key of the term substituted for it, or `None` if passed by
+/// value.
 pub(super) type Special = (RuleId, Vec<Option<String>>);
 
 impl Lowering<'_> {
-    /// A rule with all arguments passed by value: the main rule, turbo rules, rule values.
+    /// Returns the routine of a rule with all arguments by value: main rule, turbo rule, or rule
+    /// value.
     pub(super) fn routine_by_value(&mut self, rule: RuleId) -> RoutineId {
         let parameters = self.model.rule(rule).parameters.len();
         self.routine(rule, vec![None; parameters], 0)
     }
 
-    /// The routine of a rule for these by-name arguments, whose variables are `extras` more
-    /// arguments after those passed by value.
+    /// Returns the routine of a rule for these by-name arguments. Their free variables are passed
+    /// as `extras` additional arguments, after those passed by value.
     fn routine(
         &mut self,
         rule: RuleId,
@@ -85,7 +87,7 @@ impl Lowering<'_> {
         id
     }
 
-    /// A rule that is not declared.
+    /// Lowers an added rule to a routine.
     pub(super) fn added_routine(
         &mut self,
         id: RuleId,
@@ -100,7 +102,7 @@ impl Lowering<'_> {
         routine
     }
 
-    /// A term passed by name, where its parameter stands.
+    /// Substitutes a by-name argument for its parameter.
     pub(super) fn by_name(
         &mut self,
         closed: &Closed,
@@ -119,7 +121,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Reports macros whose terms grow, once.
+    /// Reports unbounded growth of macros; only once.
     fn grows(&mut self, finding: MacroGrows) {
         if !self.has_grown {
             self.report.push(finding.diagnostic());
@@ -127,7 +129,7 @@ impl Lowering<'_> {
         self.has_grown = true;
     }
 
-    /// A call: which arguments are passed by name is decided here.
+    /// Lowers a call, and decides for each argument how it is passed.
     pub(super) fn call(
         &mut self,
         rule: RuleId,
@@ -183,7 +185,7 @@ impl Lowering<'_> {
         RuleNode::Call(self.routine(rule, by_name, extra_count), values)
     }
 
-    /// What a variable passed by name stands for, if the term is one.
+    /// Returns the by-name argument that a variable stands for, if the term is such a variable.
     fn variable_term(
         &self,
         term: &asmotion_hir::Term,
@@ -198,9 +200,10 @@ impl Lowering<'_> {
         }
     }
 
-    /// By name and by value differ if the macro writes the parameter, if it reads it again after a
-    /// state in between, and if it may not read it at all what fails or asks the environment. The
-    /// last is overlooked in a macro that calls itself, which would be written out without end.
+    /// Decides if an argument must be passed by name. By name and by value differ in three cases:
+    /// the macro writes the parameter, the macro reads it again after an intermediate state, or the
+    /// macro may skip an argument whose evaluation fails or asks the environment. The last case is
+    /// ignored for recursive macros, whose specialisation would not terminate.
     fn is_by_name(
         &self,
         rule: RuleId,
@@ -245,7 +248,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Whether a term is a location that rules may write.
+/// Returns `true` if a term is a location that rules may update.
 fn is_location(
     model: &asmotion_hir::Model,
     term: &asmotion_hir::Term,

@@ -1,4 +1,4 @@
-//! Domains: their elements, as far as they are known before the machine runs.
+//! Domains: their elements, as far as known at compile time.
 
 use super::Lowering;
 use crate::code::BinderRange;
@@ -6,13 +6,13 @@ use crate::program::{Domain, DomainElements, DomainId, ValueShape};
 use asmotion_hir::{DomainKind, Meaning, Term, TermKind, Type, TypeId};
 use asmotion_value::{Atom, Value};
 
-/// The number of a domain is the same in the model and in the program.
+/// Converts the id of a domain, whose number is the same in the model and in the program.
 pub(super) fn id(id: asmotion_hir::DomainId) -> DomainId {
     DomainId(id.0)
 }
 
 impl Lowering<'_> {
-    /// Fills the table of domains. Definitions that must be computed get their body later.
+    /// Fills the table of domains. Definitions to be computed at run time get their body later.
     pub(super) fn domains(&mut self) {
         for index in 0..self.model.domains.len() {
             let domain = &self.model.domains[index];
@@ -65,7 +65,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The constants of an abstract domain and of those it contains; they stand side by side.
+    /// Returns the constants of an abstract domain and its subsets, which have consecutive numbers.
     fn constants(&self, domain: asmotion_hir::DomainId) -> DomainElements {
         let contains = |mut inner: asmotion_hir::DomainId| {
             for _ in 0..=self.model.domains.len() {
@@ -97,7 +97,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The bounds of a closed term that is an interval of integers, or lists one.
+    /// Returns the bounds of a closed term that is an interval of integers or lists all of one.
     fn interval(&self, term: &Term) -> Option<(i64, i64)> {
         match &*term.kind {
             TermKind::Interval(_, from, to, None) => {
@@ -118,7 +118,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The value of a closed term that is a number, a negated one, or a constant defined as one.
+    /// Evaluates a closed term that is an integer, a negated integer, or a constant defined as one.
     fn integer(&self, term: &Term, depth: u32) -> Option<i64> {
         match &*term.kind {
             TermKind::Value(Value::Int(number)) => Some(*number),
@@ -155,7 +155,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The shape of the values of a type.
+    /// Returns the shape of a type's values.
     pub(super) fn shape(&self, ty: TypeId) -> ValueShape {
         let boxed = |item: TypeId| Box::new(self.shape(item));
         match self.model.types.get(ty) {
@@ -182,7 +182,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Whether values of a type may nest without end: so if some part of it may be anything.
+    /// Returns `true` if values of a type may nest to any depth, because a component has any type.
     pub(super) fn is_open(&self, ty: TypeId) -> bool {
         let mut parts = self.model.types.reach(ty, &self.model.domains);
         parts.any(|part| match self.model.types.get(part) {
@@ -204,7 +204,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// The domain whose elements a type's values must be, when they are written: concrete domains.
+    /// Returns the concrete domain that values of a type must be elements of, checked by updates.
     pub(super) fn membership(&self, ty: TypeId) -> Option<DomainId> {
         match self.model.types.get(ty) {
             Type::Domain(domain) => match self.model.domain(*domain).kind {
@@ -215,14 +215,15 @@ impl Lowering<'_> {
         }
     }
 
-    /// Whether not every value of a type's shape is one of the type: a part is of a concrete domain.
+    /// Returns `true` if a component of the type is a concrete domain, so that not every value of
+    /// its shape belongs to the type.
     pub(super) fn is_restricted(&self, ty: TypeId) -> bool {
         let mut parts = self.model.types.reach(ty, &self.model.domains);
         parts.any(|part| self.membership(part).is_some())
     }
 
-    /// Whether a location has arguments that must be elements of a concrete domain which does not grow.
-    /// Of subsets of abstract domains the types say enough.
+    /// Returns `true` if an argument must be an element of a concrete domain that does not grow.
+    /// For subsets of abstract domains, the check of types suffices.
     pub(super) fn is_narrow(&self, parameters: &[TypeId]) -> bool {
         let (types, domains) = (&self.model.types, &self.model.domains);
         let mut parts = parameters.iter().flat_map(|&ty| types.reach(ty, domains));
@@ -232,7 +233,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// The elements of a domain as a range, where nothing has to be computed for it.
+    /// Returns the elements of a domain as a range that needs no computation where possible.
     pub(super) fn range(&self, domain: asmotion_hir::DomainId) -> BinderRange {
         match (
             &self.program.domains[domain.0 as usize].elements,

@@ -1,4 +1,4 @@
-//! What is true of the functions and rules of a model, whoever calls them.
+//! Static analysis: properties of functions and rules that hold for every call.
 
 use super::needs::recursive;
 use asmotion_hir::{
@@ -8,29 +8,29 @@ use asmotion_hir::{
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;
 
-/// Facts that lowering decides by.
+/// The results of the analysis; least sets closed under the rules below.
 #[derive(Debug, Default)]
 pub(super) struct Facts {
-    /// Functions whose value may change from state to state.
+    /// Functions whose value may differ between states.
     dynamic: BTreeSet<FunctionId>,
-    /// Types whose elements may become more: `extend` adds to abstract domains.
+    /// Types whose set of elements may grow, because `extend` adds to abstract domains.
     growing: BTreeSet<TypeId>,
-    /// Functions whose value may depend on what the environment alone owns.
+    /// Functions whose value may depend on a monitored function or on the time.
     monitored: BTreeSet<FunctionId>,
-    /// Functions whose value may depend on an input, or on the time.
+    /// Functions whose value may depend on a monitored or shared function or on the time.
     inputs: BTreeSet<FunctionId>,
-    /// Functions whose initial value may.
+    /// Functions whose initial value may depend on one of those.
     initial_inputs: BTreeSet<FunctionId>,
-    /// Variables that a rule, or a macro it calls, writes: parameters of macros that stand for
-    /// locations, and others that become locations.
+    /// Variables that a rule, or a macro it calls, assigns: macro parameters that stand for
+    /// locations, and variables that are turned into locations.
     assigned: BTreeSet<(RuleId, VarId)>,
-    /// Rules that write `result`, themselves or in a macro they call.
+    /// Rules that write `result`, directly or in a macro they call.
     returning: BTreeSet<RuleId>,
-    /// Parameters whose value a rule needs, whatever happens.
+    /// Parameters whose value a rule uses in every execution.
     pub(super) needed: BTreeSet<(RuleId, VarId)>,
-    /// Rules on a way from a rule to itself.
+    /// Rules that may call themselves, directly or indirectly.
     recursive: BTreeSet<RuleId>,
-    /// Rules that see intermediate states, themselves or in a rule they call.
+    /// Rules with intermediate states (`seq`, loops), directly or in a rule they call.
     sequential: BTreeSet<RuleId>,
     /// Rules that are used as values.
     pub rule_values: BTreeSet<RuleId>,
@@ -48,43 +48,43 @@ impl Facts {
         facts
     }
 
-    /// Whether a function has one value for ever.
+    /// Returns `true` if a function has the same value in all states.
     pub fn is_static(&self, function: FunctionId) -> bool {
         !self.dynamic.contains(&function)
     }
 
-    /// Whether a rule writes one of its so many parameters.
+    /// Returns `true` if a rule assigns one of its parameters, of which there are `parameters`.
     pub fn assigns_parameter(&self, rule: RuleId, parameters: usize) -> bool {
         let parameters = (rule, VarId(0))..(rule, VarId(parameters as u32));
         self.assigned.range(parameters).next().is_some()
     }
 
-    /// Whether a rule writes this variable.
+    /// Returns `true` if a rule assigns this variable.
     pub fn assigns(&self, rule: RuleId, variable: VarId) -> bool {
         self.assigned.contains(&(rule, variable))
     }
 
-    /// Whether a rule writes `result`.
+    /// Returns `true` if a rule writes `result`.
     pub fn returns(&self, rule: RuleId) -> bool {
         self.returning.contains(&rule)
     }
 
-    /// Whether a rule needs the value of this parameter, whatever happens.
+    /// Returns `true` if a rule uses the value of this parameter in every execution.
     pub fn needs(&self, rule: RuleId, parameter: VarId) -> bool {
         self.needed.contains(&(rule, parameter))
     }
 
-    /// Whether a rule may call itself.
+    /// Returns `true` if a rule may call itself.
     pub fn is_recursive(&self, rule: RuleId) -> bool {
         self.recursive.contains(&rule)
     }
 
-    /// Whether a rule sees intermediate states.
+    /// Returns `true` if a rule has intermediate states.
     pub fn is_sequential(&self, rule: RuleId) -> bool {
         self.sequential.contains(&rule)
     }
 
-    /// Whether the value of a term may change during a step.
+    /// Returns `true` if the value of a term may change during a step.
     pub fn is_dynamic(&self, term: &Term) -> bool {
         let mut ranges_over_growing = false;
         visit(term, &mut |term| match &*term.kind {
@@ -95,17 +95,18 @@ impl Facts {
         ranges_over_growing || mentions(term, &|function| self.dynamic.contains(&function))
     }
 
-    /// Whether the initial value of a function may depend on an input.
+    /// Returns `true` if the initial value of a function may depend on an input.
     pub fn begins_with_input(&self, function: FunctionId) -> bool {
         self.initial_inputs.contains(&function)
     }
 
-    /// Whether a term may depend on what the environment alone owns.
+    /// Returns `true` if a term may depend on a monitored function or on the time.
     pub fn reads_monitored(&self, term: &Term) -> bool {
         mentions(term, &|function| self.monitored.contains(&function))
     }
 
-    /// Whether a term may depend on an input.
+    /// Returns `true` if a term may depend on an input: a monitored or shared function, or the
+    /// time.
     pub fn reads_input(&self, term: &Term) -> bool {
         mentions(term, &|function| self.inputs.contains(&function))
     }
@@ -137,7 +138,7 @@ impl Facts {
                 self.monitored.insert(id);
             }
         }
-        // Definitions inherit it from what they mention.
+        // Propagate to the functions whose definitions use these, up to the fixed point.
         loop {
             let size = |facts: &Self| {
                 facts.dynamic.len()
@@ -210,7 +211,7 @@ impl Facts {
         }
     }
 
-    /// How much is known: facts are looked for as long as there are more of them.
+    /// Returns the number of facts about rules; the fixed point is reached when it no longer grows.
     fn size(&self) -> usize {
         self.assigned.len()
             + self.sequential.len()
@@ -235,7 +236,7 @@ impl Facts {
                     self.call(model, id, *callee, arguments);
                 }
                 RuleKind::Call(callee, arguments) => self.call(model, id, *callee, arguments),
-                // what runs is not known: assume the worst
+                // the rule is unknown until run time: assume the worst
                 RuleKind::Run(..) => {
                     self.sequential.insert(id);
                 }
@@ -263,8 +264,8 @@ impl Facts {
         }
     }
 
-    /// What a rule does because a rule it calls does it. A turbo rule keeps its parameters and its
-    /// result to itself.
+    /// Propagates the facts about a called rule to the caller. A turbo rule only passes on that it
+    /// has intermediate states; its parameters and its result are local.
     fn call(&mut self, model: &Model, caller: RuleId, callee: RuleId, arguments: &[Term]) {
         if self.sequential.contains(&callee) {
             self.sequential.insert(caller);
@@ -285,12 +286,12 @@ impl Facts {
     }
 }
 
-/// The numbers of the rules that were added: those behind the declared ones.
+/// Returns the ids of added rules, which follow those of the declared ones.
 pub(super) fn added_rules(model: &Model) -> impl Iterator<Item = RuleId> {
     (model.rules.len() as u32..).map(RuleId)
 }
 
-/// The definition of a function that has one.
+/// Returns the definition of a function, if it has one.
 pub(super) fn definition(function: &Function) -> Option<&Body<Term>> {
     match &function.meaning {
         Meaning::Defined(body) => Some(body),
@@ -302,7 +303,7 @@ pub(super) fn definition(function: &Function) -> Option<&Body<Term>> {
     }
 }
 
-/// Calls `see` for a rule and all rules in it.
+/// Calls `see` for a rule and, recursively, all rules in it.
 pub fn walk<'a>(rule: &'a RuleTerm, see: &mut dyn FnMut(&'a RuleTerm)) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
         see(rule);
@@ -342,7 +343,7 @@ pub fn walk<'a>(rule: &'a RuleTerm, see: &mut dyn FnMut(&'a RuleTerm)) {
     });
 }
 
-/// Calls `see` for the terms that stand in a rule itself, not for those of the rules in it.
+/// Calls `see` for the terms of a rule, without those of the rules in it.
 fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
     let mut all = |terms: &[Term]| terms.iter().for_each(&mut *see);
     match &*rule.kind {
@@ -385,7 +386,7 @@ fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
     }
 }
 
-/// Whether the elements of a type may become more while a machine runs.
+/// Returns `true` if the set of a type's elements may grow while a machine runs.
 fn grows(model: &Model, ty: TypeId) -> bool {
     let mut parts = model.types.reach(ty, &model.domains);
     parts.any(|part| match model.types.get(part) {
@@ -394,7 +395,7 @@ fn grows(model: &Model, ty: TypeId) -> bool {
     })
 }
 
-/// Whether a term applies a function that passes the test.
+/// Returns `true` if a term applies a function that satisfies `wanted`.
 fn mentions(term: &Term, wanted: &dyn Fn(FunctionId) -> bool) -> bool {
     let mut found = false;
     visit(term, &mut |term| match &*term.kind {
@@ -404,7 +405,7 @@ fn mentions(term: &Term, wanted: &dyn Fn(FunctionId) -> bool) -> bool {
     found
 }
 
-/// Calls `see` for a term and all terms in it.
+/// Calls `see` for a term and, recursively, all its subterms.
 pub fn visit(term: &Term, see: &mut dyn FnMut(&Term)) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
         see(term);
@@ -412,7 +413,7 @@ pub fn visit(term: &Term, see: &mut dyn FnMut(&Term)) {
     });
 }
 
-/// Calls `see` for the terms directly in a term.
+/// Calls `see` for the direct subterms of a term.
 pub(super) fn subterms(term: &Term, see: &mut dyn FnMut(&Term)) {
     match &*term.kind {
         TermKind::Value(_)

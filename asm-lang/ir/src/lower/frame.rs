@@ -1,4 +1,4 @@
-//! What the variables of a body stand for while it is lowered.
+//! Bindings of variables while a body is lowered.
 
 use super::facts;
 use crate::program::Local;
@@ -7,43 +7,43 @@ use asmotion_value::RuleId;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// What a variable stands for.
+/// The replacement of a variable in lowered code.
 #[derive(Clone, Debug)]
 pub(super) enum VariableBinding {
     /// A local of the frame.
     Local(Local),
     /// A term passed by name.
     Term(Rc<Closed>),
-    /// A location of its own: rules assign it.
+    /// A location, because rules assign the variable.
     State {
-        /// Holds the number of the run of the rule that binds it.
+        /// The local that holds the number of the run of the binding rule.
         run: Local,
-        /// The number of the variable.
+        /// The variable's number within the rule.
         index: u32,
     },
 }
 
-/// A term passed by name, with what its variables stand for.
+/// A term passed by name, with the bindings of its free variables.
 #[derive(Debug)]
 pub(super) struct Closed {
     pub term: asmotion_hir::Term,
     pub bindings: Vec<Option<VariableBinding>>,
-    /// Equal keys, equal terms.
+    /// Canonical text; closed terms with equal keys are equal.
     pub key: String,
 }
 
-/// The variables of a body while it is lowered.
+/// The variables of a body and the size of its frame, during lowering.
 #[derive(Debug)]
 pub(super) struct LoweringFrame {
     bindings: Vec<Option<VariableBinding>>,
-    /// How many locals are in use.
+    /// Number of locals allocated so far.
     pub locals: u32,
-    /// The rule whose variables these are.
+    /// The rule that is being lowered; `None` for other bodies.
     pub rule: Option<RuleId>,
 }
 
 impl LoweringFrame {
-    /// A frame without variables, for the body of a rule.
+    /// Creates an empty frame for the body of a rule.
     pub fn of_rule(rule: RuleId) -> Self {
         Self {
             bindings: Vec::new(),
@@ -52,7 +52,7 @@ impl LoweringFrame {
         }
     }
 
-    /// A frame whose first variables are its arguments.
+    /// Creates a frame whose first variables are the arguments.
     pub fn of(arguments: usize, variables: usize) -> Self {
         let bindings = (0..variables)
             .map(|index| (index < arguments).then_some(VariableBinding::Local(index as Local)))
@@ -68,20 +68,20 @@ impl LoweringFrame {
         self.bindings.get(variable.0 as usize).cloned().flatten()
     }
 
-    /// A local without a variable.
+    /// Allocates a local that belongs to no variable.
     pub fn fresh(&mut self) -> Local {
         self.locals += 1;
         self.locals - 1
     }
 
-    /// Gives a variable a local.
+    /// Allocates a local for a variable.
     pub fn bind(&mut self, variable: VarId) -> Local {
         let local = self.fresh();
         self.set(variable, VariableBinding::Local(local));
         local
     }
 
-    /// Says what a variable stands for.
+    /// Sets the replacement of a variable.
     pub fn set(&mut self, variable: VarId, binding: VariableBinding) {
         let index = variable.0 as usize;
         if self.bindings.len() <= index {
@@ -90,12 +90,12 @@ impl LoweringFrame {
         self.bindings[index] = Some(binding);
     }
 
-    /// What all variables stand for.
+    /// Returns the replacements of all variables, indexed by variable.
     pub fn bindings(&self) -> &[Option<VariableBinding>] {
         &self.bindings
     }
 
-    /// Works with the variables of a term passed by name, in this frame.
+    /// Runs `work` with the bindings of a by-name term in place of those of this frame.
     pub fn within<T>(&mut self, closed: &Closed, work: impl FnOnce(&mut Self) -> T) -> T {
         let outer = std::mem::replace(&mut self.bindings, closed.bindings.clone());
         let result = work(self);
@@ -104,8 +104,8 @@ impl LoweringFrame {
     }
 }
 
-/// Closes a term over the locals its variables stand for: they become further arguments of the
-/// macro, numbered from `base` on.
+/// Closes a term over the locals of its free variables. Those become additional arguments of the
+/// macro, numbered from `base`.
 pub(super) fn close(
     term: &asmotion_hir::Term,
     bindings: &[Option<VariableBinding>],

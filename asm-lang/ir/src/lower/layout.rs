@@ -1,4 +1,4 @@
-//! Which slots the locations of the functions are.
+//! Layout: assigns slots to the locations of functions.
 
 use super::{Lowering, domain, order, reach};
 use crate::program::{
@@ -8,14 +8,15 @@ use asmotion_hir::{Meaning, Type, TypeId};
 use asmotion_stdlib::MessageQuery;
 
 impl Lowering<'_> {
-    /// Gives every function its storage, in order of declaration.
+    /// Assigns storage to every function, in order of declaration.
     pub(super) fn layout(&mut self) {
         self.domains();
         for (index, function) in self.model.functions.iter().enumerate() {
             let id = asmotion_hir::FunctionId(index as u32);
             let is_result = self.model.reserved.result == Some(id);
             let stored = is_result || matches!(function.meaning, Meaning::State);
-            // values that need others of the same function are computed when they are met
+            // initial values that depend on others of the same function are computed on first
+            // access
             let met = function.initial.is_some()
                 && (self.model.compatible || order::is_recursive(self.model, id));
             let storage = match (stored, met) {
@@ -59,7 +60,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Slots for all locations of such arguments, if they are not too many.
+    /// Allocates slots for all locations with arguments in these ranges, unless there are too many.
     fn dense(&mut self, ranges: Vec<AxisRange>) -> Storage {
         let count = ranges.iter().try_fold(1u64, |product, range| {
             product
@@ -90,12 +91,12 @@ impl Lowering<'_> {
         }
     }
 
-    /// Gives functions over domains without end slots for the arguments that the program gives them,
-    /// as far as those are known. Their locations are met like those of other such functions.
+    /// Allocates slots for functions over infinite domains, for the arguments that the program is
+    /// known to use. Such a location gets its value on first access, like an interned one.
     pub(super) fn lazy_layout(&mut self) {
         self.program.eager = self.program.slots;
         if self.model.compatible {
-            // there the order in which locations are met counts
+            // in this mode, the order of first accesses is observable
             return;
         }
         let used = reach::arguments(&self.program);
@@ -124,7 +125,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// What an argument of this type ranges over, if that is finite and known.
+    /// Returns the range of an argument of this type if it is finite and known.
     fn axis(&self, ty: TypeId) -> Option<AxisRange> {
         match self.model.types.get(ty) {
             Type::Boolean => Some(AxisRange::Bool),
@@ -152,7 +153,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Nanoseconds a unit of a clock of the time libraries.
+/// Returns the nanoseconds in a unit of a clock function of the time libraries.
 fn clock(name: &str) -> Option<i64> {
     const SECOND: i64 = 1_000_000_000;
     Some(match name {
@@ -178,7 +179,7 @@ fn kind(kind: asmotion_hir::FunctionKind) -> FunctionKind {
     }
 }
 
-/// What a function asks about messages.
+/// Returns the query about messages that a function stands for.
 fn mail(function: &asmotion_hir::Function) -> Option<MessageQuery> {
     match function.library {
         true => MessageQuery::named(&function.name),

@@ -1,4 +1,4 @@
-//! What only shows when all definitions are known.
+//! Lints that need all definitions.
 
 use super::facts::{Facts, visit};
 use crate::codes::w006::StaticChanges;
@@ -8,7 +8,7 @@ use asmotion_hir::{
     DomainId, Function, FunctionKind, Meaning, Model, Term, TermKind, Type, TypeId,
 };
 
-/// The functions that are not of the kind they are declared.
+/// Reports static functions that change and derived functions that never do.
 pub(super) fn warnings(model: &Model, facts: &Facts) -> Report {
     let mut report = Report::new();
     for (id, function) in model.own_functions() {
@@ -47,8 +47,8 @@ fn constant(function: &Function, body: Span) -> Diagnostic {
     .diagnostic()
 }
 
-/// Whether an argument or the value is of a dynamic domain. AsmetaS wants such a function derived,
-/// and counts `Agent` among them.
+/// Returns `true` if an argument or the value belongs to a dynamic domain. AsmetaS requires such a
+/// function to be derived, and regards `Agent` as dynamic.
 fn takes_dynamic(model: &Model, function: &Function) -> bool {
     let is_dynamic = |id: &DomainId| {
         let domain = model.domain(*id);
@@ -78,7 +78,8 @@ fn takes_dynamic(model: &Model, function: &Function) -> bool {
     false
 }
 
-/// The first part that changes: a location, what is derived from one, or a domain that grows.
+/// Returns the span of the first part whose value may change: a location, a function derived from
+/// one, or a domain that grows.
 fn changes(facts: &Facts, body: &Term) -> Option<Span> {
     let mut found: Option<Span> = None;
     visit(body, &mut |term| {
@@ -96,7 +97,7 @@ fn changes(facts: &Facts, body: &Term) -> Option<Span> {
     found
 }
 
-/// The first word of the declaration.
+/// Returns the span of the declaration's first keyword, `word`.
 fn keyword(function: &Function, word: &str) -> Span {
     let declaration = function.declaration;
     Span {

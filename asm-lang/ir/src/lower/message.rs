@@ -1,5 +1,5 @@
-//! Messages: what a specification that imports CommonBehavior tells about them with, and whether those
-//! it sends are those that its partners know.
+//! Messages of specifications that import CommonBehavior: the functions and literals that the
+//! machine needs, and a check of sent messages against the interfaces of their receivers.
 
 use super::facts::walk;
 use crate::codes::a040::UnknownOperation;
@@ -9,33 +9,34 @@ use asmotion_diagnostics::{Diagnostic, Finding, Report, Span};
 use asmotion_hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
 use asmotion_value::{Atom, Value};
 
-/// A rule of the library applied: who it speaks to about what.
+/// An application of a message rule of the library to a named operation.
 #[derive(Clone, Copy, Debug)]
 pub struct MessageUse<'a> {
-    /// What it does.
+    /// The side of the communication that the rule is on.
     pub role: MessageRole,
-    /// The partner.
+    /// The partner agent, the rule's first argument.
     pub partner: &'a Term,
-    /// The operation, as it is spelt.
+    /// Name of the operation as written, for example `r_plan(Agent,Goal)`.
     pub operation: &'a str,
-    /// Where that stands.
+    /// Span of that name.
     pub at: Span,
-    /// What is said.
+    /// The data sent, if any.
     pub data: Option<&'a Term>,
-    /// Where it is put what the partner says.
+    /// The location that receives the reply, if any.
     pub reply: Option<&'a Term>,
 }
 
-/// What a rule of the library does with a message.
+/// The side of a communication that a message rule is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageRole {
-    /// `r_wsend`, `r_wcall`, `r_wsendreceive`, `r_wcancel`: the partner has the operation.
+    /// `r_wsend`, `r_wcall`, `r_wsendreceive`, `r_wcancel`: the partner provides the operation.
     Ask,
-    /// `r_wreceive`, `r_wreply`: the agent itself has it.
+    /// `r_wreceive`, `r_wreply`: the agent itself provides the operation.
     Serve,
 }
 
-/// Where the specification itself applies a rule of the library to an operation that it names.
+/// Lists the places where the rules of the specification apply a message rule to a literal
+/// operation name.
 pub fn message_uses(model: &Model) -> Vec<MessageUse<'_>> {
     let mut uses = Vec::new();
     for rule in model.rules.iter().filter(|rule| !rule.library) {
@@ -63,7 +64,7 @@ fn message_use<'a>(rule: &str, arguments: &'a [Term]) -> Option<MessageUse<'a>> 
             (MessageRole::Ask, Some(data), Some(reply))
         }
         ("r_wsendreceive", [reply]) => (MessageRole::Ask, None, Some(reply)),
-        // what an agent is asked and answers, it knows from itself
+        // no check of data: the agent serves an operation of its own
         ("r_wreceive" | "r_wreply" | "r_wreplay", _) => (MessageRole::Serve, None, None),
         _ => return None,
     };
@@ -80,7 +81,7 @@ fn message_use<'a>(rule: &str, arguments: &'a [Term]) -> Option<MessageUse<'a>> 
     })
 }
 
-/// Operations that partners do not have, and data that these do not take.
+/// Reports operations that a partner does not provide, and data that they do not accept.
 pub(super) fn check(model: &Model, report: &mut Report) {
     for used in message_uses(model) {
         if used.role == MessageRole::Serve {
@@ -92,7 +93,8 @@ pub(super) fn check(model: &Model, report: &mut Report) {
     }
 }
 
-/// What a domain of agents can do: the out functions that are declared where it is, for an agent each.
+/// The operations of a domain of agents: the out functions declared in the same file that take such
+/// an agent as their first argument.
 struct AgentInterface<'a> {
     model: &'a Model,
     domain: &'a Domain,
@@ -187,7 +189,8 @@ impl<'a> AgentInterface<'a> {
     }
 }
 
-/// The status of agents and the literals of the library, if it is imported.
+/// Collects the status function and the literals of the message library; `None` if it is not
+/// imported.
 pub(super) fn messages(model: &Model) -> Option<Messages> {
     let literal = |function: &str, name: &str| {
         let (_, function) = library_function(model, function)?;

@@ -1,5 +1,6 @@
-//! Which arguments a rule needs whatever happens, and which may be computed without harm: all others
-//! are passed by name, lest a term fails, or asks the environment, that no rule wants to know.
+//! Determines which arguments a rule always uses, and which can be evaluated without an observable
+//! effect. Any other argument is passed by name: evaluating it could fail or ask the environment
+//! although no rule uses its value.
 
 use super::facts::{Facts, subterms, visit, walk};
 use asmotion_hir::{
@@ -9,14 +10,14 @@ use asmotion_hir::{
 use asmotion_value::RuleId;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The functions of the library that have a value for all arguments.
+/// Library functions that are defined for all arguments.
 const TOTAL: &[&str] = &[
     "eq", "neq", "lt", "le", "gt", "ge", "and", "or", "xor", "not", "implies", "iff", "isDef",
     "isUndef", "contains", "size", "length", "isEmpty", "notEmpty",
 ];
 
 impl Facts {
-    /// Whether a term has a value, and asks no environment for it.
+    /// Returns `true` if the evaluation of a term neither fails nor asks the environment.
     pub fn is_silent(&self, model: &Model, term: &Term) -> bool {
         let mut silent = true;
         visit(term, &mut |term| {
@@ -29,7 +30,7 @@ impl Facts {
                                 declared.kind,
                                 FunctionKind::Monitored | FunctionKind::Shared
                             );
-                            // initial values of other locations may be computed when they are met
+                            // other initial values may be computed on first access
                             let is_known =
                                 declared.initial.is_none() || declared.parameters.is_empty();
                             !is_input && is_known
@@ -61,7 +62,7 @@ impl Facts {
         silent
     }
 
-    /// Notes the parameters that a rule needs.
+    /// Records the parameters that a rule uses in every execution.
     pub(super) fn needs_of(&mut self, model: &Model, id: RuleId, body: &Body<RuleTerm>) {
         let needed = self.needed_by_rule(model, &body.root);
         let parameters = needed
@@ -153,7 +154,7 @@ impl Facts {
     }
 }
 
-/// Adds the variables that a term needs, whatever the others are.
+/// Adds the variables that every evaluation of a term uses.
 fn needed_by(model: &Model, term: &Term, needed: &mut BTreeSet<VarId>) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || match &*term.kind {
         TermKind::Variable(variable) => drop(needed.insert(*variable)),
@@ -164,7 +165,7 @@ fn needed_by(model: &Model, term: &Term, needed: &mut BTreeSet<VarId>) {
         | TermKind::Interval(..)
         | TermKind::Map(_)
         | TermKind::Let(..) => {
-            // a connective may not look at its second operand
+            // a connective may skip its second operand
             let mut first = true;
             let lazy = is_connective(model, term);
             subterms(term, &mut |term| {
@@ -187,14 +188,14 @@ fn needed_by(model: &Model, term: &Term, needed: &mut BTreeSet<VarId>) {
     });
 }
 
-/// The first range is needed; the others are not if it is empty.
+/// Adds the variables used by the first range; the others are skipped if it is empty.
 fn needed_by_ranges(model: &Model, binders: &[Binder], needed: &mut BTreeSet<VarId>) {
     if let Some(binder) = binders.first() {
         needed_by(model, &binder.range, needed);
     }
 }
 
-/// Whether a term may have a value without its second operand having one.
+/// Returns `true` if a term can have a value without evaluating its second operand.
 fn is_connective(model: &Model, term: &Term) -> bool {
     let TermKind::Apply(function, _) = &*term.kind else {
         return false;
@@ -205,8 +206,9 @@ fn is_connective(model: &Model, term: &Term) -> bool {
     )
 }
 
-/// The rules on a way from a rule to itself, or between two such: what is left when rules that no
-/// other one left calls, and then rules that call no other one left, are taken away.
+/// Returns the rules on a cycle of calls, or on a path between two cycles: those that remain after
+/// repeatedly removing rules without a caller, and then rules without a callee. An
+/// over-approximation of recursion that takes linear time.
 pub(super) fn recursive(model: &Model) -> BTreeSet<RuleId> {
     let mut calls: Vec<(RuleId, RuleId)> = Vec::new();
     for (index, rule) in (0..).zip(&model.rules) {
@@ -230,8 +232,7 @@ pub(super) fn recursive(model: &Model) -> BTreeSet<RuleId> {
         .collect()
 }
 
-/// The edges that no way leads past: nodes without an edge to them are taken away with theirs, again
-/// and again.
+/// Returns the edges that remain after repeatedly removing the nodes without an incoming edge.
 fn on_cycles(mut edges: Vec<(RuleId, RuleId)>) -> Vec<(RuleId, RuleId)> {
     edges.sort_unstable();
     let mut arriving: BTreeMap<RuleId, usize> = BTreeMap::new();

@@ -1,4 +1,5 @@
-//! In which order the initial state is made: domains and initial values, each after what it needs.
+//! The order in which the initial state is computed: domains and initial values, each after those
+//! it depends on.
 
 use super::facts::{definition, visit};
 use super::{domain, function_id};
@@ -6,17 +7,17 @@ use crate::program::{DomainElements, Initial, Program};
 use asmotion_hir::{Body, DomainId, FunctionId, Model, Term, TermKind, Type};
 use std::collections::BTreeSet;
 
-/// The order, and the domains for which there is none.
+/// A topological order, and the domains that have none.
 #[derive(Debug, Default)]
 pub(super) struct InitialOrder {
-    /// Functions with initial values, and domains that must be computed.
+    /// Functions with initial values, and domains that must be computed, in order of dependency.
     pub steps: Vec<Initial>,
-    /// Domains whose definitions lead back to them.
+    /// Domains whose definitions depend on themselves.
     pub circular: Vec<DomainId>,
 }
 
-/// Functions whose initial values depend on each other stand in order of declaration: their values
-/// are computed one by one when they are wanted.
+/// Determines the order. Functions whose initial values depend on each other stand in order of
+/// declaration; their values are computed one by one on first access.
 pub(super) fn initial(model: &Model, program: &Program) -> InitialOrder {
     let mut search = OrderSearch {
         model,
@@ -34,7 +35,7 @@ pub(super) fn initial(model: &Model, program: &Program) -> InitialOrder {
     search.order
 }
 
-/// Whether the initial value of a function depends on other values of the same function.
+/// Returns `true` if initial values of a function depend on other values of the same function.
 pub(super) fn is_recursive(model: &Model, function: FunctionId) -> bool {
     let mut seen = BTreeSet::new();
     let mut open = vec![function];
@@ -63,7 +64,7 @@ struct OrderSearch<'a> {
     model: &'a Model,
     program: &'a Program,
     seen: BTreeSet<OrderNode>,
-    /// The way here.
+    /// The path of the depth-first search.
     open: Vec<OrderNode>,
     order: InitialOrder,
 }
@@ -118,7 +119,7 @@ fn bodies(model: &Model, node: OrderNode) -> Vec<&Body<Term>> {
     }
 }
 
-/// The functions and domains that a term mentions.
+/// Returns the functions and domains that a term refers to.
 fn needs(model: &Model, term: &Term) -> BTreeSet<OrderNode> {
     let mut needed = BTreeSet::new();
     visit(term, &mut |term| match &*term.kind {

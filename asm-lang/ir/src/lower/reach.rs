@@ -1,7 +1,8 @@
-//! Which integers a program gives functions over domains without end, as far as it shows: `cell(r + 1,
-//! c)` where `r` and `c` range over an interval.
+//! Reachability of arguments: the integers that a program passes to functions over infinite
+//! domains, as far as interval analysis shows. Example: `cell(r + 1, c)`, where `r` and `c` range
+//! over an interval.
 //!
-//! What is found only says where slots are laid out. Other arguments are met all the same.
+//! The result only decides which locations get slots. All other arguments remain possible.
 
 use crate::code::{AssignTarget, Binder, BinderRange, Rule, RuleNode, Term, TermNode};
 use crate::interval::IntegerInterval;
@@ -12,14 +13,15 @@ use crate::program::{
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
-/// Beyond these bounds nothing is laid out.
+/// Arguments of greater magnitude get no slots.
 const MOST: i64 = 1 << 20;
 
-/// So often the arguments of a routine are found to range wider before they count as unknown.
+/// Widening: the number of times that the intervals of a routine's arguments may grow before they
+/// are taken as unknown.
 const PATIENCE: u8 = 4;
 
-/// For each function over integers without end the integers each argument is known to range over;
-/// `None` for an argument of another type.
+/// Returns, for each function over unbounded integers, the interval of each argument, or `None` for
+/// an argument of another type.
 pub(super) fn arguments(program: &Program) -> Vec<(FunctionId, Vec<Option<IntegerInterval>>)> {
     let mut reach = ReachAnalysis {
         program,
@@ -36,7 +38,7 @@ pub(super) fn arguments(program: &Program) -> Vec<(FunctionId, Vec<Option<Intege
 }
 
 impl IntegerInterval {
-    /// The axis of arguments within these bounds.
+    /// Returns the axis for arguments in this interval, if it is small enough.
     pub(super) fn axis(self) -> Option<AxisRange> {
         let count = u32::try_from(self.high.checked_sub(self.low)?.checked_add(1)?).ok()?;
         Some(AxisRange::Ints {
@@ -46,7 +48,8 @@ impl IntegerInterval {
     }
 }
 
-/// The arguments of a routine or body, and how often they were widened.
+/// Intervals of the arguments of a routine or body, and the number of times they grew; `None`
+/// before the first call.
 type Given = Option<(Vec<IntegerInterval>, u8)>;
 
 #[derive(Clone, Copy)]
@@ -64,7 +67,7 @@ struct ReachAnalysis<'p> {
 }
 
 impl ReachAnalysis<'_> {
-    /// Whatever runs of its own accord: the main rule, rules that are values, invariants.
+    /// Starts with the code that is run without a call: the main rule, rule values and invariants.
     fn begin(&mut self) {
         let values = self.program.rules.iter().filter_map(|rule| rule.routine);
         for routine in self.program.main.into_iter().chain(values) {
@@ -79,7 +82,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Notes what a part is called with; it is gone through again if that is more than before.
+    /// Joins the arguments of a call with those known, and queues the callee if they grew.
     fn call(&mut self, part: ReachItem, arguments: Vec<IntegerInterval>) {
         let given = match part {
             ReachItem::Routine(routine) => &mut self.routines[routine.0 as usize],
@@ -253,7 +256,7 @@ impl ReachAnalysis<'_> {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, known))
     }
 
-    /// Goes through a term; gives what integers it may be.
+    /// Analyses a term and returns the interval of its value.
     fn term_here(&mut self, term: &Term, known: &mut Vec<IntegerInterval>) -> IntegerInterval {
         match &*term.node {
             TermNode::Constant(Value::Int(number)) => return IntegerInterval::of(*number),
@@ -338,7 +341,7 @@ impl ReachAnalysis<'_> {
         IntegerInterval::ANY
     }
 
-    /// Notes a location of a function over integers without end.
+    /// Records an access to a location of a function over unbounded integers.
     fn uses(&mut self, function: FunctionId, arguments: &[IntegerInterval]) {
         let declared = &self.program.functions[function.0 as usize];
         let is_written = match declared.kind {
@@ -371,7 +374,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Whether the values of a shape are integers without known bounds.
+    /// Returns `true` if a shape consists of integers without known bounds.
     fn is_endless(&self, shape: &ValueShape) -> bool {
         match shape {
             ValueShape::Int | ValueShape::Natural => true,

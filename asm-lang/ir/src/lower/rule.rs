@@ -1,4 +1,4 @@
-//! Rules lowered.
+//! Lowering of rules.
 
 use super::frame::{LoweringFrame, VariableBinding};
 use super::{Lowering, domain};
@@ -9,7 +9,7 @@ use asmotion_hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
 use asmotion_value::{RuleId, Value};
 
 impl Lowering<'_> {
-    /// A rule in a frame.
+    /// Lowers a rule.
     pub(super) fn rule(&mut self, rule: &RuleTerm, frame: &mut LoweringFrame) -> Rule {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
             let node = self.rule_node(rule, frame);
@@ -128,7 +128,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Where a domain has no end and no guard asks for more, its variable is drawn beforehand.
+    /// Lowers `choose`. Variables over infinite domains are drawn beforehand, provided that the
+    /// guard is missing or `true`.
     fn choose(
         &mut self,
         binders: &[asmotion_hir::Binder],
@@ -170,7 +171,7 @@ impl Lowering<'_> {
         RuleNode::Draw(drawn, rule)
     }
 
-    /// The numbers of a domain without end.
+    /// Returns the sample of an infinite domain, if the binder ranges over one.
     fn endless(&self, binder: &asmotion_hir::Binder) -> Option<Endless> {
         let TermKind::Extent(ty) = *binder.range.kind else {
             return None;
@@ -183,8 +184,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The body of what binds these variables. Those that rules assign become locations: they hold
-    /// the value bound at first, and are forgotten after the body.
+    /// Lowers the body of a rule that binds these variables. A variable that rules assign becomes a
+    /// location, initialised with the bound value and discarded after the body.
     pub(super) fn with_state(
         &mut self,
         bound: &[VarId],
@@ -226,7 +227,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Whether a turbo rule leaves a result, which must not be seen by who calls it.
+    /// Returns `true` if a turbo rule writes a result, which must be hidden from its caller.
     pub(super) fn leaves_result(&self, rule: RuleId) -> bool {
         let declared = self.model.rule(rule);
         declared.turbo && (declared.result.is_some() || self.facts.returns(rule))
@@ -262,7 +263,7 @@ fn variables(binders: &[asmotion_hir::Binder]) -> Vec<VarId> {
     binders.iter().map(|binder| binder.variable).collect()
 }
 
-/// The arguments of the location that a variable is in a run.
+/// Returns the arguments of the location that stands for a variable in a run.
 pub(super) fn at(run: Local, variable: u32, origin: Origin) -> Vec<Term> {
     let index = Term {
         node: Box::new(TermNode::Constant(Value::Int(i64::from(variable)))),

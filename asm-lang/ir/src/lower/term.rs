@@ -1,4 +1,4 @@
-//! Terms lowered: operators become nodes of their own, locations become slots where they can.
+//! Lowering of terms: operators become nodes, and locations become slots where possible.
 
 use super::frame::{LoweringFrame, VariableBinding};
 use super::rule::at;
@@ -12,7 +12,7 @@ use asmotion_hir::{Meaning, TermKind, Type, TypeId};
 use asmotion_value::Value;
 
 impl Term {
-    /// The value of a local, standing here.
+    /// Creates a term for the value of a local.
     pub(super) fn local(local: Local, origin: Origin) -> Self {
         Self {
             node: Box::new(TermNode::Local(local)),
@@ -21,7 +21,7 @@ impl Term {
         }
     }
 
-    /// `undef`, standing here.
+    /// Creates a term for `undef`.
     pub(super) fn undef(origin: Origin) -> Self {
         Self {
             node: Box::new(TermNode::Constant(Value::Undef)),
@@ -76,7 +76,7 @@ impl Lowering<'_> {
         term.map(|term| self.term(term, frame))
     }
 
-    /// A term in a frame.
+    /// Lowers a term.
     pub(super) fn term(&mut self, term: &asmotion_hir::Term, frame: &mut LoweringFrame) -> Term {
         self.nesting += 1;
         let lowered = stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, frame));
@@ -214,7 +214,7 @@ impl Lowering<'_> {
         bound
     }
 
-    /// A function applied to arguments that are lowered already.
+    /// Lowers the application of a function to lowered arguments.
     fn apply(
         &mut self,
         function: asmotion_hir::FunctionId,
@@ -266,7 +266,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `id(a)`, `getAgent("a")`: an element and its name.
+    /// Lowers `id(a)` and `getAgent("a")`, which convert between an element and its name.
     fn name(&mut self, declared: &asmotion_hir::Function, arguments: Vec<Term>) -> TermNode {
         let Some(argument) = arguments.into_iter().next() else {
             return TermNode::Constant(Value::Undef);
@@ -277,7 +277,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// `f(t)` where the one term is a tuple of all arguments.
+    /// Lowers `f(t)` where the single term is the tuple of all arguments.
     fn spread(
         &mut self,
         function: asmotion_hir::FunctionId,
@@ -301,7 +301,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Binds a tuple, and gives its components as the arguments of a function.
+    /// Binds a tuple to a variable and returns its components as the arguments of a function.
     fn components(
         &mut self,
         function: asmotion_hir::FunctionId,
@@ -332,7 +332,7 @@ impl Lowering<'_> {
         (vec![(local, lowered)], components)
     }
 
-    /// A location: a slot if its arguments are constants on their axes.
+    /// Lowers a location: to a slot if its arguments are constants on their axes.
     fn location(&mut self, function: FunctionId, arguments: Vec<Term>) -> TermNode {
         match self.slot(function, &arguments) {
             Some(slot) => TermNode::Slot(function, slot),
@@ -356,7 +356,7 @@ impl Lowering<'_> {
         Some(slot)
     }
 
-    /// What an update writes; `None` after an error.
+    /// Lowers the left-hand side of an update; returns `None` after an error.
     pub(super) fn place(
         &mut self,
         target: &asmotion_hir::UpdateTarget,
@@ -366,7 +366,7 @@ impl Lowering<'_> {
             asmotion_hir::UpdateTarget::Location(function, arguments) => {
                 let wanted = self.model.function(*function).parameters.len();
                 let arguments = match arguments.as_slice() {
-                    // `f(t) := …` with a tuple for all arguments
+                    // `f(t) := …` with a single tuple of all arguments
                     [tuple] if wanted > 1 => self.literal_components(*function, tuple, frame)?,
                     arguments => self.terms(arguments, frame),
                 };
@@ -424,7 +424,7 @@ impl Lowering<'_> {
         }
         let (bindings, components) = self.components(function, tuple, frame);
         let (_, tuple) = bindings.into_iter().next()?;
-        // each component evaluates the tuple anew: it is the same within a step
+        // each component evaluates the tuple again, which gives the same value within a step
         Some(
             components
                 .into_iter()
@@ -439,7 +439,7 @@ impl Lowering<'_> {
         )
     }
 
-    /// A library function: the operators that machines know become nodes.
+    /// Lowers the application of a library function; the operators of the machine become nodes.
     fn builtin(
         &mut self,
         builtin: &'static asmotion_stdlib::Builtin,
@@ -458,7 +458,7 @@ impl Lowering<'_> {
         if let (Some(left), Some(right), None) = (operands.next(), operands.next(), operands.next())
         {
             if let Some(logic) = logic(builtin.name).filter(|_| {
-                // the reference evaluates both operands
+                // the reference always evaluates both operands
                 builtin.domain == "Prod(Boolean,Boolean)" && !self.model.compatible
             }) {
                 return TermNode::Logic(logic, left, right);
@@ -471,7 +471,8 @@ impl Lowering<'_> {
             {
                 return TermNode::Arithmetic(arithmetic, left, right);
             }
-            // numbers of different domains are equal as numbers: the library converts them
+            // numbers of different domains compare by numeric value, which needs a conversion by
+            // the library
             let mixed = left.kind != right.kind && builtin.domain.contains("Real");
             if builtin.name == "eq" && !mixed {
                 return TermNode::Equal(left, right);
@@ -497,7 +498,7 @@ impl Lowering<'_> {
         TermNode::Builtin(builtin, arguments)
     }
 
-    /// A guard that was left out holds.
+    /// Lowers an optional guard; `None` also for a guard that is the constant `true`.
     pub(super) fn guard(
         &mut self,
         guard: Option<&asmotion_hir::Term>,

@@ -1,4 +1,4 @@
-//! Terms that give collections.
+//! Compilation of collection terms.
 
 use super::Compiler;
 use super::range::Ranges;
@@ -55,7 +55,7 @@ impl Compiler<'_> {
     }
 }
 
-/// The collection of the items.
+/// Builds a collection from its elements.
 pub(super) fn collect(collection: Collection, items: Vec<Value>) -> Value {
     match collection {
         Collection::Set => Value::set(items),
@@ -64,8 +64,8 @@ pub(super) fn collect(collection: Collection, items: Vec<Value>) -> Value {
     }
 }
 
-/// The elements of `from : to, step`, the bound included when it is reached; `None` if a bound is
-/// undef, the count if there are too many.
+/// Lists the elements of `from : to, step`, including the bound if a step reaches it. Returns
+/// `None` if a bound is undef, and the count as an error if there are too many elements.
 fn listed(from: &Value, to: &Value, step: Option<&Value>) -> Result<Option<Vec<Value>>, u64> {
     match (from, to, step) {
         (Value::Int(from), Value::Int(to), None | Some(Value::Int(_))) => {
@@ -110,7 +110,7 @@ fn listed(from: &Value, to: &Value, step: Option<&Value>) -> Result<Option<Vec<V
     }
 }
 
-/// How many decimals a number is written with.
+/// Returns the number of decimals in the shortest representation of a number.
 fn decimals(number: f64) -> usize {
     let written = format!("{number}");
     written
@@ -118,7 +118,7 @@ fn decimals(number: f64) -> usize {
         .map_or(0, |(_, decimals)| decimals.len())
 }
 
-/// The number with so many decimals: `0.1 + 2 · 0.1` is `0.3`, as it is written.
+/// Rounds to a number of decimals: `0.1 + 2 · 0.1` gives `0.3`, as a reader expects.
 fn rounded(number: f64, decimals: usize) -> f64 {
     format!("{number:.decimals$}").parse().unwrap_or(number)
 }

@@ -1,4 +1,4 @@
-//! Code that counts how often it runs.
+//! Compilation of rules with a coverage counter.
 
 use super::Compiler;
 use crate::code::RuleCode;

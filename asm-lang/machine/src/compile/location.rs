@@ -1,4 +1,4 @@
-//! Locations: which slot a location is, and what it holds.
+//! Compilation of locations: computes the slot of a location and reads it.
 
 use super::Compiler;
 use crate::code::TermCode;
@@ -9,18 +9,18 @@ use asmotion_ir::{
 };
 use asmotion_value::Value;
 
-/// Finds the slot of a location.
+/// Code that returns the slot of a location.
 pub(super) type SlotCode = Box<dyn Fn(&mut StepContext<'_>) -> Slot + Send + Sync>;
 
-/// Finds the index of an argument on its axis. Off the axis it gives [`MISS`], and leaves the
-/// argument on the stack.
+/// Code that returns the index of an argument on its axis. If the argument is off the axis, it
+/// returns [`MISS`] and leaves the argument on the stack.
 type IndexCode = Box<dyn Fn(&mut StepContext<'_>) -> u32 + Send + Sync>;
 
-/// No index: axes are shorter.
+/// Stands for no index; greater than any index, because axes are shorter.
 const MISS: u32 = u32::MAX;
 
 impl Compiler<'_> {
-    /// What the location of a known slot holds.
+    /// Compiles a read of a known slot.
     pub(super) fn fixed(&self, function: FunctionId, slot: Slot, origin: Origin) -> TermCode {
         if self.is_input(function) {
             return Box::new(move |run| run.input(slot, function, origin));
@@ -29,7 +29,7 @@ impl Compiler<'_> {
         Box::new(move |run| run.state.store.slots[slot].clone())
     }
 
-    /// What a location holds.
+    /// Compiles a read of a location with computed arguments.
     pub(super) fn location(
         &self,
         function: FunctionId,
@@ -49,7 +49,8 @@ impl Compiler<'_> {
         })
     }
 
-    /// The slot of a term that is a location and no input: its value can be looked at where it is.
+    /// Compiles the slot of a term that is a location but no input: its value can be borrowed from
+    /// the state.
     pub(super) fn stored(&self, term: &Term) -> Option<SlotCode> {
         match &*term.node {
             TermNode::Location(function, arguments) if !self.is_input(*function) => {
@@ -66,7 +67,7 @@ impl Compiler<'_> {
         )
     }
 
-    /// The slot of a function applied to arguments.
+    /// Compiles the slot of a function applied to arguments.
     pub(super) fn slot(&self, function: FunctionId, arguments: &[Term]) -> SlotCode {
         let storage = &self.program.functions[function.0 as usize].storage;
         match (storage, &self.windows[function.0 as usize]) {
@@ -158,7 +159,7 @@ fn missed(run: &mut StepContext<'_>, argument: Value) -> u32 {
     MISS
 }
 
-/// Finds the index of the arguments together, and by it the slot.
+/// Computes the indices of all arguments, and the slot from them.
 fn on_axes(
     function: FunctionId,
     mut axes: Vec<(IndexCode, SlotAxis)>,
@@ -187,7 +188,7 @@ fn on_axes(
     })
 }
 
-/// Gives a lazy slot its value.
+/// Initialises a lazy slot on first access.
 #[cold]
 fn meet_lazy(run: &mut StepContext<'_>, function: FunctionId, slot: Slot) -> Slot {
     let from = run.stack.len();
@@ -197,7 +198,7 @@ fn meet_lazy(run: &mut StepContext<'_>, function: FunctionId, slot: Slot) -> Slo
     slot
 }
 
-/// The slot of a location that is met for the first time within a window.
+/// Interns a location on first access and enters it in its window.
 #[cold]
 fn meet(
     run: &mut StepContext<'_>,
@@ -215,8 +216,8 @@ fn meet(
     slot
 }
 
-/// The slot of a location one of whose arguments lies off its axis. That one is on the stack; the
-/// ones before it have indices, the ones after it are still to be computed.
+/// Returns the slot of a location with an argument off its axis. That argument is on the stack;
+/// those before it are given by their indices, and those after it are still to be evaluated.
 #[cold]
 fn off_axes(
     run: &mut StepContext<'_>,

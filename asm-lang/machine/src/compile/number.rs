@@ -1,4 +1,4 @@
-//! Terms compiled to code that gives integers: arithmetic takes this way.
+//! Compilation of integer terms without intermediate [`Value`]s, used for arithmetic.
 
 use super::Compiler;
 use crate::fault::FaultKind;
@@ -6,10 +6,10 @@ use crate::run::{KleeneTruth, StepContext};
 use asmotion_ir::{Arithmetic, Local, Origin, Term, TermNode};
 use asmotion_value::Value;
 
-/// Gives an integer, or nothing where it is undef.
+/// Code that returns an integer, or `None` for undef.
 type IntCode = Box<dyn Fn(&mut StepContext<'_>) -> Option<i64> + Send + Sync>;
 
-/// An integer: the commonest operands need no code of their own.
+/// An integer operand. The most frequent kinds need no closure of their own.
 pub(super) enum IntTerm {
     Constant(i64),
     Local(Local),
@@ -30,7 +30,7 @@ impl IntTerm {
 }
 
 impl Compiler<'_> {
-    /// A term as code that gives an integer.
+    /// Compiles a term of type Integer.
     pub(super) fn integer(&self, term: &Term) -> IntTerm {
         match &*term.node {
             TermNode::Constant(Value::Int(number)) => IntTerm::Constant(*number),
@@ -87,7 +87,8 @@ impl Compiler<'_> {
     }
 }
 
-/// One operation on two integers; each gets code of its own, without a call.
+/// Compiles an operation on two integers. Each combination of operands gets a closure of its own,
+/// which avoids indirect calls.
 fn computed(
     left: IntTerm,
     right: IntTerm,

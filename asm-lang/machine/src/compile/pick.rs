@@ -1,4 +1,4 @@
-//! Candidates of a `choose` some of whose variables were picked from outside.
+//! Candidates of a `choose` with variables that are picked from outside.
 
 use super::range::{RangeCode, Ranges};
 use crate::fault::FaultKind;
@@ -7,10 +7,10 @@ use asmotion_ir::{Origin, ValueShape};
 use asmotion_value::{Atom, Value};
 use std::ops::ControlFlow;
 
-/// The candidates that agree with what was picked.
+/// The candidates that agree with the picked values.
 pub(super) struct Candidates<'a> {
     ranges: &'a Ranges,
-    /// By variable, if something was picked.
+    /// The picked values, indexed by variable; `None` if no value was picked.
     picked: Option<Vec<Option<Value>>>,
 }
 
@@ -31,12 +31,12 @@ impl<'a> Candidates<'a> {
         Self { ranges, picked }
     }
 
-    /// What was picked, if anything was.
+    /// Returns the picked values, if there are any.
     pub fn into_picked(self) -> Option<Vec<Value>> {
         Some(self.picked?.into_iter().flatten().collect())
     }
 
-    /// Calls `visit` for each, in ascending order, until it breaks.
+    /// Calls `visit` for each candidate, in ascending order, until it breaks.
     pub fn each(
         &self,
         run: &mut StepContext<'_>,
@@ -45,7 +45,8 @@ impl<'a> Candidates<'a> {
         match &self.picked {
             None => self.ranges.each(run, visit),
             Some(picked) => {
-                // a break only says that `visit` broke, or that a fault was noted
+                // a break means that `visit` broke or a fault was recorded; both are checked by the
+                // caller
                 let _ = self.ranges.nest_picked(0, picked, run, visit);
             }
         }
@@ -100,7 +101,7 @@ impl Ranges {
 }
 
 impl RangeCode {
-    /// The value, if it lies in the range; a range need not be listed for that.
+    /// Returns the value if it lies in the range, which avoids listing the range.
     fn only(&self, run: &mut StepContext<'_>, value: Value, origin: Origin) -> Vec<Value> {
         let lies_in = match self {
             Self::Ints(low, high) => {
@@ -119,7 +120,7 @@ impl RangeCode {
 
     fn listed(&self, run: &mut StepContext<'_>, origin: Origin) -> Vec<Value> {
         let mut values = Vec::new();
-        // nothing breaks it but a fault
+        // only a fault breaks the loop, and the caller checks for it
         let _ = self.each(run, origin, &mut |_, value| {
             values.push(value);
             ControlFlow::Continue(())
@@ -128,7 +129,7 @@ impl RangeCode {
     }
 }
 
-/// Whether a value is one of a shape's.
+/// Returns `true` if a value has this shape.
 fn has_shape(run: &StepContext<'_>, shape: &ValueShape, value: &Value) -> bool {
     match (shape, value) {
         (ValueShape::Any, _)

@@ -1,4 +1,4 @@
-//! Variables that range over domains and collections.
+//! Compilation of variables that range over domains and collections.
 
 use super::Compiler;
 use crate::code::{TermCode, TruthCode};
@@ -9,12 +9,13 @@ use asmotion_ir::{Binder, BinderRange, DomainId, Local, Origin, Term, TermNode, 
 use asmotion_value::{Atom, Value};
 use std::ops::ControlFlow;
 
-/// Variables with their ranges, and a guard.
+/// Variables with their ranges, and an optional guard.
 pub(super) struct Ranges {
     pub(super) binders: Vec<(Local, RangeCode, Origin)>,
     pub(super) guard: Option<TruthCode>,
     pub(super) guard_origin: Origin,
-    /// Whether an undef guard is a fault (rules) or counts as false in the caller's own way (terms).
+    /// `true` if an undef guard is a fault, as in rules; otherwise the caller interprets it, as in
+    /// terms.
     strict: bool,
 }
 
@@ -52,14 +53,14 @@ impl Compiler<'_> {
 }
 
 impl Ranges {
-    /// Calls `visit` for every assignment of the variables for which the guard holds, in ascending
-    /// order, until it breaks. An undef guard does not hold; in rules it is a fault.
+    /// Calls `visit` for each assignment of the variables that satisfies the guard, in ascending
+    /// order, until it breaks. An undef guard is not satisfied, and in rules it is a fault.
     pub(super) fn each(
         &self,
         run: &mut StepContext<'_>,
         visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
     ) {
-        // a break here only says that `visit` broke; it has noted its result itself
+        // a break carries no information: `visit` has stored its result
         let _ = self.nest(0, run, &mut |run, truth| match truth {
             KleeneTruth::True => visit(run),
             KleeneTruth::False => ControlFlow::Continue(()),
@@ -73,7 +74,7 @@ impl Ranges {
         });
     }
 
-    /// Calls `visit` with the guard's value for every assignment of the variables.
+    /// Calls `visit` with the value of the guard for each assignment of the variables.
     pub(super) fn each_guard(
         &self,
         run: &mut StepContext<'_>,
@@ -112,7 +113,7 @@ impl Ranges {
 }
 
 impl RangeCode {
-    /// Calls `visit` for every value, in ascending order, until it breaks.
+    /// Calls `visit` for each value of the range, in ascending order, until it breaks.
     #[inline]
     pub(super) fn each(
         &self,

@@ -1,4 +1,4 @@
-//! Rules compiled.
+//! Compilation of rules.
 
 use super::Compiler;
 use super::location::SlotCode;
@@ -13,7 +13,7 @@ use asmotion_ir::{AssignTarget, Endless, Local, Origin, RoutineId, Rule, RuleNod
 use asmotion_value::{RuleId, Value};
 use std::ops::ControlFlow;
 
-/// Where a value goes.
+/// Compiled left-hand side of an update.
 enum StoreTarget {
     Location {
         slot: SlotCode,
@@ -43,7 +43,7 @@ impl StoreTarget {
 }
 
 impl Compiler<'_> {
-    /// A rule as code that collects its updates.
+    /// Compiles a rule to code that collects its updates.
     pub fn rule(&self, rule: &Rule) -> RuleCode {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.rule_here(rule))
     }
@@ -157,7 +157,7 @@ impl Compiler<'_> {
         })
     }
 
-    /// The turbo rule's result goes to its place.
+    /// Compiles `target <- r_x(…)`: the update of the target to the turbo rule's result.
     fn assign(
         &self,
         place: Option<&AssignTarget>,
@@ -195,7 +195,7 @@ impl Compiler<'_> {
         })
     }
 
-    /// `program(a)`: the agent is `self` while its program runs.
+    /// Compiles `program(a)`: the agent is `self` while its program runs.
     fn run_agent(&self, agent: &Term, arguments: &[Term], origin: Origin) -> RuleCode {
         let agent = self.term(agent);
         let arguments = self.values(arguments);
@@ -205,7 +205,7 @@ impl Compiler<'_> {
             let Some(rule) = program_of(run, &agent) else {
                 return Err(run.stop(FaultKind::NoProgram(agent), origin));
             };
-            // the caller's arguments speak of the caller
+            // the arguments are evaluated first, while `self` is still the caller
             let given = arguments.stacked(run);
             let outer = std::mem::replace(&mut run.agent, agent);
             let done = run_value(run, &Value::Rule(rule), given, origin);
@@ -234,8 +234,8 @@ impl Compiler<'_> {
         })
     }
 
-    /// `while` stops where its guard fails or its body changes nothing, `iterate` where its body
-    /// changes nothing (Börger & Stärk, §4.1.1), `whilerec` where its guard fails.
+    /// Compiles a loop. `while` ends if its guard fails or its body yields no update, `iterate` if
+    /// its body yields no update (Börger & Stärk, §4.1.1), `whilerec` if its guard fails.
     fn repeat(
         &self,
         guard: Option<&Term>,
@@ -318,7 +318,7 @@ impl Compiler<'_> {
         })
     }
 
-    /// Draws the numbers, each with the same probability.
+    /// Compiles the drawing of numbers from infinite domains, with uniform distribution.
     fn draw(&self, numbers: &[(Local, Endless, Origin)], body: &Rule, origin: Origin) -> RuleCode {
         let numbers = numbers.to_vec();
         let body = self.rule(body);
@@ -345,7 +345,8 @@ impl Compiler<'_> {
         })
     }
 
-    /// Candidates are counted first, then the one chosen is found again: nothing is stored.
+    /// Compiles `choose` without storing candidates: they are counted first, then enumerated again
+    /// up to the chosen one.
     fn choose(&self, ranges: Ranges, body: &Rule, ifnone: &Rule, origin: Origin) -> RuleCode {
         let body = self.rule(body);
         let ifnone = self.rule(ifnone);
@@ -376,7 +377,7 @@ impl Compiler<'_> {
                     return ControlFlow::Continue(());
                 }
                 found = true;
-                // a fault of the body is found by `checked` below
+                // `checked` below finds a fault of the body
                 let _ = body(run);
                 ControlFlow::Break(())
             });
@@ -390,7 +391,7 @@ impl Compiler<'_> {
     }
 }
 
-/// Whether a value is one of the numbers.
+/// Returns `true` if a value belongs to the infinite domain.
 fn is_number(endless: Endless, value: &Value) -> bool {
     match endless {
         Endless::Integer => matches!(value, Value::Int(_)),
@@ -399,7 +400,7 @@ fn is_number(endless: Endless, value: &Value) -> bool {
     }
 }
 
-/// How many numbers there are to draw from.
+/// Returns the size of the sample from which numbers are drawn.
 fn count(endless: Endless) -> usize {
     match endless {
         Endless::Integer | Endless::Natural => 1 << 32,
@@ -407,7 +408,7 @@ fn count(endless: Endless) -> usize {
     }
 }
 
-/// One of the numbers to draw from.
+/// Returns the number at an index of the sample.
 fn number(endless: Endless, index: usize) -> Value {
     let index = index as i64;
     match endless {
@@ -419,7 +420,7 @@ fn number(endless: Endless, index: usize) -> Value {
     }
 }
 
-/// The program of an agent, by the domain it was declared in or taken for.
+/// Returns the program of an agent, according to the domain that it was declared in or created for.
 pub(super) fn program_of(run: &StepContext<'_>, agent: &Value) -> Option<RuleId> {
     let Value::Atom(atom) = agent else {
         return None;
@@ -431,7 +432,7 @@ pub(super) fn program_of(run: &StepContext<'_>, agent: &Value) -> Option<RuleId>
         .map(|(_, rule)| *rule)
 }
 
-/// Runs a rule value; what it is given at the call lies on the stack.
+/// Runs a rule value. The arguments given at the call are on the stack from `given` on.
 fn run_value(
     run: &mut StepContext<'_>,
     rule: &Value,

@@ -1,4 +1,4 @@
-//! Terms compiled to code that gives their values.
+//! Compilation of terms.
 
 use super::Compiler;
 use super::collection::collect;
@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 impl Compiler<'_> {
-    /// A term as code that gives a value.
+    /// Compiles a term to code that returns its value.
     pub fn term(&self, term: &Term) -> TermCode {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term))
     }
@@ -198,7 +198,7 @@ impl Compiler<'_> {
             let result = match builtin.strict && run.stack[from..].iter().any(Value::is_undef) {
                 true => Ok(Value::Undef),
                 false => {
-                    // `naming` borrows the run only in part
+                    // built in place, because a method would borrow all of the context
                     let names = crate::naming::Naming {
                         program: run.program,
                         reserve: &run.state.store.reserve,
@@ -228,7 +228,7 @@ fn name(run: &StepContext<'_>, element: &Value) -> String {
     element.show(&naming).to_string()
 }
 
-/// The element of a domain that is called so.
+/// Returns the element of a domain with this name, or undef.
 fn named(run: &StepContext<'_>, domain: DomainId, text: &Value) -> Value {
     let Value::Text(text) = text else {
         return Value::Undef;

@@ -1,4 +1,4 @@
-//! Terms compiled to code that gives truth values: guards take this way.
+//! Compilation of Boolean terms to three-valued truth values, used for guards.
 
 use super::Compiler;
 use super::range::Ranges;
@@ -9,7 +9,7 @@ use asmotion_ir::{Comparison, Connective, Quantifier, Term, TermNode, ValueKind}
 use std::ops::ControlFlow;
 
 impl Compiler<'_> {
-    /// A term as code that gives a truth value.
+    /// Compiles a term of type Boolean.
     pub fn truth(&self, term: &Term) -> TruthCode {
         match &*term.node {
             TermNode::Logic(logic, left, right) => self.logic(*logic, left, right),
@@ -56,7 +56,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// Strong Kleene connectives; the right operand is not evaluated where the left decides.
+    /// Compiles a strong Kleene connective. The right operand is skipped if the left one decides
+    /// the result.
     fn logic(&self, logic: Connective, left: &Term, right: &Term) -> TruthCode {
         use KleeneTruth::{False, True, Undef};
         let (left, right) = (self.truth(left), self.truth(right));
@@ -105,7 +106,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// `=` on anything. A location against a constant is the commonest guard of all.
+    /// Compiles `=`. Comparing a location with a constant, the most frequent guard, reads the value
+    /// in place.
     fn equal(&self, left: &Term, right: &Term) -> TruthCode {
         match (&*left.node, &*right.node) {
             (TermNode::Slot(function, slot), TermNode::Constant(value))
@@ -158,7 +160,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// Strong Kleene quantifiers: an undef guard leaves the answer open unless another one decides.
+    /// Compiles a strong Kleene quantifier: an undef guard makes the result undef unless another
+    /// assignment decides it.
     fn quantified(&self, quantifier: Quantifier, ranges: Ranges) -> TruthCode {
         let decided_by = match quantifier {
             Quantifier::Forall => KleeneTruth::False,

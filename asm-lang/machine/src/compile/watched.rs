@@ -1,4 +1,5 @@
-//! Code that keeps notes for a [`Witness`](crate::Witness): it runs after a fault, never before one.
+//! Compilation of recorded terms and rules for a [`Witness`](crate::Witness). Such code repeats a
+//! failed step and never runs otherwise.
 
 use super::Compiler;
 use crate::code::{RuleCode, TermCode};

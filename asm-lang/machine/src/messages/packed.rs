@@ -1,7 +1,7 @@
-//! Messages on their way, packed with the state.
+//! Packed form of messages, as part of a packed state.
 //!
-//! Numbers of messages are written as how many were sent since: a machine that goes round in circles is in
-//! the same state each time, though its messages have new numbers.
+//! Ids are encoded relative to the last id. A machine that returns to the same situation therefore
+//! has the same packed state, although its messages have new ids.
 
 use super::{
     CallFault, MessageId, MessagesInTransit, SentKind, SentMessage, StoredMessage, WaitingCall,
@@ -10,12 +10,12 @@ use crate::packed::{Reader, Writer};
 use asmotion_value::Value;
 
 impl MessagesInTransit {
-    /// The number of the last message.
+    /// Returns the id of the last message.
     pub fn last(&self) -> u64 {
         self.last
     }
 
-    /// Writes what has an effect on later steps.
+    /// Writes everything that affects later steps.
     pub fn pack(&self, to: &mut Writer) {
         for letters in [&self.arrived, &self.received, &self.answers] {
             to.count(letters.len());
@@ -82,7 +82,8 @@ impl MessagesInTransit {
         }
     }
 
-    /// Reads what [`MessagesInTransit::pack`] wrote, of a machine whose last message had this number.
+    /// Reads the output of [`MessagesInTransit::pack`]; `last` is the id of the machine's last
+    /// message.
     pub fn unpack(from: &mut Reader<'_>, last: u64) -> Option<Self> {
         let mut post = Self {
             last,
@@ -118,7 +119,7 @@ impl MessagesInTransit {
         Some(post)
     }
 
-    /// Takes over all messages, and keeps what is said about the world outside.
+    /// Replaces all messages, but keeps the partners and the count of dropped messages.
     pub fn replace_messages(&mut self, other: Self) {
         let partners = std::mem::take(&mut self.partners);
         let dropped = self.dropped;

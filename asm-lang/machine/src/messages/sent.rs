@@ -1,68 +1,69 @@
-//! What a step sent, as whoever carries it sees it.
+//! Messages sent by a step, for the transport to deliver.
 
 use asmotion_ir::Messages;
 use asmotion_value::Value;
 
-/// A message, by number.
+/// Number of a message, unique within a machine and increasing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MessageId(pub u64);
 
-/// A message that a step sent.
+/// A message sent by a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SentMessage {
-    /// Its number.
+    /// Id of the message; a reply refers to its request's.
     pub id: MessageId,
-    /// The agent that sent it; undef where the specification has no agents.
+    /// The sending agent; undef in a specification without agents.
     pub from: Value,
-    /// Whom it is for.
+    /// The receiving agent.
     pub to: Value,
-    /// The operation, as the specification spells it.
+    /// The operation as written in the specification, for example `r_plan(Agent,Goal)`.
     pub operation: Value,
-    /// What it is.
+    /// Kind of the message, with its data.
     pub kind: SentKind,
-    /// Whether it leaves the specification: see [`Machine::set_partners`](crate::Machine::set_partners).
+    /// `true` if the receiver is outside this specification: see
+    /// [`Machine::set_partners`](crate::Machine::set_partners).
     pub leaves: bool,
 }
 
-/// What a message is.
+/// The kind of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SentKind {
-    /// Something that may be answered.
+    /// A one-way message, or a request whose sender does not wait for the reply.
     Message {
-        /// What it says.
+        /// Its data.
         data: Value,
     },
-    /// A request whose reply is waited for.
+    /// A request whose sender waits for the reply.
     Call {
-        /// What it says.
+        /// Its data.
         data: Value,
-        /// Until when.
+        /// Time at which the call fails, in nanoseconds; `None` for no limit.
         deadline_ns: Option<i64>,
     },
-    /// A reply.
+    /// A reply to a request.
     Reply {
-        /// What it says.
+        /// Its data.
         data: Value,
-        /// The message it answers, if that is known.
+        /// Id of the request; `None` if the agent had received none from this partner.
         to: Option<MessageId>,
     },
-    /// A call that is not waited for any longer.
+    /// The withdrawal of a call.
     Cancel {
-        /// The call.
+        /// Id of the call.
         call: MessageId,
     },
 }
 
-/// Why a call ended without a reply.
+/// The reason why a call ended without a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CallFault {
-    /// It was not answered in time.
+    /// The deadline passed.
     Timeout,
-    /// Nobody could take it.
+    /// No provider accepted the call.
     Unavailable,
-    /// Its provider failed.
+    /// The provider reported a failure.
     Failed,
-    /// It was taken back.
+    /// The caller withdrew the call.
     Cancelled,
 }
 
@@ -74,7 +75,7 @@ impl CallFault {
         Self::Cancelled,
     ];
 
-    /// Its number in a packed state.
+    /// Returns the number that stands for the fault in a packed state.
     pub(super) fn number(self) -> u64 {
         match self {
             Self::Timeout => 0,
@@ -84,7 +85,7 @@ impl CallFault {
         }
     }
 
-    /// The fault of this number.
+    /// Returns the fault with this number.
     pub(super) fn of(number: u64) -> Option<Self> {
         Self::ALL.into_iter().find(|fault| fault.number() == number)
     }

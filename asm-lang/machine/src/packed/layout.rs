@@ -1,34 +1,35 @@
-//! How the states of a program are packed.
+//! Layout of packed states: the encoding of each slot of a program.
 
 use asmotion_ir::{
     DomainElements, DomainId, Function, FunctionKind, Initial, Program, Slot, Storage, ValueShape,
 };
 use asmotion_value::{Atom, Value};
 
-/// Codes: 0 is undef, then this one, then the values in ascending order.
+/// The escape code for a value that is encoded in bytes. 0 encodes undef; the other codes are the
+/// values in ascending order.
 pub(super) const ELSE: u64 = 1;
 
-/// The number of codes that are no values.
+/// Number of codes that do not stand for a value.
 const RESERVED: u64 = 2;
 
-/// What is known about the states of a program before there is any.
+/// The encoding of a program's states, computed once for each program.
 #[derive(Debug)]
 pub(crate) struct Layout {
-    /// The eager slots, but for those of functions that are asked anew.
+    /// The functions with eager slots, except those that the environment is asked for in each step.
     pub fields: Vec<Field>,
-    /// How many bits those need that are packed into bits.
+    /// Total number of bits of the fields that are encoded in bits.
     pub bits: usize,
-    /// Whether the locations of a function are asked of the environment anew in each step, by function:
-    /// if there is no answer, they do not keep their values.
+    /// `true` for functions whose locations keep no value between steps, because the environment is
+    /// asked for it in each; indexed by function.
     pub is_asked_anew: Vec<bool>,
-    /// The eager slots of these functions.
+    /// Eager slots of these functions.
     pub asked_anew: Vec<Slot>,
     /// Domains whose elements depend on the inputs of the first step.
     pub heard_domains: Vec<DomainId>,
-    /// Whether the value of a location that is met late depends on the inputs of the first step: then
-    /// the whole initial state is part of every later one.
+    /// `true` if the initial value of a location that is accessed later depends on the inputs of
+    /// the first step. The initial state is then part of each packed state.
     pub recalls: bool,
-    /// Whether the first step does what later ones do not.
+    /// `true` if the first step behaves differently from later ones.
     pub first_differs: bool,
 }
 
@@ -37,21 +38,21 @@ pub(crate) struct Layout {
 pub(crate) struct Field {
     base: Slot,
     count: u32,
-    /// The first bit.
+    /// Index of the first bit.
     bit: usize,
     pub coding: Coding,
 }
 
-/// How a value is packed.
+/// The encoding of a value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Coding {
-    /// As a code, if it is one of these.
+    /// A code of this width for one of these values, or else the escape code.
     Bits { width: u32, values: Values },
-    /// As bytes.
+    /// A sequence of bytes.
     Bytes,
 }
 
-/// Values that have codes.
+/// A set of values that have codes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Values {
     Bools,
@@ -64,7 +65,7 @@ impl Field {
         self.base..self.base + self.count
     }
 
-    /// Where the bits of one of the slots are.
+    /// Returns the index of the first bit of a slot.
     pub fn at(&self, index: usize) -> usize {
         self.bit + index * self.coding.width() as usize
     }
@@ -111,7 +112,7 @@ impl Coding {
         }
     }
 
-    /// How many bits a value takes.
+    /// Returns the number of bits of a value, 0 for an encoding in bytes.
     pub fn width(self) -> u32 {
         match self {
             Self::Bits { width, .. } => width,
@@ -129,7 +130,7 @@ impl Coding {
         values.index(value).map_or(ELSE, |index| index + RESERVED)
     }
 
-    /// The value of a code that is not [`ELSE`].
+    /// Returns the value for a code other than [`ELSE`].
     pub fn value(self, code: u64) -> Option<Value> {
         let Self::Bits { values, .. } = self else {
             return None;
@@ -237,7 +238,8 @@ fn is_input(function: &Function) -> bool {
     }
 }
 
-/// Whether a location that the environment says nothing of does not keep its value: see `Run::input`.
+/// Returns `true` if a location does not keep its value when the environment provides none; mirrors
+/// `StepContext::input`.
 fn is_asked_anew(function: &Function) -> bool {
     let has_none = function.kind == FunctionKind::Monitored && function.initial.is_none();
     is_input(function) && (has_none || function.clock.is_some() || function.mail.is_some())

@@ -1,4 +1,4 @@
-//! Values as bytes: each in one way only, and each says where it ends.
+//! Encoding of values in bytes: unique and self-delimiting.
 
 use asmotion_value::{Atom, Real, RuleId, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,28 +19,28 @@ const SEQ: u8 = 11;
 const SET: u8 = 12;
 const BAG: u8 = 13;
 const MAP: u8 = 14;
-/// From here on a byte is an integer, beginning with [`LEAST`].
+/// From this tag on, a byte is an integer; this one stands for [`LEAST`].
 const SMALL: u8 = 32;
-/// The least integer of one byte; the greatest is 191.
+/// Least integer in one byte; the greatest is 191.
 const LEAST: i64 = -32;
 
-/// Values nest no deeper than this in a state.
+/// Limit for the nesting of values when reading.
 const MAX_NESTING: usize = 600;
 
-/// Writes bytes.
+/// Writes the byte encoding.
 #[derive(Debug, Default)]
 pub(crate) struct Writer {
     pub bytes: Vec<u8>,
 }
 
-/// Bits that are being written, all 0 at first.
+/// A bit field for writing, initially zero.
 pub(crate) struct BitsMut<'a>(&'a mut [u8]);
 
-/// Bits that are being read.
+/// A bit field for reading.
 pub(crate) struct Bits<'a>(&'a [u8]);
 
 impl BitsMut<'_> {
-    /// Writes a number of so many bits, the lowest first.
+    /// Writes a number of `width` bits at index `at`, lowest bit first.
     pub fn put(&mut self, at: usize, width: u32, number: u64) {
         for bit in 0..width as usize {
             if number >> bit & 1 == 1
@@ -53,7 +53,7 @@ impl BitsMut<'_> {
 }
 
 impl Bits<'_> {
-    /// A number of so many bits.
+    /// Reads a number of `width` bits at index `at`, lowest bit first.
     pub fn get(&self, at: usize, width: u32) -> u64 {
         let bit = |bit: usize| {
             let byte = self.0.get((at + bit) / 8).copied().unwrap_or(0);
@@ -64,14 +64,14 @@ impl Bits<'_> {
 }
 
 impl Writer {
-    /// Makes room for so many bits, and has them written.
+    /// Appends a field of `count` bits, written by `write`.
     pub fn bits(&mut self, count: usize, write: impl FnOnce(&mut BitsMut<'_>)) {
         let from = self.bytes.len();
         self.bytes.resize(from + count.div_ceil(8), 0);
         write(&mut BitsMut(&mut self.bytes[from..]));
     }
 
-    /// A number that is no value: seven bits a byte, the lowest first.
+    /// Writes a number in LEB128: seven bits in each byte, lowest first.
     pub fn number(&mut self, mut number: u64) {
         while number >= 0x80 {
             self.bytes.push(number as u8 | 0x80);
@@ -98,7 +98,7 @@ impl Writer {
         self
     }
 
-    /// How many there are, and each.
+    /// Writes the number of values, then each value.
     pub fn values<'a>(&mut self, values: impl ExactSizeIterator<Item = &'a Value>) {
         self.count(values.len());
         for value in values {
@@ -147,17 +147,17 @@ impl Writer {
     }
 }
 
-/// Reads bytes. What was not written by a [`Writer`] gives nothing, and never a panic.
+/// Reads the byte encoding. Malformed input yields `None`, never a panic.
 #[derive(Debug)]
 pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
-    /// How many atoms and rules there are.
+    /// Number of atoms that may occur; atoms beyond it are rejected.
     atoms: u64,
     rules: u64,
 }
 
 impl<'a> Reader<'a> {
-    /// Reads values in which there is no atom, and rules are numbered below this.
+    /// Creates a reader for values without atoms and with rules numbered below `rules`.
     pub fn new(bytes: &'a [u8], rules: usize) -> Self {
         Self {
             bytes,
@@ -166,12 +166,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// From now on there may be so many atoms.
+    /// Sets the number of atoms that may occur from here on.
     pub fn set_atoms(&mut self, atoms: usize) {
         self.atoms = atoms as u64;
     }
 
-    /// Whether all was read.
+    /// Returns `true` if all bytes were read.
     pub fn is_done(&self) -> bool {
         self.bytes.is_empty()
     }
@@ -202,7 +202,7 @@ impl<'a> Reader<'a> {
         None
     }
 
-    /// A number of things that take a byte each at least.
+    /// Reads the number of items that follow; each takes at least one byte.
     pub fn count(&mut self) -> Option<usize> {
         usize::try_from(self.number()?).ok()
     }
@@ -223,7 +223,7 @@ impl<'a> Reader<'a> {
 
     fn values_within(&mut self, depth: usize) -> Option<Vec<Value>> {
         let count = self.count()?;
-        // as many bytes are needed at least
+        // bounds the allocation: each value takes at least one byte
         let mut values = Vec::with_capacity(count.min(self.bytes.len()));
         for _ in 0..count {
             values.push(self.value_within(depth)?);

@@ -1,8 +1,8 @@
-//! Which location each slot is.
+//! The mapping between slots and locations.
 //!
-//! Slots below [`Program::slots`] are fixed by the program; those from `eager` on get their values when
-//! they are met. All others are *interned* in the order they are met, so their numbers depend on the
-//! history of a machine: nothing outside this machine may rely on them.
+//! Slots below [`Program::slots`] are fixed by the program; those from `eager` on are *lazy* and
+//! get their values on first access. All others are *interned* in order of access, so their numbers
+//! depend on the history of the machine and have no meaning outside of it.
 
 use asmotion_ir::{FunctionId, FunctionKind, Program, Slot};
 use asmotion_value::Value;
@@ -10,25 +10,25 @@ use hashbrown::HashTable;
 use rustc_hash::FxHasher;
 use std::hash::{Hash, Hasher};
 
-/// The locations of a state that were met.
+/// The lazy and interned locations that were accessed.
 #[derive(Clone)]
 pub(crate) struct Locations {
-    /// How many slots are fixed: the first interned one has the next number.
+    /// Number of slots fixed by the program; the first interned slot has this number.
     pub fixed: Slot,
-    /// How many of the fixed slots have a value from the beginning.
+    /// Number of eager slots, which have a value from the start.
     pub eager: Slot,
-    /// Which of the other fixed slots were met.
+    /// `true` for each lazy slot that was accessed.
     pub met: Vec<bool>,
-    /// Those of them that were met since the last step that was done.
+    /// Lazy slots first accessed after the last successful step.
     pub uncommitted: Vec<Slot>,
-    /// How many slots there were after the last step that was done: those interned in a step that
-    /// failed are known only until the next one begins.
+    /// Number of slots after the last successful step. Slots interned by a failed step are kept
+    /// until the next one begins.
     pub committed: usize,
-    /// The locations of the interned slots.
+    /// Locations of the interned slots, in order of their numbers.
     pub interned: Vec<(FunctionId, Box<[Value]>)>,
-    /// Those of them, ascending, that had arguments outside their domains when they were met.
+    /// Interned slots, ascending, that had an argument outside its domain on first access.
     pub outside: Vec<Slot>,
-    /// Slots by their locations.
+    /// The interned slots, hashed by location.
     slots: HashTable<Slot>,
 }
 
@@ -53,12 +53,12 @@ impl Locations {
         }
     }
 
-    /// The location of an interned slot.
+    /// Returns the location of an interned slot.
     pub fn get(&self, slot: Slot) -> Option<&(FunctionId, Box<[Value]>)> {
         self.interned.get(slot.checked_sub(self.fixed)? as usize)
     }
 
-    /// The slot of a location that was interned before.
+    /// Returns the slot of an interned location.
     pub fn find(&self, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
         let is_it = |&slot: &Slot| {
             let known = self.get(slot);
@@ -67,13 +67,14 @@ impl Locations {
         self.slots.find(hash(function, arguments), is_it).copied()
     }
 
-    /// Whether a slot holds what its location holds: a lazy one does after it was met.
+    /// Returns `true` if a slot holds a value: an eager or interned slot, or a lazy one that was
+    /// accessed.
     #[inline]
     pub fn is_met(&self, slot: Slot) -> bool {
         slot < self.eager || self.met.get((slot - self.eager) as usize) != Some(&false)
     }
 
-    /// Notes that a lazy slot was met; whether there is such a slot.
+    /// Marks a lazy slot as accessed; returns `false` if there is no such slot.
     pub fn meet(&mut self, slot: Slot) -> bool {
         match self.met.get_mut((slot - self.eager) as usize) {
             Some(met) => {
@@ -85,7 +86,7 @@ impl Locations {
         }
     }
 
-    /// Gives a location the next slot.
+    /// Interns a location and returns its slot.
     pub fn intern(&mut self, function: FunctionId, arguments: &[Value], outside: bool) -> Slot {
         let slot = self.fixed + self.interned.len() as Slot;
         if outside {
@@ -101,7 +102,7 @@ impl Locations {
         slot
     }
 
-    /// Takes the last interned location back.
+    /// Removes the location interned last.
     pub fn forget_last(&mut self) {
         let Some((function, arguments)) = self.interned.pop() else {
             return;
@@ -116,7 +117,7 @@ impl Locations {
         }
     }
 
-    /// Forgets all interned locations, and which lazy slots were met.
+    /// Removes all interned locations and marks all lazy slots as not accessed.
     pub fn forget_all(&mut self) {
         self.met.fill(false);
         self.uncommitted.clear();
@@ -126,7 +127,7 @@ impl Locations {
         self.slots.clear();
     }
 
-    /// Whether a slot is local state of this run of a rule.
+    /// Returns `true` if a slot is a local location of this run of a rule.
     pub fn is_local(&self, program: &Program, slot: Slot, run: i64) -> bool {
         self.get(slot).is_some_and(|(function, arguments)| {
             program.functions[function.0 as usize].kind == FunctionKind::Local

@@ -1,17 +1,17 @@
-//! What is remembered of a state for speed; a machine without it does the same.
+//! Caches of a state: they affect the speed of a machine, not its behaviour.
 
 use crate::windows::Near;
 use asmotion_ir::Program;
 use asmotion_value::Value;
 
-/// What need not be computed, found or asked again.
+/// Cached results of queries and computations.
 #[derive(Clone)]
 pub(crate) struct Memo {
-    /// In which round each slot was last asked of the environment.
+    /// For each slot, the round in which the environment was last asked.
     pub asked: Vec<u64>,
-    /// Values of closed static terms: the same in every state of a program.
+    /// Values of closed static terms; valid in every state of a program.
     pub caches: Vec<Option<Value>>,
-    /// Shortcuts to interned locations.
+    /// Slots of interned locations with small arguments.
     pub near: Near,
 }
 

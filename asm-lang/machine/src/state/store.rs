@@ -1,19 +1,20 @@
-//! What a state is: the values of its locations, the elements of its domains.
+//! The store: the values of locations and the elements of domains.
 
 use asmotion_ir::{DomainElements, DomainId, Program};
 use asmotion_value::{Atom, Value};
 use std::sync::Arc;
 
-/// What a state is. Two states with the same store, read by the same [`Locations`](super::Locations),
-/// go on in the same way; nothing else of a [`State`](super::MachineState) matters to what a step does.
+/// The parts of a state that steps change. Two states with equal stores and equal
+/// [`Locations`](super::Locations) continue in the same way; no other part of a
+/// [`MachineState`](super::MachineState) affects a step.
 #[derive(Clone)]
 pub(crate) struct Store {
-    /// What each slot holds.
+    /// Value of each slot.
     pub slots: Vec<Value>,
-    /// The elements of each domain, ascending.
+    /// Elements of each domain, in ascending order.
     pub extents: Vec<Arc<Vec<Value>>>,
-    /// The elements taken from the reserve, in the order they were taken, and the number of each within
-    /// its domain. The first one is the atom after the declared ones.
+    /// Elements created from the reserve, in order of creation, each with its domain and its number
+    /// within that domain. The first one is the atom that follows the declared ones.
     pub reserve: Vec<(DomainId, u32)>,
 }
 
@@ -30,7 +31,7 @@ impl Store {
         }
     }
 
-    /// A new element for a domain.
+    /// Creates a new element of a domain.
     pub fn fresh(&mut self, program: &Program, domain: DomainId) -> Atom {
         let last = self
             .reserve
@@ -42,7 +43,7 @@ impl Store {
         Atom((program.atom_domains.len() + self.reserve.len() - 1) as u32)
     }
 
-    /// The domain an atom was declared in or taken for.
+    /// Returns the domain in which an atom was declared or for which it was created.
     pub fn domain_of(&self, program: &Program, atom: Atom) -> Option<DomainId> {
         let index = atom.0 as usize;
         match program.atom_domains.get(index) {
@@ -55,10 +56,10 @@ impl Store {
     }
 }
 
-/// The elements of a domain that are known from the program alone.
+/// Returns the elements of a domain that are known from the program alone.
 fn listed(elements: &DomainElements) -> Vec<Value> {
     match elements {
-        // intervals are ranged over without listing them; see `extent`
+        // intervals are enumerated without listing them; see `extent`
         DomainElements::Ints { .. } => Vec::new(),
         DomainElements::Atoms { first, count } => (first.0..first.0 + count)
             .map(|atom| Value::Atom(Atom(atom)))

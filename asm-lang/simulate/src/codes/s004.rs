@@ -41,7 +41,7 @@ pub(crate) struct WrongInputValue {
     pub elements: Vec<Arc<str>>,
 }
 
-/// How values are written in a script.
+/// Notation of values in a script.
 const FORMS: &str = "booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays";
 
 impl Finding for WrongInputValue {

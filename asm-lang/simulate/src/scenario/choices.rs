@@ -1,4 +1,4 @@
-//! Choices: those picked first, the others by chance.
+//! Choices of a scenario: picked values first, the rest by seed.
 
 use crate::random::Seeded;
 use asmotion_ir::Origin;
@@ -6,11 +6,11 @@ use asmotion_machine::Chooser;
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
-/// Takes what was picked, and leaves the rest to the seed.
+/// Chooses the picked values, and all others by seed.
 #[derive(Clone, Debug)]
 pub(super) struct PickedChoices {
     seeded: Seeded,
-    /// By the place of the variable's range.
+    /// Picked values, by the place of the variable's range.
     picked: BTreeMap<Origin, Value>,
 }
 
@@ -22,12 +22,12 @@ impl PickedChoices {
         }
     }
 
-    /// Picks a value for the variable with this range; a later pick overrides an earlier one.
+    /// Picks a value for the variable with this range, replacing an earlier pick.
     pub fn pick(&mut self, range: Origin, value: Value) {
         self.picked.insert(range, value);
     }
 
-    /// Forgets what was picked: a pick counts for one step.
+    /// Discards all picks, which are valid for one step.
     pub fn forget(&mut self) {
         self.picked.clear();
     }

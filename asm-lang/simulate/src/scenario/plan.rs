@@ -1,4 +1,4 @@
-//! From a scenario's tree to actions: blocks written out, terms resolved in the specification.
+//! Translates a scenario to actions: expands blocks, and resolves terms against the specification.
 
 use crate::codes::v011::UnknownBlock;
 use crate::codes::v012::UnknownScenario;
@@ -18,13 +18,13 @@ use asmotion_value::Value;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// A scenario has no more commands than this, blocks written out.
+/// Limit for the number of commands, with blocks expanded.
 const MAX_ACTIONS: usize = 100_000;
 
-/// Blocks run each other this deep at most.
+/// Limit for the nesting of block calls.
 const MAX_DEPTH: usize = 64;
 
-/// What a scenario does, in order.
+/// The actions of a scenario, in order.
 #[derive(Clone, Debug, Default)]
 pub struct ScenarioPlan {
     pub(super) invariants: Vec<PlannedInvariant>,
@@ -37,7 +37,7 @@ pub(super) struct PlannedInvariant {
     pub condition: PlannedCondition,
 }
 
-/// A condition, and the locations it reads, which tell why it does not hold.
+/// A condition, with the locations it reads: their values explain a failure.
 #[derive(Clone, Debug)]
 pub(super) struct PlannedCondition {
     pub term: AddedTerm,
@@ -59,19 +59,19 @@ pub(super) enum ScenarioActionKind {
     StepUntil(PlannedCondition),
     Exec(AddedRule),
     Pick {
-        /// Where the ranges of the picked variables stand.
+        /// Spans of the picked variables' ranges.
         ranges: Vec<Span>,
         value: AddedTerm,
     },
 }
 
 impl ScenarioPlan {
-    /// Reads a scenario against its specification, to which its terms and rules are added. `other`
-    /// finds the scenario of a name whose blocks this one runs. Of a model that is read as AsmetaV
-    /// reads it, checks and `exec` between two steps come after all `set`s there.
+    /// Translates a scenario. Its terms and rules are added to the model of its specification.
+    /// `other` returns the scenario with a name, for blocks run from another file. In a model read
+    /// as by AsmetaV, all `set`s between two steps precede the checks and `exec`s.
     ///
     /// # Errors
-    /// A term does not fit the specification, a block or choice is unknown; all such places are
+    /// A term does not fit the specification, or a block or choice is unknown. All errors are
     /// reported.
     pub fn of(
         scenario: &Scenario,
@@ -113,14 +113,14 @@ impl ScenarioPlan {
         Ok(plan)
     }
 
-    /// How many checks there are.
+    /// Returns the number of checks.
     pub fn checks(&self) -> usize {
         let is_check =
             |action: &&ScenarioAction| matches!(action.kind, ScenarioActionKind::Check(_));
         self.actions.iter().filter(is_check).count()
     }
 
-    /// Moves what sets up a step before what else stands before it.
+    /// Moves the `set`s between two steps before the other commands.
     fn settings_first(&mut self) {
         for between in self.actions.split_inclusive_mut(|action| {
             matches!(
@@ -142,9 +142,9 @@ struct ScenarioPlanner<'a> {
     other: &'a mut dyn FnMut(&str) -> Option<Arc<Scenario>>,
     plan: ScenarioPlan,
     report: Report,
-    /// The blocks that are being written out.
+    /// Names of the blocks that are being expanded.
     open: Vec<Arc<str>>,
-    /// How many commands were written out, those of blocks each time they run.
+    /// Number of commands so far, counting those of a block each time it is run.
     written: usize,
 }
 
@@ -152,7 +152,7 @@ impl ScenarioPlanner<'_> {
     fn error(&mut self, error: impl Finding) {
         let finding = error.diagnostic();
         let is_limit = finding.is_any(&[ScenarioTooLong::CODE, BlockCallsTooDeep::CODE]);
-        // a block that runs often has its mistakes once, and a limit is met once
+        // each error is reported once, even if the block runs several times
         let is_known = self
             .report
             .diagnostics
@@ -234,7 +234,7 @@ impl ScenarioPlanner<'_> {
             .extend(kind.map(|kind| ScenarioAction { kind, span }));
     }
 
-    /// Writes a block out where it is run.
+    /// Expands a block.
     fn block(&mut self, scenario: &Scenario, name: &NameText, from: Option<&str>) {
         let Some(block) = scenario.block(&name.text) else {
             let blocks = scenario.blocks();
@@ -276,7 +276,8 @@ impl ScenarioPlanner<'_> {
         })
     }
 
-    /// The functions of the specification that a term applies, outside of what binds variables.
+    /// Returns the subterms that apply functions of the specification and contain no bound
+    /// variable.
     fn parts(&mut self, term: AddedTerm) -> Vec<(AddedTerm, Span)> {
         let model = &*self.model;
         let root = &model.added.terms[term.0 as usize].root;
@@ -315,7 +316,8 @@ impl ScenarioPlanner<'_> {
         Some(ScenarioActionKind::Pick { ranges, value })
     }
 
-    /// Where the ranges of the picked variable stand, in all `choose` rules that are meant.
+    /// Returns the spans of the picked variable's ranges in all `choose` rules that the pick refers
+    /// to.
     fn ranges(&mut self, pick: &Pick) -> Option<Vec<Span>> {
         let model = &*self.model;
         let rules: Vec<&asmotion_hir::Rule> = match &pick.rule {
@@ -360,7 +362,8 @@ impl ScenarioPlanner<'_> {
     }
 }
 
-/// The rules that are meant. A name alone is that of the rule without parameters, if there is one.
+/// Returns the rules that a pick refers to. A name without domains refers to the rule without
+/// parameters, if there is one.
 fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a asmotion_hir::Rule> {
     let named = model
         .rules
@@ -383,7 +386,7 @@ fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a asmotion_h
     }
 }
 
-/// Whether a term has a value of its own, whatever stands around it.
+/// Returns `true` if a term contains no free variables.
 fn is_closed(term: &asmotion_hir::Term) -> bool {
     let (mut used, mut bound) = (BTreeSet::new(), BTreeSet::new());
     asmotion_ir::visit_terms(term, &mut |term| match &*term.kind {

@@ -1,4 +1,4 @@
-//! Actions carried out, one after the other.
+//! Executes the actions of a scenario.
 
 use super::choices::PickedChoices;
 use super::inputs::HeldInputs;
@@ -12,14 +12,14 @@ use asmotion_machine::{Machine, StepFault};
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How a scenario is run.
+/// Options for running a scenario.
 #[derive(Clone, Copy, Debug)]
 pub struct ScenarioOptions {
-    /// Decides what is not picked.
+    /// Seed for all choices without a pick.
     pub seed: u64,
-    /// A `step until` does no more steps than this.
+    /// Limit for the steps of one `step until`.
     pub max_steps: u64,
-    /// How far clocks move from step to step, in nanoseconds.
+    /// Nanoseconds by which clocks advance in each step.
     pub period_ns: i64,
 }
 
@@ -33,8 +33,8 @@ impl Default for ScenarioOptions {
     }
 }
 
-/// Carries out a plan on a machine that runs the program with the plan's terms. `origins` are the
-/// places of the program.
+/// Executes a plan on a machine whose program includes the plan's terms. `origins` are the spans of
+/// the program's origins.
 pub fn run(
     plan: &ScenarioPlan,
     machine: &mut Machine,
@@ -67,7 +67,7 @@ pub fn run(
     }
 }
 
-/// The origins of the ranges that something is picked from.
+/// Returns the origins of the ranges that a `pick` refers to.
 fn ranges(plan: &ScenarioPlan, origins: &[Span]) -> BTreeMap<Span, Origin> {
     let mut wanted: BTreeSet<Span> = BTreeSet::new();
     for action in &plan.actions {
@@ -82,13 +82,13 @@ fn ranges(plan: &ScenarioPlan, origins: &[Span]) -> BTreeMap<Span, Origin> {
         .collect()
 }
 
-/// The scenario goes no further.
+/// Ends the scenario early; the failure was recorded.
 struct ScenarioEnded;
 
 struct ScenarioRun<'a> {
     plan: &'a ScenarioPlan,
     machine: &'a mut Machine,
-    /// Those that something is picked from; a `choose` that is never run has no origin.
+    /// The origins of ranges in picks. A `choose` in unreachable code has none.
     ranges: BTreeMap<Span, Origin>,
     inputs: HeldInputs,
     choices: PickedChoices,
@@ -96,7 +96,7 @@ struct ScenarioRun<'a> {
     steps: u64,
     checks: u64,
     failures: Vec<ScenarioFailure>,
-    /// Whether the first state was looked at.
+    /// `true` once the initial state was checked.
     begun: bool,
 }
 
@@ -123,7 +123,7 @@ impl ScenarioRun<'_> {
         }
     }
 
-    /// What was done behind the last step has to respect the invariants, too.
+    /// Checks the invariants after the commands that follow the last step.
     fn end(&mut self) {
         if self.failures.is_empty()
             && let (true, Some(last)) = (self.begun, self.plan.actions.last())
@@ -131,7 +131,7 @@ impl ScenarioRun<'_> {
         {
             let now = self.now();
             let checked = self.machine.check_invariants(&mut self.inputs, now);
-            // a violation is noted as a failure
+            // a violation is recorded as a failure
             let _ = self.done(checked, last.span);
         }
     }
@@ -160,7 +160,8 @@ impl ScenarioRun<'_> {
         Ok(())
     }
 
-    /// Nothing is stepped after a check has failed; the first state is looked at before it is left.
+    /// Checks the initial state before the first step. Returns an error after a failed check, so
+    /// that no further step is executed.
     fn begin(&mut self, at: Span) -> Result<(), ScenarioEnded> {
         if !self.failures.is_empty() {
             return Err(ScenarioEnded);
@@ -209,7 +210,7 @@ impl ScenarioRun<'_> {
         Ok(())
     }
 
-    /// What a rule of the scenario wrote to inputs are their values from now on.
+    /// Holds the values that a rule of the scenario wrote to monitored locations.
     fn hold_inputs(&mut self) {
         let (state, program) = (self.machine.state(), self.machine.program());
         for update in self.machine.last_step().updates() {
@@ -247,7 +248,7 @@ impl ScenarioRun<'_> {
         Ok(())
     }
 
-    /// The time of the next step: the first one is done when one period is over.
+    /// Returns the time of the next step; the first one takes place after one period.
     fn now(&self) -> i64 {
         let steps = i64::try_from(self.steps + 1).unwrap_or(i64::MAX);
         steps.saturating_mul(self.options.period_ns)
@@ -263,7 +264,7 @@ impl ScenarioRun<'_> {
         let now = self.now();
         let mut parts = Vec::new();
         for &(part, span) in &condition.parts {
-            // a part that has no value has nothing to tell
+            // a part whose evaluation fails is left out
             if let Ok(value) = self.machine.evaluate(part, &mut self.inputs, now) {
                 parts.push((span, self.show(&value)));
             }
@@ -300,7 +301,7 @@ impl ScenarioRun<'_> {
         });
     }
 
-    /// What went wrong first decides.
+    /// Returns the verdict, which the first failure determines.
     fn verdict(&self) -> Verdict {
         let Some(failure) = self.failures.first() else {
             return Verdict::Pass;

@@ -1,4 +1,4 @@
-//! How a scenario ended, and why.
+//! Outcome of a scenario.
 
 use crate::codes::v020::CheckFailed;
 use crate::codes::v021::ScenarioInvariantFailed;
@@ -7,21 +7,21 @@ use crate::seen::FailedCondition;
 use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use asmotion_machine::{FaultKind, StepFault};
 
-/// The end of a scenario.
+/// The verdict on a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Every check held.
+    /// All checks hold.
     Pass,
-    /// A check did not hold, a `step until` did not end, or a pick was no candidate.
+    /// A check failed, a `step until` reached its limit, or a picked value is no candidate.
     Fail,
     /// An invariant was violated.
     Invariant,
-    /// A step, check or command failed at run time.
+    /// A step, check or command ended with a fault.
     Fault,
 }
 
 impl Verdict {
-    /// The verdict that a fault is.
+    /// Returns the verdict for a fault.
     pub(super) fn of(fault: &StepFault) -> Self {
         match fault.kind {
             FaultKind::Invariant { .. } => Self::Invariant,
@@ -30,7 +30,7 @@ impl Verdict {
         }
     }
 
-    /// The word for it.
+    /// Returns the word shown for the verdict.
     pub fn word(self) -> &'static str {
         match self {
             Self::Pass => "pass",
@@ -41,21 +41,22 @@ impl Verdict {
     }
 }
 
-/// What came of a scenario.
+/// The result of running a scenario.
 #[derive(Clone, Debug)]
 pub struct ScenarioOutcome {
-    /// How it ended.
+    /// Determined by the first failure.
     pub verdict: Verdict,
-    /// How many steps were done.
+    /// Number of steps executed.
     pub steps: u64,
-    /// How many checks held.
+    /// Number of checks that hold.
     pub checks: u64,
-    /// What went wrong, in order.
+    /// All failures, in order; empty if the scenario passed.
     pub failures: Vec<ScenarioFailure>,
 }
 
 impl ScenarioOutcome {
-    /// The machine could not be built; the place says which specification it is of.
+    /// Returns the outcome for a machine whose initial state has a fault. `at` is the span in the
+    /// scenario that names the specification.
     pub fn unbegun(fault: Box<StepFault>, at: Span) -> Self {
         Self {
             verdict: Verdict::of(&fault),
@@ -70,32 +71,32 @@ impl ScenarioOutcome {
     }
 }
 
-/// Something that went wrong.
+/// A failure of a scenario.
 #[derive(Clone, Debug)]
 pub struct ScenarioFailure {
-    /// The place in the scenario.
+    /// Span of the command in the scenario.
     pub at: Span,
-    /// How many steps had been done.
+    /// Number of steps executed before it.
     pub steps: u64,
-    /// What it was.
+    /// Kind of the failure, with the observed values.
     pub kind: ScenarioFailureKind,
 }
 
-/// What may go wrong.
+/// The kind of a failure.
 #[derive(Clone, Debug)]
 pub enum ScenarioFailureKind {
     /// A check does not hold.
     Check(FailedCondition),
-    /// An invariant of the scenario does not hold.
+    /// An invariant of the scenario, with its name, does not hold.
     Invariant(String, FailedCondition),
-    /// `step until` did not come to its end.
+    /// `step until` reached its limit, the given number of steps.
     Until(u64, FailedCondition),
-    /// The machine failed.
+    /// A step or command ended with a fault.
     Fault(Box<StepFault>),
 }
 
 impl ScenarioFailure {
-    /// The failure in words; what a fault says, the specification knows.
+    /// Returns the diagnostic. `None` for a fault, which is explained by the specification.
     pub fn diagnostic(&self) -> Option<Diagnostic> {
         let steps = self.steps;
         match &self.kind {

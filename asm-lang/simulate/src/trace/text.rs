@@ -1,10 +1,10 @@
-//! Values and locations as a trace writes them: as in the language, without blanks, sorted.
+//! Values and locations in the notation of traces: without blanks, with sorted collections.
 
 use asmotion_ir::FunctionId;
 use asmotion_machine::Naming;
 use asmotion_value::Value;
 
-/// How a trace brackets a collection, and whether it sorts the texts of its items.
+/// Brackets of a collection, and the order of its items: sorted by text or as given.
 struct CollectionStyle {
     open: &'static str,
     close: &'static str,
@@ -32,7 +32,7 @@ const BAG: CollectionStyle = CollectionStyle {
     sorted: true,
 };
 
-/// A location.
+/// Formats a location.
 pub(super) fn applied(naming: Naming<'_>, function: FunctionId, arguments: &[Value]) -> String {
     let name = &naming.program.symbols.functions[function.0 as usize];
     match arguments {
@@ -41,7 +41,7 @@ pub(super) fn applied(naming: Naming<'_>, function: FunctionId, arguments: &[Val
     }
 }
 
-/// A value.
+/// Formats a value.
 pub(super) fn text(naming: Naming<'_>, value: &Value) -> String {
     match value {
         Value::Tuple(tuple) => items(naming, tuple.iter(), &TUPLE),
@@ -77,7 +77,7 @@ pub(super) fn text(naming: Naming<'_>, value: &Value) -> String {
     }
 }
 
-/// A set of these elements.
+/// Formats a set of these elements.
 pub(super) fn set<'a>(naming: Naming<'_>, elements: impl IntoIterator<Item = &'a Value>) -> String {
     items(naming, elements, &SET)
 }
@@ -98,7 +98,7 @@ fn joined(mut items: Vec<String>, shape: &CollectionStyle) -> String {
     format!("{}{}{}", shape.open, items.join(","), shape.close)
 }
 
-/// A number with a point, also in front of an exponent, as other tools write it.
+/// Formats a number with a decimal point, also before an exponent, as other tools do.
 fn real(number: f64) -> String {
     if number.is_infinite() {
         return if number > 0.0 {

@@ -1,12 +1,12 @@
-//! Writes the parser of `asmotion-syntax` from its grammar: `cargo run -p asmotion-grammar`.
+//! Generates the parser of `asmotion-syntax` from its grammar: `cargo run -p asmotion-grammar`.
 #![allow(
     clippy::disallowed_methods,
     reason = "a tool of developers; only the language itself reads and writes no files"
 )]
 //!
-//! The parser stands beside the grammar in the repository, so a build of asmotion needs neither LALRPOP nor its run. A
-//! test holds both together. This is a crate of its own because it must also work while the old parser does not
-//! compile.
+//! The generated parser is part of the repository, so that building asmotion does not need LALRPOP.
+//! A test keeps the two in agreement. This is a crate of its own because it must also run while the
+//! old parser does not compile.
 
 use std::error::Error;
 use std::fs;
@@ -17,13 +17,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A file among the sources of `asmotion-syntax`.
+/// Returns the path of a source file of `asmotion-syntax`.
 fn source(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src");
     folder.join(name)
 }
 
-/// What LALRPOP makes of a grammar.
+/// Runs LALRPOP on a grammar and returns the parser.
 fn generate(grammar: &Path) -> Result<String, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     fs::copy(grammar, folder.path().join("grammar.lalrpop"))?;

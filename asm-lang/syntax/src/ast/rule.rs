@@ -1,16 +1,16 @@
-//! Rules as written.
+//! The syntax of rules.
 
 use super::{Binder, NameText, Term};
 use asmotion_diagnostics::Span;
 
-/// A rule and where it stands.
+/// A rule with its span.
 #[derive(Clone, Debug)]
 pub struct Rule {
-    /// What it is.
+    /// Form of the rule, with its parts.
     pub kind: Box<RuleKind>,
-    /// Where it stands.
+    /// Span of the rule.
     pub span: Span,
-    /// How deep it nests, its terms included: 1 for `skip`. The parser bounds it (`MAX_DEPTH`).
+    /// Nesting depth, including terms; 1 for `skip`. Limited by the parser to `MAX_DEPTH`.
     pub depth: u32,
 }
 
@@ -19,41 +19,41 @@ pub struct Rule {
 pub enum RuleKind {
     /// `skip`
     Skip,
-    /// `f(t…) := t`, `$v := t`.
+    /// An update: `f(t…) := t`, `$v := t`.
     Update {
-        /// What is written.
+        /// Left-hand side.
         target: Assignee,
-        /// The new value.
+        /// Term for the new value.
         value: Term,
     },
-    /// `f(t…) <- r_x(t…)`.
+    /// An update to the result of a turbo rule: `f(t…) <- r_x(t…)`.
     Assign {
-        /// What takes the result.
+        /// Left-hand side.
         target: Assignee,
-        /// The turbo rule.
+        /// Name of the turbo rule.
         rule: NameText,
-        /// Its arguments.
+        /// Arguments of the turbo rule.
         arguments: Vec<Term>,
     },
-    /// `r_x[t…]`.
+    /// A macro call: `r_x[t…]`.
     Macro {
-        /// The rule.
+        /// Name of the rule.
         name: NameText,
-        /// Its arguments.
+        /// Arguments, passed by name.
         arguments: Vec<Term>,
     },
-    /// `r_x(t…)`.
+    /// A turbo rule call: `r_x(t…)`.
     Turbo {
-        /// The rule.
+        /// Name of the rule.
         name: NameText,
-        /// Its arguments.
+        /// Arguments, passed by value.
         arguments: Vec<Term>,
     },
     /// A term whose value is a rule: `program($a)`, `$r[t…]`.
     Term {
         /// The term.
         term: Term,
-        /// The arguments after it.
+        /// Arguments in brackets; empty without brackets.
         arguments: Vec<Term>,
     },
     /// `par … endpar`
@@ -62,103 +62,103 @@ pub enum RuleKind {
     Seq(Vec<Rule>),
     /// `if g then R else S endif`
     If {
-        /// The guard.
+        /// Condition.
         guard: Term,
-        /// What is done where it holds.
+        /// Rule for a true guard.
         then: Rule,
-        /// What is done otherwise.
+        /// Rule for a false guard; `None` stands for `skip`.
         otherwise: Option<Rule>,
     },
     /// `switch t case c: R … otherwise R endswitch`
     Switch(SwitchRule),
     /// `choose $x in D with g do R ifnone S`
     Choose {
-        /// The variables.
+        /// Variables with their ranges.
         binders: Vec<Binder>,
-        /// The guard; `true` without.
+        /// Condition on the candidates; `None` stands for `true`.
         guard: Option<Term>,
-        /// What is done with the choice.
+        /// Rule for the chosen candidate.
         body: Rule,
-        /// What is done where there is none.
+        /// Rule for the case that there is no candidate; `None` stands for `skip`.
         ifnone: Option<Rule>,
     },
     /// `forall $x in D with g do R`
     Forall {
-        /// The variables.
+        /// Variables with their ranges.
         binders: Vec<Binder>,
-        /// The guard; `true` without.
+        /// Condition on the elements; `None` stands for `true`.
         guard: Option<Term>,
-        /// What is done for each.
+        /// Rule for each element.
         body: Rule,
     },
     /// `let ($x = t, …) in R endlet`
     Let {
-        /// The bindings, in order.
+        /// Variables with their values, in order; later ones may use earlier ones.
         bindings: Vec<(NameText, Term)>,
-        /// What is done with them.
+        /// Rule in which the variables are visible.
         body: Rule,
     },
     /// `extend D with $x, … do R`
     Extend {
-        /// The domain.
+        /// Name of the domain.
         domain: NameText,
-        /// One variable a new element.
+        /// One variable for each new element.
         variables: Vec<NameText>,
-        /// What is done with them.
+        /// Rule in which the variables are visible.
         body: Rule,
     },
     /// `while g do R`
     While {
-        /// The guard.
+        /// Condition for another iteration.
         guard: Term,
-        /// What is repeated.
+        /// Repeated rule.
         body: Rule,
     },
     /// `whilerec g do R`
     WhileRec {
-        /// The guard.
+        /// Condition for another iteration.
         guard: Term,
-        /// What is repeated.
+        /// Repeated rule.
         body: Rule,
     },
     /// `iterate R enditerate`
     Iterate(Rule),
     /// `local f: D [R] S`
     Local {
-        /// The functions, each with the rule that initialises it.
+        /// Functions, each with the rule that initialises it.
         functions: Vec<(super::Function, Rule)>,
-        /// What is done with them.
+        /// Rule in which the functions are visible.
         body: Rule,
     },
-    /// What could not be parsed; an error was reported.
+    /// A rule that could not be parsed; the error was reported.
     Invalid,
 }
 
-/// What an update writes.
+/// The left-hand side of an update.
 #[derive(Clone, Debug)]
 pub enum Assignee {
-    /// `f(t…)`, `a.f(t…)`.
+    /// A location: `f(t…)`, `a.f(t…)`.
     Location {
-        /// The agent before the point.
+        /// Agent before the dot.
         agent: Option<NameText>,
-        /// The function.
+        /// Name of the function.
         function: NameText,
-        /// The arguments.
+        /// Arguments; empty without parentheses.
         arguments: Vec<Term>,
-        /// All of it.
+        /// Span of the location.
         span: Span,
     },
-    /// `$v`: a parameter that stands for a location.
+    /// A parameter or variable: `$v`.
     Variable(NameText),
 }
 
-/// The parts of `switch`.
+/// The parts of a `switch` rule.
 #[derive(Clone, Debug)]
 pub struct SwitchRule {
-    /// What is compared.
+    /// Term that the cases are compared with.
     pub subject: Term,
-    /// The cases, in order.
+    /// Cases with their rules, in order.
     pub cases: Vec<(Term, Rule)>,
-    /// What is done where no case matches.
+    /// Rule for the case that no case matches; `None` stands for `skip`.
     pub otherwise: Option<Rule>,
 }

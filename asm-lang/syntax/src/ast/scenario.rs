@@ -1,25 +1,25 @@
-//! Scenarios (Avalla): what is done to a specification, and what is expected of it.
+//! The syntax of scenarios (Avalla): commands for a specification, and checks of its states.
 
 use super::{Assignee, NameText, Rule, Term};
 use asmotion_diagnostics::Span;
 
-/// A scenario file.
+/// The contents of a scenario file.
 #[derive(Clone, Debug, Default)]
 pub struct Scenario {
-    /// The name after `scenario`.
+    /// Name after `scenario`; `None` if the heading is missing.
     pub name: Option<NameText>,
-    /// The path after `load`.
+    /// Path of the specification, after `load`; `None` if the command is missing.
     pub load: Option<NameText>,
-    /// What must hold after every step.
+    /// Conditions that must hold in the initial state and after every step.
     pub invariants: Vec<ScenarioInvariant>,
-    /// The commands, in order.
+    /// Commands, in order.
     pub commands: Vec<ScenarioCommand>,
 }
 
 /// `invariant NAME : term;`
 #[derive(Clone, Debug)]
 pub struct ScenarioInvariant {
-    /// Its name.
+    /// Name of the invariant.
     pub name: NameText,
     /// The condition.
     pub condition: Term,
@@ -28,9 +28,9 @@ pub struct ScenarioInvariant {
 /// A command of a scenario.
 #[derive(Clone, Debug)]
 pub struct ScenarioCommand {
-    /// What it is.
+    /// Form of the command, with its parts.
     pub kind: ScenarioCommandKind,
-    /// Where it stands.
+    /// Span of the command.
     pub span: Span,
 }
 
@@ -53,51 +53,51 @@ pub enum ScenarioCommandKind {
     Block(ScenarioBlock),
     /// `execblock scenario:block;`
     ExecBlock {
-        /// The scenario the block stands in; this one where it is left out.
+        /// Scenario that contains the block; `None` for this one.
         scenario: Option<NameText>,
-        /// The block.
+        /// Name of the block.
         block: NameText,
     },
 }
 
-/// Which value a `choose` takes in the next step.
+/// `pick`: determines the value that a `choose` takes in the next step.
 #[derive(Clone, Debug)]
 pub struct Pick {
-    /// The variable.
+    /// Variable of the `choose`, including its `$`.
     pub variable: NameText,
-    /// The rule its `choose` stands in, where it is said.
+    /// Rule that contains the `choose`; `None` for a `choose` in any rule.
     pub rule: Option<PickedRule>,
-    /// The value.
+    /// Term for the value.
     pub value: Term,
 }
 
-/// A rule, told from others of its name by its parameters' domains.
+/// A rule, with the domains of its parameters to distinguish overloads.
 #[derive(Clone, Debug)]
 pub struct PickedRule {
-    /// Its name.
+    /// Name of the rule.
     pub name: NameText,
-    /// The domains of its parameters, where they are said.
+    /// Domains of the parameters; `None` if not given.
     pub parameters: Option<Vec<NameText>>,
 }
 
-/// Commands with a name.
+/// A named block of commands: `begin NAME … end`.
 #[derive(Clone, Debug)]
 pub struct ScenarioBlock {
-    /// The name.
+    /// Name of the block.
     pub name: NameText,
-    /// The commands.
+    /// Commands, in order.
     pub commands: Vec<ScenarioCommand>,
 }
 
 impl Scenario {
-    /// The block of a name, wherever it stands.
+    /// Returns the block with a name, nested blocks included.
     pub fn block(&self, name: &str) -> Option<&ScenarioBlock> {
         self.blocks()
             .into_iter()
             .find(|block| &*block.name.text == name)
     }
 
-    /// All blocks, outer ones before those in them.
+    /// Returns all blocks, outer ones before those nested in them.
     pub fn blocks(&self) -> Vec<&ScenarioBlock> {
         fn add<'a>(commands: &'a [ScenarioCommand], to: &mut Vec<&'a ScenarioBlock>) {
             for command in commands {

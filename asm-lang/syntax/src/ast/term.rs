@@ -1,17 +1,17 @@
-//! Terms as written.
+//! The syntax of terms.
 
 use super::{NameText, Type};
 use asmotion_diagnostics::Span;
 use std::sync::Arc;
 
-/// A term and where it stands.
+/// A term with its span.
 #[derive(Clone, Debug)]
 pub struct Term {
-    /// What it is.
+    /// Form of the term, with its subterms.
     pub kind: Box<TermKind>,
-    /// Where it stands, brackets included.
+    /// Span of the term, including its parentheses.
     pub span: Span,
-    /// How deep it nests: 1 without subterms. The parser bounds it (`MAX_DEPTH`).
+    /// Nesting depth; 1 without subterms. Limited by the parser to `MAX_DEPTH`.
     pub depth: u32,
 }
 
@@ -22,141 +22,141 @@ pub enum TermKind {
     Literal(Literal),
     /// `$x`.
     Variable(NameText),
-    /// A name that begins upper-case: an enumeration literal or a domain, decided later.
+    /// An upper-case name: an enumeration literal or a domain, distinguished by the analysis.
     Constant(NameText),
-    /// `f`, `f(t1, …)`; also prefix use of an operator, `mod(a, b)`.
+    /// A function with arguments: `f`, `f(t1, …)`; also an operator in prefix form, `mod(a, b)`.
     Apply {
-        /// The function.
+        /// Name of the function.
         name: NameText,
-        /// The arguments; empty without brackets.
+        /// Arguments; empty without parentheses.
         arguments: Vec<Term>,
     },
-    /// `a.f(t1, …)`.
+    /// A function of an agent: `a.f(t1, …)`.
     Dot {
         /// The agent: `self` or an agent's name.
         agent: NameText,
-        /// The function.
+        /// Name of the function.
         name: NameText,
-        /// The arguments after the agent.
+        /// Arguments other than the agent.
         arguments: Vec<Term>,
     },
-    /// `a op b op c …`: operators of one strength, from left to right.
+    /// Binary operators of equal precedence, applied from left to right: `a op b op c …`.
     Chain {
-        /// The first operand.
+        /// First operand.
         first: Term,
-        /// What follows it; at least one link.
+        /// The operators with their right operands; at least one.
         links: Vec<ChainLink>,
     },
-    /// `op operand`: `+`, `-`, `not`.
+    /// A unary operator with its operand: `+`, `-`, `not`.
     Unary {
         /// The operator.
         operator: Operator,
-        /// Where the operator stands.
+        /// Span of the operator.
         at: Span,
-        /// Its operand.
+        /// The operand.
         operand: Term,
     },
-    /// `(t1, t2, …)`; at least two components, `(t)` is `t`.
+    /// `(t1, t2, …)` with at least two components; `(t)` is `t` itself.
     Tuple(Vec<Term>),
     /// `if g then t else e endif`.
     If {
-        /// The guard.
+        /// Condition.
         guard: Term,
-        /// Its value where the guard holds.
+        /// Value for a true guard.
         then: Term,
-        /// Its value otherwise; `undef` without.
+        /// Value for a false guard; `None` stands for `undef`.
         otherwise: Option<Term>,
     },
     /// `switch t case c: v … otherwise o endswitch`.
     Switch {
-        /// What is compared.
+        /// Term that the cases are compared with.
         subject: Term,
-        /// The cases, in order.
+        /// Cases with their values, in order.
         cases: Vec<(Term, Term)>,
-        /// Its value where no case matches; `undef` without.
+        /// Value for the case that no case matches; `None` stands for `undef`.
         otherwise: Option<Term>,
     },
-    /// `let ($x = t, …) in b endlet`; later bindings see earlier ones.
+    /// `let ($x = t, …) in b endlet`; later bindings may use earlier variables.
     Let {
-        /// The bindings, in order.
+        /// Variables with their values, in order.
         bindings: Vec<(NameText, Term)>,
-        /// The value.
+        /// Term in which the variables are visible.
         body: Term,
     },
     /// `(forall $x in D with g)`, `(exists …)`, `(exists unique …)`.
     Quantified {
-        /// Which one.
+        /// Kind of the quantifier.
         quantifier: Quantifier,
-        /// The variables.
+        /// Variables with their ranges.
         binders: Vec<Binder>,
-        /// The guard; `true` without.
+        /// The quantified condition; `None` stands for `true`.
         guard: Option<Term>,
     },
-    /// `{t, …}`, `[…]`, `<…>` with the elements listed.
+    /// A collection of listed elements: `{t, …}`, `[…]`, `<…>`.
     Listed {
         /// Set, sequence or bag.
         collection: Collection,
-        /// The elements.
+        /// Terms for the elements.
         items: Vec<Term>,
     },
-    /// `{a : b, s}`, also in `[ ]` and `< >`.
+    /// A collection given by its bounds: `{a : b, s}`, also in `[ ]` and `< >`.
     Interval {
         /// Set, sequence or bag.
         collection: Collection,
-        /// The bounds and the step.
+        /// Bounds and step.
         interval: Interval,
     },
-    /// `{$x in D | g : t}`, also in `[ ]` and `< >`.
+    /// A collection by comprehension: `{$x in D | g : t}`, also in `[ ]` and `< >`.
     Comprehension {
         /// Set, sequence or bag.
         collection: Collection,
-        /// What is collected.
+        /// Variables, guard and element.
         comprehension: Comprehension,
     },
-    /// `{k -> v, …}`, `{->}`.
+    /// A map of listed entries: `{k -> v, …}`, `{->}`.
     Map(Vec<(Term, Term)>),
-    /// `{$x in D | g : k -> v}`.
+    /// A map by comprehension: `{$x in D | g : k -> v}`.
     MapComprehension {
-        /// The binders, the guard and the key.
+        /// Variables, guard and key.
         comprehension: Comprehension,
-        /// The value.
+        /// Term for the value.
         value: Term,
     },
-    /// `<<r_x(D1, …)>>`.
+    /// A rule as a value: `<<r_x(D1, …)>>`.
     RuleRef {
-        /// The rule.
+        /// Name of the rule.
         name: NameText,
-        /// The parameter domains that pick an overload.
+        /// Domains of the parameters, which select an overload; empty if not given.
         domains: Vec<Type>,
     },
-    /// A structured domain as a term (a plain name is [`TermKind::Constant`]).
+    /// A structured domain as a term. A name alone is a [`TermKind::Constant`].
     Domain(Type),
-    /// What could not be parsed; an error was reported.
+    /// A term that could not be parsed; the error was reported.
     Invalid,
 }
 
-/// A constant as written.
+/// A literal.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Literal {
     /// `undef`.
     Undef,
     /// `true`, `false`.
     Bool(bool),
-    /// Digits; `None` where they do not fit 64 bits (an error was reported).
+    /// An integer; `None` if it does not fit in 64 bits (the error was reported).
     Integer(Option<i64>),
-    /// Digits and `n`.
+    /// A natural, written with the suffix `n`; `None` as for integers.
     Natural(Option<i64>),
-    /// Digits, a point, digits.
+    /// A real, written with a decimal point.
     Real(f64),
-    /// Real and imaginary part.
+    /// A complex number: real and imaginary part.
     Complex(f64, f64),
     /// `'c'`.
     Char(char),
-    /// `"text"`, the characters between the quotes kept raw.
+    /// A string `"text"`: the characters between the quotes, with escapes as written.
     Text(Arc<str>),
 }
 
-/// The operators; each is sugar for a function of the standard library.
+/// The operators. Each stands for a function of the standard library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
     /// `+`
@@ -197,25 +197,25 @@ pub enum Operator {
     Iff,
 }
 
-/// `op b` in a chain.
+/// An operator and its right operand in a chain: `op b`.
 #[derive(Clone, Debug)]
 pub struct ChainLink {
     /// The operator.
     pub operator: Operator,
-    /// Where the operator stands.
+    /// Span of the operator.
     pub at: Span,
-    /// Its right operand.
+    /// The right operand.
     pub operand: Term,
 }
 
 impl ChainLink {
-    /// So many links of a chain nest in each other when they are resolved; what goes before them has
-    /// a name then. The depth of a term counts them so.
+    /// Number of links of a chain that the analysis nests in each other; those before them are
+    /// bound by a `let`. The depth of a term is computed accordingly.
     pub const NESTED: u32 = 64;
 }
 
 impl Operator {
-    /// The standard function it stands for.
+    /// Returns the name of the standard function that the operator stands for.
     pub fn function(self) -> &'static str {
         match self {
             Self::Plus => "plus",
@@ -239,7 +239,7 @@ impl Operator {
         }
     }
 
-    /// How it is written.
+    /// Returns the operator as written in source texts.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Plus => "+",
@@ -263,8 +263,8 @@ impl Operator {
         }
     }
 
-    /// How tight it holds its operands together, as the grammar has it: from 0 for `implies` to 8 for
-    /// a sign.
+    /// Returns the precedence according to the grammar, from 0 for `implies` to 8 for a sign;
+    /// greater binds tighter.
     pub fn strength(self) -> u8 {
         match self {
             Self::Implies | Self::Iff => 0,
@@ -279,16 +279,16 @@ impl Operator {
     }
 }
 
-/// `$x in t`.
+/// A variable with its range: `$x in t`.
 #[derive(Clone, Debug)]
 pub struct Binder {
-    /// The variable, with its `$`.
+    /// Variable, including its `$`.
     pub name: NameText,
-    /// Its range.
+    /// Term for the range: a set, sequence or bag.
     pub range: Term,
 }
 
-/// Which quantifier.
+/// The kinds of a quantifier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantifier {
     /// `forall`
@@ -299,7 +299,7 @@ pub enum Quantifier {
     ExistsUnique,
 }
 
-/// The brackets of a collection.
+/// The kinds of a collection, by their brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Collection {
     /// `{ }`
@@ -310,24 +310,24 @@ pub enum Collection {
     Bag,
 }
 
-/// `from : to, step`.
+/// The bounds of a collection: `from : to, step`.
 #[derive(Clone, Debug)]
 pub struct Interval {
-    /// The first element.
+    /// First element.
     pub from: Term,
-    /// The bound, included when reached.
+    /// Bound, included if a step reaches it.
     pub to: Term,
-    /// The step; 1 without.
+    /// Step; `None` stands for 1.
     pub step: Option<Term>,
 }
 
-/// `binders | guard : item`.
+/// The inside of a comprehension: `binders | guard : item`.
 #[derive(Clone, Debug)]
 pub struct Comprehension {
-    /// The variables.
+    /// Variables with their ranges.
     pub binders: Vec<Binder>,
-    /// The guard; `true` without.
+    /// Condition on the elements; `None` stands for `true`.
     pub guard: Option<Term>,
-    /// What is collected.
+    /// Term for each element.
     pub item: Term,
 }

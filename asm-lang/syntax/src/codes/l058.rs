@@ -4,7 +4,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Unexpected token
 ///
-/// This does not fit what stands before it. The message shows what is expected.
+/// This token does not fit the text before it. The message shows what is expected.
 ///
 /// ```asm wrong
 /// asm example

@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("`..` is now written `:`")]
 pub(crate) struct OldInterval {
     pub at: Span,
-    /// With the blanks that it needs.
+    /// The colon, with blanks if it needs them.
     pub new: &'static str,
 }
 

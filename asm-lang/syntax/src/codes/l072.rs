@@ -32,7 +32,7 @@ pub(crate) struct FewRules {
     pub block: &'static str,
     pub count: &'static str,
     pub at: Span,
-    /// How the text reads without the block; empty where that is hard to say.
+    /// Edits that remove the block; empty if that could change the meaning.
     pub without: Vec<Edit>,
 }
 

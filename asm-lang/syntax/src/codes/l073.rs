@@ -36,7 +36,7 @@ pub(crate) struct OutOfOrder {
     pub before: &'static str,
     pub at: Span,
     pub earlier: Span,
-    /// How it is put into its place; empty where that is hard to say.
+    /// Edits that move the declaration; empty if there is no simple fix.
     pub moved: Vec<Edit>,
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct NoSection {
     pub section: &'static str,
     pub what: &'static str,
     pub at: Span,
-    /// How the heading is written there.
+    /// Edit that inserts the heading.
     pub written: Edit,
 }
 

@@ -37,7 +37,7 @@ pub(crate) struct CalledEarly {
     pub rule: String,
     pub at: Span,
     pub declared: Span,
-    /// How it is declared first.
+    /// Edits that move the rule before its first call.
     pub moved: Vec<Edit>,
 }
 

@@ -37,9 +37,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("`;` is missing at the end of a command")]
 pub(crate) struct UnendedCommand {
     pub command: Span,
-    /// What stands behind it.
+    /// Span of the first word after the command.
     pub next: Span,
-    /// Where the `;` belongs.
+    /// Position for the `;`.
     pub end: Span,
 }
 

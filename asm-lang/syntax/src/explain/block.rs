@@ -1,4 +1,4 @@
-//! Beginnings without an end, ends without a beginning, and rules too many or too few.
+//! Errors in block structure: missing or superfluous closing tokens, too many or too few rules.
 
 use super::{Expected, Explainer};
 use crate::codes::l009::ForeignSign;
@@ -16,7 +16,7 @@ use crate::spelling::nearest;
 use asmotion_diagnostics::{Diagnostic, Finding};
 
 impl<'input> Explainer<'input, '_> {
-    /// A token that cannot stand inside of what is open.
+    /// A token that cannot stand within the innermost open construct.
     pub(super) fn unclosed(
         &self,
         found: SpannedToken<'input>,
@@ -73,7 +73,7 @@ impl<'input> Explainer<'input, '_> {
         )
     }
 
-    /// An end without a beginning.
+    /// A closing token without an opening one.
     pub(super) fn closes_nothing(
         &self,
         found: SpannedToken<'input>,
@@ -89,7 +89,7 @@ impl<'input> Explainer<'input, '_> {
         })
     }
 
-    /// A second rule where a declaration has one.
+    /// A second rule in a declaration.
     pub(super) fn several_rules(
         &self,
         found: SpannedToken<'input>,
@@ -106,7 +106,7 @@ impl<'input> Explainer<'input, '_> {
         )
     }
 
-    /// `then else`: what goes on where a rule has to begin.
+    /// A missing rule, as in `then else`.
     pub(super) fn missing_rule(
         &self,
         found: SpannedToken<'input>,
@@ -122,7 +122,7 @@ impl<'input> Explainer<'input, '_> {
         })
     }
 
-    /// `r_x` alone.
+    /// A rule name without brackets: `r_x`.
     pub(super) fn call_without_brackets(
         &self,
         _: SpannedToken<'input>,
@@ -138,7 +138,7 @@ impl<'input> Explainer<'input, '_> {
         })
     }
 
-    /// `exists` without `(`.
+    /// A quantifier without `(`.
     pub(super) fn bare_quantifier(
         &self,
         found: SpannedToken<'input>,
@@ -158,13 +158,13 @@ impl<'input> Explainer<'input, '_> {
     }
 }
 
-/// Whether this token ends something; a `>` may also compare.
+/// Returns `true` if a token closes a construct. `>` is excluded, because it usually compares.
 fn ends(token: Token<'_>) -> bool {
     opener(token).is_some() && token != Token::Sign(Sign::Gt)
 }
 
-/// Whether this token goes on with something begun before, or begins a declaration: it cannot
-/// stand where something is still to come.
+/// Returns `true` if a token continues a construct or begins a declaration, so that something is
+/// missing before it.
 fn goes_on(token: Token<'_>) -> bool {
     let connects = match token {
         Token::Keyword(word) => matches!(
@@ -184,7 +184,7 @@ fn goes_on(token: Token<'_>) -> bool {
     connects || starts_item(token)
 }
 
-/// Whether a rule can begin with this token.
+/// Returns `true` if a rule can begin with this token.
 fn begins_rule(token: Token<'_>) -> bool {
     match token {
         Token::Name(_) | Token::Variable(_) | Token::Rule(_) => true,

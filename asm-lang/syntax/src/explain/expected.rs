@@ -1,16 +1,16 @@
-//! What the parser would rather have seen, in families instead of forty tokens.
+//! The tokens that the parser accepts, grouped for messages.
 
 use crate::lexer::Keyword;
 use crate::spelling::nearest;
 use std::fmt;
 
-/// The tokens that could stand here, by the names the grammar gives them.
+/// The accepted tokens, by their names in the grammar.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Expected<'a> {
     tokens: Vec<&'a str>,
 }
 
-/// What a term can begin with, numbers among it.
+/// Tokens that can begin a term.
 const TERM: &[&str] = &[
     "name", "variable", "constant", "integer", "natural", "real", "complex", "char", "text",
     "true", "false", "undef", "if", "switch", "let", "and", "or", "xor", "implies", "iff", "mod",
@@ -18,16 +18,16 @@ const TERM: &[&str] = &[
     "forall", "exists", "exist",
 ];
 
-/// What a domain can begin with.
+/// Tokens that can begin a domain.
 const TYPE: &[&str] = &["constant", "Prod", "Seq", "Powerset", "Bag", "Map", "Rule"];
 
-/// What can follow an operand in a longer term.
+/// Tokens that can continue a term after an operand.
 const OPERATOR: &[&str] = &[
     "implies", "iff", "or", "xor", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "/",
     "mod", "^",
 ];
 
-/// The names of all kinds; operators name functions.
+/// Tokens that can be names; operators are names of functions.
 const NAME: &[&str] = &[
     "name",
     "constant",
@@ -43,7 +43,7 @@ const NAME: &[&str] = &[
 ];
 
 impl<'a> Expected<'a> {
-    /// What a rule can begin with, `skip` and `par` among it.
+    /// Tokens that can begin a rule.
     pub(super) const RULE: &'static [&'static str] = &[
         "name",
         "variable",
@@ -64,34 +64,34 @@ impl<'a> Expected<'a> {
         "dynamic",
     ];
 
-    /// From the parser's list, where every token is quoted.
+    /// Creates the set from the parser's list, in which tokens are quoted.
     pub(super) fn new(tokens: &'a [String]) -> Self {
         Self {
             tokens: tokens.iter().map(|token| token.trim_matches('"')).collect(),
         }
     }
 
-    /// Whether this token could stand here.
+    /// Returns `true` if this token is accepted.
     pub(super) fn has(&self, token: &str) -> bool {
         self.tokens.contains(&token)
     }
 
-    /// Whether a rule could begin here.
+    /// Returns `true` if a rule is accepted.
     pub(super) fn rule(&self) -> bool {
         self.has("skip")
     }
 
-    /// Whether a term could begin here.
+    /// Returns `true` if a term is accepted.
     pub(super) fn term(&self) -> bool {
         self.has("integer")
     }
 
-    /// Whether a declaration could begin here.
+    /// Returns `true` if a declaration is accepted.
     pub(super) fn item(&self) -> bool {
         self.has("anydomain")
     }
 
-    /// Whether a term could go on here.
+    /// Returns `true` if an operator is accepted after an operand.
     pub(super) fn operator(&self) -> bool {
         self.has("implies") && !self.has("name")
     }
@@ -100,8 +100,8 @@ impl<'a> Expected<'a> {
         self.has("Powerset") && !self.term() && !self.item()
     }
 
-    /// What is to be named here and what such a name begins with, where one kind of name is
-    /// expected and nothing else.
+    /// Returns what is to be named and how such a name begins, if exactly one kind of name is
+    /// accepted and nothing else.
     pub(super) fn name(&self) -> Option<(&'static str, &'static str)> {
         if self.term() || self.item() || self.rule() {
             return None;
@@ -120,7 +120,7 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// The word expected here that differs from `written` by a slip of the finger.
+    /// Returns the accepted keyword that `written` is probably a misspelling of.
     pub(super) fn nearest(&self, written: &str) -> Option<&'a str> {
         let words = self
             .tokens
@@ -131,9 +131,9 @@ impl<'a> Expected<'a> {
 }
 
 impl fmt::Display for Expected<'_> {
-    /// "`then`", "a rule or `endpar`", "a term".
+    /// Describes the tokens: "`then`", "a rule or `endpar`", "a term".
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Whatever else may stand here, these are what was meant.
+        // the most specific expectations come first, even if other tokens are accepted as well
         if self.has(":=") {
             return out.write_str("`:=`");
         }

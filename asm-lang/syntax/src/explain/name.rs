@@ -1,4 +1,4 @@
-//! Names of the wrong kind, and what cannot be a name.
+//! Names of the wrong kind, and tokens that cannot be names.
 
 use super::{Expected, Explainer};
 use crate::codes::l054::ReservedName;
@@ -8,7 +8,7 @@ use crate::lexer::{Keyword, Sign, SpannedToken, Token};
 use asmotion_diagnostics::{Diagnostic, Finding};
 
 impl<'input> Explainer<'input, '_> {
-    /// `i`, `i1`: read as a number where a name stands.
+    /// A complex number such as `i` or `i1` where a name is expected.
     pub(super) fn complex_name(
         &self,
         found: SpannedToken<'input>,
@@ -38,7 +38,7 @@ impl<'input> Explainer<'input, '_> {
             Some((_, Token::Sign(Sign::Comma), _))
         );
         let better = match (found.1, what) {
-            // After a comma it is more likely that the name is missing.
+            // after a comma, a missing name is more likely
             (Token::Keyword(_), _) if after_comma => return None,
             (Token::Keyword(_), _) => {
                 return Some(ReservedName { found: place, what }.diagnostic());
@@ -62,7 +62,7 @@ impl<'input> Explainer<'input, '_> {
         )
     }
 
-    /// What is to be named at a token, and what such a name begins with.
+    /// Returns what is to be named at a token, and how such a name begins.
     fn named(
         &self,
         found: SpannedToken<'input>,
@@ -90,7 +90,7 @@ impl<'input> Explainer<'input, '_> {
     }
 }
 
-/// The name with its first letter changed.
+/// Changes the case of the first letter.
 fn recased(name: &str, case: fn(&char) -> char) -> String {
     let mut characters = name.chars();
     let first = characters.next().map(|first| case(&first));

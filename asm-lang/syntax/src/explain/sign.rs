@@ -1,4 +1,4 @@
-//! Signs in the wrong place, or of another notation.
+//! Misplaced signs, and signs of other languages.
 
 use super::{Expected, Explainer};
 use crate::codes::l009::ForeignSign;
@@ -13,7 +13,7 @@ use crate::codes::l061::ReturnOfNoRule;
 use crate::lexer::{Keyword, Sign, SpannedToken, Token};
 use asmotion_diagnostics::{Diagnostic, Finding};
 
-/// What begins the declaration of a function.
+/// Keywords that begin the declaration of a function.
 const FUNCTIONS: &[Keyword] = &[
     Keyword::Static,
     Keyword::Derived,
@@ -44,7 +44,7 @@ impl<'input> Explainer<'input, '_> {
                 }
                 .diagnostic(),
             ),
-            // The lexer reads `<-` in two where no name of a rule follows.
+            // the lexer splits `<-` unless a rule name follows
             Sign::Lt if expected.has("<-") && self.behind(found).starts_with('-') => {
                 Some(ReturnOfNoRule { at }.diagnostic())
             }

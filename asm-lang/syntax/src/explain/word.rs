@@ -1,4 +1,4 @@
-//! Words that are missing, misspelled, or reserved for nothing.
+//! Missing, misspelt and unusable keywords.
 
 use super::{Expected, Explainer};
 use crate::codes::l021::NoHeading;
@@ -8,11 +8,11 @@ use crate::codes::l057::UnusedWord;
 use crate::lexer::{Keyword, SpannedToken, Token};
 use asmotion_diagnostics::{Diagnostic, Finding};
 
-/// A word, what it should follow, and what it belongs to.
+/// A missing keyword, the position it belongs to, and the construct it is part of.
 type Missing<'input> = (&'static str, String, Option<SpannedToken<'input>>);
 
 impl<'input> Explainer<'input, '_> {
-    /// A word that is reserved and never used.
+    /// A reserved word without a use.
     pub(super) fn unused_word(
         &self,
         found: SpannedToken<'input>,
@@ -35,7 +35,7 @@ impl<'input> Explainer<'input, '_> {
         })
     }
 
-    /// A name that is nearly a word expected here, and does not go on like a name.
+    /// A name that resembles an accepted keyword and is not followed by what follows a name.
     pub(super) fn misspelled_word(
         &self,
         found: SpannedToken<'input>,
@@ -61,7 +61,7 @@ impl<'input> Explainer<'input, '_> {
         )
     }
 
-    /// Something else before `asm` or `module`.
+    /// Text before `asm` or `module`.
     pub(super) fn missing_heading(
         &self,
         found: SpannedToken<'input>,
@@ -76,7 +76,7 @@ impl<'input> Explainer<'input, '_> {
         })
     }
 
-    /// `f = 1` among declarations.
+    /// `f = 1` among declarations, without `function`.
     pub(super) fn missing_function(
         &self,
         found: SpannedToken<'input>,
@@ -96,7 +96,7 @@ impl<'input> Explainer<'input, '_> {
         })
     }
 
-    /// The word or sign between the parts of a construct.
+    /// A missing keyword or sign between the parts of a construct.
     pub(super) fn missing_word(
         &self,
         found: SpannedToken<'input>,
@@ -161,7 +161,7 @@ impl<'input> Explainer<'input, '_> {
     }
 }
 
-/// What stands between the first word of a rule and its `do`.
+/// Returns the name of the part between a rule's keyword and its `do`.
 fn head(prefix: Token<'_>) -> &'static str {
     match prefix {
         Token::Keyword(Keyword::While | Keyword::Whilerec) => "guard",

@@ -1,4 +1,4 @@
-//! What stands between tokens, and the annotations in it.
+//! Blanks, comments and annotations between tokens.
 
 use super::{Lexer, word};
 use crate::ast::{Annotation, NameText};
@@ -20,7 +20,7 @@ impl Lexer<'_, '_> {
         }
     }
 
-    /// `// …` and `//@Name …`, up to the end of the line or of the text.
+    /// Skips `// …` and `//@Name …`, up to the end of the line or of the text.
     fn line_comment(&mut self) -> usize {
         let rest = self.rest();
         let line = rest.split(['\n', '\r']).next().unwrap_or(rest);
@@ -47,7 +47,7 @@ impl Lexer<'_, '_> {
         }
     }
 
-    /// `/* … */`; they do not nest.
+    /// Skips `/* … */`; such comments do not nest.
     fn block_comment(&self) -> usize {
         let rest = self.rest();
         let opener = "/*".len();

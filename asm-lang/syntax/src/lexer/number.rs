@@ -1,4 +1,4 @@
-//! Numbers, and where a complex number ends.
+//! Numbers, including complex ones.
 
 use super::{Lexer, Token, TokenLength, word};
 use crate::codes::l007::ExponentInNumber;
@@ -19,10 +19,10 @@ impl<'input> Lexer<'input, '_> {
     }
 }
 
-/// The number `text` begins with, and its length.
+/// Reads the number at the beginning of `text`; returns it with its length.
 ///
-/// `1..3` is an interval of old, so a point belongs to the number only before a digit, or where
-/// nothing else can be meant.
+/// `1..3` is an interval in the old notation. A dot therefore belongs to the number only before a
+/// digit, or where it cannot have another meaning.
 fn read(text: &str) -> TokenLength<'_> {
     if let Some(length) = complex_length(text) {
         return (Token::Complex(text.get(..length).unwrap_or(text)), length);
@@ -42,10 +42,10 @@ fn read(text: &str) -> TokenLength<'_> {
     }
 }
 
-/// The length of the complex number `text` begins with: a sign where it has one, a real part, a
-/// sign, an imaginary part. Both parts may be missing, not both at once.
+/// Returns the length of the complex number at the beginning of `text`: an optional sign, a real
+/// part, a sign, an imaginary part. Either part may be missing, but not both.
 ///
-/// `5+index` is a sum: no letter may follow the imaginary part.
+/// No letter may follow the imaginary part: `5+index` is a sum.
 pub(super) fn complex_length(text: &str) -> Option<usize> {
     let sign = usize::from(text.starts_with(['+', '-']));
     let real = sign + real_length(text.get(sign..)?);
@@ -60,14 +60,14 @@ pub(super) fn complex_length(text: &str) -> Option<usize> {
     Some(real + between + imaginary_length(text.get(real + between..)?)?)
 }
 
-/// The length of `i`, `i2` or `i2.5`.
+/// Returns the length of `i`, `i2` or `i2.5`.
 pub(super) fn imaginary_length(text: &str) -> Option<usize> {
     let part = text.strip_prefix('i')?;
     let length = real_length(part);
     word_ends(part.get(length..)).then_some(1 + length)
 }
 
-/// Both parts of a complex number as it was read.
+/// Splits the text of a complex number into its parts.
 pub(crate) fn complex_parts(text: &str) -> (f64, f64) {
     let (real, imaginary) = text.split_once('i').unwrap_or((text, "0"));
     let size = if imaginary.is_empty() {
@@ -76,7 +76,7 @@ pub(crate) fn complex_parts(text: &str) -> (f64, f64) {
         imaginary.parse().unwrap_or(f64::NAN)
     };
     let sign = if real.ends_with('-') { -1.0 } else { 1.0 };
-    // What is left of a lone sign is empty: `-i2` has no real part.
+    // empty after a lone sign: `-i2` has no real part
     let real = real.strip_suffix(['+', '-']).unwrap_or(real);
     let real = if real.is_empty() {
         0.0
@@ -86,7 +86,7 @@ pub(crate) fn complex_parts(text: &str) -> (f64, f64) {
     (real, sign * size)
 }
 
-/// Digits, or digits, a point and digits.
+/// Returns the length of an integer or a real.
 fn real_length(text: &str) -> usize {
     let whole = digits(text);
     let fraction = text
@@ -100,7 +100,8 @@ fn real_length(text: &str) -> usize {
     }
 }
 
-/// `E3`, `e-3`: the language has none, so it is read only to be reported.
+/// Returns the length of an exponent such as `E3` or `e-3`, which is read only in order to report
+/// it.
 fn exponent_length(text: &str) -> usize {
     let Some(rest) = text.strip_prefix(['e', 'E']) else {
         return 0;

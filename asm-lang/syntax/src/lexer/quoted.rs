@@ -1,11 +1,11 @@
-//! Texts and characters.
+//! Strings and characters.
 
 use super::{Lexer, Token, TokenLength};
 use crate::codes::l004::OpenQuote;
 
 impl<'input> Lexer<'input, '_> {
-    /// What stands between two quotes, kept as it is. A backslash keeps the character after it from
-    /// ending the text.
+    /// Reads the text between two quotes, keeping escapes as written. A backslash protects the
+    /// character after it from ending the text.
     pub(super) fn quoted(
         &self,
         quote: char,
@@ -35,7 +35,7 @@ impl<'input> Lexer<'input, '_> {
     }
 }
 
-/// The one character between the quotes; `None` for none or several.
+/// Returns the single character between quotes; `None` if there are none or several.
 pub(crate) fn character(text: &str) -> Option<char> {
     let Some(escape) = text.strip_prefix('\\') else {
         return only(text);

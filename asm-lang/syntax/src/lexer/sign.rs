@@ -1,9 +1,9 @@
-//! Signs, and the signs of other languages.
+//! Signs, including those of other languages.
 
 use super::{Keyword, Lexer, Sign, Token, TokenLength, number, word};
 use crate::codes::l009::ForeignSign;
 
-/// Operators as other languages write them, and what they mean here; longer ones first.
+/// Operators of other languages, with their equivalents; longer ones first.
 const FOREIGN: &[(&str, &str)] = &[
     ("&&", "and"),
     ("&", "and"),
@@ -27,15 +27,15 @@ const FOREIGN: &[(&str, &str)] = &[
     ("\\/", "or"),
 ];
 
-/// Whether a sign begins with this character, be it a foreign one. The first character of every
-/// sign is a sign of its own.
+/// Returns `true` if a sign, possibly one of another language, begins with this character. The
+/// first character of every sign is a sign itself.
 pub(super) fn begins(c: char) -> bool {
     Sign::spelled(c.encode_utf8(&mut [0; 4])).is_some()
         || FOREIGN.iter().any(|(sign, _)| sign.starts_with(c))
 }
 
 impl<'input> Lexer<'input, '_> {
-    /// The longest sign here that makes sense, or the number that begins with it.
+    /// Reads the longest valid sign, or the number that begins with it.
     pub(super) fn sign(&mut self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         if rest.starts_with(['+', '-']) && !self.previous.is_some_and(Token::ends_operand) {
@@ -56,8 +56,8 @@ impl<'input> Lexer<'input, '_> {
         Some((Token::Sign(sign), 2))
     }
 
-    /// Whether a sign of two characters is meant as one: `a<-1` compares, `a <- r_x()` returns,
-    /// `<<r_x>>` is a rule, `<<1>>` a bag in a bag.
+    /// Returns `true` if two characters form one sign: `a<-1` compares, `a <- r_x()` returns a
+    /// result, `<<r_x>>` is a rule, `<<1>>` a nested bag.
     fn makes_sense(&self, sign: Sign) -> bool {
         match sign {
             Sign::Return | Sign::OpenRule => {
@@ -68,7 +68,7 @@ impl<'input> Lexer<'input, '_> {
         }
     }
 
-    /// A sign of another language: reported, and read as it was meant.
+    /// Reads a sign of another language: reports it, and returns its equivalent.
     fn foreign_sign(&self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         let &(found, meant) = FOREIGN.iter().find(|(found, _)| rest.starts_with(found))?;
@@ -78,7 +78,8 @@ impl<'input> Lexer<'input, '_> {
         Some((token, found.len()))
     }
 
-    /// Reports what other languages write for `meant`; the fix puts blanks where words would meet.
+    /// Reports the notation of another language for `meant`. The fix adds blanks where words would
+    /// touch.
     pub(super) fn report_foreign(&self, found: &str, meant: &'static str) {
         let at = self.next_bytes(found.len());
         let before = self

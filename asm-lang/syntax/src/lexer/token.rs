@@ -1,54 +1,55 @@
-//! The words and signs of the language.
+//! Tokens: the keywords and signs of the language.
 
 use std::fmt;
 
-/// The smallest thing the parser sees.
+/// A token of the language.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Token<'input> {
     /// A reserved word.
     Keyword(Keyword),
     /// A sign.
     Sign(Sign),
-    /// A word that begins lower-case: a function, an agent, a property.
+    /// A lower-case word: a function, an agent or a property.
     Name(&'input str),
-    /// A word that begins upper-case: a domain or an enumeration literal.
+    /// An upper-case word: a domain or an enumeration literal.
     Constant(&'input str),
-    /// `r_x`.
+    /// A rule name: `r_x`.
     Rule(&'input str),
-    /// `$x`.
+    /// A variable: `$x`.
     Variable(&'input str),
     /// Any word after `asm`, `module` and `init`.
     Word(&'input str),
-    /// What stands after `import`, without quotes.
+    /// The path after `import`, without quotes.
     Path(&'input str),
-    /// Digits.
+    /// An integer: digits.
     Integer(&'input str),
-    /// Digits and `n`.
+    /// A natural: digits and `n`.
     Natural(&'input str),
-    /// Digits, a point, digits.
+    /// A real: digits, a dot, digits.
     Real(&'input str),
-    /// `1+i2`, `i2`, `i`; with its sign where no operand stands before it.
+    /// A complex number: `1+i2`, `i2`, `i`. Includes a sign unless an operand precedes it.
     Complex(&'input str),
-    /// `'c'`, without quotes.
+    /// A character `'c'`, without quotes.
     Char(&'input str),
-    /// `"text"`, without quotes.
+    /// A string `"text"`, without quotes.
     Text(&'input str),
-    /// Stands before the tokens of a text and says what the text is; no text has it.
+    /// A marker before the first token that selects the start symbol of the grammar; never read
+    /// from a text.
     Start(TextKind),
 }
 
-/// What a text is as a whole.
+/// The start symbol for a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextKind {
     /// A specification.
     File,
-    /// One rule.
+    /// A single rule.
     Rule,
-    /// One term.
+    /// A single term.
     Term,
 }
 
-/// A fixed spelling for every variant; a later spelling of the same variant is its synonym.
+/// Generates an enum whose variants have fixed spellings, optionally with a synonym.
 macro_rules! spelled {
     ($(#[$meta:meta])* $name:ident { $($variant:ident $spelling:literal $(| $synonym:literal)?,)* }) => {
         $(#[$meta])*
@@ -56,7 +57,7 @@ macro_rules! spelled {
         pub(crate) enum $name { $($variant,)* }
 
         impl $name {
-            /// The variant that is spelled so.
+            /// Returns the variant with this spelling.
             pub(crate) fn spelled(text: &str) -> Option<Self> {
                 match text {
                     $($spelling $(| $synonym)? => Some(Self::$variant),)*
@@ -64,7 +65,7 @@ macro_rules! spelled {
                 }
             }
 
-            /// How it is written.
+            /// Returns the spelling, without synonyms.
             pub(crate) const fn spelling(self) -> &'static str {
                 match self { $(Self::$variant => $spelling,)* }
             }
@@ -73,7 +74,7 @@ macro_rules! spelled {
 }
 
 spelled! {
-    /// The reserved words. `and`, `or`, … are reserved here and let in as names by the grammar.
+    /// The keywords. `and`, `or`, … are also accepted as names by the grammar.
     Keyword {
         // a file and its sections
         Asm "asm", Module "module", Asyncr "asyncr", Import "import", Export "export",
@@ -102,7 +103,7 @@ spelled! {
         // terms
         True "true", False "false", Undef "undef", Exists "exists", Exist "exist", Unique "unique",
         And "and", Or "or", Xor "xor", Not "not", Implies "implies", Iff "iff", Mod "mod",
-        // reserved by AsmetaL and never used by it
+        // reserved in AsmetaL without a use
         Try "try", Catch "catch", Endcase "endcase", Fairness "FAIRNESS" | "fairness",
     }
 }
@@ -120,7 +121,8 @@ spelled! {
 }
 
 impl Token<'_> {
-    /// Whether an operand ends here, so that `+`, `-` and `<` after it are operators.
+    /// Returns `true` if the token ends an operand, so that `+`, `-` and `<` after it are
+    /// operators.
     pub(crate) fn ends_operand(self) -> bool {
         match self {
             Self::Keyword(word) => matches!(
@@ -154,7 +156,7 @@ impl Token<'_> {
 }
 
 impl fmt::Display for Token<'_> {
-    /// As the source has it; the parser's error recovery asks for it.
+    /// Writes the token as in source texts; required by the parser's error recovery.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Keyword(word) => out.write_str(word.spelling()),

@@ -1,20 +1,21 @@
-//! Words: reserved ones, names, variables, paths.
+//! Words: keywords, names, variables and paths.
 
 use super::{Keyword, Lexer, Token, TokenLength, number};
 use crate::codes::l002::ForeignLetters;
 use crate::codes::l011::ElementName;
 
-/// Whether a word begins with this character.
+/// Returns `true` if a word can begin with this character.
 pub(super) fn begins(c: char) -> bool {
     c == '_' || c.is_alphabetic()
 }
 
-/// Whether a word goes on with this character.
+/// Returns `true` if a word can contain this character.
 pub(super) fn goes_on(c: char) -> bool {
     c == '_' || c.is_alphanumeric()
 }
 
-/// The length of the word a text begins with; an element with its number, as `person!1`, is one.
+/// Returns the length of the word at the beginning of a text, including the number of an element
+/// such as `person!1`.
 pub(crate) fn length(text: &str) -> usize {
     let word = text.find(|c| !goes_on(c)).unwrap_or(text.len());
     let number = text
@@ -56,7 +57,7 @@ impl<'input> Lexer<'input, '_> {
         self.name(token, word)
     }
 
-    /// `$x`.
+    /// Reads a variable: `$x`.
     pub(super) fn variable(&self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         let name = rest
@@ -66,7 +67,7 @@ impl<'input> Lexer<'input, '_> {
         Some(self.name(Token::Variable(variable), variable))
     }
 
-    /// What stands after `import`: quoted, or everything up to a blank or a bracket.
+    /// Reads the path after `import`: in quotes, or up to a blank or a bracket.
     pub(super) fn path(&self) -> Option<TokenLength<'input>> {
         let rest = self.rest();
         if let Some(quoted) = rest.strip_prefix('"') {
@@ -76,12 +77,13 @@ impl<'input> Lexer<'input, '_> {
         }
         let in_path = |c: char| c.is_ascii_alphanumeric() || "_-./\\:".contains(c);
         let path = rest.get(..rest.find(|c| !in_path(c)).unwrap_or(rest.len()))?;
-        // No path, and then the next section.
+        // the path is missing, and the next section follows
         let section = Keyword::spelled(path.trim_end_matches(':')).is_some();
         (!path.is_empty() && !section).then_some((Token::Path(path), path.len()))
     }
 
-    /// Any word may follow `asm`, `module` and `init`, except one that begins a section.
+    /// Returns `true` if the word names a file or a state: any word after `asm`, `module` and
+    /// `init` that begins no section.
     fn names_file_or_state(&self, word: &str) -> bool {
         let Some(Token::Keyword(before)) = self.previous else {
             return false;
@@ -90,17 +92,17 @@ impl<'input> Lexer<'input, '_> {
         named && !["import", "export", "signature", "definitions"].contains(&word)
     }
 
-    /// Words of other languages for the parts of a block, reported and read as they were meant.
+    /// Reads a block keyword of other languages: reports it, and returns its equivalent.
     fn foreign_word(&self, word: &'input str) -> Option<TokenLength<'input>> {
         if ["elseif", "elsif", "elif"].contains(&word) {
             self.report_foreign(word, "else if");
-            // The `if` is the next token.
+            // the next token is the `if`
             return Some((Token::Keyword(Keyword::Else), word.len() - "if".len()));
         }
         if word != "end" {
             return None;
         }
-        // `end if`, in one line
+        // `end if` on one line
         let rest = self.rest();
         let second = rest.get(word.len()..)?.trim_start_matches([' ', '\t']);
         let second = second.get(..length(second))?;
@@ -112,7 +114,7 @@ impl<'input> Lexer<'input, '_> {
         Some((Token::Keyword(*meant), found.len()))
     }
 
-    /// Checks that a name consists of what names consist of.
+    /// Checks the characters of a name.
     fn name(&self, token: Token<'input>, word: &'input str) -> TokenLength<'input> {
         let at = self.next_bytes(word.len());
         if !word.is_ascii() {

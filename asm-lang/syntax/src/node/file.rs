@@ -1,4 +1,4 @@
-//! A file from its items: each goes to its section, in whatever order they come.
+//! Assembles a file from its items, which may come in any order.
 
 use super::{Nodes, order};
 use crate::ast::*;
@@ -13,19 +13,19 @@ use crate::codes::l074::NoSection;
 use crate::findings::SyntaxFindings;
 use asmotion_diagnostics::{Edit, Span};
 
-/// What a file consists of; a section is opened by its heading and ends with the next one.
+/// An item of a file. A heading opens a section, which ends with the next heading.
 pub(crate) enum Item {
-    /// `asm x`.
+    /// `asm x` or `module x`.
     Heading {
         asyncr: bool,
         module: bool,
         name: NameText,
     },
-    /// `import x`.
+    /// `import x`
     Import(Import),
-    /// `export x`.
+    /// `export x`
     Export(Export),
-    /// `signature:`.
+    /// `signature:`
     Signature(Span),
     /// A domain of the signature.
     Domain(Domain),
@@ -33,25 +33,25 @@ pub(crate) enum Item {
     Function(Function),
     /// `definitions:`.
     Definitions(Span),
-    /// `domain D = …`, of the definitions or of an initial state.
+    /// `domain D = …`, in the definitions or in an initial state.
     DomainDefinition(DomainDefinition),
-    /// `function f = …`, of the definitions or of an initial state.
+    /// `function f = …`, in the definitions or in an initial state.
     FunctionDefinition(FunctionDefinition),
-    /// A rule.
+    /// A rule other than the main rule.
     Rule(RuleDeclaration),
-    /// A property.
+    /// An invariant, constraint or temporal property.
     Property(Property),
     /// The main rule.
     Main(RuleDeclaration),
-    /// `init x:`.
+    /// `init x:`
     Init { default: bool, name: NameText },
-    /// `agent D: r_x[]`, of an initial state.
+    /// `agent D: r_x[]`, in an initial state.
     Agent(AgentInit),
-    /// What could not be read.
+    /// A text that could not be parsed.
     Broken(Span),
 }
 
-/// The kinds of items in the order AsmetaS wants them.
+/// Kinds of items, in the order required by AsmetaS.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum FileItemKind {
     Heading,
@@ -76,7 +76,7 @@ enum FileItemKind {
 }
 
 impl FileItemKind {
-    /// Whether other items follow from it.
+    /// Returns `true` for the heading of a section.
     fn is_heading(self) -> bool {
         match self {
             Self::Heading | Self::Signature | Self::Definitions | Self::Init | Self::End => true,
@@ -97,7 +97,7 @@ impl FileItemKind {
         }
     }
 
-    /// As in "a domain after a function".
+    /// Returns the phrase used in messages, as in "a domain after a function".
     fn described(self) -> &'static str {
         match self {
             Self::Heading => "the heading",
@@ -124,7 +124,7 @@ impl FileItemKind {
 }
 
 impl Nodes<'_, '_> {
-    /// Sorts the items into the sections they belong to.
+    /// Sorts the items into their sections.
     pub(crate) fn file(&self, items: Vec<(usize, Item, usize)>) -> File {
         let mut assembly = FileBuilder::new(self.findings, self.text);
         let end = self.span(self.text.len(), self.text.len());
@@ -145,16 +145,16 @@ impl Nodes<'_, '_> {
     }
 }
 
-/// A file in the making.
+/// A file under construction.
 struct FileBuilder<'run> {
     findings: &'run SyntaxFindings,
     text: &'run str,
     file: File,
-    /// The item that is being added, from its first word to its last.
+    /// Span of the item that is being added.
     whole: Span,
-    /// The items so far that are where they belong, from the last beginning of the order.
+    /// The items in correct order so far, since the order last restarted.
     placed: Vec<(FileItemKind, Span)>,
-    /// The furthest kind so far, and its last item.
+    /// The latest kind in the order so far, with its last item.
     furthest: Option<(FileItemKind, Span)>,
     in_order: bool,
     heading: Option<Span>,
@@ -302,7 +302,7 @@ impl<'run> FileBuilder<'run> {
         self.place(FileItemKind::Agent, at);
     }
 
-    /// The order begins again inside every initial state.
+    /// Restarts the order, which applies within each initial state separately.
     fn begin_init(&mut self, at: Span) {
         if self
             .furthest
@@ -314,7 +314,7 @@ impl<'run> FileBuilder<'run> {
         self.place(FileItemKind::Init, at);
     }
 
-    /// Checks that an item stands where AsmetaS wants it; says so once.
+    /// Checks the position of an item against the order required by AsmetaS; reported once.
     fn place(&mut self, kind: FileItemKind, at: Span) {
         if self.furthest.is_none() && kind != FileItemKind::Heading && self.file.unread.is_empty() {
             self.findings.report(NoHeading { at });
@@ -361,7 +361,7 @@ impl<'run> FileBuilder<'run> {
         }
     }
 
-    /// The current item put before the first one that belongs after it.
+    /// Returns the edits that move the current item before the first one that belongs after it.
     fn moved(&self, kind: FileItemKind) -> Vec<Edit> {
         let later = self.placed.iter().find(|(other, _)| *other > kind);
         match later {
@@ -381,7 +381,7 @@ fn kind_of(property: &PropertyKind) -> FileItemKind {
     }
 }
 
-/// A file without anything in it.
+/// Returns a file without contents.
 pub(super) fn empty() -> File {
     File {
         asyncr: false,

@@ -1,4 +1,4 @@
-//! The order AsmetaS wants, and how a text is brought into it.
+//! The order of items required by AsmetaS, and edits that establish it.
 
 use crate::ast::{NameText, Rule, RuleDeclaration, RuleKind};
 use crate::codes::l076::CalledEarly;
@@ -7,7 +7,7 @@ use asmotion_diagnostics::{Edit, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-/// An item put before another one, each with the comments above it.
+/// Returns the edits that move an item before another one; comments above the items move with them.
 pub(super) fn moved(text: &str, item: Span, before: Span) -> Vec<Edit> {
     let from = with_comments(text, item);
     let to = with_comments(text, before).start;
@@ -25,7 +25,7 @@ pub(super) fn moved(text: &str, item: Span, before: Span) -> Vec<Edit> {
     ]
 }
 
-/// The heading of a section written before an item, on a line of its own.
+/// Returns the edit that writes the heading of a section before an item, on a line of its own.
 pub(super) fn heading(text: &str, section: &str, item: Span) -> Edit {
     let start = item.start as usize;
     let before = text.get(..start).unwrap_or("");
@@ -43,7 +43,8 @@ pub(super) fn heading(text: &str, section: &str, item: Span) -> Edit {
     }
 }
 
-/// The lines of an item with the comments right above it; the item alone where it shares a line.
+/// Returns the range of an item's lines and the comments directly above them, or of the item alone
+/// if it shares a line with others.
 fn with_comments(text: &str, item: Span) -> Range<usize> {
     let Range { start, end } = item.range();
     let before = text.get(..start).unwrap_or("");
@@ -72,8 +73,8 @@ fn with_comments(text: &str, item: Span) -> Range<usize> {
     first..end + newline + 1
 }
 
-/// Reports the first rule that is called before it is declared. Rules that call each other in a
-/// circle have no such order, and nothing is said about them.
+/// Reports the first rule that is called before its declaration. Rules that call each other
+/// mutually have no valid order and are not reported.
 pub(super) fn rules(text: &str, rules: &[RuleDeclaration], findings: &SyntaxFindings) {
     let mut declared: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, rule) in rules.iter().enumerate() {
@@ -108,7 +109,7 @@ pub(super) fn rules(text: &str, rules: &[RuleDeclaration], findings: &SyntaxFind
     }
 }
 
-/// Whether one rule calls the other, directly or not.
+/// Returns `true` if one rule calls the other, directly or indirectly.
 fn reaches(from: usize, to: usize, calls: &[Vec<(usize, &NameText)>]) -> bool {
     let mut seen = BTreeSet::new();
     let mut open = vec![from];
@@ -129,7 +130,7 @@ fn reaches(from: usize, to: usize, calls: &[Vec<(usize, &NameText)>]) -> bool {
     false
 }
 
-/// The names of the rules that a rule calls.
+/// Collects the names of the rules that a rule calls.
 fn called<'a>(rule: &'a Rule, names: &mut Vec<&'a NameText>) {
     match &*rule.kind {
         RuleKind::Macro { name, .. } | RuleKind::Turbo { name, .. } => names.push(name),

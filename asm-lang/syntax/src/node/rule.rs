@@ -1,4 +1,4 @@
-//! Rules.
+//! Builds the nodes of rules.
 
 use super::Nodes;
 use super::term::{applied, bound, deepest, optional, ranges};
@@ -11,16 +11,16 @@ use crate::edits::SpannedText;
 use crate::spelling::nearest;
 use asmotion_diagnostics::{Edit, Span};
 
-/// `choose` up to its `do`.
+/// The part of a `choose` before its `do`.
 pub(crate) struct Choose {
-    /// The variables.
+    /// Variables with their ranges.
     pub(crate) binders: Vec<Binder>,
-    /// What the choice has to fulfil.
+    /// Condition on the candidates.
     pub(crate) guard: Option<Term>,
 }
 
 impl Choose {
-    /// With what is done.
+    /// Completes the rule with its body.
     pub(crate) fn kind(self, body: Rule, ifnone: Option<Rule>) -> RuleKind {
         RuleKind::Choose {
             binders: self.binders,
@@ -32,7 +32,7 @@ impl Choose {
 }
 
 impl Nodes<'_, '_> {
-    /// A rule, or `Invalid` where it nests too deep.
+    /// Builds a rule, or `Invalid` if it is nested too deeply.
     pub(crate) fn rule(&self, start: usize, kind: RuleKind, end: usize) -> Rule {
         let span = self.span(start, end);
         let depth = 1 + rule_depth(&kind);
@@ -51,7 +51,7 @@ impl Nodes<'_, '_> {
         }
     }
 
-    /// `local f: D [R] S`; several in a row are one rule.
+    /// Builds `local f: D [R] S`; merges consecutive declarations into one rule.
     pub(crate) fn local(&self, function: Function, init: Rule, body: Rule) -> RuleKind {
         let mut functions = vec![(function, init)];
         match *body.kind {
@@ -72,7 +72,7 @@ impl Nodes<'_, '_> {
         }
     }
 
-    /// A term standing as a rule.
+    /// Builds a rule that consists of a term.
     pub(crate) fn term_as_rule(&self, term: Assignee, arguments: Option<Vec<Term>>) -> RuleKind {
         let span = match &term {
             Assignee::Variable(name) => name.span,
@@ -85,13 +85,13 @@ impl Nodes<'_, '_> {
         }
     }
 
-    /// `par … endpar`.
+    /// Builds `par … endpar`.
     pub(crate) fn par(&self, start: usize, rules: Vec<Rule>, end: usize) -> RuleKind {
         self.count_rules("par", &rules, self.span(start, end));
         RuleKind::Par(rules)
     }
 
-    /// `seq … endseq`.
+    /// Builds `seq … endseq`.
     pub(crate) fn seq(&self, start: usize, rules: Vec<Rule>, end: usize) -> RuleKind {
         self.count_rules("seq", &rules, self.span(start, end));
         RuleKind::Seq(rules)
@@ -115,7 +115,7 @@ impl Nodes<'_, '_> {
         });
     }
 
-    /// An empty block as `skip`, unless a comment stands in it.
+    /// Returns the edit that replaces an empty block by `skip`, unless it contains a comment.
     fn skipped(&self, all: Span) -> Vec<Edit> {
         let text = self.text.get(all.range()).unwrap_or("");
         if text.split_whitespace().count() != 2 {
@@ -125,8 +125,8 @@ impl Nodes<'_, '_> {
         vec![Edit { span: all, text }]
     }
 
-    /// A block without its words. Comments stay, and so does a block that keeps a `choose` apart from
-    /// the `ifnone` of another one.
+    /// Returns the edits that remove the keywords of a block with a single rule. Comments are kept.
+    /// No edits are returned if the block separates a `choose` from the `ifnone` of another one.
     fn unwrapped(&self, block: &str, only: &Rule, all: Span) -> Vec<Edit> {
         if takes_ifnone(only) {
             return Vec::new();
@@ -155,7 +155,7 @@ impl Nodes<'_, '_> {
         vec![drop(start, head), drop(tail, end)]
     }
 
-    /// One rule; several are a mistake, read as if they stood in `par`.
+    /// Builds a single rule. Several are an error, and are combined by `par`.
     pub(crate) fn block(&self, start: usize, mut rules: Vec<Rule>, end: usize) -> Rule {
         match rules.pop() {
             Some(only) if rules.is_empty() => only,
@@ -186,7 +186,8 @@ impl Nodes<'_, '_> {
     }
 }
 
-/// A term standing as a rule that is nearly a word that goes on after a rule, and that word.
+/// Returns a term standing as a rule if it is probably a misspelt keyword of the enclosing rule,
+/// with that keyword.
 fn misspelled_word(rule: &Rule) -> Option<(SpannedText, String)> {
     let RuleKind::Term { term, .. } = &*rule.kind else {
         return None;
@@ -201,7 +202,7 @@ fn misspelled_word(rule: &Rule) -> Option<(SpannedText, String)> {
     Some(((name.text.to_string(), name.span), meant.to_owned()))
 }
 
-/// The depth of the deepest part of a rule.
+/// Returns the depth of the deepest part of a rule.
 fn rule_depth(kind: &RuleKind) -> u32 {
     match kind {
         RuleKind::Skip | RuleKind::Invalid => 0,
@@ -264,7 +265,7 @@ fn optional_rule(rule: &Option<Rule>) -> u32 {
     rule.as_ref().map_or(0, |rule| rule.depth)
 }
 
-/// Whether an `ifnone` after the rule would belong to it.
+/// Returns `true` if an `ifnone` after the rule would belong to it.
 fn takes_ifnone(rule: &Rule) -> bool {
     match &*rule.kind {
         RuleKind::Choose { ifnone: None, .. } => true,

@@ -1,4 +1,4 @@
-//! Terms.
+//! Builds the nodes of terms.
 
 use super::Nodes;
 use crate::ast::*;
@@ -10,18 +10,18 @@ use crate::codes::l071::OldInterval;
 use crate::lexer;
 use asmotion_diagnostics::Span;
 
-/// What stands between the brackets of a set, a sequence or a bag.
+/// The text between the brackets of a collection.
 pub(crate) enum Elements {
-    /// `a, b`.
+    /// Listed elements: `a, b`.
     Listed(Vec<Term>),
-    /// `a : b`.
+    /// Bounds: `a : b`.
     Interval(Interval),
-    /// `$x in D : t`.
+    /// Comprehension: `$x in D : t`.
     Comprehension(Comprehension),
 }
 
 impl Elements {
-    /// In the brackets of a set, a sequence or a bag.
+    /// Builds the collection.
     pub(crate) fn kind(self, collection: Collection) -> TermKind {
         match self {
             Self::Listed(items) => TermKind::Listed { collection, items },
@@ -37,7 +37,7 @@ impl Elements {
     }
 }
 
-/// What could be written to, as a term.
+/// Converts the left-hand side of an update to a term.
 pub(crate) fn applied(located: Assignee) -> TermKind {
     match located {
         Assignee::Variable(name) => TermKind::Variable(name),
@@ -61,7 +61,7 @@ pub(crate) fn applied(located: Assignee) -> TermKind {
 }
 
 impl Nodes<'_, '_> {
-    /// A term, or `Invalid` where it nests too deep.
+    /// Builds a term, or `Invalid` if it is nested too deeply.
     pub(crate) fn term(&self, start: usize, kind: TermKind, end: usize) -> Term {
         self.spanned_term(kind, self.span(start, end))
     }
@@ -87,7 +87,7 @@ impl Nodes<'_, '_> {
         }
     }
 
-    /// `left op right`; a chain on the left that goes on becomes longer.
+    /// Builds `left op right`; extends a chain on the left if the operators have equal precedence.
     pub(crate) fn binary(
         &self,
         mut left: Term,
@@ -115,7 +115,7 @@ impl Nodes<'_, '_> {
         self.spanned_term(TermKind::Chain { first: left, links }, span)
     }
 
-    /// `op operand`.
+    /// Builds `op operand`.
     pub(crate) fn unary(&self, (operator, at): (Operator, Span), operand: Term) -> Term {
         let span = at.to(operand.span);
         self.spanned_term(
@@ -128,7 +128,7 @@ impl Nodes<'_, '_> {
         )
     }
 
-    /// `f`, `f(t…)`, `a.f(t…)`.
+    /// Builds a location: `f`, `f(t…)`, `a.f(t…)`.
     pub(crate) fn location(
         &self,
         start: usize,
@@ -146,7 +146,7 @@ impl Nodes<'_, '_> {
         }
     }
 
-    /// `(t)` is `t`, `(t, u)` a tuple.
+    /// Builds a tuple `(t, u)`, or the term itself from `(t)`.
     pub(crate) fn tuple(&self, start: usize, mut items: Vec<Term>, end: usize) -> Term {
         match items.pop() {
             Some(only) if items.is_empty() => Term {
@@ -160,14 +160,14 @@ impl Nodes<'_, '_> {
         }
     }
 
-    /// `exist`, as AsmetaL before 26.06 wrote it.
+    /// Reports `exist`, the keyword before AsmetaL 26.06.
     pub(crate) fn old_exists(&self, start: usize, end: usize) {
         self.findings.report(OldExists {
             at: self.span(start, end),
         });
     }
 
-    /// `..`, as old AsmetaL wrote intervals.
+    /// Reports `..`, the old notation of intervals.
     pub(crate) fn old_interval(&self, start: usize, end: usize) {
         let blanks = |text: Option<&str>, has: fn(&str) -> bool| text.is_some_and(has);
         let apart = blanks(self.text.get(..start), |text| text.ends_with(' '))
@@ -178,7 +178,7 @@ impl Nodes<'_, '_> {
         });
     }
 
-    /// Digits as a number; `None` beyond 64 bits.
+    /// Parses digits; reports a number that does not fit in 64 bits and returns `None`.
     pub(crate) fn integer(&self, start: usize, digits: &str, end: usize) -> Option<i64> {
         let number = digits.parse().ok();
         if number.is_none() {
@@ -190,21 +190,21 @@ impl Nodes<'_, '_> {
         number
     }
 
-    /// Digits, a point and digits as a number.
+    /// Parses a real.
     pub(crate) fn real(&self, digits: &str) -> Literal {
         Literal::Real(digits.parse().unwrap_or(f64::NAN))
     }
 
-    /// Both parts of a complex number.
+    /// Parses a complex number.
     pub(crate) fn complex(&self, text: &str) -> Literal {
         let (real, imaginary) = lexer::complex_parts(text);
         Literal::Complex(real, imaginary)
     }
 
-    /// The one character between the quotes.
+    /// Parses the single character between quotes.
     pub(crate) fn char(&self, start: usize, text: &str, end: usize) -> char {
         lexer::character(text).unwrap_or_else(|| {
-            // It has no closing quote if that was reported.
+            // an unclosed quote was already reported
             if !self.findings.error_between(start, start) {
                 let (text, at) = (text.to_owned(), self.span(start, end));
                 self.findings.report(CharLength { text, at });
@@ -214,7 +214,7 @@ impl Nodes<'_, '_> {
     }
 }
 
-/// Whether a chain stands without brackets and its operators are as strong as the next one.
+/// Returns `true` if a chain without brackets continues with an operator of the same precedence.
 fn goes_on(first: &Term, links: &[ChainLink], span: Span, next: Operator) -> bool {
     links.last().is_some_and(|last| {
         last.operator.strength() == next.strength()
@@ -222,7 +222,7 @@ fn goes_on(first: &Term, links: &[ChainLink], span: Span, next: Operator) -> boo
     })
 }
 
-/// The depth of the deepest part of a term.
+/// Returns the depth of the deepest part of a term.
 fn term_depth(kind: &TermKind) -> u32 {
     match kind {
         TermKind::Literal(_)

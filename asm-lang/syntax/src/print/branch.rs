@@ -1,23 +1,23 @@
-//! `if` and `switch`: they choose between rules as they choose between terms.
+//! Layout of `if` and `switch`, shared by rules and terms.
 
 use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 use crate::lexer::{Keyword, Token};
 use asmotion_diagnostics::Span;
 
-/// What is chosen between.
+/// A branch of `if` or `switch`: a rule or a term.
 pub(super) trait PrintBranch: Sized {
-    /// Where it stands.
+    /// Returns the span of the branch.
     fn span(&self) -> Span;
 
-    /// Its parts, where it is an `if` itself.
+    /// Returns its parts if it is an `if` itself.
     fn as_if(&self) -> Option<If<'_, Self>>;
 
-    /// Prints it.
+    /// Prints the branch.
     fn print(&self, layout: &mut TokenLayout<'_>);
 }
 
-/// `if guard then … else … endif`.
+/// The parts of `if guard then … else … endif`.
 pub(super) struct If<'tree, T> {
     guard: &'tree Term,
     then: &'tree T,
@@ -25,7 +25,7 @@ pub(super) struct If<'tree, T> {
 }
 
 impl<'tree, T> If<'tree, T> {
-    /// Its parts, as a tree has them.
+    /// Collects the parts from a node of the tree.
     pub(super) fn of(guard: &'tree Term, then: &'tree T, otherwise: &'tree Option<T>) -> Self {
         Self {
             guard,
@@ -78,7 +78,7 @@ impl PrintBranch for Term {
 }
 
 impl TokenLayout<'_> {
-    /// `if g then … else … endif`; `else if` on one line goes on at the same level.
+    /// Prints `if g then … else … endif`; an `else if` on one line stays at the same indentation.
     pub(super) fn choose_if<T: PrintBranch>(&mut self, branch: &If<'_, T>, lines: bool) {
         self.guarded(branch.guard);
         self.part(branch.then, lines);
@@ -102,12 +102,12 @@ impl TokenLayout<'_> {
         self.token();
     }
 
-    /// Whether `else if` comes next, in one line.
+    /// Returns `true` if `else if` follows on one line.
     fn else_if(&self) -> bool {
         self.peek_second() == Some(Token::Keyword(Keyword::If)) && self.goes_on()
     }
 
-    /// `switch t case c: … otherwise … endswitch`.
+    /// Prints `switch t case c: … otherwise … endswitch`.
     pub(super) fn choose_case<T: PrintBranch>(
         &mut self,
         subject: &Term,
@@ -135,7 +135,7 @@ impl TokenLayout<'_> {
         self.token();
     }
 
-    /// `switch t`.
+    /// Prints `switch t`.
     fn subject(&mut self, subject: &Term) {
         self.token();
         self.indent(|it| {
@@ -144,7 +144,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// `case c: …`.
+    /// Prints `case c: …`.
     fn case<T: PrintBranch>(&mut self, case: &Term, body: &T) {
         let apart = self.in_lines(case.span.to(body.span()));
         self.group(|it| {
@@ -160,7 +160,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// `otherwise …`.
+    /// Prints `otherwise …`.
     fn otherwise<T: PrintBranch>(&mut self, body: &T) {
         let place = body.span();
         let apart = self.in_lines(Span {
@@ -173,7 +173,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// What stands between words.
+    /// Prints a branch between keywords.
     pub(super) fn part<T: PrintBranch>(&mut self, part: &T, lines: bool) {
         self.indent(|it| {
             it.separate(LayoutBreak::line(lines));

@@ -1,12 +1,12 @@
-//! Comments: each stays where it stands, and what follows a line comment begins a new line.
+//! Layout of comments: each keeps its position, and a line comment is followed by a line break.
 
 use super::layout::{LastPrinted, LayoutBreak, LayoutDoc, LayoutPart, TokenLayout};
 use super::trivia::{Comment, indentation};
 use pretty::DocAllocator;
 
 impl<'text> TokenLayout<'text> {
-    /// The comments before the next token that stand further right than what follows them: they
-    /// belong to the block that ends here.
+    /// Prints the comments before the next token that are indented further than it: they belong to
+    /// the block that ends here.
     pub(super) fn comments_inside(&mut self) {
         let next = self.next;
         let outside = self.tokens.indentation(self.tokens.line_of(next));
@@ -23,8 +23,8 @@ impl<'text> TokenLayout<'text> {
         }
     }
 
-    /// The comments between a break and the group that begins behind it: they are not indented with
-    /// its lines.
+    /// Prints the comments between a break and the group that follows it, which are not indented
+    /// with the lines of the group.
     pub(super) fn comments_outside(&mut self) {
         if self.pending.is_some() && !self.tokens.gap(self.next).leading.is_empty() {
             self.leading_comments();
@@ -32,7 +32,7 @@ impl<'text> TokenLayout<'text> {
         }
     }
 
-    /// Goes on in a new line where a comment ended the last one.
+    /// Requests a line break if a comment has ended the last line.
     pub(super) fn new_line(&mut self) {
         if self.last == LastPrinted::LineEnd && self.pending.is_none() {
             self.separate(LayoutBreak::Item);
@@ -65,7 +65,7 @@ impl<'text> TokenLayout<'text> {
         self.comment_text(comment);
     }
 
-    /// A comment does not count for the width of its line: it may not tear apart what it speaks of.
+    /// Prints a comment with width 0, so that it does not break the line it refers to.
     fn comment_text(&mut self, comment: &Comment<'text>) {
         let mut lines = comment.text.split('\n');
         let first = lines.next().unwrap_or("").trim_end();
@@ -82,7 +82,8 @@ impl<'text> TokenLayout<'text> {
         };
     }
 
-    /// A line of a comment of several: it moves with the first one where that begins its line.
+    /// Prints a further line of a block comment, keeping its indentation relative to the first
+    /// line.
     fn further_line(&self, line: &'text str, column: Option<usize>) -> LayoutDoc<'text> {
         let newline = self.arena.hardline();
         match column {

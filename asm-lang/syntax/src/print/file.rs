@@ -1,11 +1,11 @@
-//! Files: sections, declarations, properties.
+//! Layout of files: sections, declarations and properties.
 
 use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 use crate::lexer::{Keyword, Sign, Token};
 use asmotion_diagnostics::Span;
 
-/// What a section consists of, in the order of the text.
+/// An item of a section, in source order.
 enum SectionItem<'tree> {
     Import(&'tree Import),
     Export(&'tree Export),
@@ -19,7 +19,7 @@ enum SectionItem<'tree> {
 }
 
 impl TokenLayout<'_> {
-    /// All of it.
+    /// Prints the whole file.
     pub(super) fn file(&mut self, file: &File) {
         let mut items = items(file).into_iter();
         loop {
@@ -36,7 +36,7 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// `asyncr asm x`.
+    /// Prints the heading: `asyncr asm x`.
     fn heading(&mut self) {
         self.separate(LayoutBreak::Item);
         while self.at_heading() {
@@ -64,7 +64,8 @@ impl TokenLayout<'_> {
         )
     }
 
-    /// `signature:`, `definitions:`, `default init s0:` and what belongs to it.
+    /// Prints the heading of a section (`signature:`, `definitions:`, `default init s0:`) and its
+    /// items.
     fn section<'tree>(&mut self, items: &mut impl Iterator<Item = SectionItem<'tree>>) {
         self.separate(LayoutBreak::Section);
         self.token();
@@ -159,7 +160,7 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// `controlled f: D -> E`.
+    /// Prints a function: `controlled f: D -> E`.
     pub(super) fn function(&mut self, function: &Function) {
         self.words_before(function.name.span);
         self.joined(2);
@@ -175,7 +176,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// A domain where it is used.
+    /// Prints a domain in use.
     pub(super) fn type_(&mut self, of: &Type) {
         self.token();
         match &of.kind {
@@ -190,7 +191,7 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// Domains in brackets, where there are any.
+    /// Prints domains in parentheses, if there are any.
     pub(super) fn types(&mut self, types: &[&Type]) {
         if !types.is_empty() {
             self.list(types, LayoutBreak::Line, |list, part| list.type_(part));
@@ -206,7 +207,8 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// `= t` of a domain or a function; on a line of its own where the text has it so.
+    /// Prints `= t` of a domain or function; the term stays on a line of its own if the source has
+    /// it so.
     fn definition(&mut self, body: &Term) {
         self.separate(LayoutBreak::Blank);
         self.token();
@@ -255,7 +257,8 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// A function applied needs no indentation beyond its own.
+    /// Prints a condition. The arguments of a function are indented anyway, so it is not indented
+    /// further.
     fn stated(&mut self, body: &Term) {
         let print = |of: &mut Self| {
             of.separate(LayoutBreak::Blank);
@@ -296,7 +299,7 @@ impl TokenLayout<'_> {
     }
 }
 
-/// The items of a file in the order of its text.
+/// Returns the items of a file in source order.
 fn items(file: &File) -> Vec<SectionItem<'_>> {
     let mut items: Vec<(Span, SectionItem<'_>)> = Vec::new();
     items.extend(

@@ -1,5 +1,5 @@
-//! Puts tokens on lines: the tokens come from the text, in its order, with their comments; where a
-//! line may end is said by who walks the tree.
+//! Arranges tokens in lines. The tokens and comments come from the source text; the code that
+//! traverses the tree determines where lines may be broken.
 
 use super::trivia::TriviaTokens;
 use super::{INDENT, WIDTH};
@@ -10,34 +10,36 @@ use std::borrow::Cow;
 
 pub(super) type LayoutDoc<'text> = DocBuilder<'text, Arena<'text>>;
 
-/// What stands between two tokens.
+/// The separator of two tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LayoutBreak {
     /// A blank.
     Blank,
-    /// A blank; a new line where the group does not fit on one.
+    /// A blank, or a line break if the group does not fit on one line.
     Line,
-    /// Nothing; a new line where the group does not fit on one.
+    /// Nothing, or a line break if the group does not fit on one line.
     Soft,
-    /// A blank; a new line where the next piece does not fit.
+    /// A blank, or a line break if the next piece does not fit.
     Fill,
-    /// Two blanks, for rules have no sign between; a new line where the group does not fit on one.
+    /// Two blanks, because rules have no other separator, or a line break if the group does not fit
+    /// on one line.
     Rule,
-    /// A new line.
+    /// A line break.
     Hard,
-    /// A new line, and a blank one where the text has some.
+    /// A line break, with a blank line if the source has one.
     Item,
     /// A blank line.
     Section,
 }
 
 impl LayoutBreak {
-    /// A new line where it must be, otherwise where the group does not fit on one.
+    /// Returns [`LayoutBreak::Hard`] if a break is required, otherwise [`LayoutBreak::Line`].
     pub(super) fn line(must: bool) -> Self {
         if must { Self::Hard } else { Self::Line }
     }
 
-    /// What it comes to where a comment asks for a new line, or the text has a blank one.
+    /// Returns the separator to print: `forced` if a comment requires a line break, `blank` if the
+    /// source has a blank line.
     fn resolved(self, forced: bool, blank: bool) -> Self {
         match self {
             Self::Blank | Self::Line | Self::Soft | Self::Fill | Self::Rule if forced => Self::Hard,
@@ -55,29 +57,29 @@ pub(super) enum LayoutPart<'text> {
     Break(LayoutBreak),
 }
 
-/// What was printed last.
+/// The kind of the last piece printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LastPrinted {
     Nothing,
     Token,
-    /// A comment with something behind it.
+    /// A comment within a line.
     Comment,
-    /// A comment with nothing behind it.
+    /// A comment at the end of a line.
     LineEnd,
 }
 
-/// Prints the tokens of a text one after the other.
+/// Prints the tokens of a text in order.
 pub(super) struct TokenLayout<'text> {
     pub(super) arena: &'text Arena<'text>,
     pub(super) tokens: TriviaTokens<'text>,
-    /// The token to print next.
+    /// Index of the next token.
     pub(super) next: usize,
-    /// The groups that are open, from the outside in.
+    /// The open groups, outermost first.
     open: Vec<Vec<LayoutPart<'text>>>,
-    /// Where the break before the next piece stands: which group, which part of it.
+    /// The separator before the next piece: index of its group, and index within the group.
     pub(super) pending: Option<(usize, usize)>,
     pub(super) last: LastPrinted,
-    /// How far lines are indented here.
+    /// Current indentation in characters.
     pub(super) indentation: usize,
 }
 
@@ -94,47 +96,47 @@ impl<'text> TokenLayout<'text> {
         }
     }
 
-    /// The text, once all is printed.
+    /// Returns the formatted text.
     pub(super) fn finish(mut self) -> String {
         self.leading_comments();
         let parts = self.open.pop().unwrap_or_default();
         let all = self.concat(parts);
         let mut text = String::with_capacity(self.tokens.text.len());
-        // Writing to a `String` does not fail.
+        // writing to a `String` cannot fail
         let _ = all.render_fmt(WIDTH, &mut text);
         with_tabs(&text)
     }
 
-    // ── what comes next ──
+    // ── inspecting the next tokens ──
 
-    /// The token to print next.
+    /// Returns the next token.
     pub(super) fn peek(&self) -> Option<Token<'text>> {
         self.tokens.get(self.next).map(|(_, token, _)| token)
     }
 
-    /// The token after it.
+    /// Returns the token after the next one.
     pub(super) fn peek_second(&self) -> Option<Token<'text>> {
         self.tokens.get(self.next + 1).map(|(_, token, _)| token)
     }
 
-    /// Whether the token to print next is this sign.
+    /// Returns `true` if the next token is this sign.
     pub(super) fn at(&self, sign: Sign) -> bool {
         self.peek() == Some(Token::Sign(sign))
     }
 
-    /// Where the token to print next begins.
+    /// Returns the offset of the next token.
     pub(super) fn start(&self) -> usize {
         self.tokens.start(self.next)
     }
 
-    /// Whether a complex number is printed next, brackets apart.
+    /// Returns `true` if a complex number follows, possibly in parentheses.
     pub(super) fn complex_follows(&self) -> bool {
         let mut rest = (self.next..).map_while(|index| self.tokens.get(index));
         let first = rest.find(|&(_, token, _)| token != Token::Sign(Sign::Open));
         matches!(first, Some((_, Token::Complex(_), _)))
     }
 
-    /// Whether an opening bracket was printed last.
+    /// Returns `true` if the last token is an opening bracket.
     pub(super) fn after_bracket(&self) -> bool {
         let last = self
             .next
@@ -146,48 +148,49 @@ impl<'text> TokenLayout<'text> {
         matches!(sign, Sign::Open | Sign::OpenBrace | Sign::OpenBracket)
     }
 
-    /// Whether the token to print next begins a line of the text.
+    /// Returns `true` if the next token begins a line of the source.
     pub(super) fn begins_line(&self) -> bool {
         self.tokens.gap(self.next).breaks
     }
 
-    /// Whether a comment stands directly before the token to print next.
+    /// Returns `true` if a comment directly precedes the next token.
     pub(super) fn comment_before(&self) -> bool {
         self.last == LastPrinted::LineEnd || !self.tokens.gap(self.next).leading.is_empty()
     }
 
-    /// Whether the token after the next one begins a line of the text.
+    /// Returns `true` if the token after the next one begins a line of the source.
     pub(super) fn second_begins_line(&self) -> bool {
         self.tokens.gap(self.next + 1).breaks
     }
 
-    /// Whether the token after the next one stands in the same line of the text, without a comment.
+    /// Returns `true` if the token after the next one is on the same line of the source, without a
+    /// comment between.
     pub(super) fn goes_on(&self) -> bool {
         let gap = self.tokens.gap(self.next + 1);
         !gap.breaks && gap.leading.is_empty()
     }
 
-    /// Whether the text has this in several lines.
+    /// Returns `true` if the source has this span on several lines.
     pub(super) fn in_lines(&self, span: Span) -> bool {
         let range = span.range();
         self.tokens.several_lines(range.start, range.end)
     }
 
-    /// How many pairs of brackets enclose exactly what is to be printed next and ends where `span`
-    /// does.
+    /// Returns the number of pairs of parentheses around the text from the next token to the end of
+    /// `span`.
     pub(super) fn brackets_around(&self, span: Span) -> usize {
         self.tokens.brackets_around(self.next, span.range().end)
     }
 
     // ── groups ──
 
-    /// On one line where it fits; otherwise each [`LayoutBreak::Line`] and [`LayoutBreak::Soft`] directly inside
-    /// begins a new one.
+    /// Prints a group: on one line if it fits, otherwise with a line break at each
+    /// [`LayoutBreak::Line`] and [`LayoutBreak::Soft`] directly inside it.
     pub(super) fn group(&mut self, inside: impl FnOnce(&mut Self)) {
         self.nested(inside, |piece| piece.group());
     }
 
-    /// Lines that begin inside are indented.
+    /// Indents the lines that begin inside.
     pub(super) fn indent(&mut self, inside: impl FnOnce(&mut Self)) {
         self.indentation += INDENT;
         self.nested(inside, |piece| piece.nest(INDENT.cast_signed()));
@@ -230,7 +233,7 @@ impl<'text> TokenLayout<'text> {
 
     // ── pieces ──
 
-    /// What stands before the next token; the last word counts.
+    /// Sets the separator before the next token, replacing an earlier one.
     pub(super) fn separate(&mut self, at: LayoutBreak) {
         if self.last == LastPrinted::Nothing {
             return;
@@ -242,7 +245,7 @@ impl<'text> TokenLayout<'text> {
         self.pending = Some((group, part));
     }
 
-    /// The next token, with its comments.
+    /// Prints the next token with its comments.
     pub(super) fn token(&mut self) {
         let Some((start, token, end)) = self.tokens.get(self.next) else {
             return;
@@ -261,14 +264,14 @@ impl<'text> TokenLayout<'text> {
         self.trailing_comments();
     }
 
-    /// The next tokens, so many, with nothing between.
+    /// Prints the next `count` tokens without separators.
     pub(super) fn joined(&mut self, count: usize) {
         for _ in 0..count {
             self.token();
         }
     }
 
-    /// The tokens before this place, with a blank after each.
+    /// Prints the tokens before a span, each followed by a blank.
     pub(super) fn words_before(&mut self, place: Span) {
         while self.start() < place.range().start {
             self.token();
@@ -276,7 +279,7 @@ impl<'text> TokenLayout<'text> {
         }
     }
 
-    /// Leaves the next token out; its comments stay.
+    /// Omits the next token but keeps its comments.
     pub(super) fn leave_out(&mut self) {
         let mut before = std::mem::take(self.tokens.gap_mut(self.next));
         self.next += 1;
@@ -311,7 +314,7 @@ impl<'text> TokenLayout<'text> {
         DocBuilder(self.arena, BuildDoc::Doc(Doc::RenderLen(width, text)))
     }
 
-    /// Decides the break before a piece; on a line of its own where it must be.
+    /// Resolves the separator before a piece, which begins a new line if `own_line` is set.
     pub(super) fn place(&mut self, own_line: bool, blank: bool) {
         let forced = own_line || self.last == LastPrinted::LineEnd;
         let pending = self.pending.take();
@@ -335,7 +338,7 @@ impl<'text> TokenLayout<'text> {
         }
     }
 
-    /// Takes back the break before the next piece.
+    /// Removes the separator before the next piece.
     pub(super) fn drop_break(&mut self) {
         if let Some((group, part)) = self.pending.take()
             && let Some(part) = self
@@ -348,7 +351,7 @@ impl<'text> TokenLayout<'text> {
     }
 }
 
-/// Tabs where lines begin, nothing where they end, one line end at the end.
+/// Replaces indentation by tabs, and trims the ends of lines and of the text.
 fn with_tabs(text: &str) -> String {
     let mut all = String::with_capacity(text.len());
     for line in text.lines() {

@@ -1,4 +1,4 @@
-//! Lists: what stands in brackets with commas between.
+//! Layout of lists: bracketed items separated by commas.
 
 use super::layout::{LayoutBreak, TokenLayout};
 use super::operator::{LOOSEST, NOT, OperandPosition};
@@ -6,7 +6,7 @@ use crate::ast::*;
 use crate::lexer::Sign;
 
 impl TokenLayout<'_> {
-    /// Things with commas between, in the brackets that come next.
+    /// Prints a list in the brackets that follow.
     pub(super) fn list<T>(
         &mut self,
         items: &[T],
@@ -16,7 +16,8 @@ impl TokenLayout<'_> {
         self.enclosed(LayoutBreak::Soft, |list| list.items(items, between, print));
     }
 
-    /// The same; where the text begins a line after the bracket, its lines stay.
+    /// Prints a list like `list`, but keeps the lines of the source if it has a line break after
+    /// the bracket.
     pub(super) fn rows<T>(
         &mut self,
         items: &[T],
@@ -43,7 +44,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// Things with commas or bars between.
+    /// Prints items separated by commas or bars.
     pub(super) fn items<T>(
         &mut self,
         items: &[T],
@@ -59,7 +60,7 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// The same, in the lines of the text.
+    /// Prints items in the lines of the source.
     fn lines<T>(
         &mut self,
         items: &[T],
@@ -77,7 +78,7 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// A comma, or the bar between literals.
+    /// Prints a comma, or the bar between enumeration literals.
     fn comma(&mut self) {
         if self.at(Sign::Bar) {
             self.separate(LayoutBreak::Blank);
@@ -87,7 +88,7 @@ impl TokenLayout<'_> {
 
     // ── collections ──
 
-    /// `{a : b, s}`.
+    /// Prints an interval: `{a : b, s}`.
     pub(super) fn interval(&mut self, interval: &Interval, item: OperandPosition) {
         self.token();
         self.indent(|it| {
@@ -108,7 +109,7 @@ impl TokenLayout<'_> {
         self.token();
     }
 
-    /// `{$x in D | g : t}`, `{$x in D | g : k -> v}`.
+    /// Prints a comprehension: `{$x in D | g : t}`, `{$x in D | g : k -> v}`.
     pub(super) fn comprehension(
         &mut self,
         comprehension: &Comprehension,
@@ -146,7 +147,7 @@ impl TokenLayout<'_> {
         self.token();
     }
 
-    /// `{k -> v, …}`, `{->}`.
+    /// Prints a map: `{k -> v, …}`, `{->}`.
     pub(super) fn map(&mut self, entries: &[(Term, Term)]) {
         if entries.is_empty() {
             return self.joined(3);
@@ -167,7 +168,7 @@ impl TokenLayout<'_> {
     }
 }
 
-/// An element of a collection; in a bag, `<` and `>` are brackets.
+/// Returns the position of an element in a collection; in a bag, `<` and `>` are brackets.
 pub(super) fn element(collection: Collection) -> OperandPosition {
     let least = match collection {
         Collection::Set | Collection::Seq => LOOSEST,

@@ -1,10 +1,10 @@
-//! Operators, and the brackets that what stands between them needs.
+//! Layout of operators, and the parentheses of their operands.
 
 use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
 
-/// How tight the parts of a term hold together, as the grammar has it: from 0 for `implies` to 9 for
-/// what needs no brackets anywhere.
+/// Precedence of a term according to the grammar, from 0 for `implies` to 9 for a term that never
+/// needs parentheses.
 pub(super) type Strength = u8;
 
 pub(super) const LOOSEST: Strength = 0;
@@ -12,17 +12,17 @@ pub(super) const NOT: Strength = 4;
 const SIGN: Strength = 8;
 const TIGHTEST: Strength = 9;
 
-/// Where a term stands.
+/// The position of a term.
 #[derive(Clone, Copy)]
 pub(super) struct OperandPosition {
-    /// What does not hold together as tight needs brackets.
+    /// Least precedence that needs no parentheses here.
     pub(super) least: Strength,
-    /// The operator it is an operand of.
+    /// The operator that the term is an operand of, if any.
     pub(super) of: Option<Operator>,
 }
 
 impl TokenLayout<'_> {
-    /// A term with the brackets it needs.
+    /// Prints a term with the parentheses it needs.
     pub(super) fn bracketed(
         &mut self,
         term: &Term,
@@ -56,7 +56,7 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// `a + b - c`: operators of equal strength in one go, each at the beginning of its line.
+    /// Prints a chain `a + b - c`; if it is broken, each operator begins a line.
     pub(super) fn chain(&mut self, first: &Term, links: &[ChainLink]) {
         for (index, link) in links.iter().enumerate() {
             let least = link.operator.strength();
@@ -77,7 +77,8 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// The first operand of a chain; one that is such a chain in needless brackets goes on in it.
+    /// Prints the first operand of a chain, removing superfluous parentheses around a chain of the
+    /// same precedence.
     fn beginning(&mut self, first: &Term, place: OperandPosition) {
         match &*first.kind {
             TermKind::Chain {
@@ -94,12 +95,12 @@ impl TokenLayout<'_> {
         self.brackets_around(term.span) > 0 && keeps_brackets(&term.kind, place)
     }
 
-    /// `-a`, `not a`.
+    /// Prints `-a` or `not a`.
     pub(super) fn unary(&mut self, operator: Operator, operand: &Term) {
         self.token();
         let is_not = operator == Operator::Not;
         let is_signed = matches!(*operand.kind, TermKind::Unary { .. });
-        // A sign that touches a complex number would be read as a part of it.
+        // without a blank, a sign before a complex number would be read as part of it
         if is_not || is_signed || self.complex_follows() {
             self.separate(LayoutBreak::Blank);
         }
@@ -111,13 +112,12 @@ impl TokenLayout<'_> {
     }
 }
 
-/// Whether a term in brackets keeps them: where it would be read as something else without, and
-/// where a reader would have to know the table.
+/// Returns `true` if a term keeps its parentheses, because they are required or help the reader.
 fn keeps_brackets(kind: &TermKind, place: OperandPosition) -> bool {
     strength_of(kind) < place.least || place.of.is_some_and(|outer| is_unclear(kind, outer))
 }
 
-/// How tight a term holds together.
+/// Returns the precedence of a term.
 fn strength_of(kind: &TermKind) -> Strength {
     match (last_operator(kind), kind) {
         (Some(operator), _) => operator.strength(),
@@ -127,7 +127,7 @@ fn strength_of(kind: &TermKind) -> Strength {
     }
 }
 
-/// The operator of a chain that is applied last.
+/// Returns the operator of a chain that is applied last.
 fn last_operator(kind: &TermKind) -> Option<Operator> {
     match kind {
         TermKind::Chain { links, .. } => links.last().map(|link| link.operator),
@@ -135,7 +135,7 @@ fn last_operator(kind: &TermKind) -> Option<Operator> {
     }
 }
 
-/// Whether few readers would bet on what binds tighter: the term or the operator it is an operand of.
+/// Returns `true` if the relative precedence of a term and its operator is not obvious to readers.
 fn is_unclear(inner: &TermKind, outer: Operator) -> bool {
     if let Some(operator) = last_operator(inner) {
         mixes(operator, outer)
@@ -153,7 +153,7 @@ fn is_unclear(inner: &TermKind, outer: Operator) -> bool {
     }
 }
 
-/// Whether two binary operators next to each other make a reader think.
+/// Returns `true` if the relative precedence of two adjacent binary operators is not obvious.
 fn mixes(inner: Operator, outer: Operator) -> bool {
     let is_logical = |operator: Operator| operator.strength() <= Operator::And.strength();
     let same = inner.strength() == outer.strength();

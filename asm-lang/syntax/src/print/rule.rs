@@ -1,4 +1,5 @@
-//! Rules. A rule the text has on one line stays there if it fits; every other one is spread out.
+//! Layout of rules: a rule on one line of the source stays so if it fits; all others are spread
+//! over lines.
 
 use super::branch::If;
 use super::layout::{LayoutBreak, TokenLayout};
@@ -6,7 +7,7 @@ use crate::ast::*;
 use crate::lexer::Sign;
 
 impl TokenLayout<'_> {
-    /// A rule.
+    /// Prints a rule.
     pub(super) fn rule(&mut self, rule: &Rule) {
         let lines = self.in_lines(rule.span);
         self.group(|it| it.rule_kind(&rule.kind, lines));
@@ -100,7 +101,7 @@ impl TokenLayout<'_> {
 
     // ── rules with parts ──
 
-    /// The rule a declaration stands for; on a line of its own where the text has it so.
+    /// Prints the body of a declaration, on a line of its own if the source has it so.
     pub(super) fn body(&mut self, rule: &Rule) {
         let own_line = self.begins_line();
         self.indent(|it| {
@@ -109,13 +110,13 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// The word that ends a rule.
+    /// Prints the closing keyword of a rule.
     fn end(&mut self, lines: bool) {
         self.separate(LayoutBreak::line(lines));
         self.token();
     }
 
-    /// `par … endpar`, `seq … endseq`.
+    /// Prints `par … endpar` or `seq … endseq`.
     fn block(&mut self, rules: &[Rule], lines: bool) {
         self.token();
         self.indent(|block| {
@@ -133,7 +134,7 @@ impl TokenLayout<'_> {
         self.end(lines);
     }
 
-    /// `extend D with $x, $y do`.
+    /// Prints `extend D with $x, $y do`.
     fn extend(&mut self, variables: &[NameText]) {
         self.token();
         for _ in 0..2 {
@@ -148,7 +149,7 @@ impl TokenLayout<'_> {
         self.token();
     }
 
-    /// `local f: D [R] S`.
+    /// Prints `local f: D [R] S`.
     fn local(&mut self, functions: &[(Function, Rule)], body: &Rule, lines: bool) {
         for (function, init) in functions {
             self.group(|it| {
@@ -168,7 +169,7 @@ impl TokenLayout<'_> {
         self.rule(body);
     }
 
-    /// What is written.
+    /// Prints the left-hand side of an update.
     pub(super) fn assignee(&mut self, target: &Assignee) {
         match target {
             Assignee::Variable(_) => self.token(),
@@ -178,9 +179,10 @@ impl TokenLayout<'_> {
         }
     }
 
-    // ── what rules and terms share ──
+    // ── shared by rules and terms ──
 
-    /// `if g then`, `while g do`: the last word on a line of its own after a guard of several lines.
+    /// Prints `if g then` or `while g do`. After a guard on several lines, the last keyword is on a
+    /// line of its own.
     pub(super) fn guarded(&mut self, guard: &Term) {
         self.group(|it| {
             it.token();
@@ -193,7 +195,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// `choose $x in D with g do`.
+    /// Prints `choose $x in D with g do`.
     fn choice(&mut self, binders: &[Binder], guard: Option<&Term>) {
         self.group(|it| {
             it.token();
@@ -203,7 +205,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// `let ($x = t, …) in`.
+    /// Prints `let ($x = t, …) in`.
     pub(super) fn bindings(&mut self, bindings: &[(NameText, Term)]) {
         self.token();
         self.separate(LayoutBreak::Blank);

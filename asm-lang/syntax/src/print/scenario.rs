@@ -1,4 +1,4 @@
-//! Scenarios: a line for each command.
+//! Layout of scenarios: one line for each command.
 
 use super::layout::{LayoutBreak, TokenLayout};
 use crate::ast::*;
@@ -9,11 +9,11 @@ use crate::scenario::parse_scenario;
 use asmotion_diagnostics::{Diagnostic, FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What ends a command; a sign of scenarios, and none of the language.
+/// The sign `;` that ends a command, which is not a sign of AsmetaL.
 const END: Token<'_> = Token::Word(";");
 
 impl TokenLayout<'_> {
-    /// All of it.
+    /// Prints the whole scenario.
     pub(super) fn scenario(&mut self, scenario: &Scenario) {
         for _ in [&scenario.name, &scenario.load].into_iter().flatten() {
             self.separate(LayoutBreak::Item);
@@ -78,7 +78,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// A condition on the line of its command, or on the next ones where it does not fit.
+    /// Prints a condition after its command, on the following lines if it does not fit.
     fn rest_of_line(&mut self, condition: &Term) {
         self.indent(|it| {
             it.separate(LayoutBreak::Blank);
@@ -86,7 +86,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// `pick $x in r_rule(Domain, …) := term`, behind its first word.
+    /// Prints `pick $x in r_rule(Domain, …) := term` after its keyword.
     fn pick(&mut self, pick: &Pick) {
         self.separate(LayoutBreak::Blank);
         self.token();
@@ -107,7 +107,7 @@ impl TokenLayout<'_> {
         self.value(&pick.value);
     }
 
-    /// `begin name … end`, behind its first word.
+    /// Prints `begin name … end` after its keyword.
     fn named_block(&mut self, block: &ScenarioBlock) {
         self.separate(LayoutBreak::Blank);
         self.token();
@@ -125,7 +125,7 @@ impl TokenLayout<'_> {
         self.token();
     }
 
-    /// Leaves out a `;` that ends nothing.
+    /// Omits `;` that end no command.
     fn no_end(&mut self) {
         while self.peek() == Some(END) {
             self.leave_out();
@@ -133,7 +133,7 @@ impl TokenLayout<'_> {
     }
 }
 
-/// With the `;` that are missing at the ends of commands.
+/// Adds missing `;` at the ends of commands.
 pub(super) fn with_ends(file: FileId, text: &str) -> String {
     let (_, report) = parse_scenario(file, text);
     let missing = report.diagnostics.iter();
@@ -144,8 +144,8 @@ pub(super) fn with_ends(file: FileId, text: &str) -> String {
     asmotion_diagnostics::apply(text, file, &missing).text
 }
 
-/// The tokens of a scenario. Names and paths are whole, whatever the language makes of their letters;
-/// a term begins as if nothing stood before it.
+/// Returns the tokens of a scenario. Names and paths are single tokens, even if AsmetaL would split
+/// them. The lexer starts afresh at each term.
 pub(super) fn tokens<'text>(text: &'text str, scenario: &Scenario) -> Vec<SpannedToken<'text>> {
     let unheard = SyntaxFindings::new(FileId(0));
     let mut places = ScenarioPositions::default();
@@ -176,12 +176,12 @@ pub(super) fn tokens<'text>(text: &'text str, scenario: &Scenario) -> Vec<Spanne
     }
 }
 
-/// What the tokens of a scenario depend on.
+/// Positions at which the tokens of a scenario differ from those of AsmetaL.
 #[derive(Default)]
 struct ScenarioPositions {
-    /// Where names and paths begin and end.
+    /// Start and end offsets of names and paths.
     whole: BTreeMap<usize, usize>,
-    /// Where terms and rules begin.
+    /// Start offsets of terms and rules.
     begins: BTreeSet<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! Terms. They are broken only where they do not fit on one line.
+//! Layout of terms, which are broken only if they do not fit on one line.
 
 use super::branch::If;
 use super::layout::{LayoutBreak, TokenLayout};
@@ -8,7 +8,7 @@ use crate::ast::*;
 use crate::lexer::{Keyword, Sign, Token};
 
 impl TokenLayout<'_> {
-    /// A term where any may stand.
+    /// Prints a term in a position that accepts any precedence.
     pub(super) fn term(&mut self, term: &Term) {
         self.placed(
             term,
@@ -19,7 +19,8 @@ impl TokenLayout<'_> {
         );
     }
 
-    /// `t` after `:=` or `=`: on the next line where it does not fit, but collections begin here.
+    /// Prints the term after `:=` or `=`, on the next line if it does not fit. Collections begin on
+    /// the same line.
     pub(super) fn value(&mut self, term: &Term) {
         let is_collection = matches!(
             *term.kind,
@@ -39,7 +40,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// A term without the brackets it does not need.
+    /// Prints a term without superfluous parentheses.
     pub(super) fn placed(&mut self, term: &Term, place: OperandPosition) {
         self.bracketed(term, place, |it| {
             let lines = it.in_lines(term.span);
@@ -110,7 +111,7 @@ impl TokenLayout<'_> {
 
     // ── functions ──
 
-    /// `f`, `f(t…)`, `a.f(t…)`.
+    /// Prints `f`, `f(t…)` or `a.f(t…)`.
     pub(super) fn applied(&mut self, dotted: bool, arguments: &[Term]) {
         self.joined(if dotted { 3 } else { 1 });
         if !arguments.is_empty() {
@@ -121,14 +122,14 @@ impl TokenLayout<'_> {
         }
     }
 
-    /// Terms in brackets.
+    /// Prints arguments in brackets.
     pub(super) fn arguments(&mut self, arguments: &[Term]) {
         self.list(arguments, LayoutBreak::Line, Self::term);
     }
 
-    // ── terms with words ──
+    // ── terms with keywords ──
 
-    /// `(forall $x in D with g)`.
+    /// Prints `(forall $x in D with g)`.
     fn quantified(&mut self, binders: &[Binder], guard: Option<&Term>) {
         self.joined(2);
         if self.peek() == Some(Token::Keyword(Keyword::Unique)) {
@@ -139,7 +140,7 @@ impl TokenLayout<'_> {
         self.token();
     }
 
-    /// `$x in D, $y in E with g`.
+    /// Prints `$x in D, $y in E with g`.
     pub(super) fn binders(&mut self, binders: &[Binder], guard: Option<&Term>) {
         self.indent(|it| {
             it.separate(LayoutBreak::Blank);
@@ -156,7 +157,7 @@ impl TokenLayout<'_> {
         });
     }
 
-    /// `$x in D, $y in E`.
+    /// Prints `$x in D, $y in E`.
     pub(super) fn ranges(&mut self, binders: &[Binder]) {
         self.group(|it| {
             it.items(binders, LayoutBreak::Line, |it, binder| {

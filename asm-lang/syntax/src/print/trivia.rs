@@ -1,54 +1,54 @@
-//! The tokens of a text and what stands between them: comments, line ends, blank lines.
+//! The tokens of a text with the trivia between them: comments, line breaks and blank lines.
 
 use crate::findings::SyntaxFindings;
 use crate::lexer::{Lexer, Sign, SpannedToken, Token};
 use asmotion_diagnostics::FileId;
 use std::collections::VecDeque;
 
-/// A tab is as wide as this when indentations are compared.
+/// Width of a tab in characters when indentations are compared.
 const TAB: usize = super::INDENT;
 
-/// A comment as written.
+/// A comment of the source.
 #[derive(Debug)]
 pub(super) struct Comment<'text> {
-    /// With its `//` or `/* */`.
+    /// Text, including `//` or `/* */`.
     pub(super) text: &'text str,
-    /// Where it begins.
+    /// Offset of the first byte.
     pub(super) start: usize,
-    /// Whether a line begins before it, or should, for it has several.
+    /// `true` if it begins a line, or must begin one because it has several lines.
     pub(super) own_line: bool,
-    /// Whether a blank line stands before it.
+    /// `true` if a blank line precedes it.
     pub(super) blank: bool,
-    /// Whether the line ends after it.
+    /// `true` if the line ends after it.
     pub(super) ends_line: bool,
 }
 
-/// What stands between two tokens.
+/// The trivia between two tokens.
 #[derive(Debug, Default)]
 pub(super) struct Gap<'text> {
-    /// The comments in the line of the token before, where the line ends after them.
+    /// Comments on the line of the preceding token, if the line ends after them.
     pub(super) trailing: VecDeque<Comment<'text>>,
-    /// The others.
+    /// All other comments.
     pub(super) leading: VecDeque<Comment<'text>>,
-    /// Whether a line begins somewhere in it.
+    /// `true` if it contains a line break.
     pub(super) breaks: bool,
-    /// Whether a blank line stands before the token behind it.
+    /// `true` if a blank line precedes the following token.
     pub(super) blank: bool,
 }
 
-/// The tokens of a text without errors, and the gap before each.
+/// The tokens of a text without errors, with the gap before each.
 #[derive(Debug)]
 pub(super) struct TriviaTokens<'text> {
     pub(super) text: &'text str,
     tokens: Vec<SpannedToken<'text>>,
-    /// One more than tokens: the last one stands before the end.
+    /// The gap before each token, and one before the end of the text.
     gaps: Vec<Gap<'text>>,
-    /// For every `(` its `)`; otherwise the token itself.
+    /// For each `(`, the index of its `)`; for all other tokens their own index.
     partners: Vec<usize>,
 }
 
 impl<'text> TriviaTokens<'text> {
-    /// The tokens of a specification.
+    /// Returns the tokens of a specification.
     pub(super) fn of_file(text: &'text str) -> Self {
         let unheard = SyntaxFindings::new(FileId(0));
         Self::new(text, Lexer::new(text, &unheard).collect())
@@ -63,7 +63,7 @@ impl<'text> TriviaTokens<'text> {
         }
         gaps.push(gap(text, end, text.len()));
         if let Some(first) = gaps.first_mut() {
-            // Before the first token there is no line a comment could belong to.
+            // no token precedes these comments, so they begin lines of their own
             let mut comments = std::mem::take(&mut first.trailing);
             if let Some(comment) = comments.front_mut() {
                 comment.own_line = true;
@@ -79,35 +79,35 @@ impl<'text> TriviaTokens<'text> {
         }
     }
 
-    /// The token at `index`.
+    /// Returns the token at an index.
     pub(super) fn get(&self, index: usize) -> Option<SpannedToken<'text>> {
         self.tokens.get(index).copied()
     }
 
-    /// Where the token at `index` begins; the end of the text behind the last one.
+    /// Returns the start offset of a token, or the end of the text after the last one.
     pub(super) fn start(&self, index: usize) -> usize {
         self.get(index).map_or(self.text.len(), |(start, ..)| start)
     }
 
-    /// Where the token at `index` begins, or the comments in front of it that go with it.
+    /// Returns the start offset of a token, or of the comments before it on its line.
     pub(super) fn line_of(&self, index: usize) -> usize {
         let comments = self.gap(index).leading.iter().rev();
         let with_it = comments.take_while(|comment| !comment.ends_line).last();
         with_it.map_or(self.start(index), |comment| comment.start)
     }
 
-    /// The gap before the token at `index`.
+    /// Returns the gap before a token.
     pub(super) fn gap(&self, index: usize) -> &Gap<'text> {
         &self.gaps[index.min(self.tokens.len())]
     }
 
-    /// The same, to take its comments.
+    /// Returns the gap before a token for removing comments from it.
     pub(super) fn gap_mut(&mut self, index: usize) -> &mut Gap<'text> {
         &mut self.gaps[index.min(self.tokens.len())]
     }
 
-    /// How many pairs of brackets enclose exactly what reaches from the token at `index` to the
-    /// byte `end`.
+    /// Returns the number of pairs of parentheses around the text from the token at `index` to the
+    /// offset `end`.
     pub(super) fn brackets_around(&self, index: usize, end: usize) -> usize {
         let mut closing = None;
         let encloses = |&opening: &usize| {
@@ -124,14 +124,14 @@ impl<'text> TriviaTokens<'text> {
         (index..).take_while(encloses).count()
     }
 
-    /// How far the line of this byte is indented.
+    /// Returns the indentation of the line that contains this offset.
     pub(super) fn indentation(&self, byte: usize) -> usize {
         let before = self.text.get(..byte).unwrap_or("");
         let line = before.rfind('\n').map_or(0, |end| end + 1);
         indentation(self.text.get(line..).unwrap_or(""))
     }
 
-    /// Whether these bytes stand in several lines.
+    /// Returns `true` if the range contains a line break.
     pub(super) fn several_lines(&self, start: usize, end: usize) -> bool {
         self.text
             .get(start..end)
@@ -139,7 +139,7 @@ impl<'text> TriviaTokens<'text> {
     }
 }
 
-/// The width of the blanks a line begins with.
+/// Returns the width of the leading white space of a line.
 pub(super) fn indentation(line: &str) -> usize {
     line.chars()
         .map_while(|c| match c {
@@ -167,7 +167,7 @@ fn partners(tokens: &[SpannedToken<'_>]) -> Vec<usize> {
     partners
 }
 
-/// Reads the blanks and comments from `start` to `end`.
+/// Reads the trivia from `start` to `end`.
 fn gap(text: &str, start: usize, end: usize) -> Gap<'_> {
     let mut gap = Gap::default();
     let mut position = start;
@@ -204,7 +204,8 @@ fn gap(text: &str, start: usize, end: usize) -> Gap<'_> {
     gap
 }
 
-/// What was read last ends its line; what was read first may be in the line of the token before.
+/// Ends a line of trivia: the last comment ends its line, and the first ones may be trailing
+/// comments of the preceding token.
 fn end_line<'text>(gap: &mut Gap<'text>, comments: &mut VecDeque<Comment<'text>>) {
     if let Some(last) = comments.back_mut() {
         last.ends_line = true;
@@ -218,7 +219,7 @@ fn end_line<'text>(gap: &mut Gap<'text>, comments: &mut VecDeque<Comment<'text>>
     gap.breaks = true;
 }
 
-/// The length of the comment `text` begins with; 0 for none.
+/// Returns the length of the comment at the beginning of `text`, 0 for none.
 fn comment_length(text: &str) -> usize {
     if text.starts_with("//") {
         text.find('\n').unwrap_or(text.len())

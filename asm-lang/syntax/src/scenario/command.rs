@@ -1,4 +1,4 @@
-//! Commands: their words, and what stands up to their `;`.
+//! Parsing of commands up to their `;`.
 
 use super::reader::ScenarioReader;
 use crate::ast::{NameText, Pick, PickedRule, ScenarioBlock, ScenarioCommand, ScenarioCommandKind};
@@ -11,7 +11,7 @@ use crate::fragment::{parse_assignment_in, parse_rule_in};
 use crate::spelling::nearest;
 use asmotion_diagnostics::Span;
 
-/// The words that commands begin with.
+/// The keywords with which commands begin.
 pub(super) const COMMANDS: &[&str] = &[
     "set",
     "check",
@@ -26,11 +26,11 @@ pub(super) const COMMANDS: &[&str] = &[
     "load",
 ];
 
-/// Blocks may nest this deep.
+/// Limit for the nesting of blocks.
 const MAX_DEPTH: usize = 64;
 
 impl ScenarioReader<'_, '_> {
-    /// The commands up to the end of the innermost open block, or of the text.
+    /// Parses commands up to the end of the innermost open block, or of the text.
     pub(super) fn commands(&mut self, open: &mut Vec<NameText>) -> Vec<ScenarioCommand> {
         let mut commands = Vec::new();
         loop {
@@ -154,7 +154,7 @@ impl ScenarioReader<'_, '_> {
         Some(PickedRule { name, parameters })
     }
 
-    /// The domains in brackets that tell a rule from others of its name, the closing one included.
+    /// Parses the domains of a rule's parameters, including the closing bracket.
     fn domains(&mut self) -> Vec<NameText> {
         let mut domains = Vec::new();
         let mut depth = 1;
@@ -208,7 +208,7 @@ impl ScenarioReader<'_, '_> {
         Some(ScenarioBlock { name, commands })
     }
 
-    /// Goes on behind the `end` of the block that has just begun.
+    /// Skips to the `end` of the block that has just begun.
     fn skip_block(&mut self) {
         let mut open = 1;
         while open > 0 {
@@ -222,7 +222,7 @@ impl ScenarioReader<'_, '_> {
         }
     }
 
-    /// `scenario:block` or, as of old, `scenario.block`.
+    /// Parses `scenario:block` or, in the old notation, `scenario.block`.
     fn exec_block(&mut self, at: Span) -> Option<ScenarioCommandKind> {
         const FORM: &str = "execblock block;";
         let first = self.wanted_name("execblock", "a block", FORM, at)?;

@@ -1,4 +1,4 @@
-//! The text of a scenario, word by word.
+//! Access to the words and parts of a scenario's text.
 
 use super::command::COMMANDS;
 use crate::ast::{NameText, Term};
@@ -10,7 +10,7 @@ use asmotion_diagnostics::{FileId, Finding, Report, Span};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Reads a scenario from its beginning to its end.
+/// Reads a scenario from beginning to end.
 pub(super) struct ScenarioReader<'input, 'run> {
     pub file: FileId,
     pub text: &'input str,
@@ -21,13 +21,13 @@ pub(super) struct ScenarioReader<'input, 'run> {
 impl<'input> ScenarioReader<'input, '_> {
     // ── parts of commands ──
 
-    /// What stands up to the `;`, which is taken too. Where it is missing, the command ends before
-    /// the line that begins with the next one.
+    /// Returns the range up to the `;`, and skips the `;`. If it is missing, the command ends
+    /// before the line on which the next one begins.
     pub(super) fn part(&mut self, command: Span) -> Range<usize> {
         self.part_behind(self.lexer.position(), command)
     }
 
-    /// The same; the last word of the command ends at `before`.
+    /// Returns the same range for a command whose last word ends at `before`.
     pub(super) fn part_behind(&mut self, before: usize, command: Span) -> Range<usize> {
         self.lexer.blanks_and_comments();
         let start = self.lexer.position();
@@ -53,7 +53,7 @@ impl<'input> ScenarioReader<'input, '_> {
         }
     }
 
-    /// Goes on behind the next `;`, or before the line that begins with a command.
+    /// Skips to the next `;`, or to the line on which the next command begins.
     pub(super) fn skip_command(&mut self) {
         loop {
             self.lexer.blanks_and_comments();
@@ -66,7 +66,8 @@ impl<'input> ScenarioReader<'input, '_> {
         }
     }
 
-    /// Whether a command stands here, the first of its line: its word alone, and no location.
+    /// Returns `true` if a command begins here: its keyword is the first word of a line and not
+    /// part of a location.
     pub(super) fn begins_command(&self) -> bool {
         let before = self.text[..self.lexer.position()].trim_end_matches([' ', '\t']);
         let rest = self.lexer.rest();
@@ -94,7 +95,7 @@ impl<'input> ScenarioReader<'input, '_> {
 
     // ── words ──
 
-    /// Takes the word that stands here.
+    /// Reads the next word.
     pub(super) fn word(&mut self) -> &'input str {
         let rest = self.lexer.rest();
         let word = rest.get(..word_length(rest)).unwrap_or("");
@@ -102,7 +103,7 @@ impl<'input> ScenarioReader<'input, '_> {
         word
     }
 
-    /// Takes this word, if it stands here.
+    /// Reads the next word if it is `wanted`.
     pub(super) fn takes(&mut self, wanted: &str) -> Option<Span> {
         self.lexer.blanks_and_comments();
         let rest = self.lexer.rest();
@@ -175,13 +176,13 @@ impl<'input> ScenarioReader<'input, '_> {
         self.skip_command();
     }
 
-    // ── places ──
+    // ── spans ──
 
     pub(super) fn span(&self, range: Range<usize>) -> Span {
         Span::new(self.file, range.start, range.end.min(self.text.len()))
     }
 
-    /// The next character that is no blank.
+    /// Returns the span of the next word or character.
     pub(super) fn here(&self) -> Span {
         let start = self.lexer.position();
         let rest = self.lexer.rest();

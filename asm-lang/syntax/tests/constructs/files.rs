@@ -1,4 +1,4 @@
-//! Files, whole and in parts.
+//! Whole files, and their parts.
 
 use super::file;
 use asmotion_diagnostics::FileId;

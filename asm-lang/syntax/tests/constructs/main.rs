@@ -1,4 +1,4 @@
-//! One construct of the language a test: the text, and the tree it is read as.
+//! One test for each construct of the language: a text and its expected tree.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
@@ -42,7 +42,7 @@ fn file(text: &str, expected: &str) {
     assert_eq!(tree::file(&parsed.file), expected.trim());
 }
 
-/// A declaration of the signature.
+/// Checks the tree of a declaration in the signature.
 #[track_caller]
 fn declared(text: &str, expected: &str) {
     file(
@@ -51,7 +51,7 @@ fn declared(text: &str, expected: &str) {
     );
 }
 
-/// An item of the definitions.
+/// Checks the tree of an item in the definitions.
 #[track_caller]
 fn defined(text: &str, expected: &str) {
     file(

@@ -1,4 +1,4 @@
-//! Rules read by themselves.
+//! Rules outside of a file.
 
 use asmotion_diagnostics::FileId;
 use asmotion_syntax::{parse_assignment, parse_rule, parse_term_in};

@@ -1,4 +1,4 @@
-//! Terms read by themselves.
+//! Terms outside of a file.
 
 use asmotion_diagnostics::FileId;
 use asmotion_syntax::parse_term;

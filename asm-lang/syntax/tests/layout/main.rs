@@ -1,4 +1,4 @@
-//! Canonical layout: nothing is lost, nothing changes its meaning, and twice is once.
+//! Canonical layout: it loses nothing, keeps the meaning, and is idempotent.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
@@ -26,7 +26,7 @@ fn files(folder: &Path, kind: &str) -> Vec<PathBuf> {
     found
 }
 
-/// The text of a file in canonical layout, by the ending of its name.
+/// Formats a file according to its extension.
 fn formatted_as(kind: &str, text: &str) -> Result<Option<String>, String> {
     match kind {
         "avalla" => formatted_scenario(text),
@@ -34,7 +34,7 @@ fn formatted_as(kind: &str, text: &str) -> Result<Option<String>, String> {
     }
 }
 
-/// How many files of a folder are formatted, and what went wrong with the others.
+/// Formats the files of a folder; returns their number, and the failures.
 fn format_all(folder: &Path, kind: &str) -> (usize, Vec<String>) {
     let mut count = 0;
     let mut wrong = Vec::new();
@@ -65,7 +65,7 @@ fn keeps_what_our_programs_say() {
     }
 }
 
-/// Development only: the corpus is no part of the project.
+/// For development only: the corpus is not part of the project.
 #[test]
 fn keeps_what_the_corpus_says() {
     let Some(corpus) = std::env::var_os("ASMETA_CORPUS") else {
@@ -84,7 +84,8 @@ fn keeps_what_the_corpus_says() {
     }
 }
 
-/// Files of `tests/layout` as people might write them; the snapshots are read by people.
+/// Formats the files of `tests/layout`, which are written in various styles; the snapshots were
+/// reviewed.
 #[test]
 fn lays_out() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/layout");
@@ -128,7 +129,7 @@ fn writes_old_spellings_the_new_way() {
     assert_eq!(format(FileId(0), text).unwrap(), expected);
 }
 
-/// A term on one line.
+/// Checks the layout of a term on one line.
 #[track_caller]
 fn term(text: &str, expected: &str) {
     let file = format!("asm a\nsignature:\ndefinitions:\nfunction f = {text}\n");
@@ -219,7 +220,7 @@ const COMMENTS: &[&str] = &[
     "\n\n",
 ];
 
-/// Where a comment may stand: not inside a word, a sign, a text or a comment.
+/// Returns the positions that accept a comment: not inside a word, a sign, a string or a comment.
 fn borders(text: &str) -> Vec<usize> {
     let is_word = |c: char| c.is_alphanumeric() || "_$.!\\\"'".contains(c);
     let mut borders = Vec::new();

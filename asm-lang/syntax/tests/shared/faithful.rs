@@ -1,4 +1,4 @@
-//! Whether a formatted text says what the text says.
+//! Checks that formatting keeps the meaning of a text.
 
 #[allow(dead_code, reason = "other tests use other parts of it")]
 #[path = "tree.rs"]
@@ -7,7 +7,7 @@ mod tree;
 use asmotion_diagnostics::{FileId, Report};
 use asmotion_syntax::{format, format_scenario, parse, parse_scenario};
 
-/// The text in canonical layout, which says what the text says; `None` where it has errors.
+/// Formats a specification and checks the result; returns `None` if the text has errors.
 pub fn formatted(text: &str) -> Result<Option<String>, String> {
     faithful(text, format, |text| {
         let parsed = parse(FileId(0), text);
@@ -15,7 +15,7 @@ pub fn formatted(text: &str) -> Result<Option<String>, String> {
     })
 }
 
-/// The same for the text of a scenario.
+/// Formats a scenario and checks the result; returns `None` if the text has errors.
 #[allow(dead_code, reason = "other tests use other parts of it")]
 pub fn formatted_scenario(text: &str) -> Result<Option<String>, String> {
     faithful(text, format_scenario, |text| {
@@ -63,7 +63,7 @@ fn faithful(
     }
 }
 
-/// The first line that differs, with those before it.
+/// Returns the first line that differs, with the preceding ones.
 fn first_difference(left: &str, right: &str) -> String {
     let (left, right): (Vec<&str>, Vec<&str>) = (left.lines().collect(), right.lines().collect());
     let same = left.iter().zip(&right).take_while(|(a, b)| a == b).count();
@@ -76,7 +76,7 @@ fn first_difference(left: &str, right: &str) -> String {
     )
 }
 
-/// The comments of a text in order, blanks at the ends of their lines apart.
+/// Returns the comments of a text in order, without trailing blanks in their lines.
 fn comments(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! Trees as text in brackets: what stands where, and nothing else.
+//! A canonical text form of syntax trees, for comparison.
 
 use asmotion_syntax::ast::*;
 
@@ -352,7 +352,7 @@ pub fn term(it: &Term) -> String {
             name,
             arguments,
         } => applied(Some(agent), name, arguments),
-        // brackets that say the same are no difference
+        // redundant parentheses make no difference
         TermKind::Chain { first, links } => links.iter().fold(term(first), |left, link| {
             format!(
                 "({} {left} {})",
