@@ -211,7 +211,7 @@ pub enum Argument {
 /// A value given by the composite; displayed as `***` if it contains a secret.
 #[derive(Clone, PartialEq)]
 pub struct Constant {
-    /// The value.
+    /// The value, with secrets in plain text.
     pub datum: Datum,
     /// `true` if a secret property was used in it.
     pub secret: bool,
