@@ -1,4 +1,4 @@
-//! The component: path, scan and odometry in; the adapted path, events and obstacles out.
+//! The component: reads path, scan and odometry; writes the adapted path, events and obstacles.
 
 use std::time::Duration;
 
@@ -16,7 +16,8 @@ use crate::memory::ScanMemory;
 use crate::news::{Blockers, everything, on_the_path};
 use crate::trail::Trail;
 
-/// `nav::TrajectoryAdapter`: passes the path on, bent around what the laser sees; publishes `BLOCKED` once for a path.
+/// `nav::TrajectoryAdapter`: passes the path on, bent around obstacles seen by the laser; publishes `BLOCKED` once for
+/// a path.
 pub struct TrajectoryAdapter {
     ports: AdapterPorts,
     properties: PropertySet<AdapterProperties>,
@@ -29,7 +30,7 @@ pub struct TrajectoryAdapter {
     known: Option<Distances>,
     /// The cycle that received the newest usable scan.
     seen: Option<Time>,
-    /// When obstacles were published last, and whether there were any.
+    /// Time of the last publication of obstacles, and whether there were any.
     told: Option<(Time, bool)>,
 }
 
@@ -96,7 +97,7 @@ impl TrajectoryAdapter {
         }
     }
 
-    /// Takes in odometry, map and scan.
+    /// Reads odometry, map and scan.
     fn perceive(&mut self, cycle: &Cycle<'_>, now: Time) -> Result<(), Fault> {
         for odometry in cycle.all(self.ports.odom) {
             let pose = message::pose(&odometry.pose.pose);
@@ -128,7 +129,7 @@ impl TrajectoryAdapter {
         Ok(())
     }
 
-    /// Decides about the path.
+    /// Decides on the path.
     fn advise(&mut self, cycle: &Cycle<'_>, now: Time) -> Advice {
         if let Flow::NewData(path) = cycle.read(self.ports.path) {
             let advice = self.adviser.order(path);
@@ -154,8 +155,9 @@ impl TrajectoryAdapter {
         }
     }
 
-    /// Publishes obstacles for the planner. With a map: everything the map does not show, every `obstacles_period_s`, at
-    /// once when the path is blocked, and once when nothing is left. Without a map: what has blocked a path.
+    /// Publishes obstacles for the planner. With a map: everything that the map does not show, every
+    /// `obstacles_period_s`, at once when the path is blocked, and once when nothing is left. Without a map: the
+    /// obstacles that have blocked a path.
     fn tell(&mut self, cycle: &mut Cycle<'_>, now: Time, blocked: bool) {
         let discs = match &self.known {
             Some(_) => self.due(now, blocked).then(|| {
@@ -182,7 +184,7 @@ impl TrajectoryAdapter {
         }
     }
 
-    /// Returns whether obstacles are to be published in this cycle.
+    /// Returns whether obstacles must be published in this cycle.
     fn due(&self, now: Time, blocked: bool) -> bool {
         let period = self.properties.obstacles_period_s;
         blocked || self.told.is_none_or(|(at, _)| now.since(at) >= period)

@@ -23,36 +23,36 @@ pub struct Patience {
     pub looks: u32,
 }
 
-/// Reason why a path counts as blocked.
+/// The reason that a path counts as blocked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BlockedCause {
-    /// There is no way past this.
+    /// There is no way past this barrier.
     Barrier(Barrier),
-    /// The way looks free, but the robot gets no farther than here (map frame, m).
+    /// The way looks free, but the robot does not get beyond this point (map frame, m).
     Stuck(Point),
 }
 
-/// Outcome of a look; usually empty.
+/// Result of a look; usually empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Advice {
-    /// The path to follow from now on, if it is another than before; without poses: stop.
+    /// The path to follow from now on, if it has changed; a path without poses is an order to stop.
     pub path: Option<Path>,
-    /// Set once for a path that is blocked.
+    /// Set once for each blocked path.
     pub blocked: Option<BlockedCause>,
 }
 
 /// The last order to the follower.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LastAdvice {
-    /// Nothing of this path.
+    /// No order for this path yet.
     Nothing,
     /// The path as it was planned.
     Planned,
-    /// The path, bent.
+    /// The bent path.
     Bent,
-    /// To stop, for now.
+    /// To stop temporarily.
     Hold,
-    /// To stop, for good: the path is blocked.
+    /// To stop for good: the path is blocked.
     Blocked,
 }
 
@@ -62,25 +62,26 @@ pub struct Adviser {
     route: Option<BendableRoute>,
     told: LastAdvice,
     fruitless: u32,
-    /// Whether the path leads back from a bend that is no longer needed.
+    /// `true` while the path leads back from a bend that is no longer needed.
     returns: bool,
-    /// Progress along the path, m, and when it was last made.
+    /// Progress along the path in m, and the time at which it was made.
     milestone: Option<(f64, Time)>,
     bender: Bender,
-    /// The remembered points near the robot; kept for its memory.
+    /// Remembered points near the robot; kept to reuse the allocation.
     near: Vec<Point>,
 }
 
-/// m, a way that is being driven may be this much nearer to an obstacle than a new one: noise shall not bend it.
+/// Hysteresis in m: the path being driven may be this much nearer to an obstacle than a new one, so that noise does not
+/// cause a bend.
 const DRIVEN: f64 = 0.04;
 
-/// m, the planned path must be this much freer than needed before the robot goes back to it.
+/// Hysteresis in m: the planned path must be this much freer than required before the robot returns to it.
 const FREED: f64 = 0.03;
 
-/// m along the path, so much is progress.
+/// Distance along the path in m that counts as progress.
 const MILESTONE: f64 = 0.1;
 
-/// m before the end of the path, where a robot that stands still is not stuck.
+/// Distance to the end of the path in m within which a robot at rest is not stuck.
 const ALMOST_THERE: f64 = 0.3;
 
 impl Default for Adviser {
@@ -98,7 +99,7 @@ impl Default for Adviser {
 }
 
 impl Adviser {
-    /// Takes a new path; the advice passes an empty one on.
+    /// Accepts a new path. The advice passes an empty path on.
     pub fn order(&mut self, path: &Path) -> Advice {
         self.route = BendableRoute::new(path.clone());
         self.told = LastAdvice::Nothing;
@@ -116,7 +117,8 @@ impl Adviser {
         self.route.is_some() && self.told != LastAdvice::Blocked
     }
 
-    /// Decides without a scan: a path is passed on as planned if there never was one, and held if the laser has failed.
+    /// Decides without a scan: passes a path on as planned if there never was a scan, and stops if the laser has
+    /// failed.
     pub fn blind(&mut self, has_seen: bool) -> Advice {
         let Some(route) = &self.route else {
             return Advice::default();
@@ -136,12 +138,12 @@ impl Adviser {
         }
     }
 
-    /// Restarts the measurement of progress: the robot may not drive, so standing still means nothing.
+    /// Restarts the measurement of progress, because the robot is not permitted to drive.
     pub fn wait(&mut self) {
         self.milestone = None;
     }
 
-    /// Looks at the way ahead of the robot.
+    /// Checks the path ahead of the robot.
     pub fn look(
         &mut self,
         now: Time,
@@ -204,7 +206,7 @@ impl Adviser {
         }
     }
 
-    /// The way is free: sends the path to a follower that has no order or holds.
+    /// Called if the way is free: sends the path if the follower has no order or holds.
     fn go_on(&mut self) -> Advice {
         match (&self.route, self.told) {
             (Some(route), LastAdvice::Nothing | LastAdvice::Hold) => {
@@ -221,7 +223,7 @@ impl Adviser {
         }
     }
 
-    /// There is a detour: sends it if it differs from the one before.
+    /// Called if there is a detour: sends it if it differs from the previous one.
     fn take(&mut self, from: usize, offsets: &[f64]) -> Advice {
         let Some(route) = &mut self.route else {
             return Advice::default();
@@ -234,7 +236,7 @@ impl Adviser {
         self.go_on()
     }
 
-    /// There is no detour: holds before a barrier that is near, and gives up when it stays.
+    /// Called if there is no detour: holds before a near barrier, and gives up after `looks` attempts.
     fn resist(&mut self, barrier: Barrier, patience: &Patience) -> Advice {
         let Some(route) = &self.route else {
             return Advice::default();
@@ -250,7 +252,7 @@ impl Adviser {
         Advice::default()
     }
 
-    /// Returns whether the robot has an order to drive but makes no progress.
+    /// Returns whether the robot has an order to drive and makes no progress.
     fn is_stuck(&mut self, now: Time, patience: &Patience) -> bool {
         let along = self
             .route
@@ -282,7 +284,7 @@ impl Adviser {
         }
     }
 
-    /// The path that is cared for.
+    /// The current path; `None` before the first one.
     pub fn route(&self) -> Option<&BendableRoute> {
         self.route.as_ref()
     }
@@ -295,7 +297,7 @@ fn say(path: Path) -> Advice {
     }
 }
 
-/// The order to stop, with the header of the path that it ends.
+/// The order to stop, with the header of the path that it replaces.
 fn empty(path: &Path) -> Path {
     Path {
         header: path.header.clone(),

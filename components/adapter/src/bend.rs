@@ -1,8 +1,8 @@
-//! The bend: the cheapest way past the obstacles within a few lanes left and right of the planned path.
+//! The bend: the cheapest path around obstacles, within a few lanes left and right of the planned path.
 //!
 //! Dynamic programming over stations × lanes (Viterbi), as in the lateral planners of road vehicles (Werling et al.,
-//! 2010, *Optimal trajectory generation for dynamic street scenarios in a Frenét frame*; here without time). It is
-//! exact on its lattice: if it finds no way, there is none within these limits.
+//! 2010, *Optimal trajectory generation for dynamic street scenarios in a Frenét frame*; here without time). The result
+//! is optimal on the lattice: if no path is found, there is none within the limits.
 
 use asmotion_component::Properties;
 use asmotion_geometry::{Distances, Point};
@@ -41,62 +41,63 @@ impl BendLimits {
     }
 }
 
-/// A place no detour leads past.
+/// A place that no detour passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Barrier {
     /// The obstacle there, map frame.
     pub point: Point,
-    /// m from the robot to the path there, as the crow flies.
+    /// Straight distance from the robot to this place on the path, m.
     pub ahead: f64,
 }
 
 /// Obstacles near the path, for distance queries.
 #[derive(Debug, Clone, Copy)]
 pub struct BendObstacles<'a> {
-    /// Points seen by the laser, map frame, in the order of x.
+    /// Points seen by the laser, map frame, ordered by x.
     seen: &'a [Point],
     /// Distances to the map's obstacles, if there is a map.
     mapped: Option<&'a Distances>,
-    /// m, what is farther away does not matter.
+    /// Distance in m beyond which obstacles are ignored.
     within: f64,
 }
 
-/// m, from lane to lane.
+/// Distance between adjacent lanes, m.
 const LANE: f64 = 0.05;
 
-/// Lanes changed at most from one station to the next: so few that halfway between two free stations the clearance is
-/// less by two or three centimetres at most.
+/// Limit on the lane changes between two stations. Keeps the loss of clearance halfway between two free stations below
+/// three centimetres.
 const STEEP: usize = 4;
 
-/// m of path a metre of offset, on which the robot returns to the planned path.
+/// Length in m of the return to the planned path per metre of offset.
 const RETURN: f64 = 3.0;
 
 /// Number of passes that round the corners of a detour.
 const ROUNDINGS: usize = 4;
 
-/// The cost of a station one metre off the path.
+/// Cost of a station per metre of distance from the planned path.
 const OFF: f64 = 0.3;
 
-/// The cost of a station at bare clearance; none at comfort.
+/// Cost of a station at minimum clearance; falls to zero at the comfort distance.
 const TIGHT: f64 = 1.0;
 
-/// The cost of one station driven at 45° to the path.
+/// Cost of a station at which the path is at 45° to the planned one.
 const SLOPE: f64 = 0.2;
 
-/// The cost of a station one metre off the way that was taken so far.
+/// Cost of a station per metre of distance from the previous bend.
 const CHANGE: f64 = 0.3;
 
-/// Where the robot already is too near to something, it gains at least this clearance a metre driven.
+/// Minimum growth of the clearance, per metre driven, for a robot that is too near to an obstacle.
 const ESCAPE: f64 = 0.3;
 
-/// m, added to the comfort distance: farther obstacles are ignored.
+/// Distance in m beyond the comfort distance at which obstacles are ignored.
 const FARTHER: f64 = 0.1;
 
-/// m, of clearance: the least difference that counts when a robot that is too near shall not come nearer.
+/// Tolerance in m for a robot that is too near to an obstacle and must not come nearer.
 const SLACK: f64 = 0.02;
 
 impl<'a> BendObstacles<'a> {
-    /// Obstacles for queries within these limits: points seen by the laser (sorted here) and the map's.
+    /// Creates the obstacles for queries within these limits from points seen by the laser, which are sorted here, and
+    /// those of the map.
     pub fn new(seen: &'a mut [Point], mapped: Option<&'a Distances>, limits: &BendLimits) -> Self {
         seen.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         Self {
@@ -106,7 +107,7 @@ impl<'a> BendObstacles<'a> {
         }
     }
 
-    /// m from `point` to the nearest thing the laser saw; infinite if it is too far away to matter.
+    /// Distance in m from `point` to the nearest point seen by the laser; infinite beyond `within`.
     fn seen_distance(&self, point: Point) -> f64 {
         let first = self
             .seen
@@ -118,7 +119,7 @@ impl<'a> BendObstacles<'a> {
             .sqrt()
     }
 
-    /// m from `point` to the nearest thing on the map; 0 outside of it, infinite without a map.
+    /// Distance in m from `point` to the nearest obstacle of the map; 0 outside of the map, infinite without one.
     fn mapped_distance(&self, point: Point) -> f64 {
         self.mapped.map_or(f64::INFINITY, |map| {
             let cell = map.layout().cell(point);
@@ -127,7 +128,7 @@ impl<'a> BendObstacles<'a> {
         })
     }
 
-    /// Distances from a robot at `point`, m.
+    /// Distances in m from a robot at `point` to obstacles.
     fn room(&self, point: Point) -> Clearance {
         Clearance {
             seen: self.seen_distance(point),
@@ -135,7 +136,7 @@ impl<'a> BendObstacles<'a> {
         }
     }
 
-    /// The thing the laser saw nearest to `point`.
+    /// The point seen by the laser that is nearest to `point`.
     fn nearest(&self, point: Point) -> Option<Point> {
         let squared = |seen: &Point| (seen - point).norm_squared();
         let seen = self.seen.iter().copied();
@@ -143,8 +144,9 @@ impl<'a> BendObstacles<'a> {
     }
 }
 
-/// m to the nearest thing the laser saw, and to the nearest on the map. What the map shows the planner knew: where it
-/// went nearer to that than the clearance, that is near enough.
+/// Distances in m to the nearest point seen by the laser and to the nearest obstacle of the map. The planner knows the
+/// map: where its path is nearer to the map's obstacles than the clearance, the path's own distance is required
+/// instead.
 #[derive(Debug, Clone, Copy)]
 struct Clearance {
     seen: f64,
@@ -152,8 +154,8 @@ struct Clearance {
 }
 
 impl Clearance {
-    /// Returns whether this is at least `needed` plus `spare` metres; the planner has allowed for the map's obstacles, so a
-    /// positive spare does not apply to them.
+    /// Returns whether both distances are at least `needed` plus `spare` metres. A positive `spare` does not apply to
+    /// the map's obstacles, which the planner has taken into account.
     fn suffices(&self, needed: &Self, spare: f64) -> bool {
         self.seen >= needed.seen + spare && self.mapped >= needed.mapped + spare.min(0.0)
     }
@@ -163,16 +165,16 @@ impl Clearance {
     }
 }
 
-/// A stretch of road in front of the robot.
+/// The part of the path ahead of the robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Window<'a> {
-    /// The road.
+    /// The path.
     pub route: &'a BendableRoute,
-    /// The last station not ahead of the robot: the robot is there, whatever stands near it.
+    /// Index of the last station not ahead of the robot. The robot is there already, so it is not checked.
     pub from: usize,
     /// Position of the robot, map frame, m.
     pub robot: Point,
-    /// m, how far to the left of the planned path it is.
+    /// Distance of the robot to the left of the planned path, m.
     pub offset: f64,
 }
 
@@ -182,8 +184,8 @@ impl Window<'_> {
         self.route.within(self.from, limits.horizon_m)
     }
 
-    /// Returns whether the way with these offsets at the route's stations keeps `spare` metres more than the clearance; also
-    /// between stations, for a way that leaps to the other side of a wall is not free.
+    /// Returns whether the path with these offsets at the stations keeps `spare` metres more than the clearance. Checks
+    /// between stations too, because a path could jump across a wall there.
     pub fn is_free(
         &self,
         limits: &BendLimits,
@@ -197,7 +199,7 @@ impl Window<'_> {
             let (from, to) = (point(at - 1), point(at));
             let pieces = ((to - from).norm() / LANE).ceil().max(1.0) as u32;
             let needed = self.needed(limits, obstacles, &here, at);
-            // the first piece starts behind the robot
+            // the first piece begins behind the robot
             let first = if at == 1 { pieces } else { 1 };
             (first..=pieces)
                 .map(|piece| from + (to - from) * (f64::from(piece) / f64::from(pieces)))
@@ -205,7 +207,8 @@ impl Window<'_> {
         })
     }
 
-    /// The way back to the planned path, for a robot beside it: smooth, and only if it is free with `spare` metres more.
+    /// A smooth return to the planned path for a robot beside it, if the return is free with `spare` metres more than
+    /// the clearance.
     pub fn back(
         &self,
         limits: &BendLimits,
@@ -224,7 +227,7 @@ impl Window<'_> {
         })
     }
 
-    /// Distances required at a station: less where the robot starts too near to something, then growing.
+    /// Distances required at a station: reduced near the robot if it is too near to an obstacle, then growing.
     fn needed(
         &self,
         limits: &BendLimits,
@@ -242,18 +245,18 @@ impl Window<'_> {
     }
 }
 
-/// Finds bends; keeps its tables from one time to the next.
+/// Computes bends; keeps its tables to reuse the allocation.
 #[derive(Debug, Clone, Default)]
 pub struct Bender {
-    /// For the lanes of the present station: the cost of the cheapest way there.
+    /// Cost of the cheapest path to each lane of the current station.
     cost: Vec<f64>,
     next: Vec<f64>,
-    /// For each station and lane: the lane before.
+    /// The preceding lane, for each station and lane.
     before: Vec<u16>,
 }
 
 impl Bender {
-    /// The cheapest way through the window: for each of its stations the offset to the left, m.
+    /// Finds the cheapest path through the window. Returns the offset to the left at each station, m.
     pub fn bend(
         &mut self,
         window: &Window<'_>,
@@ -282,7 +285,7 @@ impl Bender {
         Ok(offsets)
     }
 
-    /// All ways start at the robot's own lane.
+    /// Resets the tables; all paths start at the robot's own lane.
     fn start(&mut self, lanes: &Lanes, offset: f64, stations: usize) {
         self.cost.clear();
         self.cost.resize(lanes.count, f64::INFINITY);
@@ -293,7 +296,7 @@ impl Bender {
         self.cost[lanes.nearest(offset)] = 0.0;
     }
 
-    /// From each lane to the lanes nearby, one station on.
+    /// Extends the paths from each lane to the reachable lanes of the next station.
     fn advance(&mut self, lanes: &Lanes, step: f64, at: usize) {
         self.next.fill(f64::INFINITY);
         let before = &mut self.before[at * lanes.count..][..lanes.count];
@@ -317,7 +320,7 @@ impl Bender {
         std::mem::swap(&mut self.cost, &mut self.next);
     }
 
-    /// Adds what it costs to be at a station, and closes the lanes that are not free. Says whether one is left.
+    /// Adds the cost of each lane at a station, and closes the lanes that are not free. Returns whether one is left.
     fn charge(
         &mut self,
         lanes: &Lanes,
@@ -348,7 +351,7 @@ impl Bender {
         open
     }
 
-    /// The cheapest way, back from its end.
+    /// Reconstructs the cheapest path from its end.
     fn trace(&self, lanes: &Lanes, stations: usize) -> Vec<f64> {
         let ends = self.cost.iter().enumerate();
         let end = ends.min_by(|(_, a), (_, b)| a.total_cmp(b));
@@ -362,13 +365,13 @@ impl Bender {
     }
 }
 
-/// From 1 at 0 to 0 at 1, level at both ends.
+/// A smooth step from 1 at 0 to 0 at 1, with zero slope at both ends.
 fn smooth_step_down(share: f64) -> f64 {
     let share = share.clamp(0.0, 1.0);
     1.0 - share * share * (3.0 - 2.0 * share)
 }
 
-/// Rounds the corners that the lattice left, where that does not lead below the clearance.
+/// Rounds the corners of a lattice path where this keeps the clearance.
 fn round(
     offsets: &mut [f64],
     window: &Window<'_>,
@@ -386,7 +389,7 @@ fn round(
     }
 }
 
-/// The lanes: parallel to the path, the middle one on it.
+/// The lanes, parallel to the planned path; the middle one is on it.
 struct Lanes {
     count: usize,
     middle: usize,
@@ -394,7 +397,7 @@ struct Lanes {
 
 impl Lanes {
     fn new(reach: f64) -> Self {
-        // a lattice of more than a thousand lanes is no local detour
+        // limits the number of lanes to 1025
         let middle = (reach / LANE).clamp(1.0, 512.0) as usize;
         Self {
             count: 2 * middle + 1,
@@ -402,7 +405,7 @@ impl Lanes {
         }
     }
 
-    /// m to the left of the path.
+    /// Offset of a lane to the left of the planned path, m.
     fn offset(&self, lane: usize) -> f64 {
         (lane as f64 - self.middle as f64) * LANE
     }
@@ -447,7 +450,7 @@ pub(crate) mod tests {
         Bender::default().bend(&window(&road()), &LIMITS, &obstacles)
     }
 
-    /// Points on a line across the road, closer together than the robot is wide.
+    /// Points on a line across the road, with gaps narrower than the robot.
     fn across(x: f64, from: f64, to: f64) -> Vec<Point> {
         let count = ((to - from) / 0.1).round() as u32;
         (0..=count)
@@ -480,7 +483,7 @@ pub(crate) mod tests {
         let barrier = bend(&across(2.0, -1.2, 1.2)).unwrap_err();
         assert!((barrier.point - Point::new(2.0, 0.0)).norm() < 0.1);
         assert!((barrier.ahead - 1.8).abs() < 0.11);
-        // half a metre is enough for a robot that needs a quarter on each side, less is not
+        // a gap of 0.5 m suffices for a robot that needs 0.25 m on each side; a narrower one does not
         let gap = |width: f64| {
             [
                 across(2.0, -1.2, -width / 2.0),
@@ -494,7 +497,7 @@ pub(crate) mod tests {
 
     #[test]
     fn it_does_not_leap_through_a_wall_along_the_road() {
-        // the road is closed on the right of a long wall, open on its left; the robot is on the right
+        // the road is closed to the right of a long wall and open to its left; the robot is on the right
         let along: Vec<Point> = (0..=35)
             .map(|step| Point::new(f64::from(step) * 0.1, 0.35))
             .collect();
@@ -552,7 +555,7 @@ pub(crate) mod tests {
             let obstacles = BendObstacles::new(&mut seen, Some(&map), &LIMITS);
             Bender::default().bend(&window(&route), &LIMITS, &obstacles)
         };
-        // the planner went within 0.2 m of the wall: so be it
+        // the planner itself went within 0.2 m of the wall, so this is accepted
         assert!(pass(&[]).is_ok());
         let offsets = pass(&[Point::new(2.0, 0.1)]).unwrap();
         assert!(
@@ -570,7 +573,7 @@ pub(crate) mod tests {
             let route = road();
             let window = window(&route);
             if let Ok(offsets) = Bender::default().bend(&window, &LIMITS, &obstacles) {
-                // between stations a little less; see `STEEP`
+                // between stations the clearance is slightly less; see `STEEP`
                 prop_assert!(window.is_free(&LIMITS, &obstacles, -0.04, |station| offsets[station]));
             }
         }

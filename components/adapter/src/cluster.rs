@@ -1,14 +1,14 @@
-//! Points to discs: what belongs together is covered by as few discs as its shape allows.
+//! Converts points to discs: groups connected points, and covers each group with few discs.
 
 use asmotion_geometry::{Point, RoundObstacle, Vector};
 
-/// m, points closer than this belong to one thing.
+/// Points closer than this distance in m are connected.
 const GAP: f64 = 0.15;
 
-/// m, added to every disc: what the laser saw is the surface of something.
+/// Margin in m added to every disc, because the laser sees only surfaces.
 const SKIN: f64 = 0.02;
 
-/// Groups points that are connected by steps of less than [`GAP`]; groups and points keep the order they came in.
+/// Groups points that are connected by steps of less than [`GAP`]. Groups and points keep their order.
 pub fn clusters(points: &[Point]) -> Vec<Vec<Point>> {
     let mut groups = Vec::new();
     let mut left: Vec<Point> = points.to_vec();
@@ -31,8 +31,8 @@ pub fn clusters(points: &[Point]) -> Vec<Vec<Point>> {
     groups
 }
 
-/// Covers points by discs of at most `radius` metres (and [`SKIN`]): halves them across their longer side until each
-/// half fits one.
+/// Covers points with discs of at most `radius` metres (plus [`SKIN`]): halves the set across its longer side until
+/// each part fits one disc.
 pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<RoundObstacle>) {
     let Some(first) = points.first() else {
         return;

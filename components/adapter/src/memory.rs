@@ -1,4 +1,4 @@
-//! Points the laser has seen: kept while out of sight, dropped when a beam passes through, or with time.
+//! Points seen by the laser: remembered while out of sight, dropped when a beam passes through them or after a time.
 
 use std::collections::BTreeMap;
 
@@ -11,24 +11,24 @@ const SIDE: f64 = 0.05;
 /// m, distance behind a remembered point at which a beam must end for the point to be dropped.
 const THROUGH: f64 = 0.15;
 
-/// The points at which beams ended, map frame; at most one in each small square, in a fixed order.
+/// End points of beams, map frame; at most one for each square, in a fixed order.
 #[derive(Debug, Clone, Default)]
 pub struct ScanMemory {
     seen: BTreeMap<(i32, i32), RememberedPoint>,
 }
 
-/// One remembered point.
+/// A remembered point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RememberedPoint {
-    /// Map frame, m.
+    /// Position, map frame, m.
     pub point: Point,
-    /// ns, of the newest scan that saw it.
+    /// Stamp of the newest scan that saw it, ns.
     pub at: i64,
 }
 
 impl ScanMemory {
-    /// Takes a scan made from `laser` (map frame) at `nanos`: forgets points it looked through, and remembers the hits up
-    /// to `sight` metres away that `counts` accepts.
+    /// Adds a scan taken from `laser` (map frame) at `nanos`: forgets points that beams passed through, and remembers
+    /// the hits within `sight` metres that `counts` accepts.
     pub fn look(
         &mut self,
         scan: &LaserScan,
@@ -59,7 +59,7 @@ impl ScanMemory {
         self.seen.clear();
     }
 
-    /// Remembered points, map frame, in the order of the squares.
+    /// The remembered points, map frame, in the order of their squares.
     pub fn points(&self) -> impl Iterator<Item = Point> + '_ {
         self.seen.values().map(|seen| seen.point)
     }
@@ -72,7 +72,7 @@ fn square(point: Point) -> (i32, i32) {
     )
 }
 
-/// Returns whether the beams around a point (in the laser's frame) all end well behind it.
+/// Returns whether the beams on both sides of a point (laser frame) end well behind it.
 fn sees_through(scan: &LaserScan, point: Point) -> bool {
     if scan.angle_increment <= 0.0 {
         return false;
@@ -85,7 +85,7 @@ fn sees_through(scan: &LaserScan, point: Point) -> bool {
         return false; // nor is a bearing that is no number
     }
     let distance = point.coords.norm();
-    // NaN compares false and a beam that ended too near is -Inf: neither says that the way is free
+    // NaN compares false, and a beam that ended too near is -Inf: neither shows that the way is free
     scan.ranges[before as usize..=after as usize]
         .iter()
         .all(|range| f64::from(*range) > distance + THROUGH)
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use std::f32::consts::PI;
 
-    /// A scan all around with the same range everywhere.
+    /// A full sweep with the same range everywhere.
     fn round(range: f32) -> LaserScan {
         LaserScan {
             angle_min: -PI,

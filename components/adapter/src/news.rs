@@ -1,4 +1,4 @@
-//! Obstacles for the planner: what the map does not show, as discs.
+//! Obstacles for the planner that the map does not show, as discs.
 
 use asmotion_geometry::{Point, RoundObstacle};
 
@@ -6,10 +6,10 @@ use crate::bend::BendLimits;
 use crate::cluster::{clusters, cover};
 use crate::route::BendableRoute;
 
-/// m, the discs that cover a thing are at most this large.
+/// Largest radius in m of the discs that cover an obstacle.
 const COVER: f64 = 0.25;
 
-/// All the points, as discs: for a robot with a map, which remembers only what is not on it.
+/// Covers all points with discs: for a robot with a map, which remembers only points that the map does not show.
 pub fn everything(points: &[Point]) -> Vec<RoundObstacle> {
     let mut discs = Vec::new();
     for cluster in clusters(points) {
@@ -18,8 +18,8 @@ pub fn everything(points: &[Point]) -> Vec<RoundObstacle> {
     discs
 }
 
-/// Obstacles on the path, as far as they are within reach of it, as discs: for a robot without a map. The planner cannot
-/// have known these, because its path leads through them; about others nothing can be said.
+/// Covers the obstacles on the path with discs: for a robot without a map. The planner did not know these obstacles,
+/// because its path leads through them; it may know all others.
 pub fn on_the_path(
     points: impl Iterator<Item = Point>,
     route: &BendableRoute,
@@ -38,16 +38,16 @@ pub fn on_the_path(
     discs
 }
 
-/// Obstacles that have blocked a path lately, so that a robot without a map does not go to and fro between two blocked
+/// Obstacles that have recently blocked a path, so that a robot without a map does not alternate between two blocked
 /// paths.
 #[derive(Debug, Clone, Default)]
 pub struct Blockers {
-    /// Each with the time at which it blocked a path, ns.
+    /// Each disc with the time at which it last blocked a path, ns.
     discs: Vec<(RoundObstacle, i64)>,
 }
 
 impl Blockers {
-    /// Adds what blocks at `now`; it replaces what it overlaps.
+    /// Adds obstacles that block a path at `now`; they replace remembered ones that they overlap.
     pub fn add(&mut self, discs: &[RoundObstacle], now: i64) {
         let overlap = |a: &RoundObstacle, b: &RoundObstacle| {
             (a.centre - b.centre).norm() < a.radius + b.radius
@@ -57,7 +57,7 @@ impl Blockers {
         self.discs.extend(discs.iter().map(|disc| (*disc, now)));
     }
 
-    /// Forgets discs that have not blocked a path since `nanos`; returns whether there were any.
+    /// Forgets discs that have not blocked a path since `nanos`. Returns whether there were any.
     pub fn forget_before(&mut self, nanos: i64) -> bool {
         let before = self.discs.len();
         self.discs.retain(|(_, at)| *at >= nanos);

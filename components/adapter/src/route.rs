@@ -1,47 +1,47 @@
-//! The planned path as a road: stations along it, and at each station how far the robot shall keep to the left.
+//! The planned path as a road: stations along it, and the offset to the left at each station.
 
 use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, Vector, heading, message};
 use asmotion_messages::{Path, PoseStamped};
 
 use crate::bend::BendLimits;
 
-/// m, the stations are at most this far apart.
+/// Largest distance between two stations, m.
 pub const STEP: f64 = 0.1;
 
-/// No road has more stations; on a path longer than ten kilometres they are farther apart.
+/// Limit on the number of stations; on paths longer than ten kilometres they are farther apart.
 const MOST: f64 = 1e5;
 
-/// m, half of the stretch whose chord is the direction of the road at a station: corners are rounded a little.
+/// Half the length in m of the chord that defines the direction at a station, which rounds corners slightly.
 const CHORD: f64 = 0.15;
 
-/// m, how far from its last place along the road the robot is looked for: back, ahead.
+/// Range along the road in which the robot is searched for, in m behind and ahead of its last position.
 const SEARCH: (f64, f64) = (1.0, 1.5);
 
-/// A place on the planned path.
+/// A station on the planned path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// On the path, map frame, m.
+    /// Position, map frame, m.
     pub point: Point,
-    /// One metre to the left.
+    /// Unit vector to the left of the path.
     pub left: Vector,
 }
 
-/// The path as it was planned, and how it is bent.
+/// The planned path and its bend.
 #[derive(Debug, Clone)]
 pub struct BendableRoute {
     planned: Path,
     line: Polyline,
-    /// m, from station to station.
+    /// Distance between two stations, m.
     step: f64,
     stations: Vec<Station>,
-    /// m to the left of each station.
+    /// Offset to the left at each station, m.
     offsets: Vec<f64>,
-    /// m along the planned path where the robot was last; none before the first look.
+    /// Last position of the robot along the planned path, m; `None` before the first look.
     progress: Option<f64>,
 }
 
 impl BendableRoute {
-    /// The road along a path, not bent; none for a path without a usable pose.
+    /// Creates the road for a path, without a bend. Returns `None` for a path without a usable pose.
     pub fn new(planned: Path) -> Option<Self> {
         let poses = planned.poses.iter();
         let line = Polyline::new(poses.map(|stamped| message::point(&stamped.pose.position)));
@@ -65,17 +65,17 @@ impl BendableRoute {
         &self.planned
     }
 
-    /// m, of the planned path.
+    /// Length of the planned path, m.
     pub fn length(&self) -> f64 {
         self.line.length()
     }
 
-    /// m along the planned path where the robot was last; none before the first look.
+    /// Last position of the robot along the planned path, m; `None` before the first look.
     pub fn progress(&self) -> Option<f64> {
         self.progress
     }
 
-    /// m, from station to station; 0 for a path that is a point.
+    /// Distance between two stations, m; 0 if the path is a single point.
     pub fn step(&self) -> f64 {
         self.step
     }
@@ -95,7 +95,7 @@ impl BendableRoute {
         self.offsets.iter().skip(from).any(|offset| *offset != 0.0)
     }
 
-    /// Bends the road from station `from` on; beyond the given offsets it is as planned.
+    /// Bends the road from station `from` on. Stations beyond the given offsets return to the plan.
     pub fn bend(&mut self, from: usize, offsets: &[f64]) {
         let beyond = offsets.iter().copied().chain(std::iter::repeat(0.0));
         for (offset, new) in self.offsets.iter_mut().skip(from).zip(beyond) {
@@ -103,7 +103,7 @@ impl BendableRoute {
         }
     }
 
-    /// The last station that is not ahead of a robot at `pose`, and how far to the left of it the robot is, m.
+    /// The last station that is not ahead of a robot at `pose`, and the robot's offset to the left of it, m.
     pub fn locate(&mut self, pose: &Pose) -> (usize, f64) {
         let here = Point::from(pose.translation.vector);
         let along = self.nearest(here).map_or(0.0, |nearest| nearest.along);
@@ -117,7 +117,8 @@ impl BendableRoute {
         (at, (here - station.point).dot(&station.left))
     }
 
-    /// The place of the robot: near its last one, at the beginning near the start, and only else anywhere.
+    /// The position of the robot on the path: near its last one; at the beginning, near the start; anywhere only if
+    /// that fails.
     fn nearest(&self, here: Point) -> Option<NearestOnLine> {
         if let Some(progress) = self.progress {
             return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
@@ -140,7 +141,7 @@ impl BendableRoute {
         left.min(within as usize + 1)
     }
 
-    /// Tells which points may matter to a way within the limits from station `from` on.
+    /// Returns a filter for points that may affect a path within the limits, from station `from` on.
     pub fn around(&self, from: usize, limits: &BendLimits) -> impl Fn(&Point) -> bool + use<> {
         let until = from + self.within(from, limits.horizon_m);
         let points = self.stations[from..until]
@@ -156,7 +157,7 @@ impl BendableRoute {
         }
     }
 
-    /// m from a point to the planned path.
+    /// Distance from a point to the planned path, m.
     pub fn distance(&self, point: Point) -> f64 {
         self.line
             .nearest(point)

@@ -1,10 +1,10 @@
-//! Recent poses of the robot, so that a scan is placed where it was taken, not where the robot is by now.
+//! Recent poses of the robot, which tell where it was when a scan was taken.
 
 use std::collections::VecDeque;
 
 use asmotion_geometry::{Pose, heading, turn, yaw};
 
-/// The last poses with their instants.
+/// The most recent poses with their times.
 #[derive(Debug, Clone, Default)]
 pub struct Trail {
     /// (ns, pose), oldest first.
@@ -14,11 +14,11 @@ pub struct Trail {
 /// Number of poses kept: more than a second at 50 Hz.
 const KEPT: usize = 64;
 
-/// ns, how far before or beyond the known poses the nearest of them still serves.
+/// Time in ns before or after the known poses for which the nearest one is still used.
 const TOLERANCE: i64 = 200_000_000;
 
 impl Trail {
-    /// Adds the pose of the robot at `nanos`, map frame; one that is older than the newest, or not finite, is ignored.
+    /// Adds the robot's pose at `nanos`, map frame. A pose that is older than the newest, or not finite, is ignored.
     pub fn add(&mut self, nanos: i64, pose: Pose) {
         let late = self.poses.back().is_some_and(|(last, _)| *last >= nanos);
         if late || !is_somewhere(&pose) {
@@ -30,13 +30,13 @@ impl Trail {
         self.poses.push_back((nanos, pose));
     }
 
-    /// Newest pose, map frame; none before the first odometry.
+    /// Newest pose, map frame; `None` before the first odometry.
     pub fn newest(&self) -> Option<&Pose> {
         self.poses.back().map(|(_, pose)| pose)
     }
 
-    /// Pose of the robot at `nanos`, interpolated on the straight line between two known poses; none outside the trail and
-    /// its tolerance.
+    /// Pose of the robot at `nanos`, interpolated linearly between two known poses; `None` outside of the trail and its
+    /// tolerance.
     pub fn at(&self, nanos: i64) -> Option<Pose> {
         let after = self.poses.partition_point(|(at, _)| *at <= nanos);
         let (before, after) = (

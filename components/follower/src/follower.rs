@@ -1,4 +1,4 @@
-//! The component: path and odometry in, twist and events out.
+//! The component: reads path and odometry, writes twist and events.
 
 use std::time::Duration;
 
@@ -17,13 +17,13 @@ pub struct TrajectoryFollower {
     properties: PropertySet<FollowerProperties>,
 
     task: FollowTask,
-    /// The frame of the newest path.
+    /// Frame of the newest path.
     frame: String,
     /// The cycle that received the newest odometry.
     located: Option<Time>,
-    /// Reason why the robot stands although there is an order; reported when it changes.
+    /// The reason that the robot must not drive in spite of an order; reported when it changes.
     hindered: Option<&'static str>,
-    /// Whether the last cycle had an order, so that one final zero is still to be sent.
+    /// `true` if the last cycle had an order, so that one final zero must be sent.
     commanding: bool,
 }
 
@@ -67,7 +67,7 @@ impl TrajectoryFollower {
         }
     }
 
-    /// Reason why the robot must not drive in this cycle; none if it may.
+    /// The reason that the robot must not drive in this cycle; `None` if it may.
     fn hindrance(&self, cycle: &Cycle<'_>, odometry: Option<&Odometry>) -> Option<&'static str> {
         let (now, timeout) = (cycle.now(), self.properties.odom_timeout_s);
         let fresh = self.located.is_some_and(|at| now.since(at) <= timeout);
@@ -86,7 +86,7 @@ impl TrajectoryFollower {
 }
 
 impl TrajectoryFollower {
-    /// Returns whether the order may be carried out: a path needs `permit` not to be false, a stop needs nothing.
+    /// Returns whether the order is permitted: a path requires that `permit` is not false, a stop requires nothing.
     fn is_permitted(&self, cycle: &Cycle<'_>) -> bool {
         let permit = cycle.read(self.ports.permit).any();
         !self.task.is_following() || permit.is_none_or(|permit| permit.data)
@@ -134,7 +134,7 @@ impl Component for TrajectoryFollower {
             }
             None => (Twist::default(), None),
         };
-        // a follower without a task is silent, so that others may drive; its last word is zero
+        // a follower without a task is silent, so that others may drive; its last command is zero
         if busy || self.commanding {
             cycle.write(self.ports.twist, twist);
         }

@@ -1,6 +1,6 @@
 //! The trajectory follower: regulated pure pursuit.
 //!
-//! [`Pursuit`] is the control law, [`FollowTask`] the order under way, [`TrajectoryFollower`] the component.
+//! [`Pursuit`] is the control law, [`FollowTask`] the current order, [`TrajectoryFollower`] the component.
 
 mod follower;
 mod pursuit;

@@ -1,4 +1,4 @@
-//! Regulated pure pursuit: the speed and the turn that follow a line.
+//! Regulated pure pursuit: computes the twist that follows a line.
 //!
 //! Macenski, Singh, Martín, Ginés: *Regulated Pure Pursuit for Robot Path Tracking*, Autonomous Robots 47, 2023.
 //! Pure pursuit (Coulter, 1992) drives the circle that ends in a carrot on the line ahead; regulation slows down in
@@ -55,10 +55,10 @@ pub struct Pursuit {
     pub rotate_from: f64,
 }
 
-/// A turn on the spot ends when the carrot is this close to straight ahead, rad.
+/// Bearing of the carrot in rad below which a turn on the spot ends.
 const ROTATED: f64 = 0.15;
 
-/// The gain of a turn on the spot, 1/s.
+/// Proportional gain of a turn on the spot, 1/s.
 const ROTATE_GAIN: f64 = 3.0;
 
 impl Pursuit {
@@ -69,8 +69,8 @@ impl Pursuit {
             .min(self.lookahead_max_m.max(self.lookahead_min_m))
     }
 
-    /// The carrot for a robot at `from` whose nearest place on the line is `along` metres from the line's start: the
-    /// farthest place within the lookahead to which the straight way stays within `corner_cut_m` of the line.
+    /// The carrot for a robot at `from` whose nearest point on the line is `along` metres from the line's start: the
+    /// farthest point within the lookahead distance for which the chord stays within `corner_cut_m` of the line.
     pub fn carrot(&self, line: &Polyline, from: Point, along: f64, speed: f64) -> Option<Point> {
         let mut ahead = self.lookahead(speed);
         loop {
@@ -82,8 +82,9 @@ impl Pursuit {
         }
     }
 
-    /// Returns whether the straight way from `from` to the carrot stays within `corner_cut_m` of the line. A robot off the
-    /// line must come back first, so its distance from the line is allowed in addition, decreasing to zero at the carrot.
+    /// Returns whether the chord from `from` to the carrot stays within `corner_cut_m` of the line. A robot off the
+    /// line must come back first, so its distance from the line is allowed in addition, decreasing to zero at the
+    /// carrot.
     fn keeps_to(
         &self,
         line: &Polyline,
@@ -101,8 +102,8 @@ impl Pursuit {
             .all(|(share, nearest)| nearest.distance <= self.corner_cut_m + off * (1.0 - share))
     }
 
-    /// The command that drives towards `carrot` (in the body's frame) with `remaining` metres of line before the goal.
-    /// `rotating` holds whether the last command was a turn on the spot; it is updated.
+    /// The twist that drives towards `carrot` (body frame) with `remaining` metres of line before the goal. `rotating`
+    /// tells whether the last command was a turn on the spot, and is updated.
     pub fn drive(&self, carrot: Vector, remaining: f64, rotating: &mut bool) -> Twist {
         let aside = carrot.y.atan2(carrot.x);
         let tolerated = if *rotating { ROTATED } else { self.rotate_from };
@@ -134,7 +135,7 @@ impl Pursuit {
         in_curve.min(before_goal)
     }
 
-    /// The turn on the spot by `angle` radians: as fast as it can still be stopped.
+    /// A turn on the spot by `angle` radians, as fast as it can still be stopped.
     pub fn rotate(&self, angle: f64) -> Twist {
         let stoppable = (2.0 * self.turn_braking * angle.abs()).sqrt();
         let turn = (ROTATE_GAIN * angle.abs())

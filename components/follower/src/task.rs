@@ -1,4 +1,4 @@
-//! The order under way: to follow a path to its end, or to stop; and the events about it.
+//! The current order, to follow a path or to stop, and the events about it.
 
 use asmotion_component::Properties;
 use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, message, turn, yaw};
@@ -6,7 +6,7 @@ use asmotion_messages::{Path, Time, Twist};
 
 use crate::pursuit::Pursuit;
 
-/// When the goal counts as reached, and the robot as standing.
+/// Tolerances within which the goal counts as reached, and the robot as standing.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct Tolerance {
     /// Distance from the last pose of the path within which the goal is reached.
@@ -26,14 +26,14 @@ pub struct Tolerance {
     pub goal_heading: bool,
 }
 
-/// Pose and velocity of the robot by its odometry.
+/// Measured pose and velocity of the robot, from odometry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredMotion {
-    /// In the frame of the path.
+    /// Pose in the frame of the path.
     pub pose: Pose,
-    /// m/s forward.
+    /// Forward speed, m/s.
     pub speed: f64,
-    /// rad/s.
+    /// Turn rate, rad/s counter-clockwise.
     pub turn: f64,
 }
 
@@ -56,17 +56,17 @@ pub enum FollowerEvent {
     Halted,
 }
 
-/// The order under way.
+/// The current order.
 #[derive(Debug, Clone, Default)]
 pub enum FollowTask {
-    /// Nothing was ordered yet, or what was ordered is done and said.
+    /// No order yet, or the last one is done and reported.
     #[default]
     Idle,
-    /// Coming to a stand, then saying so.
+    /// Stopping; reported when the robot stands.
     Stop,
-    /// On the way.
+    /// Following a path.
     Follow(FollowedPath),
-    /// At the end of a path; kept, so that an amendment of it is known as such.
+    /// At the end of a path. The identity is kept to recognise amendments of the path.
     Arrived(PathIdentity),
 }
 
@@ -77,26 +77,26 @@ pub struct PathIdentity {
     goal: asmotion_messages::Pose,
 }
 
-/// A path on the way.
+/// A path being followed.
 #[derive(Debug, Clone)]
 pub struct FollowedPath {
     identity: PathIdentity,
     line: Polyline,
     goal: Pose,
-    /// m along the line; never looks for the robot far from there, so that it does not jump to another lap.
+    /// Position along the line, m. The robot is searched for only near it, so that it does not jump to another lap.
     progress: Option<f64>,
     rotating: bool,
-    /// Within the tolerance of the goal's position: only the heading is left.
+    /// The goal's position has been reached within the tolerance; only the heading is left.
     there: bool,
 }
 
-/// Range along the line in which the robot is looked for, m before and after its last place. An amended path may be
-/// longer or shorter up to the robot by as much.
+/// Range along the line in which the robot is searched for, in m before and after its last position. An amendment may
+/// change the length of the path up to the robot by as much.
 const SEARCH: (f64, f64) = (1.0, 1.5);
 
 impl FollowTask {
-    /// Takes an order. A path without poses stops; the path that is being followed, with other bends, is gone on with;
-    /// the path that was reached is not driven again.
+    /// Accepts an order. A path without poses is an order to stop; an amendment of the current path is followed from
+    /// the current position; a path that was reached is not driven again.
     pub fn order(&mut self, path: &Path) {
         let Some(last) = path.poses.last() else {
             *self = Self::Stop;
@@ -136,7 +136,7 @@ impl FollowTask {
         }
     }
 
-    /// The command for now, and what there is to say.
+    /// The twist for this cycle, and the event to publish, if any.
     pub fn step(
         &mut self,
         pursuit: &Pursuit,
@@ -171,7 +171,7 @@ impl FollowTask {
         }
     }
 
-    /// Returns whether there is an order that is not done.
+    /// Returns whether there is an order that is not done yet.
     pub fn is_busy(&self) -> bool {
         match self {
             Self::Stop | Self::Follow(_) => true,
@@ -181,7 +181,7 @@ impl FollowTask {
 }
 
 impl FollowedPath {
-    /// The command on the way; none once at the goal.
+    /// The twist that follows the path; `None` at the goal.
     fn step(
         &mut self,
         pursuit: &Pursuit,
@@ -190,7 +190,7 @@ impl FollowedPath {
     ) -> Option<Twist> {
         let here = Point::from(motion.pose.translation.vector);
         let from_goal = (Point::from(self.goal.translation.vector) - here).norm();
-        // once there, a little drift while turning does not send the robot off again
+        // once at the goal, a small drift while turning does not make the robot drive again
         let near = if self.there { 2.0 } else { 1.0 } * tolerance.goal_tolerance_m;
         self.there = from_goal <= near;
         if self.there {
@@ -204,7 +204,8 @@ impl FollowedPath {
         Some(pursuit.drive(carrot.coords, remaining, &mut self.rotating))
     }
 
-    /// The place of the robot: near its last one, at the beginning near the start, and only else anywhere.
+    /// The position of the robot on the path: near its last one; at the beginning, near the start; anywhere only if
+    /// that fails.
     fn nearest(&self, here: Point) -> Option<NearestOnLine> {
         if let Some(progress) = self.progress {
             return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
@@ -216,7 +217,7 @@ impl FollowedPath {
         self.line.nearest(here)
     }
 
-    /// The turn to the goal's heading; none once it is right, or does not matter.
+    /// The turn to the goal's heading; `None` once it is within the tolerance or not requested.
     fn align(
         &self,
         pursuit: &Pursuit,
@@ -366,7 +367,7 @@ mod tests {
 
     #[test]
     fn it_does_not_jump_to_another_lap() {
-        // out and back, ten centimetres beside: the way back is nearer than the way out for a while
+        // out and back with an offset of 0.1 m: for a while the way back is nearer than the way out
         let points = [(0.0, 0.0), (4.0, 0.0), (4.0, 0.1), (0.0, 0.1)];
         let poses = points.map(|(x, y)| asmotion_messages::Pose::planar(x, y, 0.0));
         let mut task = FollowTask::default();

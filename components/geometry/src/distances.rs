@@ -6,23 +6,23 @@ use crate::layout::{Cell, GridLayout};
 
 /// Squared distances to the nearest obstacle cell, centre to centre.
 ///
-/// A value to keep: [`Distances::compute`] reuses its buffers.
+/// Keep the value to reuse its buffers in [`Distances::compute`].
 #[derive(Clone, Debug)]
 pub struct Distances {
     layout: GridLayout,
-    /// In cells², row-major; [`Distances::NONE`] where the grid has no obstacle at all.
+    /// In cells², row-major; [`Distances::NONE`] if the grid has no obstacle.
     squared: Vec<u32>,
-    /// Within its column, cells to the nearest obstacle; the first pass' result.
+    /// Distance in cells to the nearest obstacle in the same column: the result of the first pass.
     columns: Vec<u32>,
-    /// The lower envelope of the second pass: which column, and from where on it rules.
+    /// The lower envelope of the second pass: each column, and the first column in which its parabola is lowest.
     envelope: Vec<(i64, i64)>,
 }
 
 impl Distances {
-    /// The distance where there is no obstacle.
+    /// The value if there is no obstacle.
     pub const NONE: u32 = u32::MAX;
 
-    /// The distances to the occupied cells of a grid.
+    /// Computes the distances to the occupied cells of a grid.
     pub fn to_occupied(grid: &Grid) -> Self {
         let mut distances = Self {
             layout: *grid.layout(),
@@ -34,24 +34,24 @@ impl Distances {
         distances
     }
 
-    /// Computes anew, for cells whose value is an obstacle.
+    /// Computes the distances to the cells for which `obstacle` returns `true`.
     pub fn compute(&mut self, grid: &Grid, obstacle: impl Fn(i8) -> bool) {
         self.layout = *grid.layout();
         self.along_columns(grid.cells(), obstacle);
         self.along_rows();
     }
 
-    /// Size, scale and place of the grid the distances belong to.
+    /// Layout of the grid.
     pub fn layout(&self) -> &GridLayout {
         &self.layout
     }
 
-    /// Squared distances, cells², row-major; [`Distances::NONE`] where there is no obstacle.
+    /// Squared distances in cells², row-major; [`Distances::NONE`] without obstacles.
     pub fn squared(&self) -> &[u32] {
         &self.squared
     }
 
-    /// The distance of a cell, m: infinite without obstacles, none outside the grid.
+    /// Distance of a cell in m: infinite without obstacles, `None` outside of the grid.
     pub fn metres(&self, cell: Cell) -> Option<f64> {
         Some(match self.squared[self.layout.index(cell)?] {
             Self::NONE => f64::INFINITY,
@@ -59,10 +59,10 @@ impl Distances {
         })
     }
 
-    /// The largest squared distance, cells², that is still within `radius` metres.
+    /// The largest squared distance in cells² that is within `radius` metres.
     pub fn limit(&self, radius: f64) -> u32 {
         let cells = radius.max(0.0) / self.layout.resolution();
-        // a radius of a whole number of cells shall include that cell in spite of rounding
+        // a radius of a whole number of cells must include that cell in spite of rounding
         let squared = (cells * cells + 1e-6).floor();
         squared.min(f64::from(Self::NONE - 1)) as u32
     }
@@ -101,7 +101,7 @@ impl Distances {
     }
 }
 
-/// The parabolas that are lowest somewhere, from left to right, each with the first column it rules.
+/// The parabolas of the lower envelope from left to right, each with the first column in which it is lowest.
 fn build_envelope(columns: &[u32], envelope: &mut Vec<(i64, i64)>) {
     envelope.clear();
     let width = columns.len() as i64;

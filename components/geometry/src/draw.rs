@@ -1,12 +1,12 @@
-//! Drawing on a grid: polygons, strokes and discs in map coordinates become cells. What lies outside is cut off.
+//! Draws polygons, strokes and discs in map coordinates on a grid. Parts outside of the grid are cut off.
 
 use crate::grid::Grid;
 use crate::layout::GridLayout;
 use crate::pose::{Point, Vector};
 
 impl Grid {
-    /// Gives `value` to every cell whose centre lies inside an odd number of rings: a polygon with holes, or several.
-    /// A ring's last corner joins its first.
+    /// Sets every cell whose centre is inside an odd number of rings: a polygon with holes, or several polygons. A
+    /// ring's last corner is connected to its first.
     pub fn fill(&mut self, rings: &[Vec<Point>], value: i8) {
         let layout = *self.layout();
         let mut edges = edges(&layout, rings);
@@ -21,7 +21,7 @@ impl Grid {
             while let Some(edge) = coming.next_if(|(from, _)| from.y <= y) {
                 active.push(edge);
             }
-            // the upper end of an edge is not part of it, so that a corner counts once
+            // the upper end of an edge does not belong to it, so that a corner counts once
             active.retain(|(_, to)| y < to.y);
             crossings.clear();
             crossings.extend(active.iter().map(|edge| crossing(edge, y)));
@@ -32,8 +32,8 @@ impl Grid {
         }
     }
 
-    /// Gives `value` to every cell a line through `points` touches, and to every cell whose centre is at most half of
-    /// `width` metres away from it. So a wall of no width is closed, and a wide one has round ends.
+    /// Sets every cell that a line through `points` touches, and every cell whose centre is at most half of `width`
+    /// metres from the line. A wall without width is closed, and a wide one has round ends.
     pub fn stroke(&mut self, points: &[Point], width: f64, value: i8) {
         for pair in points.windows(2) {
             self.trace(pair[0], pair[1], value);
@@ -46,7 +46,7 @@ impl Grid {
         }
     }
 
-    /// Gives `value` to the cell `centre` lies in and to every cell whose centre is at most `radius` metres away.
+    /// Sets the cell that contains `centre`, and every cell whose centre is at most `radius` metres from it.
     pub fn disc(&mut self, centre: Point, radius: f64, value: i8) {
         let layout = *self.layout();
         if let Some(cell) = layout.cell(centre) {
@@ -63,7 +63,7 @@ impl Grid {
         }
     }
 
-    /// The cells the line between two points touches, as far as it lies in the grid.
+    /// Sets the cells that the line between two points touches within the grid.
     fn trace(&mut self, from: Point, to: Point, value: i8) {
         let layout = *self.layout();
         let Some((from, to)) = clip(&layout, layout.to_cells(from), layout.to_cells(to)) else {
@@ -75,7 +75,7 @@ impl Grid {
         });
     }
 
-    /// The cells of a row whose centres lie between `from` and `to`, counted in cells.
+    /// Sets the cells of a row whose centres are between `from` and `to`, in cells.
     fn fill_row(&mut self, row: u32, from: f64, to: f64, value: i8) {
         let width = self.layout().width();
         let columns = centres(from, to, width);
@@ -87,18 +87,18 @@ impl Grid {
     }
 }
 
-/// The cells along one axis whose centres lie in `from..=to`.
+/// The cells along one axis whose centres are in `from..=to`.
 fn centres(from: f64, to: f64, size: u32) -> std::ops::Range<u32> {
-    // casts saturate, and NaN becomes 0: the range is empty then
+    // casts saturate and turn NaN into 0, which gives an empty range
     let first = (from - 0.5).ceil().max(0.0).min(f64::from(size)) as u32;
     let end = ((to - 0.5).floor() + 1.0).max(0.0).min(f64::from(size)) as u32;
     first..end.max(first)
 }
 
-/// From a lower to a higher point, counted in cells.
+/// An edge from its lower to its higher point, in cells.
 type PolygonEdge = (Point, Point);
 
-/// The sides of the rings; level and infinite ones left out.
+/// The sides of the rings, without horizontal and infinite ones.
 fn edges(layout: &GridLayout, rings: &[Vec<Point>]) -> Vec<PolygonEdge> {
     let sides = rings.iter().flat_map(|ring| {
         let next = ring.iter().cycle().skip(1);
@@ -117,7 +117,7 @@ fn edges(layout: &GridLayout, rings: &[Vec<Point>]) -> Vec<PolygonEdge> {
         .collect()
 }
 
-/// Where an edge crosses a level between its ends.
+/// The x at which an edge crosses a height between its ends.
 fn crossing((from, to): &PolygonEdge, y: f64) -> f64 {
     from.x + (to.x - from.x) * (y - from.y) / (to.y - from.y)
 }
@@ -132,7 +132,7 @@ fn band(from: Point, to: Point, width: f64) -> Vec<Point> {
     vec![from + side, to + side, to - side, from - side]
 }
 
-/// The part of a line, counted in cells, that lies in the grid (Liang and Barsky, 1984), a hair inside its rim.
+/// The part of a line, in cells, that is slightly within the rim of the grid (Liang and Barsky, 1984).
 fn clip(layout: &GridLayout, from: Point, to: Point) -> Option<(Point, Point)> {
     const RIM: f64 = 1e-6;
     let way = to - from;
@@ -173,7 +173,7 @@ mod tests {
         )
     }
 
-    /// Rows from top to bottom, as a person draws them.
+    /// Rows from top to bottom, as in a picture.
     fn picture(grid: &Grid) -> Vec<String> {
         let rows = grid.cells().chunks(grid.layout().width() as usize).rev();
         rows.map(|row| {

@@ -1,4 +1,4 @@
-//! Occupancy grids: `nav_msgs/OccupancyGrid` as a value one can ask.
+//! Occupancy grids: `nav_msgs/OccupancyGrid` as a value with queries.
 
 use crate::distances::Distances;
 use crate::layout::{Cell, GridLayout, GridLayoutError};
@@ -6,21 +6,21 @@ use crate::pose::Point;
 
 /// ROS value of a cell that has not been observed.
 pub const UNKNOWN: i8 = -1;
-/// The value of a cell that is certainly free.
+/// ROS value of a free cell.
 pub const FREE: i8 = 0;
-/// The value of a cell that is certainly occupied.
+/// ROS value of an occupied cell.
 pub const OCCUPIED: i8 = 100;
-/// From this probability (percent) on a cell counts as occupied: map_server's default `occupied_thresh`.
+/// The probability in percent from which a cell counts as occupied: map_server's default `occupied_thresh`.
 pub const OCCUPIED_FROM: i8 = 65;
 
 /// Meaning of a cell's value for planning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupancy {
-    /// Not observed, or outside the grid.
+    /// Not observed, or outside of the grid.
     Unknown,
-    /// A robot may stand there.
+    /// Free for a robot.
     Free,
-    /// Something stands there.
+    /// Occupied by an obstacle.
     Occupied,
 }
 
@@ -34,7 +34,7 @@ impl Occupancy {
         }
     }
 
-    /// The ROS value that means this with certainty.
+    /// The ROS value for certain knowledge of this occupancy.
     pub fn value(self) -> i8 {
         match self {
             Self::Unknown => UNKNOWN,
@@ -44,7 +44,7 @@ impl Occupancy {
     }
 }
 
-/// An occupancy grid: row-major cells with ROS values, -1 unknown, 0 free … 100 occupied.
+/// An occupancy grid: row-major cells with ROS values, -1 unknown, 0 (free) to 100 (occupied).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     layout: GridLayout,
@@ -52,7 +52,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid whose cells all have one value.
+    /// Creates a grid in which all cells have the same value.
     pub fn new(layout: GridLayout, value: i8) -> Self {
         Self {
             cells: vec![value; layout.len()],
@@ -60,7 +60,7 @@ impl Grid {
         }
     }
 
-    /// A grid with the given cells, row by row from cell (0, 0).
+    /// Creates a grid with these cells, row by row from cell (0, 0).
     pub fn with_cells(layout: GridLayout, cells: Vec<i8>) -> Result<Self, GridLayoutError> {
         if cells.len() != layout.len() {
             return Err(GridLayoutError::Cells {
@@ -72,7 +72,7 @@ impl Grid {
         Ok(Self { layout, cells })
     }
 
-    /// Size, scale and place.
+    /// Size, resolution and origin.
     pub fn layout(&self) -> &GridLayout {
         &self.layout
     }
@@ -82,24 +82,24 @@ impl Grid {
         &self.cells
     }
 
-    /// The values, to be changed.
+    /// Mutable access to the values.
     pub fn cells_mut(&mut self) -> &mut [i8] {
         &mut self.cells
     }
 
-    /// The value of a cell; none outside the grid.
+    /// The value of a cell; `None` outside of the grid.
     pub fn get(&self, cell: Cell) -> Option<i8> {
         Some(self.cells[self.layout.index(cell)?])
     }
 
-    /// Changes one cell; outside the grid nothing happens.
+    /// Sets a cell; does nothing outside of the grid.
     pub fn set(&mut self, cell: Cell, value: i8) {
         if let Some(index) = self.layout.index(cell) {
             self.cells[index] = value;
         }
     }
 
-    /// Occupancy at a map point; unknown outside the grid.
+    /// Occupancy at a point in the map frame; unknown outside of the grid.
     pub fn occupancy(&self, point: Point) -> Occupancy {
         self.layout
             .cell(point)
@@ -107,8 +107,8 @@ impl Grid {
             .map_or(Occupancy::Unknown, Occupancy::of)
     }
 
-    /// The grid with every cell occupied whose centre is at most `radius` metres from the centre of an occupied one:
-    /// where a round robot of that radius cannot stand.
+    /// The grid in which all cells are occupied whose centre is at most `radius` metres from that of an occupied cell:
+    /// those in which a round robot of this radius cannot stand.
     pub fn inflated(&self, radius: f64) -> Self {
         let distances = Distances::to_occupied(self);
         let limit = distances.limit(radius);
@@ -121,8 +121,8 @@ impl Grid {
         inflated
     }
 
-    /// The grid with `factor` × `factor` cells made one that is as occupied as the most occupied of them, and
-    /// unknown if none is occupied but one is unknown: nothing that blocks is lost.
+    /// The grid with blocks of `factor` × `factor` cells merged. A merged cell has the value of its most occupied cell
+    /// or, if none is occupied but one is unknown, is unknown. No obstacle is lost.
     pub fn coarsened(&self, factor: u32) -> Result<Self, GridLayoutError> {
         let factor = factor.max(1);
         let layout = GridLayout::new(
@@ -143,7 +143,7 @@ impl Grid {
     }
 }
 
-/// The value that hinders more: occupied before unknown before free.
+/// The value that restricts a robot more: occupied, then unknown, then free.
 fn worse(one: i8, other: i8) -> i8 {
     let rank = |value: i8| match Occupancy::of(value) {
         Occupancy::Free => (0, value),

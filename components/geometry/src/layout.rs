@@ -1,61 +1,61 @@
-//! Layout of a grid in the map: from points to cells and from cells to their centres.
+//! Layout of a grid: converts between points in the map frame and cells.
 
 use crate::pose::{Point, Pose};
 
-/// A cell by its place in the grid; column along the grid's x, row along its y, (0, 0) at the origin.
+/// The position of a cell: column along the grid's x axis, row along its y axis, (0, 0) at the origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Cell {
-    /// Steps along the grid's x.
+    /// Index along the grid's x axis.
     pub column: u32,
-    /// Steps along the grid's y.
+    /// Index along the grid's y axis.
     pub row: u32,
 }
 
 impl Cell {
-    /// The cell at `column`, `row`.
+    /// The cell in this column and row.
     pub fn new(column: u32, row: u32) -> Self {
         Self { column, row }
     }
 }
 
-/// Size, scale and place of a grid (the numbers of `nav_msgs/MapMetaData`), without its cells.
+/// Size, resolution and origin of a grid (as in `nav_msgs/MapMetaData`), without its cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridLayout {
     resolution: f64,
     width: u32,
     height: u32,
-    /// The lower left corner of cell (0, 0) in the map frame.
+    /// Lower left corner of cell (0, 0), map frame.
     origin: Pose,
-    /// The inverse of `origin`, kept so that a look-up costs two multiplications.
+    /// Inverse of `origin`, stored to make look-ups cheap.
     inverse: Pose,
 }
 
-/// Numbers that make no layout.
+/// Values that define no valid layout.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GridLayoutError {
-    /// The side of a cell is no length.
+    /// The size of a cell is not positive and finite.
     #[error("a cell's side must be a positive number of metres, not {resolution}")]
     Resolution {
         /// The given cell size, m.
         resolution: f64,
     },
-    /// The origin is nowhere.
+    /// The origin is not finite.
     #[error("the grid's origin has a coordinate that is not finite")]
     Origin,
-    /// More cells than an index can name.
+    /// The number of cells exceeds the limit.
     #[error("a grid of {width} × {height} cells is too large (at most {limit} cells)", limit = GridLayout::MAX_CELLS)]
     TooLarge {
-        /// Cells along x.
+        /// Number of cells along x.
         width: u64,
-        /// Cells along y.
+        /// Number of cells along y.
         height: u64,
     },
-    /// The cells do not fill the grid.
+    /// The number of values differs from the number of cells.
     #[error("a grid of {width} × {height} cells came with {found} values")]
     Cells {
-        /// Cells along x.
+        /// Number of cells along x.
         width: u32,
-        /// Cells along y.
+        /// Number of cells along y.
         height: u32,
         /// Number of values given.
         found: usize,
@@ -63,10 +63,11 @@ pub enum GridLayoutError {
 }
 
 impl GridLayout {
-    /// No grid is larger than this.
+    /// Limit on the number of cells.
     pub const MAX_CELLS: u64 = 1 << 30;
 
-    /// A grid of `width` × `height` cells of `resolution` metres; `origin` is the lower left corner of cell (0, 0).
+    /// Creates a layout of `width` × `height` cells of `resolution` metres; `origin` is the lower left corner of cell
+    /// (0, 0) in the map frame.
     pub fn new(
         resolution: f64,
         width: u32,
@@ -100,22 +101,22 @@ impl GridLayout {
         })
     }
 
-    /// The side of a cell, m.
+    /// Side length of a cell, m.
     pub fn resolution(&self) -> f64 {
         self.resolution
     }
 
-    /// Cells along the grid's x.
+    /// Number of cells along the grid's x axis.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Cells along the grid's y.
+    /// Number of cells along the grid's y axis.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// The lower left corner of cell (0, 0), map frame.
+    /// Lower left corner of cell (0, 0), map frame.
     pub fn origin(&self) -> &Pose {
         &self.origin
     }
@@ -125,27 +126,27 @@ impl GridLayout {
         self.width as usize * self.height as usize
     }
 
-    /// Whether there is no cell at all.
+    /// Returns whether the grid has no cells.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// A map point in the grid's own coordinates: counted in cells, (0, 0) at the origin.
+    /// Converts a point from the map frame to cells, with (0, 0) at the origin.
     pub fn to_cells(&self, point: Point) -> Point {
         Point::from((self.inverse * point).coords / self.resolution)
     }
 
-    /// A point counted in cells, back in the map frame, m.
+    /// Converts a point from cells to the map frame, m.
     pub fn to_map(&self, cells: Point) -> Point {
         self.origin * Point::from(cells.coords * self.resolution)
     }
 
-    /// The cell a map point lies in; none outside the grid.
+    /// The cell that contains a point of the map frame; `None` outside of the grid.
     pub fn cell(&self, point: Point) -> Option<Cell> {
         self.cell_of(self.to_cells(point))
     }
 
-    /// The cell a point counted in cells lies in; none outside the grid.
+    /// The cell that contains a point given in cells; `None` outside of the grid.
     pub fn cell_of(&self, cells: Point) -> Option<Cell> {
         let inside = |value: f64, size: u32| {
             (value >= 0.0 && value < f64::from(size)).then_some(value as u32)
@@ -164,7 +165,7 @@ impl GridLayout {
         ))
     }
 
-    /// Row-major index of a cell; none outside the grid.
+    /// Row-major index of a cell; `None` outside of the grid.
     pub fn index(&self, cell: Cell) -> Option<usize> {
         (cell.column < self.width && cell.row < self.height)
             .then(|| cell.row as usize * self.width as usize + cell.column as usize)
@@ -176,7 +177,7 @@ impl GridLayout {
         Cell::new((index % width) as u32, (index / width) as u32)
     }
 
-    /// The smallest and the largest x and y of the grid's four corners, map frame, m.
+    /// The smallest and the largest x and y of the grid's corners, map frame, m.
     pub fn bounds(&self) -> (Point, Point) {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let corners = [(0.0, 0.0), (width, 0.0), (0.0, height), (width, height)]

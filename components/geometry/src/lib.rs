@@ -1,7 +1,7 @@
 //! Planar geometry: poses, occupancy grids, polylines, ray casting.
 //!
 //! Metres and radians, x forward, y left, angles counter-clockwise (REP-103); coordinates are those of the map frame
-//! (REP-105) unless a name says otherwise. This is the one room that knows parry2d: see [`ObstacleScene`].
+//! (REP-105) unless a name says otherwise. Only this crate depends on parry2d; see [`ObstacleScene`].
 
 mod distances;
 mod draw;

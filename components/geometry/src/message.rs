@@ -1,4 +1,5 @@
-//! Between the messages and the types to compute with. Heights and tilts are dropped: this robot lives in the plane.
+//! Converts between messages and the types of this crate. Heights and tilts are dropped, because the robot moves in the
+//! plane.
 
 use asmotion_messages::{Header, MapMetaData, OccupancyGrid, PoseStamped, Time};
 
@@ -7,7 +8,7 @@ use crate::layout::{GridLayout, GridLayoutError};
 use crate::pose::{Point, Pose, heading, yaw};
 use crate::scene::{ObstacleScene, RoundObstacle};
 
-/// The grid of a map message; in the frame of its header.
+/// Converts a map message to a grid in the frame of its header.
 pub fn grid(message: &OccupancyGrid) -> Result<Grid, GridLayoutError> {
     let info = &message.info;
     let layout = GridLayout::new(
@@ -19,8 +20,8 @@ pub fn grid(message: &OccupancyGrid) -> Result<Grid, GridLayoutError> {
     Grid::with_cells(layout, message.data.clone())
 }
 
-/// The message of a grid in frame `frame_id`, loaded `nanos` nanoseconds after the clock's zero: that instant is both
-/// the stamp and the `map_load_time`, by which clients tell one revision of a map from another.
+/// Converts a grid to a map message in frame `frame_id`. `nanos`, in nanoseconds since the clock's zero, becomes both
+/// the stamp and `map_load_time`, by which clients distinguish revisions of a map.
 pub fn occupancy_grid(grid: &Grid, nanos: i64, frame_id: &str) -> OccupancyGrid {
     let layout = grid.layout();
     OccupancyGrid {
@@ -36,22 +37,22 @@ pub fn occupancy_grid(grid: &Grid, nanos: i64, frame_id: &str) -> OccupancyGrid 
     }
 }
 
-/// Planar pose (m, rad) of a message, in the message's frame.
+/// Converts a pose message to a planar pose (m, rad) in the same frame.
 pub fn pose(message: &asmotion_messages::Pose) -> Pose {
     heading(point(&message.position), message.orientation.yaw())
 }
 
-/// The message of a pose in the plane.
+/// Converts a planar pose to a message.
 pub fn pose_message(pose: &Pose) -> asmotion_messages::Pose {
     asmotion_messages::Pose::planar(pose.translation.x, pose.translation.y, yaw(pose))
 }
 
-/// Planar position of a message, m.
+/// Converts a point message to a planar point, m.
 pub fn point(message: &asmotion_messages::Point) -> Point {
     Point::new(message.x, message.y)
 }
 
-/// The poses of a path, in the frame of its header.
+/// Converts a path message to poses, in the frame of its header.
 pub fn poses(path: &asmotion_messages::Path) -> Vec<Pose> {
     path.poses
         .iter()
@@ -59,7 +60,7 @@ pub fn poses(path: &asmotion_messages::Path) -> Vec<Pose> {
         .collect()
 }
 
-/// The path through `poses`, all with one stamp (nanoseconds) and in frame `frame_id`.
+/// Converts poses to a path message, all with the same stamp (nanoseconds) and in frame `frame_id`.
 pub fn path<'a>(
     poses: impl IntoIterator<Item = &'a Pose>,
     nanos: i64,
@@ -68,7 +69,7 @@ pub fn path<'a>(
     asmotion_messages::Path::through(nanos, frame_id, poses.into_iter().map(pose_message))
 }
 
-/// The message of a pose in the plane with its time (nanoseconds) and frame.
+/// Converts a planar pose to a stamped message.
 pub fn pose_stamped(pose: &Pose, nanos: i64, frame_id: &str) -> PoseStamped {
     PoseStamped {
         header: Header::new(nanos, frame_id),
@@ -76,7 +77,7 @@ pub fn pose_stamped(pose: &Pose, nanos: i64, frame_id: &str) -> PoseStamped {
     }
 }
 
-/// Scene of a message, prepared for queries.
+/// Converts a scene message to a scene prepared for queries.
 pub fn scene(message: &asmotion_messages::Scene) -> ObstacleScene {
     let segments = message.segments.iter();
     let polygons = message.polygons.iter();
@@ -91,7 +92,7 @@ pub fn scene(message: &asmotion_messages::Scene) -> ObstacleScene {
     )
 }
 
-/// The message of a scene.
+/// Converts a scene to a message.
 pub fn scene_message(scene: &ObstacleScene, revision: u64) -> asmotion_messages::Scene {
     asmotion_messages::Scene {
         revision,
@@ -122,7 +123,7 @@ pub fn scene_message(scene: &ObstacleScene, revision: u64) -> asmotion_messages:
     }
 }
 
-/// A round obstacle.
+/// Converts a disc message.
 pub fn disc(message: &asmotion_messages::Disc) -> RoundObstacle {
     RoundObstacle {
         centre: Point::new(message.x, message.y),
@@ -141,7 +142,8 @@ fn vertex_message(point: &Point) -> asmotion_messages::Vertex {
     }
 }
 
-/// ROS carries the resolution as a 32-bit float. Its shortest decimal is what was meant: 0.05, not 0.05000000074505806.
+/// Converts the resolution from ROS's 32-bit float through its shortest decimal, which is the intended value: 0.05, not
+/// 0.05000000074505806.
 fn widen(resolution: f32) -> f64 {
     let meant = resolution.to_string().parse();
     meant.unwrap_or(f64::from(resolution))

@@ -1,4 +1,4 @@
-//! The walls of a grid: the borders between occupied cells and the others, as few segments as possible.
+//! The walls of a grid: the borders between occupied and other cells, in as few segments as possible.
 
 use crate::grid::{Grid, Occupancy};
 use crate::layout::GridLayout;
@@ -34,7 +34,7 @@ fn side(layout: &GridLayout, from: (i64, i64), to: (i64, i64)) -> [Point; 2] {
     [from, to].map(|(column, row)| layout.to_map(Point::new(column as f64, row as f64)))
 }
 
-/// The longest stretches `from..to` of `0..size` in which `border` holds throughout.
+/// The maximal ranges `from..to` within `0..size` in which `border` holds.
 fn runs(size: i64, border: impl Fn(i64) -> bool) -> impl Iterator<Item = (i64, i64)> {
     let mut at = 0;
     std::iter::from_fn(move || {

@@ -1,30 +1,30 @@
-//! Lines through points: how long, where along, how they turn.
+//! Polylines: length, position along the line, direction.
 
 use crate::pose::{Point, Pose, Vector, heading};
 
-/// A line through points, measured once so that asking is cheap.
+/// A line through points, with precomputed distances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polyline {
     points: Vec<Point>,
-    /// For each point, how far along the line it lies, m.
+    /// Distance of each point along the line, m.
     along: Vec<f64>,
 }
 
-/// The place on a polyline that is nearest to a point.
+/// The point on a polyline that is nearest to a query point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestOnLine {
-    /// The place.
+    /// Position on the line.
     pub point: Point,
     /// Distance from the query point, m.
     pub distance: f64,
     /// Distance along the line, m.
     pub along: f64,
-    /// Which segment it lies on: from point `segment` to the next.
+    /// Index of the segment, which leads from point `segment` to the next.
     pub segment: usize,
 }
 
 impl Polyline {
-    /// The line through `points` in order; points that repeat their predecessor or are not finite are left out.
+    /// Creates the line through `points` in order; points that repeat their predecessor or are not finite are left out.
     pub fn new(points: impl IntoIterator<Item = Point>) -> Self {
         let mut line = Self::default();
         for point in points {
@@ -38,23 +38,23 @@ impl Polyline {
         line
     }
 
-    /// The points.
+    /// The points without the omitted ones.
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// Whether there is no point at all.
+    /// Returns whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
-    /// From the first point to the last along the line, m.
+    /// Length of the line, m.
     pub fn length(&self) -> f64 {
         self.along.last().copied().unwrap_or(0.0)
     }
 
-    /// The pose `along` metres from the start, looking along the line; the ends hold beyond them. None for a line
-    /// without points; a single point looks along x.
+    /// The pose `along` metres from the start, in the direction of the line; the ends are used beyond them. `None` for
+    /// a line without points; a single point has the direction of x.
     pub fn at(&self, along: f64) -> Option<Pose> {
         let first = self.points.first()?;
         let Some(last) = self.points.len().checked_sub(2) else {
@@ -68,13 +68,13 @@ impl Polyline {
         Some(heading(point, way.y.atan2(way.x)))
     }
 
-    /// The place nearest to `point`; the first of equally near ones. None for a line without points.
+    /// The nearest point of the line to `point`; the first of several. `None` for a line without points.
     pub fn nearest(&self, point: Point) -> Option<NearestOnLine> {
         self.nearest_between(point, 0.0, f64::INFINITY)
     }
 
-    /// The place nearest to `point` among those from `from` to `to` metres along the line, so that a follower does
-    /// not jump to another lap. None for a line without points.
+    /// The nearest point to `point` between `from` and `to` metres along the line, so that a follower does not jump to
+    /// another lap. `None` for a line without points.
     pub fn nearest_between(&self, point: Point, from: f64, to: f64) -> Option<NearestOnLine> {
         let end = self.length();
         let (from, to) = (from.clamp(0.0, end), to.clamp(0.0, end));
@@ -102,8 +102,9 @@ impl Polyline {
         })
     }
 
-    /// The line as poses that are at most `step` metres apart and look along it: every point of the line is kept, so
-    /// the poses never leave it. A corner looks where the line goes on. A `step` that is no length adds no poses.
+    /// The line as poses that are at most `step` metres apart and have its direction. All points of the line are kept,
+    /// so the poses never leave it; a corner has the direction of the following segment. If `step` is not positive, no
+    /// poses are added.
     pub fn resampled(&self, step: f64) -> Vec<Pose> {
         let mut poses = Vec::new();
         for segment in 0..self.points.len().saturating_sub(1) {

@@ -1,17 +1,17 @@
-//! Poses in the plane: nalgebra's isometries, and the angles between them.
+//! Poses in the plane (nalgebra's isometries), and angles.
 
 use std::f64::consts::{PI, TAU};
 
-/// A point, m.
+/// A position, m.
 pub type Point = nalgebra::Point2<f64>;
 
-/// A displacement or a direction, m.
+/// A displacement or direction, m.
 pub type Vector = nalgebra::Vector2<f64>;
 
-/// Where (m) and how turned (rad): maps the body's coordinates to those of the frame it stands in.
+/// A position (m) and orientation (rad): maps coordinates of the body to those of its reference frame.
 pub type Pose = nalgebra::Isometry2<f64>;
 
-/// The pose at `point` that looks along `yaw`, rad counter-clockwise from x.
+/// The pose at `point` with heading `yaw`, in rad counter-clockwise from x.
 pub fn heading(point: Point, yaw: f64) -> Pose {
     Pose::new(point.coords, yaw)
 }
@@ -21,7 +21,7 @@ pub fn yaw(pose: &Pose) -> f64 {
     pose.rotation.angle()
 }
 
-/// The same angle in `-π..=π`, rad; not finite for an angle that is not.
+/// Normalises an angle to `-π..=π`, rad; not finite if the angle is not.
 pub fn wrap(angle: f64) -> f64 {
     if angle.abs() <= PI {
         return angle;
@@ -30,7 +30,7 @@ pub fn wrap(angle: f64) -> f64 {
     if turned > PI { turned - TAU } else { turned }
 }
 
-/// The short way round from one angle to another, rad in `-π..=π`.
+/// The shorter turn from one angle to another, rad in `-π..=π`.
 pub fn turn(from: f64, to: f64) -> f64 {
     wrap(to - from)
 }

@@ -14,13 +14,13 @@ use crate::pose::{Point, Vector};
 /// A round obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundObstacle {
-    /// Where, map frame, m.
+    /// Centre, map frame, m.
     pub centre: Point,
-    /// m.
+    /// Radius, m; a disc without a positive radius hits nothing.
     pub radius: f64,
 }
 
-/// Segments, solid polygons and discs in the map frame, sorted for fast questions.
+/// Segments, solid polygons and discs in the map frame, indexed for fast queries.
 ///
 /// A shape with a coordinate that is not finite, a polygon with less than three corners and a disc without a radius
 /// are kept but hit nothing.
@@ -33,8 +33,8 @@ pub struct ObstacleScene {
 }
 
 impl ObstacleScene {
-    /// A scene of thin walls, solid polygons (the last corner joins the first, either way round, concave ones too)
-    /// and discs.
+    /// Creates a scene of thin walls, solid polygons and discs. A polygon's last corner is connected to its first;
+    /// orientation and concavity do not matter.
     pub fn new(
         segments: Vec<[Point; 2]>,
         polygons: Vec<Vec<Point>>,
@@ -64,8 +64,8 @@ impl ObstacleScene {
         &self.discs
     }
 
-    /// How far a beam goes from `origin` along `direction` (of any length above zero) until it hits something, m;
-    /// none if nothing is nearer than `max` metres, 0 from within a solid.
+    /// Distance in m from `origin` along `direction` (of any positive length) to the first hit; `None` if there is none
+    /// within `max` metres, 0 within a solid.
     pub fn raycast(&self, origin: Point, direction: Vector, max: f64) -> Option<f64> {
         let unit = direction.try_normalize(0.0)?;
         if !(finite(&origin) && unit.norm().is_finite() && max > 0.0) {
@@ -84,12 +84,13 @@ impl ObstacleScene {
             .filter(|distance| *distance <= f64::from(max))
     }
 
-    /// How far `point` is from the nearest thing, m: 0 within a solid, infinite in an empty scene.
+    /// Distance in m from `point` to the nearest obstacle: 0 within a solid, infinite in an empty scene.
     pub fn clearance(&self, point: Point) -> f64 {
         self.clearance_within(point, f64::INFINITY)
     }
 
-    /// As [`ObstacleScene::clearance`], but infinite if nothing is nearer than `max` metres: cheaper for a collision test.
+    /// As [`ObstacleScene::clearance`], but infinite if there is no obstacle within `max` metres, which is cheaper for
+    /// a collision test.
     pub fn clearance_within(&self, point: Point, max: f64) -> f64 {
         let at = glam(&point);
         if !finite(&point) {
@@ -108,7 +109,7 @@ impl ObstacleScene {
     }
 }
 
-/// The scene as parry2d wants it: every side of everything in one tree, the solids in another.
+/// The scene in parry2d's terms: all sides in one tree, the solids in another.
 #[derive(Clone, Debug, Default)]
 struct SceneIndex {
     parts: Vec<ScenePart>,
@@ -165,7 +166,7 @@ fn sides(corners: &[Glam]) -> impl Iterator<Item = ScenePart> {
     pairs.map(|(a, b)| ScenePart::Side(Segment::new(*a, *b)))
 }
 
-/// One thing a beam can hit.
+/// An object that a beam can hit.
 #[derive(Clone, Debug)]
 enum ScenePart {
     Side(Segment),

@@ -1,13 +1,14 @@
-//! Lines on a grid: every cell a straight line touches (Amanatides, Woo: *A fast voxel traversal algorithm*, 1987;
-//! a line through a corner touches all four cells around it, so nothing is seen between two diagonal obstacles).
+//! Lines on a grid: visits every cell that a straight line touches (Amanatides, Woo: *A fast voxel traversal
+//! algorithm*, 1987; a line through a corner touches all four cells around it, so there is no line of sight between two
+//! diagonal obstacles).
 
 use crate::grid::Grid;
 use crate::layout::{Cell, GridLayout};
 use crate::pose::Point;
 
 impl GridLayout {
-    /// Whether `pass` says yes to every cell the straight line between two map points touches; no as soon as the line
-    /// leaves the grid.
+    /// Returns whether `pass` accepts every cell that the straight line between two points of the map frame touches;
+    /// `false` if the line leaves the grid.
     pub fn line(&self, from: Point, to: Point, mut pass: impl FnMut(usize) -> bool) -> bool {
         let (from, to) = (self.to_cells(from), self.to_cells(to));
         let (Some(start), Some(end)) = (self.cell_of(from), self.cell_of(to)) else {
@@ -44,25 +45,25 @@ impl GridLayout {
 }
 
 impl Grid {
-    /// Whether the straight line between two map points only touches cells whose value `pass` accepts; a line that
-    /// leaves the grid does not.
+    /// Returns whether the straight line between two points of the map frame touches only cells whose value `pass`
+    /// accepts; `false` if the line leaves the grid.
     pub fn sees(&self, from: Point, to: Point, pass: impl Fn(i8) -> bool) -> bool {
         self.layout()
             .line(from, to, |index| pass(self.cells()[index]))
     }
 }
 
-/// One coordinate of the walk.
+/// One axis of the traversal.
 struct WalkAxis {
-    /// The cell the walk is in.
+    /// Index of the current cell.
     at: i64,
-    /// +1 or -1.
+    /// Direction of the line along this axis: +1 or -1.
     direction: i64,
-    /// Borders still to cross.
+    /// Number of cell borders still to cross.
     left: u64,
     /// Position of the next cell border on the line, 0..1.
     next: f64,
-    /// From border to border on the line.
+    /// Distance between two borders along the line, in the same unit as `next`.
     gap: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The component: the scene and the true pose in, a scan out.
+//! The component: reads the scene and the true pose, writes a scan.
 
 use asmotion_component::{
     Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Setup,
@@ -10,13 +10,13 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::sweep::Optics;
 
-/// `nav::sim::LaserDriver`: a sweep each cycle, as soon as the scene and a new true pose are known.
+/// `nav::sim::LaserDriver`: writes a sweep for each new true pose, once the scene is known.
 pub struct LaserDriver {
     ports: LaserPorts,
     /// Read when configured.
     properties: PropertySet<LaserProperties>,
 
-    /// The laser on the robot.
+    /// Pose of the laser on the robot.
     mount: Pose,
     chance: ChaCha8Rng,
     surroundings: Option<ObstacleScene>,
@@ -48,7 +48,7 @@ struct LaserProperties {
     frame: String,
 }
 
-/// The stream of random numbers that is the laser's: a world with the same seed draws others.
+/// Random number stream of the laser; a world with the same seed uses another one.
 const STREAM: u64 = 1;
 
 impl LaserDriver {

@@ -1,4 +1,5 @@
-//! One sweep of the laser: beams through the scene, noise on the ranges, REP-117 for what is no range.
+//! One sweep of the laser: casts beams through the scene, adds noise, and represents invalid ranges as REP-117
+//! specifies.
 
 use std::f64::consts::PI;
 
@@ -34,7 +35,7 @@ pub struct Optics {
 }
 
 impl Optics {
-    /// rad, from one beam to the next; 0 with a single beam.
+    /// Angle between two beams, rad; 0 with a single beam.
     pub fn increment(&self) -> f64 {
         match self.beams {
             0 | 1 => 0.0,
@@ -45,8 +46,8 @@ impl Optics {
     /// The ranges of one sweep from `pose`, m, beam by beam into `ranges`: `+Inf` where nothing is in range, `-Inf`
     /// where something is too near, NaN where the measurement failed (REP-117).
     ///
-    /// Every beam draws the same number of random numbers whatever it hits, so that a change in one corner of the
-    /// scene leaves the noise elsewhere as it was.
+    /// Every beam draws the same number of random numbers whether it hits or not, so that a change in one part of the
+    /// scene does not affect the noise elsewhere.
     pub fn sweep(
         &self,
         scene: &ObstacleScene,
@@ -55,7 +56,7 @@ impl Optics {
         ranges: &mut Vec<f32>,
     ) {
         let origin = Point::from(pose.translation.vector);
-        // beyond the range there may still be something that noise brings into it
+        // noise may bring an obstacle beyond the range into it
         let sight = self.range_max + 5.0 * self.noise_m;
         ranges.clear();
         ranges.extend((0..self.beams).map(|beam| {
@@ -71,7 +72,7 @@ impl Optics {
         }));
     }
 
-    /// A measured distance as a range.
+    /// Converts a measured distance to a range (REP-117).
     fn reading(&self, distance: f64) -> f32 {
         if distance < self.range_min {
             f32::NEG_INFINITY
@@ -130,7 +131,7 @@ mod tests {
         let room = ObstacleScene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
         let ranges = sweep(&cross(), &room, &Pose::identity(), 0);
         assert_eq!(ranges, [3.0, 1.5, f32::INFINITY, f32::INFINITY]);
-        // turned to the left, what was ahead is on the right
+        // after a turn to the left, the wall ahead is on the right
         let turned = sweep(&cross(), &room, &heading(Point::origin(), FRAC_PI_2), 0);
         assert!((turned[3] - 3.0).abs() < 1e-5 && (turned[0] - 1.5).abs() < 1e-5);
     }

@@ -14,7 +14,7 @@ asmotion_datum::message! {
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
 impl Time {
-    /// The instant `nanos` nanoseconds after the clock's zero; saturates at the ends of ROS' 32-bit seconds.
+    /// The instant `nanos` nanoseconds after the clock's zero. Saturates at the limits of ROS's 32-bit seconds.
     pub fn from_nanos(nanos: i64) -> Self {
         match i32::try_from(nanos.div_euclid(NANOS_PER_SECOND)) {
             Ok(sec) => Self {

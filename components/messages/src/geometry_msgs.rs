@@ -3,18 +3,18 @@
 use crate::std_msgs::Header;
 
 asmotion_datum::message! {
-    /// A free vector; the unit is the user's.
+    /// A free vector; the unit depends on its use.
     #[derive(Copy)]
     pub struct Vector3 = "geometry_msgs/Vector3" {
-        /// Forward.
+        /// Component along the forward axis.
         pub x: f64,
-        /// Left.
+        /// Component along the left axis.
         pub y: f64,
-        /// Up.
+        /// Component along the up axis.
         pub z: f64,
     }
 
-    /// A position, metres.
+    /// A position in metres.
     #[derive(Copy)]
     pub struct Point = "geometry_msgs/Point" {
         /// m, forward.
@@ -34,89 +34,89 @@ asmotion_datum::message! {
         pub y: f64,
         /// Sine of half the angle times the axis' z.
         pub z: f64,
-        /// Cosine of half the angle; 1 unless said otherwise, as in ROS 2: no turn.
+        /// Cosine of half the angle (default: 1, as in ROS 2: no rotation).
         pub w: f64 = 1.0,
     }
 
-    /// Where and how turned.
+    /// A position and orientation.
     #[derive(Copy)]
     pub struct Pose = "geometry_msgs/Pose" {
-        /// m.
+        /// Position, m.
         pub position: Point,
-        /// Turn from the frame's axes to the body's.
+        /// Rotation from the frame's axes to the body's.
         pub orientation: Quaternion,
     }
 
     /// A pose with its time and frame.
     pub struct PoseStamped = "geometry_msgs/PoseStamped" {
-        /// When, and in which frame.
+        /// Time of the estimate, and frame of the pose.
         pub header: Header,
-        /// The pose.
+        /// Position and orientation.
         pub pose: Pose,
     }
 
     /// A pose with its uncertainty.
     pub struct PoseWithCovariance = "geometry_msgs/PoseWithCovariance" {
-        /// The estimate.
+        /// Estimated pose.
         pub pose: Pose,
         /// Row-major 6×6 over (x, y, z, roll, pitch, yaw); m², m·rad, rad².
         pub covariance: [f64; 36],
     }
 
-    /// A velocity, in the body's own frame where it stands in a command or an odometry.
+    /// A velocity; in the body's own frame in commands and odometry.
     #[derive(Copy)]
     pub struct Twist = "geometry_msgs/Twist" {
-        /// m/s.
+        /// Linear velocity, m/s.
         pub linear: Vector3,
-        /// rad/s.
+        /// Angular velocity, rad/s.
         pub angular: Vector3,
     }
 
     /// A velocity with its time and frame.
     pub struct TwistStamped = "geometry_msgs/TwistStamped" {
-        /// When, and in which frame.
+        /// Time of the estimate, and frame of the velocity.
         pub header: Header,
-        /// The velocity.
+        /// Linear and angular velocity.
         pub twist: Twist,
     }
 
     /// A velocity with its uncertainty.
     pub struct TwistWithCovariance = "geometry_msgs/TwistWithCovariance" {
-        /// The estimate.
+        /// Estimated velocity.
         pub twist: Twist,
         /// Row-major 6×6 over (x, y, z, roll, pitch, yaw); (m/s)², …, (rad/s)².
         pub covariance: [f64; 36],
     }
 
-    /// From one frame to another.
+    /// The transformation from one frame to another.
     #[derive(Copy)]
     pub struct Transform = "geometry_msgs/Transform" {
-        /// m.
+        /// Translation, m.
         pub translation: Vector3,
-        /// Turn.
+        /// Rotation of the child frame.
         pub rotation: Quaternion,
     }
 
-    /// Where the frame `child_frame_id` lies in the frame of the header.
+    /// The pose of the frame `child_frame_id` in the frame of the header.
     pub struct TransformStamped = "geometry_msgs/TransformStamped" {
-        /// When, and the parent frame.
+        /// Time of the transformation, and parent frame.
         pub header: Header,
-        /// The frame that is placed.
+        /// Name of the child frame.
         pub child_frame_id: String,
-        /// Its place.
+        /// Pose of the child frame in the parent frame.
         pub transform: Transform,
     }
 }
 
 impl Point {
-    /// A point of the ground plane, m.
+    /// A point on the ground plane, m.
     pub fn planar(x: f64, y: f64) -> Self {
         Self { x, y, z: 0.0 }
     }
 }
 
 impl Quaternion {
-    /// A turn by `yaw` radians about the vertical, counter-clockwise.
+    /// A rotation by `yaw` radians about the vertical axis, counter-clockwise.
     pub fn from_yaw(yaw: f64) -> Self {
         let (sin, cos) = (yaw / 2.0).sin_cos();
         Self {
@@ -127,7 +127,7 @@ impl Quaternion {
         }
     }
 
-    /// The turn about the vertical, radians in `-π..=π`; 0 for the all-zero quaternion.
+    /// The rotation about the vertical axis, rad in `-π..=π`; 0 for the all-zero quaternion.
     pub fn yaw(&self) -> f64 {
         let Self { x, y, z, w } = self;
         (2.0 * (w * z + x * y)).atan2(w * w + x * x - y * y - z * z)
@@ -135,7 +135,7 @@ impl Quaternion {
 }
 
 impl Pose {
-    /// A pose in the ground plane: metres, radians counter-clockwise.
+    /// A pose in the ground plane: x and y in m, yaw in rad counter-clockwise.
     pub fn planar(x: f64, y: f64, yaw: f64) -> Self {
         Self {
             position: Point::planar(x, y),
@@ -145,7 +145,7 @@ impl Pose {
 }
 
 impl Twist {
-    /// The velocity of a body in the plane that does not slide sideways: `speed` m/s forward, `turn` rad/s.
+    /// The velocity of a body that moves in the plane without sliding sideways: `speed` m/s forward, `turn` rad/s.
     pub fn planar(speed: f64, turn: f64) -> Self {
         Self {
             linear: Vector3 {

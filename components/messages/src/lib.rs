@@ -1,4 +1,4 @@
-//! The messages of the robot: ROS 2 names, ROS 2 field order, one file a ROS package.
+//! The messages of the robot, with ROS 2 names and field order; one file for each ROS package.
 //!
 //! Units and frames are ROS': SI units and radians, x forward, y left, z up, angles counter-clockwise (REP-103);
 //! frames `map`, `odom`, `base_link`, `laser` (REP-105).

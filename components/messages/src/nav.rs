@@ -1,4 +1,4 @@
-//! `nav`: what the navigation components tell each other beyond ROS.
+//! `nav`: messages between navigation components that ROS does not define.
 
 use crate::builtin_interfaces::Time;
 use crate::geometry_msgs::PoseStamped;
@@ -6,37 +6,37 @@ use crate::nav_msgs::OccupancyGrid;
 use crate::world::Disc;
 
 asmotion_datum::message! {
-    /// Something happened that a coordinator may care about.
+    /// An event of interest to a coordinator.
     pub struct Event = "nav/Event" {
-        /// When.
+        /// Time of the event.
         pub stamp: Time,
-        /// What, as a short name in capitals: see the constants.
+        /// Kind of event: a short name in capitals, see the constants.
         pub code: String,
-        /// For people: where, why.
+        /// Explanation for a human reader: place and cause.
         pub detail: String,
     }
 
     /// A place that has a map.
     pub struct Place = "nav/Place" {
-        /// Its name, as the map server knows it.
+        /// Name of the place at the map server.
         pub name: String,
     }
 
-    /// From where to where, on which map.
+    /// A request for a path between two poses.
     pub struct PlanRequest = "nav/PlanRequest" {
         /// The map to plan on.
         pub map: OccupancyGrid,
-        /// Where the robot is, in the map's frame.
+        /// Pose of the robot, in the map's frame.
         pub start: PoseStamped,
-        /// Where it shall be, in the map's frame.
+        /// Pose to reach, in the map's frame.
         pub goal: PoseStamped,
     }
 
-    /// Things that a robot saw and that may be missing on the map, in the map frame.
+    /// Obstacles that a robot saw and that may be missing on the map, map frame.
     pub struct Obstacles = "nav/Obstacles" {
-        /// When the newest of them was seen.
+        /// Time at which the newest of them was seen.
         pub stamp: Time,
-        /// Their outlines, each covered by a disc.
+        /// Discs that cover the obstacles.
         pub discs: Vec<Disc>,
     }
 }
@@ -51,7 +51,7 @@ impl Event {
     /// The robot touched something.
     pub const COLLISION: &str = "COLLISION";
 
-    /// The event `code` at `nanos` nanoseconds after the clock's zero.
+    /// An event of this kind, `nanos` nanoseconds after the clock's zero.
     pub fn new(nanos: i64, code: &str, detail: impl Into<String>) -> Self {
         Self {
             stamp: Time::from_nanos(nanos),

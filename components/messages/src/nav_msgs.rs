@@ -5,45 +5,45 @@ use crate::geometry_msgs::{Pose, PoseStamped, PoseWithCovariance, TwistWithCovar
 use crate::std_msgs::Header;
 
 asmotion_datum::message! {
-    /// A way to go: poses in order. Without poses it means: stop.
+    /// A path: poses in order. Without poses it is an order to stop.
     pub struct Path = "nav_msgs/Path" {
-        /// When it was planned, and in which frame.
+        /// Time of planning, and frame of the poses.
         pub header: Header,
         /// The poses, from the start to the goal.
         pub poses: Vec<PoseStamped>,
     }
 
-    /// Where the robot believes to be, and how fast it goes.
+    /// The estimated pose and velocity of the robot.
     pub struct Odometry = "nav_msgs/Odometry" {
-        /// When, and the frame of the pose (`odom`, or `map` where both are one).
+        /// Time of the estimate, and frame of the pose (`odom`, or `map` if both are the same).
         pub header: Header,
-        /// The frame of the twist: the body, `base_link`.
+        /// Frame of the twist: the body, `base_link`.
         pub child_frame_id: String,
-        /// In the frame of the header.
+        /// Pose in the frame of the header.
         pub pose: PoseWithCovariance,
-        /// In the frame `child_frame_id`.
+        /// Velocity in the frame `child_frame_id`.
         pub twist: TwistWithCovariance,
     }
 
-    /// How a grid lies in the world.
+    /// Size, resolution and origin of a grid map.
     pub struct MapMetaData = "nav_msgs/MapMetaData" {
-        /// When the map was loaded.
+        /// Time at which the map was loaded.
         pub map_load_time: Time,
-        /// m, side of a cell.
+        /// Side length of a cell, m.
         pub resolution: f32,
-        /// Cells along x.
+        /// Number of cells along x.
         pub width: u32,
-        /// Cells along y.
+        /// Number of cells along y.
         pub height: u32,
-        /// The pose of the lower left corner of cell (0, 0).
+        /// Pose of the lower left corner of cell (0, 0).
         pub origin: Pose,
     }
 
     /// A grid map; cell (x, y) is `data[y * width + x]`.
     pub struct OccupancyGrid = "nav_msgs/OccupancyGrid" {
-        /// When, and in which frame.
+        /// Time of the map, and its frame.
         pub header: Header,
-        /// How the grid lies.
+        /// Size, resolution and origin.
         pub info: MapMetaData,
         /// Occupancy in percent 0..=100, or -1 for unknown; row by row from cell (0, 0).
         pub data: Vec<i8>,
@@ -51,7 +51,7 @@ asmotion_datum::message! {
 }
 
 impl Path {
-    /// A path through `poses`, all at one instant (nanoseconds) and in one frame.
+    /// A path through `poses`, all with the same stamp (nanoseconds) and frame.
     pub fn through(nanos: i64, frame_id: &str, poses: impl IntoIterator<Item = Pose>) -> Self {
         let header = Header::new(nanos, frame_id);
         let stamped = |pose| PoseStamped {
@@ -64,7 +64,7 @@ impl Path {
         }
     }
 
-    /// The path that means "stop".
+    /// A path without poses, which is an order to stop.
     pub fn stop(nanos: i64, frame_id: &str) -> Self {
         Self::through(nanos, frame_id, [])
     }

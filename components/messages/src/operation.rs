@@ -1,11 +1,11 @@
-//! The operations of the navigation services, and the faults they may answer with.
+//! The operations of the navigation services, and their fault codes.
 
 use asmotion_component::Operation;
 
 use crate::nav::{Place, PlanRequest};
 use crate::nav_msgs::{OccupancyGrid, Path};
 
-/// The map of a place.
+/// Returns the map of a place.
 #[derive(Debug, Clone, Copy)]
 pub struct GetMap;
 
@@ -16,7 +16,7 @@ impl Operation for GetMap {
     const NAME: &'static str = "getMap";
 }
 
-/// A path from where the robot is to where it shall be.
+/// Plans a path from the robot's pose to a goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan;
 
@@ -28,14 +28,14 @@ impl Operation for Plan {
 }
 
 impl Plan {
-    /// Fault code: start and goal are free, but nothing leads from one to the other.
+    /// Fault code: start and goal are free, but no path connects them.
     pub const NO_PATH: &str = "NO_PATH";
-    /// Fault code: the robot cannot stand where it starts.
+    /// Fault code: the robot cannot stand at the start.
     pub const START_OCCUPIED: &str = "START_OCCUPIED";
-    /// Fault code: the robot cannot stand where it shall go.
+    /// Fault code: the robot cannot stand at the goal.
     pub const GOAL_OCCUPIED: &str = "GOAL_OCCUPIED";
-    /// Fault code: start or goal is not on the map.
+    /// Fault code: start or goal is outside of the map.
     pub const OUTSIDE: &str = "OUTSIDE";
-    /// Fault code: there is no map, or it is none.
+    /// Fault code: there is no map, or it is invalid.
     pub const BAD_MAP: &str = "BAD_MAP";
 }

@@ -3,23 +3,23 @@
 use crate::builtin_interfaces::Time;
 
 asmotion_datum::message! {
-    /// How fast each wheel shall turn, or turns; forward positive.
+    /// Commanded or measured speed of each wheel; positive is forward.
     #[derive(Copy)]
     pub struct WheelSpeeds = "rover/WheelSpeeds" {
-        /// rad/s.
+        /// Speed of the left wheel, rad/s.
         pub left: f64,
-        /// rad/s.
+        /// Speed of the right wheel, rad/s.
         pub right: f64,
     }
 
-    /// How far each wheel has turned since the encoders' zero; forward positive, never wrapped.
+    /// Angle of each wheel since the encoders' zero; positive is forward, never wrapped.
     #[derive(Copy)]
     pub struct Encoders = "rover/Encoders" {
-        /// When both were read.
+        /// Time at which both were read.
         pub stamp: Time,
-        /// rad.
+        /// Angle of the left wheel, rad.
         pub left: f64,
-        /// rad.
+        /// Angle of the right wheel, rad.
         pub right: f64,
     }
 }

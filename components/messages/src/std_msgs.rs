@@ -3,35 +3,35 @@
 use crate::builtin_interfaces::Time;
 
 asmotion_datum::message! {
-    /// A truth value (`std_msgs/Bool`).
+    /// A Boolean (`std_msgs/Bool`).
     #[derive(Copy)]
     pub struct Bool = "std_msgs/Bool" {
-        /// The value.
+        /// `true` or `false`.
         pub data: bool,
     }
 
-    /// A text (`std_msgs/String`; named `Text` so as not to hide Rust's own).
+    /// A text (`std_msgs/String`; named `Text` to avoid a clash with Rust's `String`).
     pub struct Text = "std_msgs/String" {
-        /// The value.
+        /// UTF-8 text.
         pub data: String,
     }
 
     /// A number (`std_msgs/Float64`).
     #[derive(Copy)]
     pub struct Float64 = "std_msgs/Float64" {
-        /// The value.
+        /// A finite number, infinity or NaN.
         pub data: f64,
     }
 
-    /// Nothing but the fact that it came (`std_msgs/Empty`).
+    /// A message without content (`std_msgs/Empty`).
     #[derive(Copy)]
     pub struct Empty = "std_msgs/Empty" {}
 
-    /// When something was measured, and in which frame its coordinates are (`std_msgs/Header`).
+    /// The time of a measurement, and the frame of its coordinates (`std_msgs/Header`).
     pub struct Header = "std_msgs/Header" {
-        /// The instant of measurement, not of sending.
+        /// Time of the measurement, not of sending.
         pub stamp: Time,
-        /// The coordinate frame (REP-105): `map`, `odom`, `base_link`, `laser`.
+        /// Name of the coordinate frame (REP-105): `map`, `odom`, `base_link`, `laser`.
         pub frame_id: String,
     }
 }

@@ -1,4 +1,4 @@
-//! Every message by its name, for types that are known at run time only.
+//! A table of all messages by name, for code that learns types at run time.
 
 use asmotion_datum::{Message, Schema};
 
@@ -12,10 +12,10 @@ use crate::std_msgs::*;
 use crate::world::*;
 use crate::youbot::*;
 
-/// Gives the schema of a message.
+/// Returns the schema of a message.
 pub type DescribeMessage = fn() -> &'static Schema;
 
-/// The schema of every message, by the message's name, in the order of the names.
+/// Name and schema of every message, ordered by name.
 pub const MESSAGES: &[(&str, DescribeMessage)] = &[
     row::<Time>(),
     row::<Point>(),

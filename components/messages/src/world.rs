@@ -1,50 +1,50 @@
-//! `world`: what stands in the simulated world, in the ground plane of the map frame, metres.
+//! `world`: obstacles of the simulated world, in the ground plane of the map frame, in metres.
 
 asmotion_datum::message! {
     /// A point of the ground plane.
     #[derive(Copy)]
     pub struct Vertex = "world/Vertex" {
-        /// m.
+        /// x coordinate, m.
         pub x: f64,
-        /// m.
+        /// y coordinate, m.
         pub y: f64,
     }
 
     /// A thin wall.
     #[derive(Copy)]
     pub struct Segment = "world/Segment" {
-        /// One end.
+        /// First end of the wall.
         pub a: Vertex,
-        /// The other end.
+        /// Second end of the wall.
         pub b: Vertex,
     }
 
-    /// A round thing.
+    /// A round obstacle.
     #[derive(Copy)]
     pub struct Disc = "world/Disc" {
-        /// m, of the centre.
+        /// x coordinate of the centre, m.
         pub x: f64,
-        /// m, of the centre.
+        /// y coordinate of the centre, m.
         pub y: f64,
-        /// m.
+        /// Radius, m.
         pub radius: f64,
     }
 
-    /// A solid thing with straight sides.
+    /// A solid obstacle with straight sides.
     pub struct Polygon = "world/Polygon" {
-        /// The corners in order, either way round; the last joins the first.
+        /// Corners in order, in either orientation; the last is connected to the first.
         pub vertices: Vec<Vertex>,
     }
 
-    /// Everything a beam or a body can hit at one time.
+    /// All obstacles of the world at one time.
     pub struct Scene = "world/Scene" {
-        /// Grows whenever the rest changes.
+        /// Incremented by every change of the scene.
         pub revision: u64,
-        /// Walls.
+        /// Thin walls.
         pub segments: Vec<Segment>,
         /// Round obstacles.
         pub discs: Vec<Disc>,
-        /// Cornered obstacles and solid walls.
+        /// Polygonal obstacles and solid walls.
         pub polygons: Vec<Polygon>,
     }
 }

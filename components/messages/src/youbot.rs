@@ -1,4 +1,5 @@
-//! `youbot`: an arm of some joints, first joint first; and the services around it (the interfaces of the JOrocos paper).
+//! `youbot`: an arm of several joints, in order from the first one, and the services around it (the interfaces of the
+//! JOrocos paper).
 
 use asmotion_component::Operation;
 
@@ -7,53 +8,53 @@ use crate::geometry_msgs::Pose;
 use crate::std_msgs::{Bool, Empty, Text};
 
 asmotion_datum::message! {
-    /// What the driver measures (`youbot/JointStatus`).
+    /// Measurements of the driver (`youbot/JointStatus`).
     pub struct JointStatus = "youbot/JointStatus" {
-        /// When.
+        /// Time of the measurement.
         pub stamp: Time,
-        /// How far each joint is turned, rad.
+        /// Angle of each joint, rad.
         pub position: Vec<f64>,
-        /// How fast it turns, rad/s.
+        /// Angular velocity of each joint, rad/s.
         pub velocity: Vec<f64>,
-        /// What its motor draws, A.
+        /// Motor current of each joint, A.
         pub current: Vec<f64>,
-        /// How warm its motor is, °C.
+        /// Motor temperature of each joint, °C.
         pub temperature: Vec<f64>,
-        /// Ten error bits of each joint.
+        /// Error flags of each joint, ten bits.
         pub error_flags: Vec<u16>,
     }
 
-    /// What the driver is told (`youbot/JointCommand`).
+    /// A command to the driver (`youbot/JointCommand`).
     pub struct JointCommand = "youbot/JointCommand" {
-        /// When.
+        /// Time of the command.
         pub stamp: Time,
-        /// How far each joint shall turn, rad.
+        /// Commanded angle of each joint, rad.
         pub position: Vec<f64>,
     }
 
     /// A posture of the arm (`youbot/JointPositions`).
     pub struct JointPositions = "youbot/JointPositions" {
-        /// How far each joint is turned, rad.
+        /// Angle of each joint, rad.
         pub position: Vec<f64>,
     }
 
-    /// Where the hand shall be (`youbot/Goal`).
+    /// A goal for the hand (`youbot/Goal`).
     pub struct Goal = "youbot/Goal" {
-        /// The hand in the frame of the arm's foot: z points out of the hand.
+        /// Pose of the hand in the frame of the arm's base; z points out of the hand.
         pub pose: Pose,
-        /// Of several postures the one nearest to this one; upright where empty, rad.
+        /// Posture to which the solution should be nearest, rad; upright if empty.
         pub near: Vec<f64>,
     }
 
-    /// What happens to the arm (`youbot/Notice`).
+    /// An event of the arm (`youbot/Notice`).
     pub struct Notice = "youbot/Notice" {
-        /// `busy`, `idle`, `refresh`, `fault` or `stale`.
+        /// Kind of event: `busy`, `idle`, `refresh`, `fault` or `stale`.
         pub event: String,
-        /// For people.
+        /// Explanation for a human reader.
         pub detail: String,
     }
 
-    /// How often something happens (`youbot/Period`).
+    /// The period of a component (`youbot/Period`).
     #[derive(Copy)]
     pub struct Period = "youbot/Period" {
         /// Time between two cycles, s.
@@ -79,20 +80,20 @@ macro_rules! operations {
 }
 
 operations! {
-    /// The joints shall go there.
+    /// Moves the joints to these angles.
     SetJointsPositions = "youbot/SendingCommands"."setJointsPositions"(JointPositions) -> Empty;
-    /// Where the joints are.
+    /// Returns the angles of the joints.
     GetJointsPositions = "youbot/RetrievingStatus"."getJointsPositions"(Empty) -> JointPositions;
-    /// The driver shall cycle so often.
+    /// Sets the period of the driver.
     SetPeriod = "youbot/SettingPeriod"."setPeriod"(Period) -> Empty;
-    /// Something has happened to the arm: a callback.
+    /// Reports an event of the arm: a callback.
     Notify = "youbot/Notifying"."notify"(Notice) -> Empty;
-    /// The posture in which the hand is there.
+    /// Returns a posture in which the hand reaches the goal.
     Solve = "youbot/Kinematics"."solve"(Goal) -> JointPositions;
-    /// The hand shall go there.
+    /// Moves the hand to a pose.
     MoveTo = "youbot/Locomotion"."moveTo"(Pose) -> Empty;
-    /// The driver's own: whether it takes the period.
+    /// The driver's own operation: sets the period and returns whether it is accepted.
     DriverSetPeriod = "youbot/Driver"."setPeriod"(Period) -> Bool;
-    /// The driver's own: what it does.
+    /// The driver's own operation: returns its state.
     DriverState = "youbot/Driver"."state"(Empty) -> Text;
 }

@@ -1,4 +1,4 @@
-//! The operator on schedule: goals, cancels, e-stops, at the times a script says.
+//! The scripted operator: sends goals, cancels and e-stops at the times in its script.
 
 mod operator;
 mod script;

@@ -8,14 +8,14 @@ use asmotion_messages::{Bool, Empty, PoseStamped};
 
 use crate::script::{Deed, OperatorCommand};
 
-/// `nav::Operator`: does what its script says.
+/// `nav::Operator`: carries out a script of timed commands.
 pub struct ScriptedOperator {
     ports: OperatorPorts,
     /// Read when configured.
     properties: PropertySet<OperatorProperties>,
-    /// Deeds still to be done, in reverse order.
+    /// Remaining commands, in reverse order.
     deeds: Vec<Deed>,
-    /// When the first cycle was: times of the script count from there.
+    /// Time of the first cycle, from which the script's times count.
     began: Option<Time>,
 }
 
@@ -52,7 +52,7 @@ impl Component for ScriptedOperator {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let script = self.properties.refresh(setup).script.iter();
         self.deeds = script.map(|line| line.parse()).collect::<Result<_, _>>()?;
-        // deeds of one time are done in the order of the script
+        // commands with the same time keep the order of the script
         self.deeds.reverse();
         self.deeds.sort_by(|a, b| b.at.total_cmp(&a.at));
         self.began = None;

@@ -1,11 +1,11 @@
-//! The operator's script: timed commands, one a line.
+//! The operator's script: timed commands, one per line.
 
 use std::str::FromStr;
 
 /// One line of a script: `1.0 goal 26.4 4.2 0`, `8 estop on`, `9.5 estop off`, `12 cancel`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deed {
-    /// s after the operator's first cycle.
+    /// Time in s after the operator's first cycle.
     pub at: f64,
     /// The action at that time.
     pub command: OperatorCommand,
@@ -14,26 +14,26 @@ pub struct Deed {
 /// An action of the operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OperatorCommand {
-    /// Sends the robot somewhere: x and y in m, yaw in rad, map frame.
+    /// Sends a goal: x and y in m, yaw in rad, map frame.
     Goal {
-        /// m.
+        /// x coordinate, m.
         x: f64,
-        /// m.
+        /// y coordinate, m.
         y: f64,
-        /// rad; 0 where not given.
+        /// Heading, rad (default: 0).
         yaw: f64,
     },
-    /// Calls the mission off.
+    /// Cancels the mission.
     Cancel,
-    /// Presses the e-stop (`true`) or lets go of it.
+    /// Presses (`true`) or releases (`false`) the e-stop button.
     Estop(bool),
 }
 
-/// A line that is no deed.
+/// A line that is no valid command.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{line}`: {problem}; as in `1.0 goal 26.4 4.2`, `8 estop on`, `12 cancel`")]
 pub struct ScriptError {
-    /// The line.
+    /// The line as written.
     pub line: String,
     /// The violated rule.
     pub problem: &'static str,

@@ -1,4 +1,4 @@
-//! Planning time on 400 × 400 cells: an open hall, a hall full of pillars, a serpentine, and no way at all.
+//! Planning time on 400 × 400 cells: an open hall, a hall with many pillars, a serpentine, and a map without a path.
 
 #![allow(
     missing_docs,
@@ -76,7 +76,7 @@ fn plan(criterion: &mut Criterion) {
         ];
         for (map, grid) in maps {
             let mut planner = make(&PlannerSettings::default());
-            // another map in between, so that the costs are computed each time
+            // alternates with another map, so that the costs are recomputed each time
             let mut other = grid.clone();
             other.set(Cell::new(0, 0), OCCUPIED);
             let mut turn = false;

@@ -7,9 +7,9 @@ use crate::planner::{Blocked, NoPath, PathEnd, PlannedPath, Planner, PlannerSett
 use crate::search::GridSearch;
 use crate::smooth::{Knot, smooth};
 
-/// A* over the inflated grid, then straight lines where they cost no more.
+/// A* over the inflated grid; then replaces parts of the path by straight lines that cost no more.
 ///
-/// A robot that stands nearer to an obstacle than the inflation may leave, the shortest way out first; nothing else
+/// A robot that stands nearer to an obstacle than the inflation may leave by the shortest way; no other part of a path
 /// comes that near.
 pub struct AStar {
     settings: PlannerSettings,
@@ -20,7 +20,7 @@ pub struct AStar {
 }
 
 impl AStar {
-    /// A planner for a robot with these needs.
+    /// Creates a planner with these settings.
     pub fn new(settings: &PlannerSettings) -> Self {
         Self {
             settings: settings.clone(),
@@ -31,7 +31,7 @@ impl AStar {
         }
     }
 
-    /// The cell of an end, or why the robot cannot be there.
+    /// The cell of an end, or the reason that the robot cannot be there.
     fn end(&self, grid: &Grid, end: PathEnd, at: Point) -> Result<Cell, NoPath> {
         let outside = NoPath::Outside { end, at };
         let cell = grid.layout().cell(at).ok_or(outside)?;
@@ -62,7 +62,7 @@ impl AStar {
         }
     }
 
-    /// Points of the path: the requested ends, and the centres of the cells between them.
+    /// Collects the points of the path: the requested ends, and the centres of the cells between them.
     fn tie(&mut self, grid: &Grid, start: Point, goal: Point) {
         let layout = grid.layout();
         let centres = self.way.iter().map(|(cell, cost)| Knot {

@@ -1,4 +1,4 @@
-//! The component: requests in, paths out.
+//! The component: receives requests, returns and publishes paths.
 
 use asmotion_component::{
     CallId, Component, Cycle, Fault, In, Interface, Out, Ports, Properties, PropertySet, Provided,
@@ -11,17 +11,17 @@ use asmotion_messages::{
 
 use crate::planner::{NoPath, PLANNERS, Planner, PlannerSettings, planner};
 
-/// `nav::TrajectoryPlanner`: serves `plan`, publishes each path it found.
+/// `nav::TrajectoryPlanner`: provides `plan`, and publishes each path that it finds.
 ///
-/// A request without a map is planned on the one that the reference `maps` gives. What the robot saw and the map does
-/// not show, port `obstacles`, is in the way as well.
+/// A request without a map uses the map from the reference `maps`. Obstacles that the robot saw and the map does not
+/// show are read from the port `obstacles`.
 pub struct TrajectoryPlanner {
     ports: PlannerPorts,
     properties: PropertySet<PlannerProperties>,
 
-    /// The planner, and what it was made of.
+    /// The planner, with the name and settings it was created with.
     made: Option<(String, PlannerSettings, Box<dyn Planner>)>,
-    /// Requests that wait for a map.
+    /// Requests that wait for a map, with the calls that fetch it.
     waiting: Vec<(CallId, RequestId, PlanRequest)>,
 }
 
@@ -61,7 +61,7 @@ impl TrajectoryPlanner {
         }
     }
 
-    /// Plans, or asks for the map first.
+    /// Plans at once, or requests the map first.
     fn take(&mut self, cycle: &mut Cycle<'_>, id: RequestId, request: PlanRequest) {
         if !request.map.data.is_empty() {
             self.answer(cycle, id, &request.map, &request);
@@ -72,7 +72,7 @@ impl TrajectoryPlanner {
         self.waiting.push((call, id, request));
     }
 
-    /// Goes on with the requests whose map came, or did not.
+    /// Continues the requests for which the map arrived or failed to.
     fn go_on(&mut self, cycle: &mut Cycle<'_>) {
         for reply in cycle.replies(self.ports.maps) {
             let Some(at) = self
@@ -151,7 +151,7 @@ impl TrajectoryPlanner {
         Ok(message::path(&plan.poses, cycle.now().nanos(), frame))
     }
 
-    /// The planner that the properties ask for; the same one as long as they do not change.
+    /// The planner for the current properties; the existing one if they have not changed.
     fn planner(&mut self) -> Result<&mut Box<dyn Planner>, ServiceFault> {
         let PlannerProperties {
             algorithm: name,
@@ -172,7 +172,7 @@ impl TrajectoryPlanner {
     }
 }
 
-/// Puts what was seen on the map. The robot stands at `start`, so what is said to be there is not.
+/// Adds seen obstacles to the map. The robot is at `start`, so an obstacle there is ignored.
 fn add(grid: &mut Grid, seen: &Obstacles, start: Point) {
     let discs = seen.discs.iter().map(message::disc);
     for RoundObstacle { centre, radius } in discs {

@@ -4,20 +4,21 @@ use asmotion_geometry::{Cell, Distances, Grid, GridLayout, Occupancy};
 
 use crate::planner::PlannerSettings;
 
-/// The cost of one cell's side in the open; costs are whole numbers, so that sums do not depend on their order.
+/// Cost of entering a cell in open space straight. Costs are integers, so that sums do not depend on their order.
 pub const BASE: u32 = 128;
-/// The cost of one cell's diagonal in the open: √2 · [`BASE`].
+/// Cost of entering a cell in open space diagonally: √2 · [`BASE`].
 pub const DIAGONAL: u32 = 181;
-/// No cell costs more than this.
+/// Largest cost of a cell.
 pub const MOST: u32 = 24 * BASE;
-/// Nearer to an obstacle than the inflation: a robot that is here may leave, dearly, but none may come.
+/// Cost of a cell nearer to an obstacle than the inflation: a robot there may leave at high cost, but no path may
+/// enter.
 pub const TIGHT: u32 = MOST;
-/// The cost of a cell no path may enter.
+/// Marks a cell that no path may enter.
 pub const WALL: u32 = 0;
-/// The largest wish for room that still costs less than being too near.
+/// Limit on `clearance_weight`, so that a comfortable distance costs less than one below the inflation.
 const MOST_WEIGHT: f64 = 20.0;
 
-/// The costs of a grid's cells, with a rim of walls around them so that no neighbour needs a look at the border.
+/// The costs of a grid's cells, surrounded by a rim of walls so that neighbours need no bounds check.
 #[derive(Default)]
 pub struct Costs {
     /// Grid and settings the costs were computed from; equal ones need no update.
@@ -28,7 +29,7 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// Computes the costs, unless the grid is the one they were computed for last.
+    /// Computes the costs, unless the grid equals that of the last call.
     pub fn update(&mut self, grid: &Grid, settings: &PlannerSettings) {
         if self.grid.as_ref() == Some(grid) {
             return;
@@ -48,12 +49,12 @@ impl Costs {
         }
     }
 
-    /// From one row to the next.
+    /// Number of entries from one row to the next.
     pub fn stride(&self) -> usize {
         self.stride
     }
 
-    /// Number of cells, the rim included.
+    /// Number of entries, including the rim.
     pub fn len(&self) -> usize {
         self.cells.len()
     }
@@ -68,7 +69,7 @@ impl Costs {
         (cell.row as usize + 1) * self.stride + cell.column as usize + 1
     }
 
-    /// The cell whose cost stands at an index that is not on the rim.
+    /// The cell with this cost index, which must not be on the rim.
     pub fn cell(&self, index: usize) -> Cell {
         let stride = self.stride.max(1);
         Cell::new(
@@ -104,13 +105,13 @@ impl Costs {
     }
 }
 
-/// From a cell's value and its distance to what it costs.
+/// Computes the cost of a cell from its value and its distance to obstacles.
 struct Price {
-    /// Squared cells: up to here it is too near.
+    /// Squared distance in cells up to which a cell is too near.
     tight: u32,
-    /// Squared cells: up to here room is wished for.
+    /// Squared distance in cells up to which a cell costs more than open space.
     close: u32,
-    /// m.
+    /// Side length of a cell, m.
     resolution: f64,
     inflation_m: f64,
     comfort_m: f64,

@@ -1,4 +1,4 @@
-//! From here to there without touching anything: planners on occupancy grids, and the component that serves them.
+//! Path planning: planners on occupancy grids, and the component that provides them as a service.
 //!
 //! Metres and radians in the frame of the map (REP-103, REP-105).
 

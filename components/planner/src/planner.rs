@@ -1,29 +1,29 @@
-//! The seam: the trait of planners, its results, and the table of implementations.
+//! The trait of planners, its results, and the table of implementations.
 
 use asmotion_component::Properties;
 use asmotion_geometry::{Grid, Point, Pose};
 
 use crate::astar::AStar;
 
-/// Finds a path, or the reason why there is none. Called anew for each request, on the map of that request.
+/// Finds a path, or the reason that there is none. Called for each request, with the map of that request.
 pub trait Planner: Send {
     /// A path for a round robot from `start` to `goal`, both in the map frame of `grid`.
     ///
-    /// Equal arguments give equal results, whatever was planned before.
+    /// Equal arguments give equal results, regardless of earlier calls.
     ///
     /// # Errors
-    /// If an end lies outside the map, the robot cannot stand at an end, or no path connects the ends.
+    /// An error if an end is outside of the map, if the robot cannot stand at an end, or if no path connects the ends.
     fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<PlannedPath, NoPath>;
 }
 
-/// Makes a planner with the given settings.
+/// Creates a planner with these settings.
 pub type MakePlanner = fn(&PlannerSettings) -> Box<dyn Planner>;
 
-/// Every planner by its name.
+/// All planners by name.
 pub const PLANNERS: &[(&str, MakePlanner)] =
     &[("astar", |settings| Box::new(AStar::new(settings)))];
 
-/// The planner called `name`; none if no row of [`PLANNERS`] is.
+/// Creates the planner with this name; `None` if it is not in [`PLANNERS`].
 pub fn planner(name: &str, settings: &PlannerSettings) -> Option<Box<dyn Planner>> {
     let row = PLANNERS.iter().find(|(known, _)| *known == name)?;
     Some((row.1)(settings))
@@ -50,7 +50,7 @@ pub struct PlannerSettings {
 }
 
 impl PlannerSettings {
-    /// The shortest way that is allowed, with no wish for room.
+    /// Settings for the shortest allowed path, without preferring clearance.
     pub fn shortest(self) -> Self {
         Self {
             clearance_weight: 0.0,
@@ -62,9 +62,9 @@ impl PlannerSettings {
 /// A path that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedPath {
-    /// From the start's position, looking along the way, to the goal with the goal's own yaw.
+    /// Poses from the start's position, in the direction of the path, to the goal with its own yaw.
     pub poses: Vec<Pose>,
-    /// Along the poses, m.
+    /// Length along the poses, m.
     pub length: f64,
     /// Number of cells the search settled.
     pub explored: usize,
@@ -91,31 +91,31 @@ impl std::fmt::Display for PathEnd {
 /// Reason why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoPath {
-    /// An end lies outside the map.
+    /// An end is outside of the map.
     #[error("the {end} ({x:.2}, {y:.2}) m lies outside the map", x = at.x, y = at.y)]
     Outside {
-        /// Which end.
+        /// The end concerned.
         end: PathEnd,
-        /// Where, map frame, m.
+        /// Its position, map frame, m.
         at: Point,
     },
     /// The robot stands in an occupied or unknown cell.
     #[error("the start ({x:.2}, {y:.2}) m is {why}", x = at.x, y = at.y)]
     StartOccupied {
-        /// Where, map frame, m.
+        /// Position of the start, map frame, m.
         at: Point,
-        /// Reason.
+        /// The reason that the robot cannot stand there.
         why: Blocked,
     },
     /// The robot cannot stand at the goal.
     #[error("the goal ({x:.2}, {y:.2}) m is {why}", x = at.x, y = at.y)]
     GoalOccupied {
-        /// Where, map frame, m.
+        /// Position of the goal, map frame, m.
         at: Point,
-        /// Reason.
+        /// The reason that the robot cannot stand there.
         why: Blocked,
     },
-    /// Everything that can be reached was searched, and the goal is not part of it.
+    /// All reachable cells were searched without reaching the goal.
     #[error("no way leads from the start to the goal ({explored} cells searched)")]
     Unreachable {
         /// Number of cells the search settled.
@@ -123,14 +123,14 @@ pub enum NoPath {
     },
 }
 
-/// Reason why a robot cannot stand in a cell.
+/// The reason that a robot cannot stand in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blocked {
-    /// Something stands there.
+    /// The cell is occupied.
     Occupied,
     /// Its occupancy is unknown, and `allow_unknown` is false.
     Unknown,
-    /// Something stands too near.
+    /// An obstacle is too near.
     Near {
         /// Distance to the nearest obstacle, m.
         distance: f64,

@@ -1,38 +1,39 @@
 //! A* on a grid of costs: eight neighbours, no corner cut, ties always broken the same way
 //! (Hart, Nilsson, Raphael 1968; the open list is a ring of buckets after Dial 1969).
 //!
-//! Keys are whole numbers and never fall, so the ring needs to span only the largest step of a key.
+//! Keys are integers and never decrease, so the ring needs to span only the largest increment of a key.
 
 use crate::costs::{BASE, Costs, DIAGONAL, MOST, TIGHT, WALL};
 
-/// Wider than the largest step of a key: the dearest diagonal and the change of the heuristic with it.
+/// Number of buckets. Exceeds the largest increment of a key: the most expensive diagonal step plus the change of the
+/// heuristic.
 const RING: usize = 8192;
 const _: () = assert!(RING > ((MOST * DIAGONAL / BASE) + DIAGONAL) as usize);
 
-/// A cell's `from` while nothing leads to it.
+/// Value of `from` for a cell that has not been reached.
 const NOWHERE: u8 = 8;
-/// Set in `from` once the way to a cell is final.
+/// Flag in `from`, set once the path to a cell is final.
 const SETTLED: u8 = 0x80;
 
-/// The buffers of a search, kept from one to the next.
+/// The buffers of a search, kept for reuse.
 pub struct GridSearch {
-    /// The cheapest known cost from the start.
+    /// Cheapest known cost from the start to each cell.
     costs: Vec<u32>,
-    /// Along which direction that way enters the cell.
+    /// Index of the direction in which that path enters each cell.
     from: Vec<u8>,
-    /// Cells to look at, in the bucket of their key modulo [`RING`]; last in, first out.
+    /// Open cells, in the bucket of their key modulo [`RING`]; last in, first out.
     open: Vec<Vec<u32>>,
 }
 
 /// Outcome of a search.
 pub struct SearchResult {
-    /// Whether the goal was reached.
+    /// The goal was reached.
     pub reached: bool,
-    /// Number of cells settled, a measure of the work done.
+    /// Number of settled cells, a measure of the work done.
     pub explored: usize,
 }
 
-/// The eight directions, the straight ones first: what each adds to an index, and how much of that is sideways.
+/// The eight directions, straight ones first: the increment of the index, and its horizontal part.
 struct Directions([(isize, isize); 8]);
 
 impl Directions {
@@ -53,7 +54,7 @@ impl Directions {
 }
 
 impl GridSearch {
-    /// A search without anything in it.
+    /// Creates an empty search.
     pub fn new() -> Self {
         Self {
             costs: Vec::new(),
@@ -62,7 +63,7 @@ impl GridSearch {
         }
     }
 
-    /// Looks for the cheapest way between two cells given by their index in `costs`; neither may be a wall.
+    /// Finds the cheapest path between two cells, given by their index in `costs`; neither may be a wall.
     pub fn run(&mut self, costs: &Costs, start: usize, goal: usize) -> SearchResult {
         self.reset(costs.len());
         let directions = Directions::new(costs.stride());
@@ -102,7 +103,7 @@ impl GridSearch {
         }
     }
 
-    /// The cells of the way that was found, from the start to `goal`, and what each costs from the start.
+    /// Collects the cells of the path found, from the start to `goal`, each with its cost from the start.
     pub fn way(&self, costs: &Costs, goal: usize, way: &mut Vec<(usize, u32)>) {
         let directions = Directions::new(costs.stride());
         way.clear();
@@ -145,7 +146,7 @@ impl GridSearch {
                 continue;
             };
             if direction >= 4 {
-                // no corner is cut: the cells on both sides of a diagonal are free as well
+                // corners are not cut: both cells beside a diagonal must be free
                 if enters(*sideways).is_none() || enters(step - sideways).is_none() {
                     continue;
                 }
@@ -169,7 +170,7 @@ fn place(index: usize, stride: usize) -> (u64, u64) {
     ((index % stride) as u64, (index / stride) as u64)
 }
 
-/// The cost of the shortest way in the open with straight and diagonal steps.
+/// The cost of the shortest path in open space, with straight and diagonal steps.
 fn octile(dx: u64, dy: u64) -> u64 {
     let (short, long) = (dx.min(dy), dx.max(dy));
     u64::from(BASE) * (long - short) + u64::from(DIAGONAL) * short

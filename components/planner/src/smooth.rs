@@ -1,30 +1,31 @@
-//! From a staircase of cells to straight lines: a shortcut is taken where it is free and costs no more than the way
-//! it replaces.
+//! Replaces staircases of cells by straight lines: a shortcut is taken if it is free and costs no more than the path it
+//! replaces.
 
 use asmotion_geometry::{GridLayout, Point};
 
 use crate::costs::{BASE, Costs, TIGHT, WALL};
 
-/// A point of the way, the cell it lies in, and what it costs from the start.
+/// A point of the path, its cell, and its cost from the start.
 #[derive(Clone, Copy)]
 pub struct Knot {
-    /// Map frame, m.
+    /// Position, map frame, m.
     pub point: Point,
-    /// In the costs.
+    /// Index of the cell in the costs.
     pub cell: usize,
-    /// From the start, along the cells.
+    /// Cost from the start along the cells.
     pub cost: u32,
 }
 
-/// Leaves out every knot that a straight line can skip.
+/// Removes every knot that a straight line can skip.
 ///
-/// First from neighbour to neighbour, which is linear and leaves few knots; then among those the longest lines.
+/// A first pass compares neighbours, which takes linear time and leaves few knots; a second one finds the longest lines
+/// among those.
 pub fn smooth(layout: &GridLayout, costs: &Costs, knots: &mut Vec<Knot>) {
     advance(layout, costs, knots);
     reach_far(layout, costs, knots);
 }
 
-/// Goes on from a knot as long as the next one is in sight.
+/// Removes knots as long as the next one can be reached by a straight line.
 fn advance(layout: &GridLayout, costs: &Costs, knots: &mut Vec<Knot>) {
     let mut kept = 0;
     for at in 1..knots.len() {
@@ -38,7 +39,7 @@ fn advance(layout: &GridLayout, costs: &Costs, knots: &mut Vec<Knot>) {
     knots.truncate(kept + 1);
 }
 
-/// Goes from each knot to the furthest one in sight.
+/// Goes from each knot to the farthest one that a straight line can reach.
 fn reach_far(layout: &GridLayout, costs: &Costs, knots: &mut Vec<Knot>) {
     let mut kept = 0;
     let mut at = 0;
@@ -69,6 +70,6 @@ fn shortcut(layout: &GridLayout, costs: &Costs, from: &Knot, to: &Knot) -> bool 
     }
     let length = (to.point - from.point).norm() / layout.resolution();
     let straight = sum as f64 / cells.max(1) as f64 * length;
-    // the mean over the touched cells is a hair off: one cell's side does not matter
+    // the mean over the touched cells is slightly inaccurate, so one cell's side is tolerated
     straight <= f64::from(to.cost.saturating_sub(from.cost)) + f64::from(BASE)
 }

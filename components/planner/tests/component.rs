@@ -17,7 +17,7 @@ use asmotion_messages::{Disc, GetMap, Obstacles, OccupancyGrid, Path, Plan, Plan
 use asmotion_planner::TrajectoryPlanner;
 use asmotion_runtime::{Log, Run, System};
 
-/// 6 m × 4 m with a wall in the middle that has an opening at either end.
+/// A hall of 6 m × 4 m with a wall in the middle, open at both ends.
 fn hall() -> OccupancyGrid {
     let layout = GridLayout::new(0.1, 60, 40, Pose::identity()).unwrap();
     let mut grid = Grid::new(layout, FREE);
@@ -101,7 +101,7 @@ fn wire_maps(system: &mut System) {
         .unwrap();
 }
 
-/// How far above the middle a path passes the wall, m; below is negative.
+/// Distance of a path above the middle where it passes the wall, m; negative below.
 fn side(path: &Path) -> f64 {
     let there = path.poses.iter().map(|stamped| &stamped.pose.position);
     let nearest = there.min_by(|one, other| (one.x - 3.0).abs().total_cmp(&(other.x - 3.0).abs()));
@@ -150,7 +150,7 @@ fn it_goes_round_what_the_robot_saw() {
     let mut run = system.simulate();
     let disc = |x, y, radius| Disc { x, y, radius };
     let seen = Obstacles {
-        // the opening above is closed; what covers the robot itself is not believed
+        // closes the upper opening; the disc that covers the robot itself is ignored
         discs: vec![disc(3.0, 3.4, 0.6), disc(1.1, 2.3, 0.3)],
         ..Obstacles::default()
     };

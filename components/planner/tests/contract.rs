@@ -1,4 +1,4 @@
-//! What every planner promises, asked of every row of `PLANNERS`.
+//! The guarantees of planners, tested for every row of `PLANNERS`.
 
 #![allow(
     clippy::unwrap_used,
@@ -18,7 +18,7 @@ use reference::Reference;
 
 const RESOLUTION: f64 = 0.1;
 
-/// Runs a check for every planner with a wish for room and without.
+/// Runs a check for every planner, with and without a preference for clearance.
 fn each(check: impl Fn(&str, &PlannerSettings, &mut dyn Planner)) {
     let settings = PlannerSettings {
         inflation_m: 0.2,
@@ -32,7 +32,7 @@ fn each(check: impl Fn(&str, &PlannerSettings, &mut dyn Planner)) {
     }
 }
 
-/// A grid from a picture: rows from top to bottom, `#` occupied, `?` unknown, anything else free.
+/// Creates a grid from a picture: rows from top to bottom, `#` occupied, `?` unknown, anything else free.
 fn picture(rows: &[&str]) -> Grid {
     let layout = GridLayout::new(
         RESOLUTION,
@@ -62,7 +62,7 @@ fn place(pose: &Pose) -> Point {
     Point::from(pose.translation.vector)
 }
 
-/// Everything that must hold for a plan from `start` to `goal`.
+/// Checks all guarantees for a path from `start` to `goal`.
 fn check_plan(
     grid: &Grid,
     settings: &PlannerSettings,
@@ -96,8 +96,8 @@ fn check_plan(
     check_clear(grid, settings, &points);
 }
 
-/// No touched cell is occupied or unknown; none is too near, unless the robot started there and has not left yet.
-/// (On its way out it may brush the corner of a cell that is clear.)
+/// Checks that no touched cell is occupied or unknown, and none is too near unless the robot started there and has not
+/// left yet. (On its way out it may touch the corner of a cell that is clear.)
 fn check_clear(grid: &Grid, settings: &PlannerSettings, points: &[Point]) {
     let reference = Reference::new(grid, settings);
     let tight = |point: Point| {
@@ -298,7 +298,8 @@ fn random_grid() -> impl Strategy<Value = Grid> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Found if and only if a breadth-first search finds one; clear; not much longer than the shortest on the grid.
+    /// A path is found if and only if a breadth-first search finds one; it is clear, and not much longer than the
+    /// shortest one on the grid.
     #[test]
     fn it_finds_what_there_is(grid in random_grid(), ends in prop::array::uniform4(0.0..1.0f64), inflation in 0..3u8) {
         let (_, far) = grid.layout().bounds();
@@ -314,9 +315,9 @@ proptest! {
                 prop_assert_eq!(answer.is_ok(), optimal.is_some(), "{:?}", answer);
                 if let (Ok(plan), Some(optimal)) = (&answer, optimal) {
                     check_plan(&grid, &settings, &start, &goal, plan);
-                    // the ends may lie half a cell off the centres the optimum is counted between
+                    // the ends may be half a cell off the centres between which the optimum is measured
                     let bound = 1.05 * (1.0 + settings.clearance_weight) * optimal + 1.5 * RESOLUTION;
-                    // who stands too near leaves first, however long that takes
+                    // a robot that is too near to an obstacle leaves first, however long that takes
                     let leaves = grid.layout().cell(place(&start)).is_some_and(|cell| reference.tight(cell));
                     prop_assert!(leaves || plan.length <= bound, "{} > {}", plan.length, bound);
                 }
@@ -326,7 +327,7 @@ proptest! {
         }
     }
 
-    /// A planner that has worked on another map answers as a new one does.
+    /// A planner that has worked on another map gives the same result as a new one.
     #[test]
     fn it_forgets(one in random_grid(), other in random_grid()) {
         let ends = [heading(Point::new(0.15, 0.15), 0.0), heading(Point::new(0.35, 0.35), 0.0)];

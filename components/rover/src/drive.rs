@@ -1,4 +1,4 @@
-//! The differential drive: body velocity to wheel speeds and back, and what the motors can do.
+//! The differential drive: converts between body velocity and wheel speeds, within the limits of the motors.
 
 use asmotion_component::Properties;
 use asmotion_messages::WheelSpeeds;
@@ -17,9 +17,9 @@ pub struct DifferentialDrive {
 /// The velocity of a body that rolls without sliding sideways.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Velocity {
-    /// m/s forward.
+    /// Forward speed, m/s.
     pub speed: f64,
-    /// rad/s counter-clockwise.
+    /// Turn rate, rad/s counter-clockwise.
     pub turn: f64,
 }
 
@@ -104,7 +104,7 @@ impl DriveLimits {
     }
 }
 
-/// From `current` towards `wanted` by at most `most`.
+/// Moves `current` towards `wanted` by at most `most`.
 fn step(current: f64, wanted: f64, most: f64) -> f64 {
     current + (wanted - current).max(-most).min(most)
 }
@@ -173,7 +173,7 @@ mod tests {
                 prop_assert!(wheels.left.abs().max(wheels.right.abs()) <= LIMITS.max_wheel_speed * few);
                 now = next;
             }
-            // at the end the curve is the commanded one
+            // in the end, the curve is the commanded one
             prop_assert!((now.speed * turn - now.turn * speed).abs() < 1e-9);
         }
     }

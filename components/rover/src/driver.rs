@@ -1,4 +1,4 @@
-//! The component: twist in, wheel speeds out; encoders in, odometry out.
+//! The component: reads twist and encoders, writes wheel speeds and odometry.
 
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ pub struct RoverDriver {
     velocity: Velocity,
     /// Velocity of the newest twist, and the cycle that received it.
     wanted: Option<(Velocity, Time)>,
-    /// When the last cycle was.
+    /// Time of the last cycle.
     last: Option<Time>,
 }
 
@@ -69,7 +69,8 @@ impl RoverDriver {
         }
     }
 
-    /// The velocity for the next cycle. An old command counts as none; then the wheels stop at once, without a ramp.
+    /// Computes the wheel speeds for the next cycle. If the newest command is too old, the wheels stop at once, without
+    /// a ramp.
     fn drive(&mut self, cycle: &mut Cycle<'_>) {
         let now = cycle.now();
         let RoverProperties { drive, limits, .. } = &*self.properties;

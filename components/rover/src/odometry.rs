@@ -1,4 +1,4 @@
-//! Dead reckoning: wheel angles to a pose, along exact arcs.
+//! Dead reckoning: integrates wheel angles to a pose along exact arcs.
 
 use asmotion_geometry::{Pose, Vector, heading, wrap, yaw};
 use asmotion_messages::Encoders;
@@ -25,7 +25,7 @@ pub struct Odometer {
 }
 
 impl Odometer {
-    /// The robot stands at `start`, whatever the encoders count there.
+    /// Starts at the pose `start`; the first reading of the encoders becomes their zero.
     pub fn new(start: Pose) -> Self {
         Self {
             pose: start,
@@ -93,7 +93,7 @@ mod tests {
         let start = heading(Point::new(1.0, 2.0), 0.0);
         assert!(near(&roll(&start, 2.0, 0.0), 3.0, 2.0, 0.0));
         assert!(near(&roll(&start, 0.0, 1.0), 1.0, 2.0, 1.0));
-        // a quarter and a half of a circle of radius one to the left
+        // a quarter and a half of a circle of radius 1 m to the left
         assert!(near(
             &roll(&start, FRAC_PI_2, FRAC_PI_2),
             2.0,

@@ -4,21 +4,22 @@ use std::str::FromStr;
 
 use asmotion_datum::{Datum, Schema, Shape};
 
-/// Something that holds of a message that came through a port, or does not.
+/// A condition on the messages of a port.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MessageCondition {
-    /// The port.
+    /// Name of the port.
     pub port: String,
-    /// The part of its messages: `error_flags`. Of a run of elements, one is enough.
+    /// Path of the tested part, for example `error_flags`; empty for `new`. If the part is a list, one element that
+    /// satisfies the test suffices.
     pub path: String,
     test: ConditionTest,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 enum ConditionTest {
-    /// Every message will do.
+    /// True of every message.
     New,
-    /// The part compares so with a constant.
+    /// Compares the part with a constant.
     Compare(ConditionRelation, Datum),
 }
 
@@ -32,7 +33,7 @@ enum ConditionRelation {
     AtLeast,
 }
 
-/// Longer signs first, so that `<=` is not read as `<`.
+/// Longer operators first, so that `<=` is not read as `<`.
 const RELATIONS: [(&str, ConditionRelation); 6] = [
     ("==", ConditionRelation::Equal),
     ("!=", ConditionRelation::Unequal),
@@ -42,13 +43,13 @@ const RELATIONS: [(&str, ConditionRelation); 6] = [
     (">", ConditionRelation::Greater),
 ];
 
-/// Why a text is no condition.
+/// The reason that a text is no condition.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConditionError {
-    /// It does not begin with a port and a part of its messages.
+    /// The text does not begin with a port and a part of its messages.
     #[error("`{0}` does not begin with `port.field`")]
     NoField(String),
-    /// What follows the field is no comparison.
+    /// The text after the field is no comparison.
     #[error("`{0}` is no comparison with a number, a truth value or a text in quotes")]
     NoComparison(String),
 }
@@ -56,7 +57,7 @@ pub enum ConditionError {
 impl FromStr for MessageCondition {
     type Err = ConditionError;
 
-    /// `port.new`, `port.flag` or `port.field != 0`.
+    /// Parses `port.new`, `port.flag` or `port.field != 0`.
     fn from_str(text: &str) -> Result<Self, ConditionError> {
         let belongs = |letter: char| letter.is_alphanumeric() || letter == '.' || letter == '_';
         let text = text.trim();
@@ -102,7 +103,7 @@ fn comparison(text: &str) -> Option<ConditionTest> {
 }
 
 impl MessageCondition {
-    /// Whether it can be asked of a part of this shape.
+    /// Returns whether the condition can be applied to a part of this schema.
     pub fn suits(&self, part: &Schema) -> bool {
         let ConditionTest::Compare(_, constant) = &self.test else {
             return true;
@@ -126,7 +127,7 @@ impl MessageCondition {
         }
     }
 
-    /// Whether it holds of a message.
+    /// Returns whether the condition holds for a message.
     pub fn holds(&self, message: &Datum) -> bool {
         match &self.test {
             ConditionTest::New => true,
@@ -136,7 +137,7 @@ impl MessageCondition {
     }
 }
 
-/// Whether a value, or an element of it, passes.
+/// Returns whether a value or one of its elements satisfies the test.
 fn any(value: &Datum, passes: &dyn Fn(&Datum) -> bool) -> bool {
     match value {
         Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => (0..value.count().unwrap_or(0))

@@ -1,37 +1,37 @@
-//! How data of one shape becomes data of another: by name, and where there are no names to go by, by shape.
+//! Conversions between messages of different schemas: by field names or, where there are no names, by shape.
 
 use std::borrow::Cow;
 
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
-/// How data of one shape becomes data of another; decided once, from the shapes.
+/// A conversion from one schema to another, decided once from the schemas.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Conversion {
-    /// It stays as it is.
+    /// No change.
     Same,
-    /// The fields of these names.
+    /// A record of these fields, each converted from the source's field with the same name.
     Fields(Vec<(String, Conversion)>),
-    /// It becomes this field of a record; the others have their initial value.
+    /// A record whose field of this name is converted from the source; other fields get their initial values.
     Into(String, Box<Conversion>),
-    /// Only this field of it is meant.
+    /// The conversion of this field of the source.
     OutOf(String, Box<Conversion>),
-    /// Every element of a run.
+    /// The conversion of every element of a list.
     Each(Box<Conversion>),
-    /// One after the other.
+    /// Two conversions in sequence.
     Then(Box<Conversion>, Box<Conversion>),
 }
 
-/// What must not get lost on the way.
+/// The side of a conversion that must be complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
-    /// Every field of the source is used: an argument becomes a message.
+    /// Every field of the source is used: a request becomes a message.
     All,
-    /// Every field of the target is filled: a message becomes a result.
+    /// Every field of the target is filled: a message becomes a response.
     Fill,
 }
 
 impl Conversion {
-    /// How data of the one shape becomes data of the other; `None` if it does not, or not in one way only.
+    /// Finds the conversion between two schemas. Returns `None` if there is none, or if it is ambiguous.
     pub fn between(from: &Schema, to: &Schema, how: Use) -> Option<Self> {
         match (&from.shape, &to.shape) {
             (Shape::Any, _) | (_, Shape::Any) => Some(Self::Same),
@@ -57,7 +57,7 @@ impl Conversion {
         }
     }
 
-    /// The same for every element of a run.
+    /// The same conversion for every element of a list.
     pub fn each(self) -> Self {
         match self {
             Self::Same => Self::Same,
@@ -65,7 +65,7 @@ impl Conversion {
         }
     }
 
-    /// One after the other.
+    /// This conversion, followed by another.
     pub fn then(self, next: Self) -> Self {
         match (self, next) {
             (Self::Same, only) | (only, Self::Same) => only,
@@ -73,7 +73,7 @@ impl Conversion {
         }
     }
 
-    /// Of a message only this part counts; or the data becomes this part of one.
+    /// Restricts a conversion to a part of the message: its source for `Use::Fill`, its target for `Use::All`.
     pub fn at(path: Option<&str>, conversion: Self, way: Use) -> Self {
         let steps = path.into_iter().flat_map(|path| path.rsplit('.'));
         steps.fold(conversion, |inner, step| match way {
@@ -82,7 +82,7 @@ impl Conversion {
         })
     }
 
-    /// Converts. What is not there becomes nothing, which no type takes for data.
+    /// Converts data. Missing parts become null, which no type accepts.
     pub fn apply(&self, data: &Datum) -> Datum {
         match self {
             Self::Same => data.clone(),
@@ -92,7 +92,7 @@ impl Conversion {
                 Datum::record(fields.map(|(name, inner)| (name.clone(), inner.apply(&part(name)))))
             }
             Self::Into(field, inner) => Datum::record([(field.clone(), inner.apply(data))]),
-            // what is no record is the field already: a caller who left the braces out
+            // not a record: the caller passed the field's value without a record around it
             Self::OutOf(field, inner) => match data {
                 Datum::Record(_) => {
                     let part = data.get(field).unwrap_or(Cow::Owned(Datum::Null));
@@ -109,7 +109,7 @@ impl Conversion {
     }
 }
 
-/// The shape of the part of a message; `None` where it has no such part.
+/// The schema of a part of a message; `None` if there is no such part.
 pub fn inside(schema: &Schema, path: &str) -> Option<Schema> {
     let mut here = schema;
     for step in path.split('.').filter(|step| !step.is_empty()) {
@@ -144,21 +144,21 @@ fn by_name(source: &[OutlineKey], target: &[OutlineKey], how: Use) -> Option<Con
     fields.collect::<Option<_>>().map(Conversion::Fields)
 }
 
-/// A record with one field stands for that field.
+/// Uses the only field of a record in its place.
 fn out_of(source: &[OutlineKey], to: &Schema, how: Use) -> Option<Conversion> {
     let [only] = source else { return None };
     let inner = Conversion::between(&only.schema, to, how)?;
     Some(Conversion::OutOf(only.name.to_string(), Box::new(inner)))
 }
 
-/// The one field of a record that takes the data.
+/// The only field of a record that accepts the data.
 fn into(from: &Schema, target: &[OutlineKey], how: Use) -> Option<Conversion> {
     if how == Use::Fill && target.len() > 1 {
         return None;
     }
     let taken = target.iter().filter_map(|field| {
         let inner = Conversion::between(from, &field.schema, how)?;
-        // a field in a field is nobody's intention
+        // a field within a field would be too surprising
         (!matches!(inner, Conversion::Into(..))).then_some((field, inner))
     });
     let mut taken = taken.collect::<Vec<_>>().into_iter();
@@ -175,7 +175,7 @@ fn count(shape: &Shape) -> Option<usize> {
     }
 }
 
-/// Whether a number of the one kind can be one of the other. Whether this one is, its value says.
+/// Returns whether numbers of one type may be converted to another. Each value is still checked.
 fn widens(from: &Shape, to: &Shape) -> bool {
     let whole = |shape: &Shape| {
         matches!(
@@ -225,7 +225,7 @@ mod tests {
         Datum::List(values.iter().copied().map(Datum::Float).collect())
     }
 
-    /// What becomes of data, if anything.
+    /// Converts data, if there is a conversion.
     fn convert(from: &Schema, to: &Schema, how: Use, data: &Datum) -> Option<Datum> {
         Conversion::between(from, to, how).map(|conversion| conversion.apply(data))
     }
@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(Conversion::between(&argument, &command, Use::All), None);
         let result = record(&[("position", floats(None)), ("load", plain(Shape::F64))]);
         assert_eq!(Conversion::between(&command, &result, Use::Fill), None);
-        // two fields would do: neither is meant
+        // ambiguous: the data fit both fields
         let two = record(&[("a", floats(None)), ("b", floats(None))]);
         assert_eq!(Conversion::between(&floats(None), &two, Use::All), None);
         assert_eq!(

@@ -1,8 +1,8 @@
-//! Whether data is of a shape, and where it is not.
+//! Checks data against a schema.
 
 use asmotion_datum::{Datum, Schema, Shape};
 
-/// The first place where data is not of its shape.
+/// The first place where data do not fit a schema.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{wanted} is wanted, not {found}", place(.path))]
 pub struct SchemaMisfit {
@@ -18,10 +18,10 @@ fn place(path: &str) -> String {
     format!("`{path}`: ")
 }
 
-/// Whether data is of a shape. Fields of a record that are left out have their initial value.
+/// Checks that data fit a schema. Fields of a record may be omitted; they have their initial values.
 ///
 /// # Errors
-/// Where it is not.
+/// The first place where they do not fit.
 pub fn fit(data: &Datum, schema: &Schema) -> Result<(), SchemaMisfit> {
     let fits = match &schema.shape {
         Shape::Any => true,
@@ -79,7 +79,7 @@ fn elements(
     Ok(())
 }
 
-/// So many elements are wanted, and so many there are.
+/// The error for a list with the wrong number of elements.
 pub(crate) fn wrong_count(wanted: usize, found: usize) -> SchemaMisfit {
     SchemaMisfit {
         path: String::new(),

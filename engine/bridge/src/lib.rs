@@ -1,5 +1,6 @@
-//! Two worlds that do not fit: services that are called, and periodic components that read and write ports. A
-//! [`PortProxy`] joins them by a map, without code (the wish that the JOrocos paper ends with).
+//! Joins two styles of interaction: services, which are called, and periodic components, which read and write ports. A
+//! [`PortProxy`] translates between them according to a map, without code. (The JOrocos paper names this as future
+//! work.)
 
 mod condition;
 mod conversion;

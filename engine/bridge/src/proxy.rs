@@ -1,8 +1,9 @@
-//! The port-proxy: operations that write and read the ports of a component, and events that tell what it does.
+//! The port-proxy: operations that write and read the ports of a component, and events that report its state.
 //!
-//! An invocation becomes a sample: called while the target is in cycle k, it is consumed in cycle k + 1. The proxy
-//! waits for nothing; who calls chooses, operation by operation, what a reply means: that the sample was written
-//! ([`ReplyMode::OneWay`]), that the target has taken it ([`ReplyMode::Taken`]) or that the motion has ended ([`ReplyMode::Done`]).
+//! An invocation becomes a sample: one that arrives while the target is in cycle k is consumed in cycle k + 1. The
+//! proxy never blocks; the map determines for each operation what a reply means: that the sample was written
+//! ([`ReplyMode::OneWay`]), that the target has taken it ([`ReplyMode::Taken`]) or that the motion has ended
+//! ([`ReplyMode::Done`]).
 
 mod events;
 mod motion;
@@ -20,16 +21,16 @@ use operation::{ProxiedOperation, TAKEN_BACK, refusal};
 
 pub use settings::{IdleCriterion, Mapped, ProxyNotification, ProxyPort, ProxySettings, ReplyMode};
 
-/// A component that offers the ports of another one, its target, as services.
+/// A component that provides the ports of another component, its target, as services.
 pub struct PortProxy {
-    /// The outputs of the target.
+    /// Inputs of the proxy, connected to outputs of the target.
     inputs: Vec<ProxyInput>,
-    /// The inputs of the target.
+    /// Outputs of the proxy, connected to inputs of the target.
     outputs: Vec<ProxyOutput>,
     operations: Vec<ProxiedOperation>,
     motion: Option<MotionMonitor>,
     events: Option<ProxyEvents>,
-    /// When the newest sample came; before the first one, when the proxy began to listen.
+    /// Time of the newest sample; before the first one, time of the proxy's first cycle.
     heard: Option<Time>,
 }
 
@@ -46,7 +47,7 @@ struct ProxyOutput {
 }
 
 impl PortProxy {
-    /// Declares the ports, services and the reference, as the target and the map have them.
+    /// Declares the ports, services and the reference, according to the target and the map.
     pub fn new(settings: &ProxySettings, interface: &mut Interface) -> Self {
         let inputs = settings.inputs.iter().map(|of| ProxyInput {
             name: of.name.as_str().into(),
@@ -77,7 +78,7 @@ impl PortProxy {
 }
 
 impl Component for PortProxy {
-    /// First what came from the target, then what is asked of it: a sample never answers a later command.
+    /// Handles samples of the target before requests, so that a sample is never taken for the reply to a later command.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         for operation in &mut self.operations {
             operation.settle(cycle);
@@ -92,7 +93,7 @@ impl Component for PortProxy {
 }
 
 impl PortProxy {
-    /// What came from the target.
+    /// Handles the samples of the target.
     fn listen(&mut self, cycle: &mut Cycle<'_>) {
         for ProxyInput { name, port } in self.inputs.clone() {
             let samples = cycle.all(port).to_vec();
@@ -132,7 +133,7 @@ impl PortProxy {
         }
     }
 
-    /// Tells once that nothing comes any more; whoever waits for the end of a motion waits no longer.
+    /// Reports once that samples have stopped, and ends the wait of callers for the end of a motion.
     fn watch(&mut self, cycle: &mut Cycle<'_>) {
         let heard = *self.heard.get_or_insert(cycle.now());
         let Some(events) = &mut self.events else {
@@ -145,7 +146,7 @@ impl PortProxy {
         }
     }
 
-    /// What is asked of the target.
+    /// Handles the requests of one operation.
     fn serve(&mut self, index: usize, cycle: &mut Cycle<'_>) {
         let Some(served) = self.operations.get(index).map(ProxiedOperation::handle) else {
             return;
@@ -179,7 +180,7 @@ impl PortProxy {
         }
     }
 
-    /// Writes a sample to the target, if it is one that the target takes.
+    /// Writes a sample to the target if it fits the port's type.
     fn command(
         &mut self,
         index: usize,

@@ -1,4 +1,4 @@
-//! The seam: what a bus does, whichever carries it.
+//! The trait that every bus implements.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,11 +16,11 @@ use asmotion_connection::Notifier;
 
 /// A bus: topics and addresses shared by processes.
 ///
-/// Between one publisher and one subscription messages keep their order; a subscription sees what was published after
-/// it began. Publishing never waits for a subscriber.
+/// Between one publisher and one subscription messages keep their order; a subscription receives messages published
+/// after it began. Publishing never waits for a subscriber.
 pub trait Bus: Send + Sync {
-    /// A publisher of one topic, of messages of this shape. Types are compared where messages are read; a topic should
-    /// have one.
+    /// Creates a publisher on a topic, for messages of this schema. Types are compared when messages are read; all
+    /// publishers of a topic should use the same type.
     fn publisher(
         &self,
         topic: &str,
@@ -29,8 +29,8 @@ pub trait Bus: Send + Sync {
         sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError>;
 
-    /// All messages of the topics that match a pattern, from now on, for one reader, whose name operators see. The notifier
-    /// is notified of each.
+    /// Subscribes to all topics that match a pattern, from now on. `reader` is shown to operators; the notifier is
+    /// notified of every message.
     fn subscribe(
         &self,
         reader: &str,
@@ -39,7 +39,7 @@ pub trait Bus: Send + Sync {
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError>;
 
-    /// Serves requests at an address; one server at a time. At most `size` requests wait.
+    /// Provides a service at an address, which can have one provider at a time. At most `size` requests wait.
     fn serve(
         &self,
         address: &str,
@@ -47,8 +47,8 @@ pub trait Bus: Send + Sync {
         notifier: Arc<Notifier>,
     ) -> Result<ServedAddress, BusError>;
 
-    /// Sends a request to an address. The call ends with an answer or with a [`CallFailure`](crate::CallFailure):
-    /// immediately if no server is there, otherwise at the deadline.
+    /// Sends a request to an address. The call ends with a reply or a [`CallFailure`](crate::CallFailure): at once if
+    /// there is no provider, and at the deadline at the latest.
     ///
     /// # Errors
     /// [`BusError::BadName`] if the transport cannot carry the address; failures of the call itself arrive in the
@@ -60,8 +60,8 @@ pub trait Bus: Send + Sync {
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, BusError>;
 
-    /// Sends a request without an answer (SCA `@OneWay`). The call ends with nothing once the server's queue holds
-    /// the request, otherwise with a failure; drop the [`PendingCall`] to ignore both.
+    /// Sends a one-way request (SCA `@OneWay`). The call ends successfully once the provider's queue has the request,
+    /// otherwise with a failure; drop the [`PendingCall`] to ignore both.
     ///
     /// # Errors
     /// As [`call`](Self::call).
@@ -76,14 +76,14 @@ pub trait Bus: Send + Sync {
     /// number: late subscribers receive it, all others discard it as a duplicate.
     fn repeat(&self);
 
-    /// The state of the transport.
+    /// Returns the state of the transport.
     fn health(&self) -> Health;
 
-    /// Notifies at every change of the [`health`](Self::health), as long as somebody else holds it too.
+    /// Notifies `notifier` of every change of [`health`](Self::health) until all other references to it have been
+    /// dropped.
     fn watch(&self, notifier: &Arc<Notifier>);
 
-    /// Waits until everything published has left, and has been confirmed where the publisher asked for that. Returns
-    /// false if `at_most` passes first.
+    /// Waits until all messages have been sent and, if requested, confirmed. Returns `false` if `at_most` passes first.
     fn drain(&self, at_most: Duration) -> bool;
 }
 
@@ -97,7 +97,7 @@ pub struct SenderId {
 }
 
 impl SenderId {
-    /// A component in a life of its process.
+    /// Creates an identity from the component's name and the number of the process's run.
     pub fn new(source: impl Into<Arc<str>>, incarnation: u64) -> Self {
         Self {
             source: source.into(),
@@ -106,14 +106,14 @@ impl SenderId {
     }
 }
 
-/// Publishes on one topic; numbers its messages from 1.
+/// Publishes on one topic, and numbers the messages from 1.
 pub trait Publisher: Send {
-    /// Publishes a message, sent at `stamp` nanoseconds of the sender's clock. Never waits.
+    /// Publishes a message. `stamp` is the time of sending, in nanoseconds of the sender's clock. Never blocks.
     fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
         self.publish_within(stamp, payload, None)
     }
 
-    /// Publishes a message in the trace of what it follows from. Without that, it is the first of a trace.
+    /// Publishes a message that continues the trace of its cause. Without a cause, it begins a trace.
     fn publish_within(
         &mut self,
         stamp: i64,
@@ -121,32 +121,32 @@ pub trait Publisher: Send {
         cause: Option<TraceContext>,
     ) -> Result<(), BusError>;
 
-    /// Returns how many messages were published, delivered, dropped and lost so far.
+    /// Returns the counts of messages by outcome.
     fn sent(&self) -> PublisherCounts;
 }
 
 /// Error of a bus operation.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BusError {
-    /// Another server is registered at this address.
+    /// Another provider is registered at this address.
     #[error("`{address}` is served already")]
     Served {
         /// Address as the caller wrote it.
         address: String,
     },
-    /// The transport is not there, and the topic's outage policy keeps nothing more; it is counted.
+    /// The transport is down, and the topic's outage policy keeps no more messages. The message is counted as dropped.
     #[error("no connection: {reason}")]
     Disconnected {
         /// Cause, in the transport's words.
         reason: String,
     },
-    /// The transport does not let us.
+    /// The transport refuses the operation, for example for lack of permission.
     #[error("refused: {reason}")]
     Refused {
         /// Cause, in the transport's words.
         reason: String,
     },
-    /// A name that the transport cannot carry.
+    /// A name that the transport cannot represent.
     #[error("`{name}` cannot name a topic or an address: {reason}")]
     BadName {
         /// Rejected name.

@@ -1,7 +1,7 @@
-//! The contract of a bus, as a suite: every back end passes it.
+//! The contract of a bus, as a test suite that every back end passes.
 //!
-//! A case is a function from a bus to a word on what went wrong. Cases wait, since a back end may be a broker away,
-//! and use topics of their own, since it may be shared.
+//! A case is a function that takes a bus and returns a description of the failure, if any. Cases wait for messages,
+//! because a back end may need a network, and use their own topics, because it may be shared.
 
 mod cases;
 
@@ -10,7 +10,7 @@ use crate::bus::Bus;
 /// A case that a bus did not pass.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Violation {
-    /// The case: what a bus does.
+    /// The case: the behaviour required.
     pub case: &'static str,
     /// Behaviour observed instead.
     pub found: String,

@@ -10,9 +10,9 @@ use crate::trace_context::TraceContext;
 /// A message on a topic, with the metadata that every transport carries.
 #[derive(Debug, Clone)]
 pub struct Envelope {
-    /// The topic it was published on: words with dots between, `rover1.odom`.
+    /// Topic on which it was published: words separated by dots, for example `rover1.odom`.
     pub topic: Arc<str>,
-    /// The component that published it.
+    /// Name of the publishing component.
     pub source: Arc<str>,
     /// Number of the source process's current run; grows with every restart.
     pub incarnation: u64,
@@ -24,18 +24,18 @@ pub struct Envelope {
     pub clock: Arc<str>,
     /// Trace that the message belongs to; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
-    /// The payload's message type, `geometry_msgs/Twist`; empty if unknown.
+    /// Name of the payload's message type, for example `geometry_msgs/Twist`; empty if unknown.
     pub type_name: Arc<str>,
-    /// Content.
+    /// The content.
     pub payload: Payload,
 }
 
 /// Content of a message: the shared sample itself within a process, bytes when it arrives from outside.
 #[derive(Clone)]
 pub enum Payload {
-    /// The sample, shared. It is encoded only when a transport needs bytes.
+    /// A shared sample. It is encoded only if a transport needs bytes.
     Sample(Arc<dyn Sample>),
-    /// Encoded, as it arrived from outside.
+    /// Encoded content, as received from outside.
     Bytes {
         /// Encoding of `bytes`.
         codec: Codec,
@@ -45,17 +45,18 @@ pub enum Payload {
 }
 
 impl Payload {
-    /// The payload of a message.
+    /// A payload that contains a message.
     pub fn of<T: Message>(message: T) -> Self {
         Self::Sample(Arc::new(message))
     }
 
-    /// The content as data, where it says itself what it is.
+    /// Converts the content to a datum. For codecs that are not self-describing, use
+    /// [`to_datum_of`](Self::to_datum_of).
     pub fn to_datum(&self) -> Result<Datum, DatumError> {
         self.to_datum_of(Datum::schema())
     }
 
-    /// The content as data of a shape.
+    /// Converts the content to a datum of this schema.
     pub fn to_datum_of(&self, schema: &Schema) -> Result<Datum, DatumError> {
         match self {
             Self::Sample(sample) => sample.to_datum(),
@@ -63,12 +64,12 @@ impl Payload {
         }
     }
 
-    /// The content as a message.
+    /// Converts the content to a message.
     pub fn read<T: Message>(&self) -> Result<T, DatumError> {
         self.to_sample(T::schema())?.read()
     }
 
-    /// The content as a sample: itself, or a datum of a shape.
+    /// Converts the content to a sample: the sample itself, or a datum of this schema.
     pub fn to_sample(&self, schema: &Schema) -> Result<Arc<dyn Sample>, DatumError> {
         match self {
             Self::Sample(sample) => Ok(Arc::clone(sample)),
@@ -76,7 +77,7 @@ impl Payload {
         }
     }
 
-    /// The content, of this shape, in bytes of a codec.
+    /// Encodes the content, which has this schema, with a codec.
     pub fn encode(&self, wanted: Codec, schema: &Schema) -> Result<Arc<[u8]>, DatumError> {
         match self {
             Self::Bytes { codec, bytes } if *codec == wanted => Ok(Arc::clone(bytes)),
@@ -89,8 +90,8 @@ impl Payload {
 }
 
 impl Envelope {
-    /// The content as a sample of a shape. Bytes that do not say what they are are read only if the message has the
-    /// name of that shape.
+    /// Converts the payload to a sample of this schema. Bytes that are not self-describing are decoded only if the
+    /// message's type name matches.
     pub fn to_sample(&self, schema: &Schema) -> Result<Arc<dyn Sample>, DatumError> {
         if let Payload::Bytes {
             codec: Codec::Cdr, ..
@@ -106,8 +107,8 @@ impl Envelope {
     }
 }
 
-/// Returns whether a message's type has a name, which may also be written as in ROS 2: `geometry_msgs/msg/Twist`. A
-/// missing name matches everything.
+/// Returns whether two type names match. `type_name` may also have the form of ROS 2, `geometry_msgs/msg/Twist`. An
+/// empty name matches everything.
 fn is_named(type_name: &str, wanted: &str) -> bool {
     let anonymous = type_name.is_empty() || wanted.is_empty();
     let in_ros_2 = || type_name.split_once("/msg/");

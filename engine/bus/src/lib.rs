@@ -1,8 +1,8 @@
 //! Topics between processes: publish and subscribe, request and reply, behind one trait.
 //!
-//! [`Bus`] is the seam; [`LocalBus`] is the bus inside one process. Every back end passes the same suite,
-//! [`contract::violations`]. Inside a process components are joined directly; the bus carries their topics to tools
-//! and to other processes.
+//! [`Bus`] is the trait; [`LocalBus`] is the bus within one process. Every back end passes the same suite,
+//! [`contract::violations`]. Within a process, components are connected directly; the bus carries their topics to tools
+//! and other processes.
 
 mod bus;
 pub mod contract;

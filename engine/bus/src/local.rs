@@ -1,5 +1,5 @@
-//! The bus inside one process: payloads are shared, nothing is encoded; publishing looks at the routes only when they
-//! have changed.
+//! The bus within one process: payloads are shared, and nothing is encoded. Publishers look up routes only after a
+//! change.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -27,12 +27,12 @@ pub struct LocalBus {
 
 struct LocalBusState {
     routes: Mutex<Vec<LocalRoute>>,
-    /// Grows with every change of the routes, so that publishers look at them only then.
+    /// Incremented by every change of the routes, so that publishers look them up only then.
     generation: AtomicU64,
     desks: Mutex<BTreeMap<String, Arc<AddressQueue>>>,
     /// Last messages of the publishers that retain one.
     lasts: Mutex<Vec<Weak<Mutex<RetainedMessage>>>>,
-    /// Up from the beginning to the end.
+    /// Always up.
     health: Health,
 }
 
@@ -59,7 +59,7 @@ struct LocalRoute {
 #[derive(Default)]
 struct RetainedMessage {
     envelope: Option<Envelope>,
-    /// The routes up to this generation.
+    /// The generation up to which routes have received it.
     had: u64,
 }
 
@@ -175,7 +175,7 @@ impl Bus for LocalBus {
         let desk = self.shared.desks().get(address).cloned();
         let (pending, call) = PendingCall::new(request, notifier);
         match desk {
-            // What the desk refuses, it ends.
+            // if the queue rejects the call, it also ends it
             Some(desk) => drop(desk.put(call)),
             None => call.end(Err(CallFailure::Unavailable)),
         }
@@ -221,7 +221,7 @@ impl Bus for LocalBus {
     /// Does nothing: the health of a local bus never changes.
     fn watch(&self, _: &Arc<Notifier>) {}
 
-    /// Returns true at once: a local message is delivered when it is published.
+    /// Returns `true` at once: local messages are delivered when they are published.
     fn drain(&self, _: Duration) -> bool {
         true
     }
@@ -233,17 +233,17 @@ struct LocalPublisher {
     spans: SpanGenerator,
     origin: SenderId,
     type_name: Arc<str>,
-    /// Number of the last message.
+    /// Number of the newest message.
     sequence: u64,
     /// Number of messages without a subscription.
     unheard: u64,
     /// Empty: the reader's own clock.
     clock: Arc<str>,
-    /// The routes that `inlets` was made from.
+    /// Generation of the routes at which `inlets` was looked up.
     generation: u64,
-    /// The subscriptions that match.
+    /// Matching subscriptions.
     inlets: Vec<SubscriptionSender>,
-    /// The last message, if it is kept.
+    /// The last message, if it is retained.
     last: Option<Arc<Mutex<RetainedMessage>>>,
 }
 

@@ -1,18 +1,18 @@
-//! Patterns of topics, as AMQP's topic exchanges have them: `*` is one word, `#` any number of words.
+//! Topic patterns, as in AMQP's topic exchanges: `*` matches one word, `#` any number of words.
 
 use std::fmt;
 
-/// A pattern that topics match. Words have dots between: `rover1.#`, `*.estop`.
+/// A pattern for topics. Words are separated by dots: `rover1.#`, `*.estop`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Pattern(String);
 
 impl Pattern {
-    /// A pattern from its text. Every text is one; a topic's name is the pattern of itself.
+    /// Creates a pattern. Every text is valid; a topic's name matches only itself.
     pub fn new(text: impl Into<String>) -> Self {
         Self(text.into())
     }
 
-    /// The pattern of all topics.
+    /// The pattern that matches all topics.
     pub fn all() -> Self {
         Self::new("#")
     }

@@ -7,7 +7,7 @@ use asmotion_datum::Codec;
 /// Options of a publisher.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PublishOptions {
-    /// Encoding, where the transport needs bytes.
+    /// Encoding, if the transport needs bytes.
     pub codec: Codec,
     /// Delivery assurance.
     pub assurance: Assurance,
@@ -24,7 +24,8 @@ pub enum Assurance {
     /// again soon.
     #[default]
     Once,
-    /// Kept until the transport has confirmed it, and sent again if it breaks before: for events and commands.
+    /// Kept until the transport has confirmed it, and sent again if the transport breaks before. For events and
+    /// commands.
     Confirmed,
 }
 
@@ -41,7 +42,7 @@ pub enum Outage {
 }
 
 impl PublishOptions {
-    /// For a state that is published again and again: the newest counts.
+    /// Options for states that are published repeatedly: only the newest message is kept while the transport is down.
     pub fn state() -> Self {
         Self {
             outage: Outage::KeepLatest,
@@ -77,11 +78,11 @@ impl PublishOptions {
 /// Counts of a publisher's messages by outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PublisherCounts {
-    /// Taken from the publisher.
+    /// Accepted from the publisher.
     pub published: u64,
     /// Known to have reached the transport.
     pub arrived: u64,
-    /// Dropped here, as the outage policy says, or because they could not be written.
+    /// Dropped by the outage policy, or because they could not be encoded.
     pub dropped: u64,
     /// In flight when the transport broke; may or may not have arrived.
     pub lost: u64,

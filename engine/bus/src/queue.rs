@@ -1,4 +1,4 @@
-//! Subscriptions: a bounded queue with a declared overflow policy and a count of what it dropped.
+//! Subscriptions: bounded queues with an overflow policy and a count of dropped messages.
 
 use std::fmt;
 use std::sync::Arc;
@@ -14,28 +14,28 @@ use asmotion_connection::Notifier;
 /// Queueing policy of a subscription.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QueuePolicy {
-    /// The newest message, for what is a state. What it replaces was out of date, and is not counted (TCA
+    /// The newest message only, for states. Replaced messages are out of date and do not count as dropped (TCA
     /// `receiveLast`).
     Latest,
-    /// Every message, up to a limit, for sequences (TCA `receiveAll`).
+    /// All messages up to a limit, for sequences (TCA `receiveAll`).
     All {
         /// Capacity, in messages.
         size: usize,
-        /// Which message is dropped when the queue is full. Drops are counted in either case.
+        /// The message to drop when the queue is full. Drops are counted in either case.
         overflow: Overflow,
     },
 }
 
-/// Which message is dropped when a queue is full.
+/// The message to drop when a queue is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overflow {
-    /// The oldest is dropped in its favour.
+    /// Drops the oldest message.
     DropOldest,
     /// Drops the new message.
     DropNewest,
 }
 
-/// Counts of a subscription's messages that were not handed to the reader.
+/// Counts of a subscription's messages that were not passed to the reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SubscriptionCounts {
     /// Dropped because the queue was full.
@@ -56,7 +56,7 @@ struct AtomicSubscriptionCounts {
     unreadable: AtomicU64,
 }
 
-/// The filling end of a subscription's queue, for back ends.
+/// The sending end of a subscription's queue, for back ends.
 #[derive(Clone)]
 pub struct SubscriptionSender {
     kept: Arc<SubscriptionQueue>,
@@ -70,7 +70,7 @@ struct SubscriptionQueue {
 }
 
 impl SubscriptionSender {
-    /// A queue and its two ends. The notifier is notified of every message.
+    /// Creates a queue. The notifier is notified of every message.
     pub fn new(policy: QueuePolicy, notifier: Arc<Notifier>) -> Self {
         let size = match policy {
             QueuePolicy::Latest => 1,
@@ -119,12 +119,12 @@ impl SubscriptionSender {
         self.kept.counts.duplicates.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// A message cannot be read.
+    /// Counts a message that could not be decoded.
     pub fn count_unreadable(&self) {
         self.kept.counts.unreadable.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// The reading end. `leave` is called when it is dropped.
+    /// Creates the reading end, which calls `leave` on drop.
     pub fn subscription(&self, leave: impl FnOnce() + Send + 'static) -> Subscription {
         Subscription {
             kept: Arc::clone(&self.kept),
@@ -132,7 +132,7 @@ impl SubscriptionSender {
         }
     }
 
-    /// Returns whether both are ends of the same queue.
+    /// Returns whether both are senders of the same queue.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.kept, &other.kept)
     }
@@ -145,12 +145,12 @@ pub struct Subscription {
 }
 
 impl Subscription {
-    /// The next message, if one is there.
+    /// Removes and returns the next message, if there is one.
     pub fn try_next(&self) -> Option<Envelope> {
         self.kept.queue.pop()
     }
 
-    /// Takes the next message, waiting at most for `at_most`.
+    /// Removes and returns the next message, waiting at most for `at_most`.
     pub fn next_within(&self, at_most: Duration) -> Option<Envelope> {
         let until = later(at_most);
         loop {
@@ -170,7 +170,7 @@ impl Subscription {
         self.kept.counts.dropped.load(Ordering::Relaxed)
     }
 
-    /// Returns the counts of the messages that were not handed out.
+    /// Returns the counts of messages that were not passed on.
     pub fn received(&self) -> SubscriptionCounts {
         let counts = &self.kept.counts;
         SubscriptionCounts {

@@ -1,4 +1,4 @@
-//! Requests: sent to an address, answered once, or ended by the deadline.
+//! Requests to an address: each gets one reply, or ends at its deadline.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,23 +13,23 @@ use crate::envelope::Payload;
 use crate::trace_context::TraceContext;
 use asmotion_connection::Notifier;
 
-/// A request to a server.
+/// A request to a provider.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Caller.
+    /// Identity of the caller.
     pub origin: SenderId,
-    /// Argument of the operation.
+    /// The request's data.
     pub argument: Payload,
-    /// After how long the caller gives up; the server does not begin after that.
+    /// Time after which the caller stops waiting. The provider does not start on the request after that.
     pub timeout: Duration,
-    /// Address at which the caller serves later results, if it does (SCA `@Callback`).
+    /// Address at which the caller receives later results (SCA `@Callback`); `None` without callbacks.
     pub callback: Option<Arc<str>>,
     /// Trace of the request; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
 }
 
 impl Request {
-    /// A request without callback.
+    /// Creates a request without callback or trace.
     pub fn new(origin: SenderId, argument: Payload, timeout: Duration) -> Self {
         Self {
             origin,
@@ -55,36 +55,36 @@ impl Request {
     }
 }
 
-/// Reason why a call has no answer.
+/// Reason why a call has no response.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CallFailure {
-    /// No answer arrived before the deadline.
+    /// No reply arrived before the deadline.
     #[error("no answer before the deadline")]
     Timeout,
-    /// No server is registered, it has left, or its queue is full.
+    /// No provider is registered, it has left, or its queue is full.
     #[error("nobody is there to answer")]
     Unavailable,
-    /// The server answered with an error of the operation.
+    /// The provider replied with a fault.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// The caller took it back.
+    /// The caller cancelled the call.
     #[error("cancelled by the caller")]
     Cancelled,
 }
 
-/// Error answer of a server.
+/// A fault as a provider's reply.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{code}: {detail}")]
 pub struct Refusal {
     /// One of the operation's fault codes.
     pub code: String,
-    /// Explanation for people.
+    /// Explanation for a human reader.
     pub detail: String,
 }
 
 type CallResult = Result<Payload, CallFailure>;
 
-/// Receives the answer to one call.
+/// Receives the reply to one call.
 struct ReplySlot {
     answer: Mutex<Option<CallResult>>,
     answered: AtomicBool,
@@ -100,7 +100,7 @@ impl ReplySlot {
         })
     }
 
-    /// The first answer counts.
+    /// Stores a reply, unless there is one already.
     fn put(&self, answer: CallResult) {
         if self.answered.swap(true, Ordering::AcqRel) {
             return;
@@ -110,14 +110,14 @@ impl ReplySlot {
     }
 }
 
-/// An outgoing call in progress. Dropping it abandons the call.
+/// A call in progress. Dropping it abandons the call.
 pub struct PendingCall {
     slot: Arc<ReplySlot>,
     deadline: Instant,
 }
 
 impl PendingCall {
-    /// A call and its server's end of it, for back ends.
+    /// Creates a call and the provider's end of it, for back ends.
     pub fn new(request: Request, notifier: Arc<Notifier>) -> (Self, IncomingCall) {
         let slot = ReplySlot::new(notifier);
         let call = IncomingCall::new(request, Arc::clone(&slot), false);
@@ -125,7 +125,7 @@ impl PendingCall {
         (Self { slot, deadline }, call)
     }
 
-    /// A request without answer, and its server's end. `delivered` ends the first.
+    /// Creates a one-way call, the provider's end of it, and the receipt that ends it.
     pub fn one_way(
         request: Request,
         notifier: Arc<Notifier>,
@@ -137,8 +137,8 @@ impl PendingCall {
         (Self { slot, deadline }, call, delivered)
     }
 
-    /// Cancels the call: it ends with [`CallFailure::Cancelled`] unless it has already ended. A server that has not
-    /// started the request never starts it.
+    /// Cancels the call: it ends with [`CallFailure::Cancelled`] unless it has already ended. A provider that has not
+    /// started on the request never does.
     pub fn cancel(&self) {
         self.slot.put(Err(CallFailure::Cancelled));
     }
@@ -174,15 +174,15 @@ impl PendingCall {
     }
 }
 
-/// A request at its server. Dropping it unanswered ends the call with [`CallFailure::Unavailable`].
+/// A request at its provider. Dropping it without a reply ends the call with [`CallFailure::Unavailable`].
 pub struct IncomingCall {
-    /// Caller.
+    /// Identity of the caller.
     pub origin: SenderId,
-    /// Argument of the operation.
+    /// The request's data.
     pub argument: Payload,
-    /// Instant at which the caller gives up.
+    /// Instant at which the caller stops waiting.
     pub deadline: Instant,
-    /// Address at which the caller serves later results, if it does.
+    /// Address at which the caller receives later results, if any.
     pub callback: Option<Arc<str>>,
     /// Trace of the request; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
@@ -190,11 +190,11 @@ pub struct IncomingCall {
     one_way: bool,
 }
 
-/// Ends a request without answer.
+/// Ends a one-way call at the sender.
 pub struct DeliveryReceipt(Arc<ReplySlot>);
 
 impl DeliveryReceipt {
-    /// The server's queue has it, or will never have it.
+    /// Reports whether the provider's queue has the request.
     pub fn end(self, end: Result<(), CallFailure>) {
         self.0
             .put(end.map(|()| Payload::of(asmotion_datum::Datum::Null)));
@@ -219,12 +219,12 @@ impl IncomingCall {
         }
     }
 
-    /// Returns whether the caller expects no answer.
+    /// Returns whether the caller expects no reply.
     pub fn is_one_way(&self) -> bool {
         self.one_way
     }
 
-    /// Answers the request. An answer that is no longer awaited is discarded.
+    /// Replies to the request. A reply that is no longer awaited is discarded.
     pub fn reply(self, result: Result<Payload, Refusal>) {
         self.end(result.map_err(CallFailure::Refused));
     }
@@ -234,7 +234,7 @@ impl IncomingCall {
         self.slot.put(answer);
     }
 
-    /// Returns whether the caller still waits for an answer.
+    /// Returns whether the caller still waits for a reply.
     pub fn is_awaited(&self) -> bool {
         let wanted = self.one_way
             || Arc::strong_count(&self.slot) > 1 && !self.slot.answered.load(Ordering::Acquire);
@@ -242,7 +242,7 @@ impl IncomingCall {
     }
 }
 
-/// Queue of requests for one server, filled by back ends.
+/// Queue of requests for one provider, filled by back ends.
 pub struct AddressQueue {
     waiting: ArrayQueue<IncomingCall>,
     open: AtomicBool,
@@ -250,7 +250,7 @@ pub struct AddressQueue {
 }
 
 impl AddressQueue {
-    /// A desk where at most `size` requests wait. The notifier is notified of each.
+    /// Creates a queue for at most `size` requests. The notifier is notified of each.
     pub fn new(size: usize, notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
             waiting: ArrayQueue::new(size.max(1)),
@@ -262,7 +262,7 @@ impl AddressQueue {
     /// Appends a request.
     ///
     /// # Errors
-    /// [`CallFailure::Unavailable`] if the queue is full or its server has left. The call ends with the same failure.
+    /// [`CallFailure::Unavailable`] if the queue is full or its provider has left. The call ends with the same failure.
     pub fn put(&self, call: IncomingCall) -> Result<(), CallFailure> {
         if !self.open.load(Ordering::Acquire) {
             call.end(Err(CallFailure::Unavailable));
@@ -288,15 +288,14 @@ impl AddressQueue {
     }
 }
 
-/// Server's end of an address. Dropping it ends the service and fails the waiting calls.
+/// The provider's end of an address. Dropping it ends the service and fails the waiting calls.
 pub struct ServedAddress {
     desk: Arc<AddressQueue>,
     leave: Option<Box<dyn FnOnce() + Send>>,
 }
 
 impl ServedAddress {
-    /// Creates the server's end of a queue. `withdraw` is called when it is dropped, after the waiting calls have
-    /// failed.
+    /// Creates the provider's end of a queue. `leave` is called on drop, after the waiting calls have failed.
     pub fn new(desk: Arc<AddressQueue>, leave: impl FnOnce() + Send + 'static) -> Self {
         Self {
             desk,
@@ -304,12 +303,12 @@ impl ServedAddress {
         }
     }
 
-    /// Takes the next request that is still awaited.
+    /// Removes and returns the next request that is still awaited.
     pub fn try_next(&self) -> Option<IncomingCall> {
         std::iter::from_fn(|| self.desk.waiting.pop()).find(IncomingCall::is_awaited)
     }
 
-    /// Takes the next request that is still awaited, waiting at most for `at_most`.
+    /// Removes and returns the next request that is still awaited, waiting at most for `at_most`.
     pub fn next_within(&self, at_most: Duration) -> Option<IncomingCall> {
         let until = later(at_most);
         loop {
@@ -335,7 +334,7 @@ impl Drop for ServedAddress {
     }
 }
 
-/// A request that is dropped will not be answered.
+/// Ends the call if there was no reply.
 impl Drop for IncomingCall {
     fn drop(&mut self) {
         self.slot.put(Err(if Instant::now() < self.deadline {

@@ -1,11 +1,11 @@
-//! Traces: which messages follow from which (W3C Trace Context).
+//! Traces: the causal relation between messages (W3C Trace Context).
 //!
-//! Ids are made from what identifies a message, never from chance: the same run makes the same ids.
+//! Ids are derived from the message's identity, never random: equal runs have equal ids.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A place in a trace: of all messages that follow from one, this one. Its text is that of the header `traceparent`.
+/// Position of a message in a trace. Its text form is that of the header `traceparent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TraceContext {
     /// Trace id, shared by all messages of the trace. Not zero.
@@ -28,7 +28,7 @@ pub struct InvalidTraceparent;
 impl FromStr for TraceContext {
     type Err = InvalidTraceparent;
 
-    /// A later version may have more parts at its end.
+    /// Accepts additional parts at the end, which later versions may have.
     fn from_str(text: &str) -> Result<Self, InvalidTraceparent> {
         read(text).ok_or(InvalidTraceparent)
     }
@@ -50,7 +50,7 @@ fn read(text: &str) -> Option<TraceContext> {
     (known && id != 0 && span != 0).then_some(TraceContext { id, span })
 }
 
-/// Names the messages of one sender in their traces.
+/// Generates the span ids of one sender's messages.
 #[derive(Debug, Clone, Copy)]
 pub struct SpanGenerator {
     seed: u64,
@@ -63,7 +63,7 @@ impl SpanGenerator {
         let seed = [source.as_bytes(), &incarnation.to_le_bytes(), to.as_bytes()]
             .into_iter()
             .fold(0xcbf2_9ce4_8422_2325, |hash, part| {
-                // FNV-1a, and the length, so that parts do not run into each other
+                // FNV-1a over each part and its length, so that adjacent parts do not run together
                 let bytes = part.iter().fold(hash, |hash: u64, byte| {
                     (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
                 });
@@ -72,7 +72,7 @@ impl SpanGenerator {
         Self { seed }
     }
 
-    /// The message of this number: in the trace of what it follows from, or the first of one.
+    /// The trace context of the message with this number: in the trace of its cause, or at the beginning of a new one.
     pub fn of(self, number: u64, cause: Option<TraceContext>) -> TraceContext {
         let span = mixed(self.seed ^ mixed(number)).max(1);
         let first = || (u128::from(mixed(span)) << 64) | u128::from(span);
@@ -83,7 +83,7 @@ impl SpanGenerator {
     }
 }
 
-/// SplitMix64's finish: every bit depends on every bit.
+/// The finalizer of SplitMix64: every bit of the result depends on every bit of the value.
 fn mixed(value: u64) -> u64 {
     let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

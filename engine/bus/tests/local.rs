@@ -1,4 +1,4 @@
-//! The local bus keeps the contract.
+//! The local bus passes the contract suite.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::sync::Arc;
@@ -16,7 +16,7 @@ fn t29_the_local_bus_keeps_the_contract() {
     assert_eq!(contract::violations(&LocalBus::new(), "here"), []);
 }
 
-/// A bus that forgets every third message, and reports others twice.
+/// A faulty bus: of any three messages, it drops one and duplicates another.
 struct Forgetful(LocalBus);
 
 struct ForgetfulPublisher(Box<dyn Publisher>, u64);

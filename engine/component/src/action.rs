@@ -1,4 +1,4 @@
-//! The journal of a cycle: what it has done, to happen when the cycle is committed.
+//! The journal of a cycle: the actions that are carried out when the cycle is committed.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use asmotion_datum::{Datum, Sample};
 
 use crate::operation::{CallId, OperationSlot, RequestId, ServiceFault};
 
-/// Something a cycle does. It happens when the cycle is committed, in order; a failed cycle's actions are dropped.
+/// An action of a cycle. Carried out in order when the cycle is committed, and dropped if the cycle fails.
 pub enum CycleAction {
     /// Sends the oldest pending sample of the output port at this position.
     Write(usize),
@@ -15,27 +15,27 @@ pub enum CycleAction {
     Call {
         /// The operation, among the component's references.
         slot: OperationSlot,
-        /// The number that the component has been given.
+        /// The call's number, as returned by `next_call` of the host.
         call: CallId,
-        /// The request.
+        /// The request, in the caller's type.
         argument: Arc<dyn Sample>,
-        /// Whether the component wants no reply.
+        /// `true` if the call has no reply.
         one_way: bool,
     },
-    /// Takes back a call.
+    /// Cancels a call.
     Cancel(CallId),
-    /// Answers a request.
+    /// Replies to a request.
     Answer {
         /// Position of the service in the component.
         service: usize,
-        /// The request.
+        /// The request to reply to.
         to: RequestId,
-        /// The response, or why there is none.
+        /// The response, or the fault that takes its place.
         result: Result<Arc<dyn Sample>, ServiceFault>,
     },
-    /// Tells the observers something of this kind.
+    /// Reports data of this kind to the observers.
     Report(&'static str, Datum),
-    /// Changes the component's period.
+    /// Changes the component's period; zero makes it event-driven.
     SetPeriod(Duration),
     /// Triggers the component itself, if it is event-driven.
     Again,

@@ -6,129 +6,128 @@ use asmotion_derive::Word;
 use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
 
-/// What drives cycles, and how.
+/// The activity of a component: the trigger of its cycles, and its timing and scheduling.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Activity {
-    /// What makes the next cycle due.
+    /// The trigger of the next cycle.
     pub drive: Drive,
-    /// From start to the first cycle of a periodic activity, for phasing (TCA `delay`).
+    /// Time from the start to the first cycle, for phasing (TCA `delay`; default: 0).
     pub delay: Duration,
-    /// Whether the component is configured with the system (RTT `AutoConf`).
+    /// Whether the component is configured when the system starts (RTT `AutoConf`; default: `true`).
     pub configure_on_startup: bool,
-    /// Whether the component starts with the system (TCA `runOnStartup`, RTT `AutoStart`).
+    /// Whether the component is started with the system (TCA `runOnStartup`, RTT `AutoStart`; default: `true`).
     pub run_on_startup: bool,
-    /// Whether stopping tells a cycle under way to give up (TCA `mayInterruptIfRunning`);
-    /// the cycle sees it in [`Cycle::interrupted`](crate::Cycle::interrupted), and is never torn.
+    /// Whether a stop asks a cycle under way to return early (TCA `mayInterruptIfRunning`). The cycle checks
+    /// [`Cycle::interrupted`](crate::Cycle::interrupted); it is never aborted.
     pub may_interrupt: bool,
-    /// What happens to periods that a slow cycle missed.
+    /// Treatment of periods that a slow cycle missed.
     pub overrun: Overrun,
-    /// How long a cycle may take; as long as it likes, if absent.
+    /// Deadline of each cycle; `None` for no limit.
     pub deadline: Option<Deadline>,
-    /// What happens when the component fails in a cycle.
+    /// Reaction to a failed cycle.
     pub on_exception: OnException,
-    /// How often [`OnException::Reset`] brings it back in all its life; without end, if absent.
+    /// Limit on the restarts by [`OnException::Reset`] over the component's lifetime; `None` for no limit.
     pub max_resets: Option<u32>,
-    /// The scheduling class of its thread.
+    /// Scheduling class of the thread.
     pub scheduler: Scheduler,
-    /// Priority in that class, 1 to 99; of no meaning to [`Scheduler::Other`].
+    /// Priority in the scheduling class, 1 to 99; ignored by [`Scheduler::Other`].
     pub priority: u8,
-    /// The processors that its thread may run on; all, if none is named.
+    /// The processors that the thread may run on; empty for all.
     pub cpus: Vec<usize>,
 }
 
-/// The scheduling class of a thread, where the system permits it; where not, `Event::Denied`
-/// says so. A slave is in its master's thread, and so in its class.
+/// The scheduling class of a thread. If the operating system does not permit it, `Event::Denied` is reported. A slave
+/// runs in its master's thread, and so in its class.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheduler {
-    /// Scheduled like any program (RTT ORO_SCHED_OTHER).
+    /// The default time-sharing class (RTT ORO_SCHED_OTHER).
     #[default]
     Other,
-    /// Runs before all threads of a lower priority, until it waits (RTT ORO_SCHED_RT).
+    /// Real-time: runs before all threads of lower priority until it blocks (RTT ORO_SCHED_RT).
     Fifo,
-    /// Takes turns with threads of its priority.
+    /// Real-time: takes turns with threads of the same priority.
     #[word("rr")]
     RoundRobin,
 }
 
-/// Something of an activity that the system does not permit; the component runs without it.
+/// A scheduling setting that the operating system refused; the component runs without it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{wish} is not permitted: {reason}; {help}")]
 pub struct Denied {
-    /// What was wanted: `FIFO 80`.
+    /// The refused setting, for example `FIFO 80`.
     pub wish: String,
-    /// Why not.
+    /// The operating system's reason.
     pub reason: String,
-    /// A way out.
+    /// A remedy.
     pub help: String,
 }
 
-/// What happens when a component fails in a cycle. In any case it is stopped and cleaned up.
+/// Reaction to a failed cycle. The component is stopped and cleaned up in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum OnException {
-    /// It stays in its exception; the others go on.
+    /// The component stays in its exception state; the others go on.
     #[default]
     Stop,
-    /// It is reset, configured and started again, at most [`Activity::max_resets`] times.
+    /// The component is reset, configured and started again, at most [`Activity::max_resets`] times.
     Reset,
-    /// Everything stops, in reverse order of the start.
+    /// All components stop, in reverse order of their start.
     Escalate,
 }
 
-/// What makes the next cycle due.
+/// The trigger of a component's cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
-    /// The clock, at absolute deadlines: no drift.
+    /// The clock, at absolute times without drift.
     Period(Duration),
-    /// New data on a port, a request, a reply, or the start.
+    /// New data on a port, a request, a reply, or the start of the component.
     Event,
-    /// Somebody who asks for it.
+    /// An explicit request (`Run::trigger`).
     Manual,
     /// The end of the master's cycle (`System::slave`).
     Slave,
 }
 
-/// What happens to periods that a slow cycle missed; they are counted in any case.
+/// Treatment of the periods that a slow cycle missed. They are counted in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Overrun {
-    /// They are left out; the next cycle is at the next whole period.
+    /// Missed periods are skipped; the next cycle is at the next whole period.
     #[default]
     Skip,
-    /// They are made up for, one after the other without pause.
+    /// Missed cycles are made up for, one after the other without pause.
     CatchUp,
     /// The component fails.
     Fail,
 }
 
-/// How long a cycle may take, from its beginning to its end. One that takes longer is counted and told in any case
-/// (`Event::Late`).
+/// Limit on the duration of a cycle. A cycle that exceeds it is counted and reported (`Event::Late`) in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Deadline {
-    /// So long.
+    /// The limit, from the beginning of the cycle to its end.
     pub within: Duration,
-    /// What happens when it takes longer.
+    /// Reaction to a cycle that exceeds the limit.
     pub on_deadline: OnDeadline,
 }
 
-/// What happens to a component whose cycle took longer than its deadline. What the cycle did has happened by then.
+/// Reaction to a cycle that exceeds its deadline. The cycle's outputs have been committed by then.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum OnDeadline {
-    /// It is reported, and nothing more.
+    /// The late cycle is only reported.
     #[default]
     Report,
-    /// It is stopped.
+    /// The component is stopped.
     Stop,
-    /// It fails.
+    /// The component fails.
     Fail,
 }
 
 impl Overrun {
-    /// After a cycle that was due at `due` and ran from `begin` to `end`: how many periods it has missed, and when the
-    /// next one is due.
+    /// Returns the number of periods missed by a cycle that was due at `due` and ran from `begin` to `end`, and the
+    /// time at which the next cycle is due.
     pub fn after_cycle(self, due: Time, period: Duration, begin: Time, end: Time) -> (u64, Time) {
         let passed = |at: Time| {
             let periods = at.since(due).as_nanos() / period.as_nanos().max(1);
@@ -143,7 +142,7 @@ impl Overrun {
                     due + period.saturating_mul(skipped.saturating_add(1)),
                 )
             }
-            // What was missed before this cycle is being made up for, and has been counted.
+            // periods missed before this cycle are being made up for, and have been counted
             Self::CatchUp => (passed(end) - passed(begin), due + period),
         }
     }
@@ -167,28 +166,28 @@ impl Activity {
         }
     }
 
-    /// A cycle every `period`; a period of zero is event-driven, as in TCA.
+    /// A cycle every `period`; a period of zero means event-driven, as in TCA.
     pub fn periodic(period: Duration) -> Self {
         Self::new(Drive::of_period(period))
     }
 
-    /// A cycle whenever something new is there.
+    /// A cycle on new data.
     pub fn event() -> Self {
         Self::new(Drive::Event)
     }
 
-    /// A cycle whenever `Run::trigger` asks for one.
+    /// A cycle on each call of `Run::trigger`.
     pub fn manual() -> Self {
         Self::new(Drive::Manual)
     }
 
-    /// With the first cycle this long after the start.
+    /// Sets the time from the start to the first cycle.
     #[must_use]
     pub fn delay(self, delay: Duration) -> Self {
         Self { delay, ..self }
     }
 
-    /// Configured with the system, or later by somebody.
+    /// Sets whether the component is configured when the system starts.
     #[must_use]
     pub fn configure_on_startup(self, configure_on_startup: bool) -> Self {
         Self {
@@ -197,7 +196,7 @@ impl Activity {
         }
     }
 
-    /// Started with the system, or later by somebody.
+    /// Sets whether the component is started with the system.
     #[must_use]
     pub fn run_on_startup(self, run_on_startup: bool) -> Self {
         Self {
@@ -206,7 +205,7 @@ impl Activity {
         }
     }
 
-    /// Whether stopping tells a cycle under way to give up.
+    /// Sets whether a stop asks a cycle under way to return early.
     #[must_use]
     pub fn may_interrupt(self, may_interrupt: bool) -> Self {
         Self {
@@ -215,13 +214,13 @@ impl Activity {
         }
     }
 
-    /// With this answer to missed periods.
+    /// Sets the treatment of missed periods.
     #[must_use]
     pub fn overrun(self, overrun: Overrun) -> Self {
         Self { overrun, ..self }
     }
 
-    /// With this long for each cycle.
+    /// Sets the deadline of each cycle.
     #[must_use]
     pub fn deadline(self, within: Duration, on_deadline: OnDeadline) -> Self {
         let deadline = Some(Deadline {
@@ -231,19 +230,19 @@ impl Activity {
         Self { deadline, ..self }
     }
 
-    /// In this scheduling class.
+    /// Sets the scheduling class.
     #[must_use]
     pub fn scheduler(self, scheduler: Scheduler) -> Self {
         Self { scheduler, ..self }
     }
 
-    /// With this priority in its scheduling class.
+    /// Sets the priority in the scheduling class, 1 to 99.
     #[must_use]
     pub fn priority(self, priority: u8) -> Self {
         Self { priority, ..self }
     }
 
-    /// On these processors.
+    /// Sets the processors that the thread may run on.
     #[must_use]
     pub fn cpus(self, cpus: impl Into<Vec<usize>>) -> Self {
         Self {
@@ -252,7 +251,7 @@ impl Activity {
         }
     }
 
-    /// With this answer to exceptions.
+    /// Sets the reaction to a failed cycle.
     #[must_use]
     pub fn on_exception(self, on_exception: OnException) -> Self {
         Self {
@@ -261,7 +260,7 @@ impl Activity {
         }
     }
 
-    /// Reset at most this often; without end, if absent.
+    /// Sets the limit on restarts; `None` for no limit.
     #[must_use]
     pub fn max_resets(self, max_resets: Option<u32>) -> Self {
         Self { max_resets, ..self }
@@ -269,7 +268,7 @@ impl Activity {
 }
 
 impl Drive {
-    /// Periodic, or event-driven for a period of zero.
+    /// Periodic, or event-driven if the period is zero.
     pub fn of_period(period: Duration) -> Self {
         if period.is_zero() {
             Self::Event
@@ -278,7 +277,7 @@ impl Drive {
         }
     }
 
-    /// Driven by this period from now on; a slave stays one.
+    /// The same drive with another period; zero makes it event-driven. A slave stays a slave.
     pub fn with_period(self, period: Duration) -> Self {
         match self {
             Self::Period(_) | Self::Event | Self::Manual => Self::of_period(period),
@@ -286,7 +285,7 @@ impl Drive {
         }
     }
 
-    /// The period, of what has one.
+    /// The period; `None` unless periodic.
     pub fn period(self) -> Option<Duration> {
         match self {
             Self::Period(period) => Some(period),
@@ -300,7 +299,7 @@ mod tests {
     use super::*;
     use asmotion_port::Span;
 
-    /// Missed periods and the next deadline of a cycle of 10 ms, all in milliseconds.
+    /// Missed periods and the next due time for a period of 10 ms, all in milliseconds.
     fn after(overrun: Overrun, due: u64, begin: u64, end: u64) -> (u64, u64) {
         let at = |ms: u64| Time::ZERO + ms.ms();
         let (missed, next) = overrun.after_cycle(at(due), 10.ms(), at(begin), at(end));

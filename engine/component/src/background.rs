@@ -1,16 +1,16 @@
-//! Background work: what takes too long for a cycle runs beside it, and its result comes to a later cycle.
+//! Background work: runs beside the cycles of a component, and returns its result to a later cycle.
 //!
-//! A cycle neither blocks nor waits, so a component that reads files or solves something long hands that to
-//! [`Cycle::spawn`](crate::Cycle::spawn) and looks for the result in the cycles that follow. Where the work runs is the
-//! executor's affair:
+//! A cycle neither blocks nor waits, so a component that reads files or computes for long passes that work to
+//! [`Cycle::spawn`](crate::Cycle::spawn) and checks for the result in the following cycles. The executor decides where
+//! the work runs:
 //!
 //! - Live: in a thread of its own. The component's thread goes on; when the work is done, the component gets a cycle,
 //!   whatever drives it.
 //! - Simulated: at once, in the caller's thread. A cycle takes no virtual time, so neither does
 //!   the work: its result is there before the call returns, in the same cycle in each run, and traces stay equal.
 //!
-//! A component is written for the first case and is right in the second: it asks
-//! [`BackgroundWork::take`] after it has spawned.
+//! A component written for the first case is correct in the second, if it calls [`BackgroundWork::take`] in the cycle
+//! that spawns the work too.
 
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, TryRecvError};
@@ -18,20 +18,20 @@ use std::sync::mpsc::{self, Receiver, TryRecvError};
 use crate::fault::Fault;
 use crate::guard::guarded;
 
-/// Where the work of a component runs; set by its executor.
+/// The thread in which a component's background work runs; set by its executor.
 #[derive(Clone, Default)]
 pub enum WorkPlace {
-    /// In the cycle.
+    /// The component's own thread, within the cycle.
     #[default]
     InCycle,
-    /// In a thread of its own, which calls this when it has finished: a notification of the component.
+    /// A new thread, which calls this function at its end to trigger the component.
     Thread(Arc<dyn Fn() + Send + Sync>),
 }
 
-/// Work under way beside the cycle. Dropping it forgets the result; the work itself runs to its end.
+/// Work under way beside the cycles. Dropping it discards the result; the work itself runs to its end.
 #[derive(Debug)]
 pub struct BackgroundWork<T> {
-    /// Written once by the work's thread. None once the result has been taken.
+    /// Receives one result from the work's thread. `None` once the result has been taken.
     result: Option<Receiver<Result<T, Fault>>>,
 }
 
@@ -39,7 +39,7 @@ impl<T: Send + 'static> BackgroundWork<T> {
     pub(crate) fn spawn(place: &WorkPlace, work: impl FnOnce() -> T + Send + 'static) -> Self {
         let (sender, receiver) = mpsc::channel();
         let work = move || {
-            // the receiver is gone if the component has forgotten the work
+            // fails if the component has dropped the work
             let _ = sender.send(guarded(|| Ok(work())));
         };
         match place {
@@ -51,7 +51,8 @@ impl<T: Send + 'static> BackgroundWork<T> {
                     work();
                     finished();
                 });
-                // without a thread the sender is dropped, which `take` reports; a cycle must not do the work instead
+                // without a thread the sender is dropped, which `take` reports; running the work here would block the
+                // cycle
                 drop(spawned);
             }
         }
@@ -60,10 +61,10 @@ impl<T: Send + 'static> BackgroundWork<T> {
         }
     }
 
-    /// The result, if it has come; handed over once. Does not wait.
+    /// Returns the result once it is available, and `None` before and afterwards. Does not block.
     ///
     /// # Errors
-    /// The fault of work that panicked, or that the system had no thread for.
+    /// A fault, if the work panicked or no thread could be started.
     pub fn take(&mut self) -> Option<Result<T, Fault>> {
         let result = match self.result.as_ref()?.try_recv() {
             Ok(result) => result,

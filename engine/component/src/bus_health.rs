@@ -1,26 +1,26 @@
-//! The state of the bus as a topic, for components that must act when it is gone.
+//! The state of the bus as a topic, for components that must react to its loss.
 
-/// The topic on which every system tells its own components how its bus is: a [`BusHealth`] at the start, and one at
-/// every change. It stays inside.
+/// The topic on which every system publishes the state of its bus to its own components: a [`BusHealth`] at the start
+/// and at every change. It is not forwarded to the bus.
 pub const HEALTH_TOPIC: &str = "bus";
 
 asmotion_datum::message! {
-    /// How the bus of a system is.
+    /// The state of a system's bus.
     pub struct BusHealth = "bus/Health" {
-        /// `UP`; `BLOCKED`: the broker takes nothing; `DOWN`: nothing goes out or comes in
+        /// `UP`; `BLOCKED`: the broker accepts no messages; `DOWN`: no connection
         pub state: String = BusHealth::UP.to_owned(),
-        /// why it is not up
+        /// the reason, if the bus is not up; else empty
         pub reason: String,
-        /// since when, in nanoseconds of the run
+        /// time of the change, in nanoseconds since the start of the run
         pub since: i64,
     }
 }
 
 impl BusHealth {
-    /// Messages go through.
+    /// Messages are transported.
     pub const UP: &'static str = "UP";
-    /// The broker takes nothing.
+    /// The broker accepts no messages.
     pub const BLOCKED: &'static str = "BLOCKED";
-    /// Nothing goes out or comes in.
+    /// There is no connection.
     pub const DOWN: &'static str = "DOWN";
 }

@@ -1,4 +1,4 @@
-//! The cycle: what a component sees and does between freezing the inputs and committing the outputs.
+//! The cycle, as a component sees it between the freezing of its inputs and the commit of its outputs.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -21,23 +21,24 @@ use crate::operation::{
 use crate::property::PropertyValue;
 use crate::setup::value_of;
 
-/// What a handle that was not the component's stands for.
+/// The kind of a handle that belongs to another component.
 type Foreign = &'static str;
 
 /// One cycle of one component: freeze inputs, compute, commit all outputs or none.
 ///
-/// Nothing here blocks, looks up a name or sends: what is written waits for the end of the cycle.
+/// No method blocks, looks up a name or sends: samples and calls wait for the end of the cycle.
 pub struct Cycle<'a> {
     host: &'a mut dyn CycleHost,
     now: Time,
     number: u64,
-    /// The first handle that was not this component's.
+    /// The kind of the first foreign handle that was used.
     foreign: Cell<Option<Foreign>>,
     error: Option<Fault>,
 }
 
 impl<'a> Cycle<'a> {
-    /// The cycle of this number, from 1, at this time. For runtimes, and for tests that drive a component by hand.
+    /// Creates the cycle with this number, from 1, at this time. For runtimes, and for tests that drive a component by
+    /// hand.
     pub fn new(host: &'a mut dyn CycleHost, now: Time, number: u64) -> Self {
         Self {
             host,
@@ -48,12 +49,12 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// The time of this cycle; it stands still until the next one.
+    /// The time of this cycle, constant until the next one.
     pub fn now(&self) -> Time {
         self.now
     }
 
-    /// The cycle's number since the component was built, from 1.
+    /// Number of the cycle since the component was built, from 1.
     pub fn number(&self) -> u64 {
         self.number
     }
@@ -63,22 +64,22 @@ impl<'a> Cycle<'a> {
         self.input(port).map_or(Flow::NoData, InputPort::read)
     }
 
-    /// Every sample that came since the last cycle, in the order in which they came (TCA `receiveAll`).
+    /// All samples that have arrived since the last cycle, in order of arrival (TCA `receiveAll`).
     pub fn all<T: Message>(&self, port: In<T>) -> &[T] {
         self.input(port).map_or(&[], InputPort::all)
     }
 
-    /// Whether an input's newest sample is older than its connection promises.
+    /// Returns whether the input's newest sample is older than its connection's policy allows.
     pub fn is_stale<T: Message>(&self, port: In<T>) -> bool {
         self.any_input(port).is_some_and(AnyInput::is_stale)
     }
 
-    /// When the newest sample of an input was written: the time of its writer's cycle.
+    /// Time of the writer's cycle in which the newest sample of an input was written; `None` without a sample.
     pub fn written_at<T: Message>(&self, port: In<T>) -> Option<Time> {
         self.any_input(port).and_then(AnyInput::written_at)
     }
 
-    /// Writes a sample; it leaves when the cycle has succeeded (TCA `send`).
+    /// Writes a sample, which is sent if the cycle succeeds (TCA `send`).
     pub fn write<T: Message>(&mut self, port: Out<T>, sample: T) {
         let index = port.position(self.host.owner());
         let output = self.host.output(index);
@@ -91,8 +92,8 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// The requests that wait for an operation, each handed over once. All but one-way ones want a reply, in this
-    /// cycle or a later one.
+    /// The waiting requests of an operation, each returned once. All but one-way requests need a reply, in this cycle
+    /// or a later one.
     pub fn requests<O: Operation>(&mut self, served: Provided<O>) -> Vec<Request<O::Request>> {
         let Some(slot) = self.provided(served) else {
             return Vec::new();
@@ -115,7 +116,8 @@ impl<'a> Cycle<'a> {
         requests
     }
 
-    /// Requests handed over earlier that nobody waits for any more: cancelled, or past their deadline.
+    /// Requests returned earlier whose callers no longer wait, because they cancelled the call or its deadline has
+    /// passed.
     pub fn cancelled<O: Operation>(&self, served: Provided<O>) -> &[RequestId] {
         match self.provided(served) {
             Some(slot) => self.host.cancelled(slot.port),
@@ -123,7 +125,7 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// Replies to a request; the reply leaves when the cycle has succeeded.
+    /// Replies to a request. The reply is sent if the cycle succeeds.
     pub fn reply<O: Operation>(
         &mut self,
         served: Provided<O>,
@@ -136,24 +138,24 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// Calls an operation; the call leaves when the cycle has succeeded, its reply comes in a later cycle.
-    /// Deadline and retries are the wire's.
+    /// Calls an operation. The call is sent if the cycle succeeds, and its reply arrives in a later cycle. The wire
+    /// determines timeout and retries.
     pub fn call<O: Operation>(&mut self, reference: Required<O>, argument: O::Request) -> CallId {
         self.make_call(reference, argument, false)
     }
 
-    /// Calls an operation and wants no reply.
+    /// Calls an operation without a reply.
     pub fn call_one_way<O: Operation>(&mut self, reference: Required<O>, argument: O::Request) {
         self.make_call(reference, argument, true);
     }
 
-    /// Takes back a call: it ends with [`CallError::Cancelled`], and the provider is told. One that has ended stays
-    /// ended.
+    /// Cancels a call: it ends with [`CallError::Cancelled`], and the provider is notified. Does nothing if the call
+    /// has ended.
     pub fn cancel(&mut self, call: CallId) {
         self.host.record(CycleAction::Cancel(call));
     }
 
-    /// The calls of an operation that ended since the last cycle, each handed over once.
+    /// The calls of an operation that have ended since the last cycle, each returned once.
     pub fn replies<O: Operation>(&mut self, reference: Required<O>) -> Vec<Reply<O::Response>> {
         let Some(slot) = self.required(reference) else {
             return Vec::new();
@@ -168,7 +170,7 @@ impl<'a> Cycle<'a> {
             .collect()
     }
 
-    /// What has become of one call, as of the beginning of the cycle; handed over once (RTT `collectIfDone`).
+    /// Status of one call as of the beginning of the cycle; a result is returned once (RTT `collectIfDone`).
     pub fn collect_if_done<O: Operation>(
         &mut self,
         reference: Required<O>,
@@ -189,7 +191,7 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// The value of a property, as of the beginning of the cycle: a copy, so big ones are better read in
+    /// The value of a property as of the beginning of the cycle. This copies the value, so read large ones in
     /// [`Component::configure`](crate::Component::configure).
     pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
         value_of(&*self.host, property).unwrap_or_else(|| {
@@ -198,23 +200,24 @@ impl<'a> Cycle<'a> {
         })
     }
 
-    /// Tells the observers something, if the cycle succeeds; nobody else hears of it.
+    /// Reports data to the observers if the cycle succeeds. Components do not receive reports.
     pub fn report(&mut self, kind: &'static str, what: Datum) {
         self.host.record(CycleAction::Report(kind, what));
     }
 
-    /// Says how many messages the component has lost so far, all in all.
+    /// Sets the total number of messages that the component has lost so far.
     pub fn set_losses(&mut self, losses: Losses) {
         self.host.set_losses(losses);
     }
 
-    /// Asks for another cycle at once, if the component is event-driven: not all that came could be done in this one.
+    /// Requests another cycle at once, if the component is event-driven. For components that cannot handle all of their
+    /// input in one cycle.
     pub fn again(&mut self) {
         self.host.record(CycleAction::Again);
     }
 
-    /// Puts the component in [`State::RunTimeError`](crate::State::RunTimeError) after this cycle, which otherwise
-    /// counts (RTT `error`).
+    /// Moves the component to [`State::RunTimeError`](crate::State::RunTimeError) after this cycle, which succeeds
+    /// otherwise (RTT `error`).
     pub fn error(&mut self, why: Fault) {
         self.error = Some(why);
     }
@@ -224,15 +227,15 @@ impl<'a> Cycle<'a> {
         self.host.record(CycleAction::SetPeriod(period));
     }
 
-    /// Says how long this cycle's work takes: simulated time, which stands still in a cycle, has no other way to hold
-    /// it against its deadline. Live, the clock knows.
+    /// Sets the duration of this cycle in simulated time, which is compared with the deadline. Simulated time is
+    /// constant during a cycle, so it cannot be measured; a live run measures the duration and ignores this.
     pub fn lasts(&mut self, how_long: Duration) {
         self.host.set_duration(how_long);
     }
 
-    /// Starts work that takes too long for a cycle, such as reading a file, and returns at once. Ask for the result with
-    /// [`BackgroundWork::take`], in this cycle and the following ones: live it comes to a later cycle, which it
-    /// triggers; in simulated time it is there when this returns.
+    /// Starts work that takes too long for a cycle, such as reading a file, and returns at once. Check for the result
+    /// with [`BackgroundWork::take`] in this cycle and the following ones: in a live run the end of the work triggers a
+    /// later cycle; in simulated time the result is available when this returns.
     ///
     /// The work starts even if the cycle fails, so it should change nothing outside of itself.
     pub fn spawn<T: Send + 'static>(
@@ -242,16 +245,16 @@ impl<'a> Cycle<'a> {
         BackgroundWork::spawn(self.host.work_place(), work)
     }
 
-    /// Whether somebody wants the component to stop, and its activity allows to interrupt it: a long cycle asks now
-    /// and then, and returns (TCA `mayInterruptIfRunning`). What it wrote until then counts.
+    /// Returns whether the component is to stop and its activity allows the interruption of a cycle. A long cycle
+    /// checks this now and then and returns early (TCA `mayInterruptIfRunning`); its outputs until then are committed.
     pub fn interrupted(&self) -> bool {
         self.host.is_interrupted()
     }
 
-    /// Ends the cycle. `Ok` may carry an error that the component has reported by [`Cycle::error`].
+    /// Ends the cycle. `Ok` contains the error reported with [`Cycle::error`], if any.
     ///
     /// # Errors
-    /// A handle was used that another component declared.
+    /// [`Fault::ForeignHandle`] if the component used a handle that another one declared.
     pub fn finish(self) -> Result<Option<Fault>, Fault> {
         match self.foreign.get() {
             None => Ok(self.error),
@@ -324,7 +327,7 @@ impl<'a> Cycle<'a> {
     }
 }
 
-/// A response in the type that the caller wants.
+/// Converts a response to the type that the caller expects.
 fn read_reply<R: Message>(response: Arc<dyn Sample>) -> Result<R, CallError> {
     (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
 }

@@ -1,57 +1,57 @@
-//! What a component declares, as plain data: for the checker, for introspection, for people.
+//! A component's declaration as plain data, for checks, introspection and documentation.
 
 use asmotion_datum::{Datum, Schema};
 use serde::{Deserialize, Serialize};
 
-/// Everything a component declares in its constructor.
+/// The declarations of a component's constructor.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Declaration {
     /// Input ports, in order of declaration.
     pub inputs: Vec<PortDeclaration>,
-    /// Output ports.
+    /// Output ports, in order of declaration.
     pub outputs: Vec<PortDeclaration>,
-    /// Services it provides.
+    /// Provided services, in order of declaration.
     pub services: Vec<ServiceDeclaration>,
-    /// References it requires.
+    /// Required references, in order of declaration.
     pub references: Vec<ReferenceDeclaration>,
-    /// Properties.
+    /// Properties, in order of declaration.
     pub properties: Vec<PropertyDeclaration>,
 }
 
-/// A port.
+/// Declaration of a port.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PortDeclaration {
-    /// Its name, unique among the component's ports of its direction.
+    /// Name, unique among the component's ports of the same direction.
     pub name: String,
-    /// Name and shape of what passes; the shape of a port declared by type name is any.
+    /// Name and fields of the message type; the fields of a port declared by type name alone are unknown.
     pub schema: Schema,
-    /// What it is for.
+    /// Purpose of the port, in one line.
     pub doc: String,
 }
 
 /// A service that a component provides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ServiceDeclaration {
-    /// Its name.
+    /// Name, unique among the component's services.
     pub name: String,
-    /// Its interface: `nav/PlanService`.
+    /// Name of the interface, for example `nav/PlanService`.
     pub interface: String,
-    /// What it is for.
+    /// Purpose of the service, in one line.
     pub doc: String,
-    /// The operations served.
+    /// The operations provided.
     pub operations: Vec<OperationDeclaration>,
 }
 
 /// A reference to a service that a component requires.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceDeclaration {
-    /// Its name.
+    /// Name, unique among the component's references.
     pub name: String,
-    /// The interface required.
+    /// Name of the required interface.
     pub interface: String,
-    /// What it is for.
+    /// Purpose of the reference, in one line.
     pub doc: String,
-    /// Whether the component does without if need be.
+    /// `true` if the component also works without a service.
     pub optional: bool,
     /// The operations called.
     pub operations: Vec<OperationDeclaration>,
@@ -60,30 +60,30 @@ pub struct ReferenceDeclaration {
 /// An operation of a service or a reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OperationDeclaration {
-    /// Its name in the interface.
+    /// Name, unique in the interface.
     pub name: String,
-    /// What is sent.
+    /// Type of the request.
     pub request: Schema,
-    /// What is answered.
+    /// Type of the response.
     pub response: Schema,
 }
 
-/// A property.
+/// Declaration of a property.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PropertyDeclaration {
-    /// Its name, unique in the component.
+    /// Name, unique in the component.
     pub name: String,
-    /// What it is for.
+    /// Purpose of the property, in one line.
     pub doc: String,
-    /// Its type.
+    /// Type of the value.
     pub schema: Schema,
-    /// Its unit: `m/s`; empty for none.
+    /// Unit of the value, for example `m/s`; empty without one.
     pub unit: String,
-    /// Its value, unless one is set.
+    /// The value used unless the composite sets one.
     pub default: Datum,
-    /// Least and greatest value, both lawful.
+    /// Least and greatest allowed value, inclusive; `None` without a limit.
     pub range: Option<(Datum, Datum)>,
-    /// All lawful values, if they can be listed.
+    /// All allowed values, if they are enumerated; else empty.
     pub choices: Vec<Datum>,
 }
 
@@ -114,33 +114,33 @@ impl Declaration {
     }
 }
 
-/// Two declarations that do not go together.
+/// A contradiction between declarations of a component.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DeclarationError {
-    /// A name declared twice.
+    /// Two declarations of the same kind with the same name.
     #[error("{what} `{name}` is declared twice")]
     Twice {
-        /// Input, output, property, operation.
+        /// The kind: input, output, property or operation.
         what: &'static str,
-        /// The name.
+        /// The name in question.
         name: String,
     },
     /// Operations of two interfaces under one name.
     #[error("`{name}` is declared for interface `{first}` and for `{second}`")]
     TwoInterfaces {
-        /// The service or reference.
+        /// Name of the service or reference.
         name: String,
         /// The interface declared first.
         first: String,
-        /// The other.
+        /// The interface declared later.
         second: String,
     },
-    /// A default outside of its own range.
+    /// A default that is not among the allowed values.
     #[error("the default of property `{name}` is not one of its lawful values: {reason}")]
     BadDefault {
-        /// The property.
+        /// Name of the property.
         name: String,
-        /// Why.
+        /// The violated limit.
         reason: String,
     },
 }

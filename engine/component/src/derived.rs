@@ -1,4 +1,4 @@
-//! Declarations as plain structs: each field is declared where it is documented, and read by its name.
+//! Declarations as plain structs: each field declares one port or property, and its doc comment describes it.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -10,18 +10,18 @@ use crate::interface::Interface;
 use crate::property::PropertyValue;
 use crate::setup::Setup;
 
-/// The properties of a component as a plain struct, one field a property.
+/// The properties of a component as a plain struct, with one field for each property.
 ///
-/// The derive takes everything from the field: the name, the description (the doc comment), and in `#[property(…)]`
-/// the unit, the range, the default and the lawful choices. Algorithms use the same struct, so a property has one name
+/// The derive takes everything from the field: the name, the description (the doc comment), and, from `#[property(…)]`,
+/// the unit, the range, the default and the allowed choices. Algorithms use the same struct, so a property has one name
 /// in composites, in the declaration and in the code.
 ///
-/// A field may be whatever is a [`PropertyValue`]: numbers, truth values, text, lists, arrays, messages. Beyond that
-/// it may be
+/// A field may have any type that implements [`PropertyValue`]: numbers, truth values, text, lists, arrays, messages.
+/// Beyond that it may be
 /// - a [`Duration`](std::time::Duration), written as text in the attribute and as a number of its unit (`s` unless
 ///   given; `ms`, `us`) in composites; a range is mandatory,
 /// - an enum that is a [`Word`](asmotion_datum::Word), marked `words`,
-/// - another struct of properties, marked `flatten`, declared as if its fields stood here.
+/// - another struct of properties, marked `flatten`, whose fields are declared in its place.
 ///
 /// ```
 /// use std::time::Duration;
@@ -46,13 +46,13 @@ use crate::setup::Setup;
 /// # Ok::<(), &str>(())
 /// ```
 pub trait Properties: Default {
-    /// One handle for each field.
+    /// The struct of handles, one for each field.
     type Handles;
 
     /// Declares every field on an interface.
     fn declare(interface: &mut Interface) -> Self::Handles;
 
-    /// Reads every field: a snapshot of one cycle.
+    /// Reads the current value of every field.
     fn read(handles: &Self::Handles, from: &impl PropertySource) -> Self;
 }
 
@@ -85,9 +85,9 @@ pub trait Ports: Sized {
     fn declare(interface: &mut Interface) -> Self;
 }
 
-/// Where properties can be read: in a cycle, and while a component is configured.
+/// A source of property values: a cycle, or the setup of a component being configured.
 pub trait PropertySource {
-    /// The present value of a property.
+    /// The current value of a property.
     fn property<T: PropertyValue>(&self, property: Property<T>) -> T;
 }
 
@@ -103,17 +103,17 @@ impl PropertySource for Setup<'_> {
     }
 }
 
-/// Declared properties together with the last snapshot of their values, which it dereferences to.
+/// Declared properties and a snapshot of their values. Dereferences to the snapshot.
 ///
-/// Properties change between cycles only, so a component calls [`refresh`](Self::refresh) first thing in
-/// [`Component::update`](crate::Component::update) (or once in `configure`, where properties are to count only then) and
-/// reads fields from there on. A refresh without a change in between copies nothing.
+/// Properties change between cycles only, so a component calls [`refresh`](Self::refresh) at the beginning of
+/// [`Component::update`](crate::Component::update) (or once in `configure`, if later changes should have no effect) and
+/// reads the fields afterwards. A refresh without a change copies nothing.
 #[derive(Debug)]
 pub struct PropertySet<P: Properties> {
     handles: P::Handles,
-    /// Counts the changes of the component's properties; written by the component's own thread between cycles.
+    /// Number of changes of the component's properties. Written by the component's own thread between cycles.
     revision: Arc<AtomicU64>,
-    /// The revision the values were read at; none before the first refresh.
+    /// The value of `revision` at the last refresh; `None` before the first.
     seen: Option<u64>,
     values: P,
 }
@@ -130,7 +130,7 @@ impl<P: Properties> PropertySet<P> {
     }
 }
 
-/// The values of the last refresh; before the first one, the defaults.
+/// The values as of the last refresh; the defaults before the first one.
 impl<P: Properties> Deref for PropertySet<P> {
     type Target = P;
 
@@ -140,7 +140,7 @@ impl<P: Properties> Deref for PropertySet<P> {
 }
 
 impl Interface {
-    /// Declares the properties of a struct.
+    /// Declares the properties of a struct, in the order of its fields.
     pub fn properties<P: Properties>(&mut self) -> PropertySet<P> {
         PropertySet {
             handles: P::declare(self),
@@ -150,7 +150,7 @@ impl Interface {
         }
     }
 
-    /// Declares the ports, services and references of a struct.
+    /// Declares the ports, services and references of a struct, in the order of its fields.
     pub fn ports<P: Ports>(&mut self) -> P {
         P::declare(self)
     }

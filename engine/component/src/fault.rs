@@ -1,4 +1,4 @@
-//! What goes wrong at run time.
+//! Faults of components at run time.
 
 use std::any::Any;
 use std::fmt;
@@ -7,56 +7,56 @@ use std::time::Duration;
 use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
 
-/// Why a component failed. Any error becomes one with `?`; for words alone there is [`Fault::new`].
+/// The reason that a component failed. `?` converts any error into a fault; [`Fault::new`] makes one from a message.
 ///
-/// Not an error type itself, so that `?` can make one of every error that is.
+/// `Fault` does not implement `Error` itself, because that would conflict with the conversion from every error type.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
-    /// The component said so.
+    /// The component returned an error, with this message.
     Failed(String),
     /// The component panicked, with this message.
     Panicked(String),
-    /// A handle was used that another component declared.
+    /// The component used a handle that another component declared.
     ForeignHandle {
-        /// What the handle stands for: `input`, `property`.
+        /// The kind of the handle, for example `input` or `property`.
         kind: String,
     },
-    /// Components triggered each other without end at one instant.
+    /// Components triggered each other endlessly at one instant.
     Loop {
-        /// The instant.
+        /// The instant of the loop.
         at: Time,
-        /// Those in the loop, by name.
+        /// Names of the components in the loop.
         components: Vec<String>,
     },
-    /// A cycle took longer than its period, and the activity forbids that.
+    /// A cycle missed periods, and the activity's overrun policy is to fail.
     Overrun {
-        /// How many periods were missed.
+        /// Number of missed periods.
         missed: u64,
     },
-    /// A cycle took longer than its deadline, and the activity forbids that.
+    /// A cycle exceeded its deadline, and the activity's reaction is to fail.
     Late {
-        /// How long it took.
+        /// Duration of the cycle.
         took: Duration,
-        /// How long it may take.
+        /// Limit on the duration.
         deadline: Duration,
     },
-    /// A mandatory connection was full, or could not carry the sample.
+    /// A mandatory connection was full or could not carry the sample.
     NotDelivered {
-        /// The output port.
+        /// Name of the output port.
         port: String,
-        /// The connection's other end: `Follower.path`.
+        /// Reading end of the connection, for example `Follower.path`.
         to: String,
     },
 }
 
 impl Fault {
-    /// A fault in words: lower case, no full stop.
+    /// A fault with a message: lower case, no full stop.
     pub fn new(what: impl fmt::Display) -> Self {
         Self::Failed(what.to_string())
     }
 
-    /// The fault of a caught panic, with its message if it has one.
+    /// The fault of a caught panic, with the panic's message if it is text.
     pub fn of_panic(payload: &(dyn Any + Send)) -> Self {
         let message = payload
             .downcast_ref::<&str>()

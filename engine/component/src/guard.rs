@@ -1,11 +1,12 @@
-//! The border around a component's code.
+//! Confines panics to the component whose code panicked.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::fault::Fault;
 
-/// Runs a component's code; a panic is a fault like another.
+/// Runs a component's code and converts a panic into a fault.
 pub fn guarded<R>(code: impl FnOnce() -> Result<R, Fault>) -> Result<R, Fault> {
-    // After a panic the component is not called again but to stop and clean up; it sees what it left behind.
+    // unwind safe: after a panic, the runtime calls only the component's own stop and clean-up hooks, so no other code
+    // sees its state
     catch_unwind(AssertUnwindSafe(code)).unwrap_or_else(|payload| Err(Fault::of_panic(&*payload)))
 }

@@ -1,4 +1,4 @@
-//! Handles: what a component keeps of its declarations. Small, typed, copied; no look-up by name in a cycle.
+//! Handles of a component's declarations: small, typed and copied, so that a cycle looks up no names.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -10,21 +10,21 @@ macro_rules! handle {
         $(
             $(#[$meta])*
             pub struct $name<$of $(: $bound)?> {
-                /// Position in the table of the component that declared it.
+                /// Position in the declaring component's table.
                 index: u32,
-                /// The interface it was declared on.
+                /// Number of the interface on which it was declared.
                 owner: u32,
                 of: PhantomData<fn() -> $of>,
             }
 
             impl<$of $(: $bound)?> $name<$of> {
                 pub(crate) fn new(owner: u32, index: usize) -> Self {
-                    // No component has four thousand million ports; were there one, the handle would be refused.
+                    // an index beyond `u32` is unrealistic; the saturated handle would be refused
                     let index = u32::try_from(index).unwrap_or(u32::MAX);
                     Self { index, owner, of: PhantomData }
                 }
 
-                /// Its place in the table of its owner; in another's, a place that does not exist.
+                /// Position in the owner's table; `usize::MAX`, which no table has, for any other component.
                 pub(crate) fn position(self, owner: u32) -> usize {
                     if self.owner == owner { self.index as usize } else { usize::MAX }
                 }
@@ -48,14 +48,14 @@ macro_rules! handle {
 }
 
 handle! {
-    /// An input port.
+    /// Handle of an input port.
     In<T>;
-    /// An output port.
+    /// Handle of an output port.
     Out<T>;
-    /// A property.
+    /// Handle of a property.
     Property<T>;
-    /// An operation that the component serves.
+    /// Handle of an operation that the component provides.
     Provided<O: Operation>;
-    /// An operation that the component calls.
+    /// Handle of an operation that the component calls.
     Required<O: Operation>;
 }

@@ -1,4 +1,4 @@
-//! What a runtime provides to a component in its hooks.
+//! The interface between a component's hooks and its runtime.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,17 +12,17 @@ use crate::losses::Losses;
 use crate::operation::{CallId, OperationSlot, Reply, RequestId};
 use crate::property::AnyProperty;
 
-/// The properties of a component, as [`Setup`](crate::Setup) shows them.
+/// The properties of a component, which [`Setup`](crate::Setup) reads.
 pub trait PropertyHost {
-    /// The interface that the component's handles were declared on.
+    /// Number of the interface on which the component's handles were declared.
     fn owner(&self) -> u32;
 
     /// The property at this position.
     fn property(&self, index: usize) -> Option<&dyn AnyProperty>;
 }
 
-/// A component's ports, calls and requests during one cycle, as [`Cycle`](crate::Cycle) shows them. Positions are those
-/// of the tables in [`InterfaceParts`](crate::InterfaceParts).
+/// A component's ports, calls and requests during one cycle, which [`Cycle`](crate::Cycle) uses. Positions refer to the
+/// tables in [`InterfaceParts`](crate::InterfaceParts).
 pub trait CycleHost: PropertyHost {
     /// The input port at this position, frozen for the cycle.
     fn input(&self, index: usize) -> Option<&dyn AnyInput>;
@@ -30,58 +30,58 @@ pub trait CycleHost: PropertyHost {
     /// The output port at this position.
     fn output(&mut self, index: usize) -> Option<&mut dyn AnyOutput>;
 
-    /// The operation that a `Provided` handle stands for.
+    /// The operation that a `Provided` handle refers to.
     fn provided(&self, index: usize) -> Option<OperationSlot>;
 
-    /// The operation that a `Required` handle stands for.
+    /// The operation that a `Required` handle refers to.
     fn required(&self, index: usize) -> Option<OperationSlot>;
 
     /// Adds an action to the journal.
     fn record(&mut self, action: CycleAction);
 
-    /// Takes the requests that wait for an operation.
+    /// Removes and returns the waiting requests of an operation.
     fn take_requests(&mut self, operation: OperationSlot) -> Vec<WaitingRequest>;
 
-    /// The taken requests of a service that no caller waits for any more.
+    /// The taken requests of a service whose callers no longer wait.
     fn cancelled(&self, service: usize) -> &[RequestId];
 
-    /// A number for the next call.
+    /// Returns a fresh number for a call.
     fn next_call(&mut self) -> CallId;
 
-    /// Takes the ended calls of an operation.
+    /// Removes and returns the ended calls of an operation.
     fn take_replies(&mut self, operation: OperationSlot) -> Vec<Reply<Arc<dyn Sample>>>;
 
-    /// Takes one call of an operation, if it has ended.
+    /// Removes and returns one call of an operation if it has ended.
     fn take_reply(
         &mut self,
         operation: OperationSlot,
         call: CallId,
     ) -> Option<Reply<Arc<dyn Sample>>>;
 
-    /// Whether a call has been made and its end cannot be seen yet.
+    /// Returns whether a call has been made and its end is not visible yet.
     fn is_under_way(&self, call: CallId) -> bool;
 
     /// Publishes the component's count of lost messages.
     fn set_losses(&mut self, losses: Losses);
 
-    /// Where the component's background work runs.
+    /// The thread in which the component's background work runs.
     fn work_place(&self) -> &WorkPlace;
 
-    /// Sets how long the cycle's work takes in simulated time.
+    /// Sets the duration of the cycle in simulated time.
     fn set_duration(&mut self, duration: Duration);
 
-    /// Whether the component is to stop, and its activity lets a cycle be interrupted.
+    /// Returns whether the component is to stop and its activity allows the interruption of a cycle.
     fn is_interrupted(&self) -> bool;
 }
 
 /// A request that waits for its provider's cycle.
 pub struct WaitingRequest {
-    /// To be named in the reply.
+    /// Identifies the request in the reply.
     pub id: RequestId,
-    /// The argument, in the caller's type.
+    /// The request, in the caller's type.
     pub argument: Arc<dyn Sample>,
-    /// The caller's name.
+    /// Name of the calling component.
     pub caller: Arc<str>,
-    /// When the caller gives up; absent for a one-way call.
+    /// Time at which the caller stops waiting; `None` for a one-way call.
     pub deadline: Option<Time>,
 }

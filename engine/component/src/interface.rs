@@ -1,4 +1,4 @@
-//! The interface: a component's constructor declares here, and keeps the handles.
+//! The interface on which a component's constructor makes its declarations and receives handles.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
@@ -14,28 +14,28 @@ use crate::handle::{In, Out, Property, Provided, Required};
 use crate::operation::{Dynamic, Handler, Operation, OperationSlot, ServiceFault, unreadable};
 use crate::property::{self, AnyProperty, PropertyValue, Setting};
 
-/// Takes a component's declarations. Construction is declaration: no IO happens in it.
+/// Collects the declarations of a component. Construction only declares; it performs no I/O.
 pub struct Interface {
-    /// Marks the handles that are given out here.
+    /// Number of this interface, stored in its handles to detect foreign ones.
     owner: u32,
     declaration: Declaration,
     problems: Vec<DeclarationError>,
     inputs: Vec<Box<dyn AnyInput>>,
     outputs: Vec<Box<dyn AnyOutput>>,
     properties: Vec<Box<dyn AnyProperty>>,
-    /// Counts the changes of properties; each property's slot increments it, a `PropertySet` compares it.
+    /// Number of property changes. Incremented by each property's slot, compared by `PropertySet`.
     revision: Arc<AtomicU64>,
-    /// What each `Provided` handle stands for.
+    /// The operation that each `Provided` handle refers to.
     provided: Vec<OperationSlot>,
-    /// For each service and its operations, what serves them in the caller's thread.
+    /// For each service and operation, the handler that runs in the caller's thread, if there is one.
     handlers: Vec<Vec<Option<Handler>>>,
-    /// What each `Required` handle stands for.
+    /// The operation that each `Required` handle refers to.
     required: Vec<OperationSlot>,
 }
 
-/// What a runtime takes over from an [`Interface`]: the tables that the component's handles index.
+/// The contents of an [`Interface`] for a runtime: the tables that the component's handles index.
 pub struct InterfaceParts {
-    /// Marks the handles of this component.
+    /// Number of the interface, stored in its handles.
     pub owner: u32,
     /// The declarations as data.
     pub declaration: Declaration,
@@ -45,16 +45,16 @@ pub struct InterfaceParts {
     pub outputs: Vec<Box<dyn AnyOutput>>,
     /// Properties, in order of declaration.
     pub properties: Vec<Box<dyn AnyProperty>>,
-    /// The operation that each `Provided` handle stands for.
+    /// The operation that each `Provided` handle refers to.
     pub provided: Vec<OperationSlot>,
-    /// For each service and its operations, the handler that runs in the caller's thread, if there is one.
+    /// For each service and operation, the handler that runs in the caller's thread, if there is one.
     pub handlers: Vec<Vec<Option<Handler>>>,
-    /// The operation that each `Required` handle stands for.
+    /// The operation that each `Required` handle refers to.
     pub required: Vec<OperationSlot>,
 }
 
 impl Interface {
-    /// An interface without declarations.
+    /// Creates an interface without declarations.
     pub fn new() -> Self {
         static LAST: AtomicU32 = AtomicU32::new(0);
         Self {
@@ -71,7 +71,7 @@ impl Interface {
         }
     }
 
-    /// Everything declared, for the runtime that takes the component.
+    /// All declarations, for the runtime that takes over the component.
     pub fn into_parts(self) -> InterfaceParts {
         InterfaceParts {
             owner: self.owner,
@@ -85,43 +85,43 @@ impl Interface {
         }
     }
 
-    /// What has been declared so far.
+    /// The declarations made so far.
     pub fn declaration(&self) -> &Declaration {
         &self.declaration
     }
 
-    /// Declarations that do not go together.
+    /// Contradictions between the declarations made so far.
     pub fn problems(&self) -> &[DeclarationError] {
         &self.problems
     }
 
-    /// An input port.
+    /// Declares an input port.
     pub fn input<T: Message>(&mut self, name: &str, doc: &str) -> In<T> {
         self.add_input(name, T::schema().clone(), doc)
     }
 
-    /// An input port whose message type is known at run time only.
+    /// Declares an input port whose message type is known only at run time.
     pub fn input_of(&mut self, name: &str, schema: Schema, doc: &str) -> In<Datum> {
         self.add_input(name, schema, doc)
     }
 
-    /// An output port.
+    /// Declares an output port.
     pub fn output<T: Message>(&mut self, name: &str, doc: &str) -> Out<T> {
         self.add_output(name, T::schema().clone(), doc)
     }
 
-    /// An output port whose message type is known at run time only.
+    /// Declares an output port whose message type is known only at run time.
     pub fn output_of(&mut self, name: &str, schema: Schema, doc: &str) -> Out<Datum> {
         self.add_output(name, schema, doc)
     }
 
-    /// An operation that the component serves, under a service's name. A service may have several operations.
+    /// Declares an operation that the component provides as part of a service. A service may have several operations.
     pub fn serve<O: Operation>(&mut self, service: &str, doc: &str) -> Provided<O> {
         self.add_provided(service, O::INTERFACE, operation::<O>(), None, doc)
     }
 
-    /// An operation that each caller serves itself with, in its own thread and at once, whatever the component is doing
-    /// (RTT `ClientThread`).
+    /// Declares an operation whose handler runs at once in the caller's thread, concurrently with the component's
+    /// cycles (RTT `ClientThread`).
     pub fn serve_in_caller<O: Operation>(
         &mut self,
         service: &str,
@@ -136,11 +136,11 @@ impl Interface {
         let handler: Handler = Arc::new(handler);
         let of: Provided<O> =
             self.add_provided(service, O::INTERFACE, operation::<O>(), Some(handler), doc);
-        // No request comes to the component, so nobody needs the handle.
+        // the handle is useless: no request reaches the component
         let _ = of;
     }
 
-    /// An operation that the component serves, known by name only.
+    /// Declares a provided operation whose types are known only at run time.
     pub fn serve_of(
         &mut self,
         service: &str,
@@ -151,12 +151,12 @@ impl Interface {
         self.add_provided(service, interface, operation_of(operation), None, doc)
     }
 
-    /// An operation that the component calls, under a reference's name. A reference may have several operations.
+    /// Declares an operation that the component calls through a reference. A reference may have several operations.
     pub fn require<O: Operation>(&mut self, reference: &str, doc: &str) -> Required<O> {
         self.add_required(reference, O::INTERFACE, operation::<O>(), doc)
     }
 
-    /// An operation that the component calls, known by name only.
+    /// Declares a called operation whose types are known only at run time.
     pub fn require_of(
         &mut self,
         reference: &str,
@@ -167,7 +167,7 @@ impl Interface {
         self.add_required(reference, interface, operation_of(operation), doc)
     }
 
-    /// Marks a reference that the component does without if need be.
+    /// Marks a reference as optional: the component works without a service too.
     pub fn optional<O: Operation>(&mut self, required: Required<O>) -> Required<O> {
         let slot = self.required.get(required.position(self.owner));
         if let Some(slot) = slot
@@ -178,12 +178,13 @@ impl Interface {
         required
     }
 
-    /// A property without bounds.
+    /// Declares a property without limits.
     pub fn property<T: PropertyValue>(&mut self, name: &str, default: T, doc: &str) -> Property<T> {
         self.setting(name, default, doc).declare()
     }
 
-    /// A property with a range, a unit or choices: `interface.setting(…).range(0.0..=5.0).unit("m").declare()`.
+    /// Begins the declaration of a property with a range, a unit or choices:
+    /// `interface.setting(…).range(0.0..=5.0).unit("m").declare()`.
     pub fn setting<T: PropertyValue>(
         &mut self,
         name: &str,
@@ -193,7 +194,7 @@ impl Interface {
         Setting::new(self, name, default, doc)
     }
 
-    /// The counter of changes of properties.
+    /// The counter of property changes.
     pub(crate) fn revision(&self) -> &Arc<AtomicU64> {
         &self.revision
     }
@@ -298,7 +299,7 @@ impl Interface {
         Property::new(self.owner, self.properties.len() - 1)
     }
 
-    /// The datum of a value of a property; a value that has none is a problem of the declaration.
+    /// Converts a property's value to a datum. A value that cannot be represented is recorded as a problem.
     pub(crate) fn datum_of<T: PropertyValue>(&mut self, property: &str, value: &T) -> Datum {
         Datum::of(value).unwrap_or_else(|error| {
             self.problems.push(DeclarationError::BadDefault {
@@ -341,7 +342,8 @@ fn operation_of(name: &str) -> OperationDeclaration {
     }
 }
 
-/// Adds an operation to a service or reference of the same name, if it fits.
+/// Adds an operation to a service or reference. Returns the contradiction if the interface differs or the name is
+/// taken.
 fn join(
     name: &str,
     first: &str,

@@ -1,9 +1,10 @@
-//! What a component is written against: freeze inputs → compute → commit all outputs or none → flush.
+//! The interface between components and their runtime. A cycle is: freeze inputs → compute → commit all outputs or none
+//! → flush.
 //!
-//! TCA's `run()`, Orocos' `updateHook()` and a step of an Abstract State Machine have this one shape, and everything
-//! that lives in a running system is a [`Component`] with it. A constructor declares ports, services, references and
-//! properties on an [`Interface`], and keeps typed handles; a [`Cycle`] is what the component sees through them. The
-//! runtime that joins and drives components is another crate, `asmotion-runtime`: it implements [`CycleHost`].
+//! TCA's `run()`, Orocos' `updateHook()` and a step of an Abstract State Machine all have this shape, and everything in
+//! a running system is a [`Component`] with such a cycle. A constructor declares ports, services, references and
+//! properties on an [`Interface`], and keeps typed handles; a [`Cycle`] gives access through them. A separate crate,
+//! `asmotion-runtime`, connects and drives components; it implements [`CycleHost`].
 
 mod action;
 mod activity;

@@ -6,20 +6,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::Fault;
 
-/// Where a component is in its life.
+/// State of a component in its life cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u8)]
 pub enum State {
-    /// Built, and in a system that does not run yet: nothing can be asked of it.
+    /// Built, in a system that does not run yet; no transition is possible.
     Init,
-    /// In a system that runs; not configured.
+    /// In a running system, not configured.
     PreOperational,
-    /// Failed for good, even in its clean-up.
+    /// Failed during the handling of a failure; no transition is possible.
     FatalError,
-    /// Failed in a hook or a cycle; it was stopped and cleaned up.
+    /// Failed in a hook or a cycle; stopped and cleaned up.
     Exception,
-    /// Configured, ready to run.
+    /// Configured, not cycling.
     Stopped,
     /// Cycling.
     Running,
@@ -39,18 +39,18 @@ impl State {
         Self::RunTimeError,
     ];
 
-    /// Whether cycles run: normal ones or the error hook (RTT `isRunning`, TCA `isRunning()`).
+    /// Returns whether the component cycles, normally or in the error hook (RTT `isRunning`, TCA `isRunning()`).
     pub fn is_running(self) -> bool {
         matches!(self, Self::Running | Self::RunTimeError)
     }
 
-    /// Whether it is configured (RTT `isConfigured`).
+    /// Returns whether the component is configured (RTT `isConfigured`).
     pub fn is_configured(self) -> bool {
         self == Self::Stopped || self.is_running()
     }
 
-    /// The state of a number, as `state as u8` gives it and threads share it; [`FatalError`](Self::FatalError) for a
-    /// number that is none.
+    /// The state with this number, as `state as u8` returns it for sharing between threads;
+    /// [`FatalError`](Self::FatalError) for any other number.
     pub fn from_number(number: u8) -> Self {
         Self::ALL
             .into_iter()
@@ -65,26 +65,26 @@ impl fmt::Display for State {
     }
 }
 
-/// What can be asked of a component's life.
+/// A transition of the life cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Transition {
-    /// Read the properties, get ready.
+    /// Reads the properties and prepares the component.
     Configure,
-    /// Begin to cycle.
+    /// Begins cycling.
     Start,
-    /// End cycling.
+    /// Ends cycling.
     Stop,
-    /// Give everything back.
+    /// Releases the component's resources.
     Cleanup,
-    /// Leave the error hook, or leave an exception (RTT `recover`).
+    /// Leaves the error hook or an exception (RTT `recover`).
     Recover,
-    /// Leave an exception (RTT `resetException`).
+    /// Leaves an exception (RTT `resetException`).
     ResetException,
 }
 
 impl Transition {
-    /// All of them.
+    /// All transitions.
     pub const ALL: [Self; 6] = [
         Self::Configure,
         Self::Start,
@@ -94,7 +94,7 @@ impl Transition {
         Self::ResetException,
     ];
 
-    /// Where it leads from a state when its hook succeeds; `None` where RTT refuses it: from all states not named here.
+    /// The state it leads to when its hook succeeds; `None` if RTT refuses it in the given state.
     pub fn target(self, from: State) -> Option<State> {
         match (self, from) {
             (Self::Configure, State::PreOperational | State::Stopped) => Some(State::Stopped),
@@ -135,41 +135,41 @@ impl fmt::Display for Transition {
     }
 }
 
-/// Why a transition did not happen.
+/// The reason that a transition did not happen.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LifeCycleError {
-    /// RTT's guard: not from this state.
+    /// RTT's guard refuses the transition in this state.
     #[error("cannot {transition} `{component}`: it is {state}")]
     Refused {
-        /// The component.
+        /// Name of the component.
         component: String,
-        /// What was asked.
+        /// The requested transition.
         transition: Transition,
-        /// The state it is in.
+        /// The current state.
         state: State,
     },
     /// The component's hook failed.
     #[error("cannot {transition} `{component}`: {fault}")]
     Failed {
-        /// The component.
+        /// Name of the component.
         component: String,
-        /// What was asked.
+        /// The requested transition.
         transition: Transition,
-        /// The hook's reason.
+        /// The fault that the hook returned.
         fault: Fault,
     },
     /// There is no such component.
     #[error("there is no component `{component}`")]
     Unknown {
-        /// The name asked for.
+        /// The name that was looked for.
         component: String,
     },
-    /// The component did not answer in time: its cycle is still under way.
+    /// The component did not reply in time: its cycle is still under way.
     #[error("`{component}` is busy and did not {transition} in time")]
     Busy {
-        /// The component.
+        /// Name of the component.
         component: String,
-        /// What was asked.
+        /// The requested transition.
         transition: Transition,
     },
 }

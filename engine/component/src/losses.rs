@@ -1,12 +1,12 @@
-//! Losses: messages that did not reach a component's work.
+//! Counts of messages that a component received but did not use.
 
 use serde::{Deserialize, Serialize};
 
-/// Messages that came to a component, and not to its work.
+/// Messages that a component received but did not use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Losses {
-    /// Dropped because too many waited.
+    /// Dropped because a queue was full.
     pub dropped: u64,
-    /// Left out because they did not fit their purpose.
+    /// Ignored because their content was unsuitable.
     pub misfits: u64,
 }

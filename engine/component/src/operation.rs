@@ -1,4 +1,4 @@
-//! Operations: requests that are called in one cycle and answered in a later one. No cycle waits.
+//! Operations: requests that are called in one cycle and answered in a later one, so that no cycle waits.
 
 use std::sync::Arc;
 
@@ -6,19 +6,19 @@ use asmotion_datum::{Datum, DatumError, Message, Sample};
 use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
 
-/// An operation: a named request and response of an interface.
+/// An operation of an interface: a name, a request type and a response type.
 pub trait Operation: 'static {
-    /// What the caller sends.
+    /// Type of the request.
     type Request: Message;
-    /// What the provider answers.
+    /// Type of the response.
     type Response: Message;
-    /// The interface the operation belongs to: `nav/PlanService`.
+    /// Name of the operation's interface, for example `nav/PlanService`.
     const INTERFACE: &'static str;
-    /// Its name in the interface: `plan`.
+    /// Name within the interface, for example `plan`.
     const NAME: &'static str;
 }
 
-/// An operation known at run time only: data in, data out.
+/// An operation whose types are known only at run time; it passes [`Datum`] values.
 #[derive(Debug, Clone, Copy)]
 pub struct Dynamic;
 
@@ -29,48 +29,48 @@ impl Operation for Dynamic {
     const NAME: &'static str = "";
 }
 
-/// A call of one component, from its first attempt to its end.
+/// Identifies a call of one component, from its first attempt to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct CallId(pub u64);
 
-/// A request at one provider.
+/// Identifies a request at one provider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct RequestId(pub u64);
 
 /// A request, as the provider sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request<T> {
-    /// To be named in the reply.
+    /// Identifies the request in the reply.
     pub id: RequestId,
-    /// What is asked.
+    /// The request's data.
     pub argument: T,
-    /// The caller's name.
+    /// Name of the calling component.
     pub caller: Arc<str>,
-    /// When the caller gives up; absent for a one-way call.
+    /// Time at which the caller stops waiting; `None` for a one-way call.
     pub deadline: Option<Time>,
 }
 
 /// The end of a call, as the caller sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reply<T> {
-    /// The call.
+    /// The call that has ended.
     pub call: CallId,
-    /// How it ended.
+    /// The response or the error.
     pub result: Result<T, CallError>,
 }
 
-/// Why a provider could not do what was asked.
+/// The reason that a provider could not carry out a request.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[error("{code}: {detail}")]
 pub struct ServiceFault {
-    /// One of the operation's fault codes: `NO_PATH`.
+    /// One of the operation's fault codes, for example `NO_PATH`.
     pub code: String,
-    /// For people.
+    /// Explanation for a human reader.
     pub detail: String,
 }
 
 impl ServiceFault {
-    /// A fault of a code, explained.
+    /// A fault with this code and explanation.
     pub fn new(code: impl Into<String>, detail: impl Into<String>) -> Self {
         Self {
             code: code.into(),
@@ -79,47 +79,47 @@ impl ServiceFault {
     }
 }
 
-/// Why a call has no response.
+/// The reason that a call has no response.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CallError {
-    /// The deadline passed.
+    /// The deadline passed without a reply.
     #[error("no answer before the deadline")]
     Timeout,
-    /// Nobody is there to answer: not wired, not running, or overwhelmed.
+    /// The reference is not wired, or the provider does not run or its queue is full.
     #[error("nobody is there to answer")]
     Unavailable,
-    /// The provider refused.
+    /// The provider replied with a fault.
     #[error(transparent)]
     Fault(#[from] ServiceFault),
-    /// The caller took it back.
+    /// The caller cancelled the call.
     #[error("cancelled by the caller")]
     Cancelled,
 }
 
-/// What has become of a call that was sent (RTT `SendStatus`).
+/// Status of a call (RTT `SendStatus`).
 #[derive(Debug, Clone, PartialEq)]
 pub enum SendStatus<T> {
-    /// It is under way.
+    /// The call is under way.
     NotReady,
-    /// It is done.
+    /// The provider has replied.
     Success(T),
-    /// It has no response.
+    /// The call has ended without a response.
     Failure(CallError),
-    /// No such call is under way: what became of it has been collected.
+    /// No such call is under way; its result may have been collected already.
     Unknown,
 }
 
-/// The fault of an argument or response that is of another type.
+/// The fault of a request or response that cannot be converted to the expected type.
 pub fn unreadable(code: &str, error: &DatumError) -> ServiceFault {
     ServiceFault::new(code, error.to_string())
 }
 
-/// Serves an operation in its caller's thread (RTT `ClientThread`).
+/// Handles an operation in the caller's thread (RTT `ClientThread`).
 pub type Handler =
     Arc<dyn Fn(Arc<dyn Sample>) -> Result<Arc<dyn Sample>, ServiceFault> + Send + Sync>;
 
-/// What a handle of an operation stands for: an operation of a service or of a reference.
+/// Position of an operation: in a service or a reference of the component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OperationSlot {
     /// Position of the service or reference in its component.

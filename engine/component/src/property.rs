@@ -15,7 +15,7 @@ use crate::handle;
 use crate::interface::Interface;
 use crate::suggestion::suggestion;
 
-/// What a property may hold: numbers, truth values, text, runs of them, messages.
+/// A type that a property may have: numbers, Booleans, text, lists, arrays, messages.
 pub trait PropertyValue:
     Described + Serialize + DeserializeOwned + Clone + Debug + Send + Sync + 'static
 {
@@ -26,53 +26,53 @@ impl<T: Described + Serialize + DeserializeOwned + Clone + Debug + Send + Sync +
 {
 }
 
-/// Why a property cannot have a value.
+/// A value that a property does not accept.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("property `{property}` of `{component}` {problem}")]
 pub struct PropertyError {
-    /// The component.
+    /// Name of the component.
     pub component: String,
-    /// The property.
+    /// Name of the property.
     pub property: String,
-    /// What is wrong.
+    /// The violated requirement.
     pub problem: Box<PropertyProblem>,
 }
 
-/// What is wrong with a property or its value.
+/// The violated requirement of a property.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PropertyProblem {
-    /// The component has no such property.
+    /// The component declares no such property.
     #[error("does not exist{}", suggestion(nearest.as_deref()))]
     Unknown {
-        /// A name like it.
+        /// A similar name that exists, as a suggestion.
         nearest: Option<String>,
     },
-    /// The value is of another type.
+    /// The value has another type.
     #[error("is {expected}: {source}")]
     Mismatch {
-        /// The property's type.
+        /// Name of the property's type.
         expected: String,
-        /// What does not fit, and where.
+        /// The first difference and its place in the value.
         source: DatumError,
     },
     /// The value is outside of the range.
     #[error("cannot be {value}: it is {least} to {greatest}{}{unit}", space(unit))]
     OutOfRange {
-        /// The value.
+        /// The rejected value.
         value: Datum,
-        /// The least lawful value.
+        /// The least allowed value.
         least: Datum,
-        /// The greatest lawful value.
+        /// The greatest allowed value.
         greatest: Datum,
-        /// The unit of all three.
+        /// Unit of the three values; empty without one.
         unit: String,
     },
     /// The value is none of the choices.
     #[error("cannot be {value}: it is one of {}", list(choices))]
     NoChoice {
-        /// The value.
+        /// The rejected value.
         value: Datum,
-        /// The lawful ones.
+        /// The allowed values.
         choices: Vec<Datum>,
     },
 }
@@ -86,7 +86,8 @@ fn list(choices: &[Datum]) -> String {
     words.join(", ")
 }
 
-/// A property in the making: `interface.setting("speed_mps", 0.6, "cruise speed").range(0.0..=5.0).unit("m/s").declare()`.
+/// The declaration of a property in progress:
+/// `interface.setting("speed_mps", 0.6, "cruise speed").range(0.0..=5.0).unit("m/s").declare()`.
 #[must_use = "a setting is declared by `declare`"]
 pub struct Setting<'a, T: PropertyValue> {
     pub(crate) interface: &'a mut Interface,
@@ -95,12 +96,12 @@ pub struct Setting<'a, T: PropertyValue> {
     check: Check<T>,
 }
 
-/// Which values are lawful.
+/// Checks values against the declared range.
 struct Check<T> {
     range: Option<(Contains<T>, RangeInclusive<T>)>,
 }
 
-/// How a range of a type that has an order is asked; known only where the range is given.
+/// Tests whether a range contains a value. Stored as a function because only the `range` method requires `PartialOrd`.
 type Contains<T> = fn(&T, &RangeInclusive<T>) -> bool;
 
 impl<'a, T: PropertyValue> Setting<'a, T> {
@@ -122,7 +123,7 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
         }
     }
 
-    /// With these bounds, both lawful.
+    /// Sets the range of allowed values, both ends inclusive.
     pub fn range(mut self, range: RangeInclusive<T>) -> Self
     where
         T: PartialOrd,
@@ -134,13 +135,13 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
         self
     }
 
-    /// With this unit: `m/s`.
+    /// Sets the unit, for example `m/s`.
     pub fn unit(mut self, unit: &str) -> Self {
         unit.clone_into(&mut self.declaration.unit);
         self
     }
 
-    /// With no values but these.
+    /// Restricts the value to these choices.
     pub fn choices(mut self, choices: impl IntoIterator<Item = impl Into<T>>) -> Self {
         let name = self.declaration.name.clone();
         self.declaration.choices = choices
@@ -150,7 +151,7 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
         self
     }
 
-    /// Declares the property.
+    /// Declares the property and returns its handle.
     pub fn declare(self) -> handle::Property<T> {
         let slot = Slot {
             declaration: self.declaration,
@@ -167,34 +168,34 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
 pub(crate) struct Slot<T> {
     declaration: PropertyDeclaration,
     pub value: T,
-    /// The value after the present cycle.
+    /// The staged value, which `apply` puts into effect.
     next: Option<T>,
     check: Check<T>,
-    /// Incremented with each change, for all properties of the component.
+    /// Number of changes of all properties of the component.
     revision: Arc<AtomicU64>,
 }
 
-/// A property at run time, whose type the caller does not know. One thread at a time has it: its component's.
+/// A property at run time, without its static type. Used by its component's thread only.
 pub trait AnyProperty: Any + Send {
     /// What the component declared.
     fn declaration(&self) -> &PropertyDeclaration;
 
-    /// The present value.
+    /// The current value.
     ///
     /// # Errors
-    /// The value has no form as data, which its own `Serialize` has refused.
+    /// An error of the value's own `Serialize` implementation.
     fn get(&self) -> Result<Datum, DatumError>;
 
-    /// Checks that a value is lawful.
+    /// Checks that a value is allowed.
     ///
     /// # Errors
-    /// The value is of another type, out of range or none of the choices.
+    /// The violated requirement: type, range or choices.
     fn check(&self, value: &Datum) -> Result<(), PropertyProblem>;
 
-    /// Gets a lawful value ready; [`AnyProperty::apply`] puts it in place.
+    /// Stages an allowed value; [`AnyProperty::apply`] puts it into effect.
     fn prepare(&mut self, value: &Datum);
 
-    /// Puts the prepared value in place. Says whether there was one.
+    /// Puts the staged value into effect. Returns whether there was one.
     fn apply(&mut self) -> bool;
 }
 

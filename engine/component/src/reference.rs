@@ -1,4 +1,4 @@
-//! The reference of a component: its declaration as Markdown tables, for the README of its folder.
+//! Renders a component's declaration as Markdown tables, for the README of its folder.
 
 use std::fmt::{self, Write};
 
@@ -9,10 +9,10 @@ use crate::declaration::{Declaration, OperationDeclaration, PropertyDeclaration}
 impl Declaration {
     /// Ports, services, references and properties as Markdown tables, in the order of declaration.
     ///
-    /// A README that carries these tables, held by a test, is no second list of ports and properties.
+    /// A test compares these tables with the README, so that the two lists cannot diverge.
     pub fn tables(&self) -> String {
         let mut text = String::new();
-        // writing to a string does not fail
+        // cannot fail: the target is a string
         let _ = write_ports(&mut text, self);
         let _ = write_properties(&mut text, &self.properties);
         text
@@ -72,7 +72,7 @@ fn default(property: &PropertyDeclaration) -> String {
     format!("{written}{space}{}", property.unit)
 }
 
-/// The range, or the choices.
+/// The range, or the list of choices; empty without a limit.
 fn range(property: &PropertyDeclaration) -> String {
     if let Some((least, greatest)) = &property.range {
         return format!("{least} … {greatest}");
@@ -81,7 +81,7 @@ fn range(property: &PropertyDeclaration) -> String {
     words.join(", ")
 }
 
-/// A description as a cell of a table.
+/// A description, escaped for a table cell.
 fn cell(doc: &str) -> String {
     doc.replace('\n', "<br>").replace('|', "\\|")
 }

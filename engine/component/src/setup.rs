@@ -1,4 +1,4 @@
-//! Setup: what a component sees while it is configured.
+//! The setup, as a component sees it while it is configured.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -8,16 +8,16 @@ use crate::handle::Property;
 use crate::host::PropertyHost;
 use crate::property::{PropertyValue, Slot};
 
-/// What a component sees while it is configured: its properties.
+/// Gives a component access to its properties while it is configured.
 pub struct Setup<'a> {
     host: &'a dyn PropertyHost,
     name: &'a str,
-    /// Set when a handle was not this component's.
+    /// Set when a foreign handle was used.
     foreign: Cell<bool>,
 }
 
 impl<'a> Setup<'a> {
-    /// The setup of the component of this name. For runtimes, and for tests that configure a component by hand.
+    /// Creates the setup of a component. For runtimes, and for tests that configure a component by hand.
     pub fn new(host: &'a dyn PropertyHost, name: &'a str) -> Self {
         Self {
             host,
@@ -39,10 +39,10 @@ impl<'a> Setup<'a> {
         })
     }
 
-    /// Ends the configuring.
+    /// Ends the setup.
     ///
     /// # Errors
-    /// A handle was used that another component declared.
+    /// [`Fault::ForeignHandle`] if the component used a handle that another one declared.
     pub fn finish(self) -> Result<(), Fault> {
         if !self.foreign.get() {
             return Ok(());
@@ -52,7 +52,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// The value of a property, if the handle is this component's.
+/// The value of a property; `None` if the handle belongs to another component.
 pub(crate) fn value_of<T: PropertyValue>(
     host: &dyn PropertyHost,
     property: Property<T>,

@@ -1,6 +1,6 @@
 //! Suggestions for a name that does not exist.
 
-/// The known name most like another, if one is like it.
+/// The known name with the smallest edit distance; `None` if even that exceeds a third of the length.
 pub fn suggestion_among<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     known
         .map(|known| (strsim::damerau_levenshtein(name, known), known))
@@ -9,7 +9,7 @@ pub fn suggestion_among<'a>(name: &str, known: impl Iterator<Item = &'a str>) ->
         .map(|(_, known)| known.to_owned())
 }
 
-/// The end of a message about an unknown name: `; did you mean `plan`?`, or nothing.
+/// The end of a message about an unknown name: `; did you mean `plan`?`, or an empty string.
 pub fn suggestion(nearest: Option<&str>) -> String {
     nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }

@@ -1,26 +1,26 @@
-//! Wires: how a reference is joined to a service.
+//! Wires between references and services.
 
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-/// How a reference is joined to a service.
+/// The wire between a reference and a service: timing and kind of its calls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Wire {
-    /// How long one attempt may take.
+    /// Limit on the duration of one attempt (default: 1 s).
     pub timeout: Duration,
-    /// How often an attempt that got no answer is made again.
+    /// Number of further attempts after one without a reply (default: 0).
     pub retries: u32,
-    /// The rest before it is made again the first time; each further one is twice as long.
+    /// Pause before the first retry; doubles for each further one (default: 0).
     pub backoff: Duration,
-    /// Whether the provider is told that an attempt timed out.
+    /// Whether the provider is notified when an attempt times out (default: `true`).
     pub cancel_on_timeout: bool,
-    /// Whether calls have no reply at all (SCA `@OneWay`).
+    /// Whether calls have no reply at all (SCA `@OneWay`; default: `false`).
     pub one_way: bool,
 }
 
 impl Default for Wire {
-    /// One attempt of one second; the provider is told when it times out.
+    /// One attempt of one second; a timeout cancels it at the provider.
     fn default() -> Self {
         Self {
             timeout: Duration::from_secs(1),
@@ -33,7 +33,7 @@ impl Default for Wire {
 }
 
 impl Wire {
-    /// One attempt of this length; the provider is told when it times out.
+    /// One attempt with this timeout; a timeout cancels it at the provider.
     pub fn timeout(timeout: Duration) -> Self {
         Self {
             timeout,
@@ -41,7 +41,7 @@ impl Wire {
         }
     }
 
-    /// Without a reply.
+    /// Calls without a reply.
     pub fn one_way() -> Self {
         Self {
             one_way: true,
@@ -49,13 +49,13 @@ impl Wire {
         }
     }
 
-    /// With so many more attempts.
+    /// Sets the number of further attempts.
     #[must_use]
     pub fn retries(self, retries: u32) -> Self {
         Self { retries, ..self }
     }
 
-    /// The rest after so many attempts.
+    /// The pause after this many attempts.
     pub fn rest_after(&self, attempts: u32) -> Duration {
         let doublings = attempts.saturating_sub(1);
         self.backoff.saturating_mul(2_u32.saturating_pow(doublings))

@@ -1,5 +1,5 @@
-//! Connections beside the best crates: one write and one read, in one thread, in turns; and the writer's worst case under
-//! a slow reader, lock-free against a lock, as a histogram.
+//! Compares connections with the best crates: one write and one read, in one thread, alternately. Also compares the
+//! writer's worst case under a slow reader, lock-free against a lock, as a histogram.
 //!
 //! `cargo bench -p asmotion-connection`
 #![allow(missing_docs, reason = "a benchmark")]
@@ -11,21 +11,21 @@ use std::time::{Duration, Instant};
 
 use asmotion_connection::{BufferKind, Pool, Receiver, Sender, channel};
 
-/// Short and many: the least of them met nobody else on the processor.
+/// Many short rounds: the fastest of them was not disturbed by other processes.
 const ROUNDS: usize = 201;
 const TURNS: u32 = 10_000;
-/// Orocos' buffers in the table of RTT's figures have this size.
+/// The size of Orocos' buffers in RTT's published figures.
 const BUFFER: usize = 16;
 
 fn main() {
-    // `cargo test --benches` only wants to know that it runs.
+    // `cargo test --benches` only checks that it runs
     let quick = std::env::args().any(|argument| argument == "--test");
     write_and_read::<6>(quick);
     write_and_read::<512>(quick);
     writers_worst_case(quick);
 }
 
-/// Something that carries a sample over.
+/// A name, and a function that carries that many samples from a writer to a reader.
 type Way = (&'static str, Box<dyn FnMut(u32)>);
 
 fn ours<const N: usize>(
@@ -108,10 +108,10 @@ fn least_and_median(mut figures: Vec<f64>) -> (f64, f64) {
     (figures[0], figures[figures.len() / 2])
 }
 
-/// Large enough that reading it takes a while.
+/// A sample of 64 KiB, large enough that reading it takes a while.
 type Large = [u64; 8192];
 
-/// How long writes take while a reader copies 64 KiB as fast as it can.
+/// Distribution of the duration of writes while a reader copies 64 KiB as fast as it can.
 fn writers_worst_case(quick: bool) {
     let locked = Pool::locked(BufferKind::Data);
     let took = [

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BufferKind {
-    /// The newest sample (RTT DATA). What it replaces was not lost: it was out of date.
+    /// The newest sample (RTT DATA). A sample that is replaced does not count as lost: it was out of date.
     Data,
     /// A queue of this capacity; when full, the new sample is dropped and counted (RTT BUFFER).
     Buffer(usize),

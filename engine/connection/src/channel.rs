@@ -1,4 +1,4 @@
-//! The two ends of a connection: typed, bounded.
+//! The two typed ends of a bounded connection.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -15,7 +15,7 @@ use crate::{ring, triple};
 pub enum PushOutcome {
     /// Stored for the reader.
     Stored,
-    /// The new one did not fit.
+    /// The new sample was dropped: the queue was full.
     DroppedNewest,
     /// Stored; an older sample was dropped for it.
     DroppedOldest,
@@ -48,7 +48,7 @@ pub(crate) enum SharedBuffer<T> {
     Unsync(Unsync<Store<T>>),
 }
 
-/// A connection of one writer and one reader, lock-free.
+/// Creates a lock-free connection of one writer and one reader.
 pub fn channel<T>(kind: BufferKind) -> (Sender<T>, Receiver<T>) {
     match kind {
         BufferKind::Data => {
@@ -65,7 +65,7 @@ pub fn channel<T>(kind: BufferKind) -> (Sender<T>, Receiver<T>) {
                 Receiver(ReceiverKind::Buffer(reader)),
             )
         }
-        // The writer, too, takes from the front.
+        // not a ring: the writer also removes samples from the front
         BufferKind::Circular(_) => {
             let pool = Pool::lock_free(kind);
             (pool.sender(), pool.receiver())
@@ -100,7 +100,7 @@ impl<T> Receiver<T> {
         Self(ReceiverKind::Shared(shared))
     }
 
-    /// Takes the oldest sample, or the newest one of a data connection.
+    /// Removes and returns the oldest sample or, in a data connection, the newest one.
     #[inline(always)]
     pub fn take(&mut self) -> Option<T> {
         match &mut self.0 {
@@ -110,7 +110,7 @@ impl<T> Receiver<T> {
         }
     }
 
-    /// Returns whether every other end is gone.
+    /// Returns whether all other ends have been dropped.
     pub fn is_abandoned(&self) -> bool {
         match &self.0 {
             ReceiverKind::Newest(reader) => reader.is_abandoned(),
@@ -128,7 +128,8 @@ impl<T> Receiver<T> {
         }
     }
 
-    /// Hands over what is there now; a writer faster than the reader cannot keep it here for ever.
+    /// Passes all samples that are there at the time of the call to `give`, so that a writer faster than the reader
+    /// cannot keep it here forever.
     pub fn drain(&mut self, mut give: impl FnMut(T)) {
         for _ in 0..self.len() {
             let Some(sample) = self.take() else { return };
@@ -152,7 +153,7 @@ impl<T> SharedBuffer<T> {
                 None => PushOutcome::Stored,
                 Some(_) => PushOutcome::DroppedOldest,
             },
-            // The displaced sample is dropped after the lock is released, since its destructor may be slow.
+            // the displaced sample is dropped after the lock is released, because its destructor may be slow
             Self::Locked(store) => {
                 let (delivery, gone) = locked(store).push(sample);
                 drop(gone);

@@ -1,8 +1,8 @@
 //! Transport of samples from a writer to a reader within a process: the newest sample, or a queue (Orocos RTT's data,
 //! buffer and circular buffer).
 //!
-//! A [`channel`] has one writer and one reader, and neither ever waits. A [`Pool`] has as many as want to share it, and
-//! keeps them apart by no lock, by a lock, or not at all where all run in one thread.
+//! A [`channel`] has one writer and one reader, and neither ever waits. A [`Pool`] has any number of both, and is
+//! lock-free, locked or, if all of them are in one thread, unsynchronised.
 
 mod buffer_kind;
 mod channel;

@@ -6,13 +6,13 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::Thread;
 use std::time::Duration;
 
-/// Notified when something has come; notifying never blocks for longer than a waiter needs to store its handle.
+/// Wakes a waiting thread. Notifying never blocks for longer than the waiter needs to store its thread handle.
 ///
-/// Any thread may notify; one thread at a time waits. No notification is lost: the notifier stores `notified` before
-/// it looks at `waiting`, the waiter stores `waiting` before it looks at `notified`. Both flags are `SeqCst`, so of two
+/// Any thread may notify; one thread at a time waits. No notification is lost: the notifier stores `notified` before it
+/// reads `waiting`, and the waiter stores `waiting` before it reads `notified`. Both flags are `SeqCst`, so of two
 /// threads that store one flag and read the other at least one reads what the other has stored: either the waiter does
-/// not sleep, or it is unparked. (With `Release` and `Acquire` alone both could read the old value, and the waiter would
-/// sleep its full time.) An unpark that comes before the park makes the park return at once.
+/// not sleep, or it is unparked. (With `Release` and `Acquire` alone both could read the old value, and the waiter
+/// would sleep its full time.) An unpark that comes before the park makes the park return at once.
 #[derive(Default)]
 pub struct Notifier {
     /// Set by `notify`; cleared by the waiter when its wait ends.
@@ -27,13 +27,13 @@ pub struct Notifier {
 }
 
 impl Notifier {
-    /// A notifier that nothing has notified yet.
+    /// Creates a notifier that has not been notified.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A notifier that calls a function in the notifying thread, where there is no thread to wake. The function must
-    /// return soon and must not block.
+    /// Creates a notifier that calls a function in the notifying thread, for uses without a thread to wake. The
+    /// function must return soon and must not block.
     pub fn calling(callback: impl Fn() + Send + Sync + 'static) -> Self {
         Self {
             callback: Some(Box::new(callback)),
@@ -41,7 +41,7 @@ impl Notifier {
         }
     }
 
-    /// Something has come: ends the present wait, or the next one if there is none.
+    /// Ends the current wait or, if there is none, the next one.
     pub fn notify(&self) {
         if let Some(callback) = &self.callback {
             callback();
@@ -54,8 +54,8 @@ impl Notifier {
         }
     }
 
-    /// Waits for a notification, at most this long. Returns whether there was one since the last wait. For one thread
-    /// at a time: a second thread's wait may last its full time.
+    /// Waits for a notification, at most this long. Returns whether there was one since the last wait. Only one thread
+    /// may wait at a time: the wait of a second thread may last its full time.
     pub fn wait(&self, at_most: Duration) -> bool {
         *self.thread.lock().unwrap_or_else(PoisonError::into_inner) = Some(std::thread::current());
         self.waiting.store(true, Ordering::SeqCst);

@@ -8,7 +8,7 @@ use crate::buffer_kind::BufferKind;
 use crate::channel::{Receiver, Sender, SharedBuffer};
 use crate::store::Store;
 
-/// A queue with as many ends as are asked for.
+/// A queue with any number of writing and reading ends.
 pub struct Pool<T>(pub(crate) SharedBuffer<T>);
 
 impl<T> Pool<T> {

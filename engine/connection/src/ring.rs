@@ -1,7 +1,7 @@
 //! Ring buffer of a buffer connection: one writer, one reader, in order, wait-free.
 //!
-//! Both ends count what they have done since the beginning; a value's number, without its high bits, is its slot. Each
-//! end remembers how far it has last seen the other one, and looks again only when that does not suffice.
+//! Both ends count their operations since the beginning; the low bits of a value's number are the index of its slot.
+//! Each end caches the other's counter, and reads it again only when the cached value does not suffice.
 #![allow(
     unsafe_code,
     reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
@@ -11,12 +11,12 @@ use std::mem::MaybeUninit;
 
 use crate::sync::{Arc, AtomicUsize, Ordering, UnsafeCell};
 
-/// Alone on its cache lines, so that the two ends do not slow each other.
+/// Occupies cache lines of its own, so that the two ends do not slow each other.
 #[repr(align(128))]
 struct Padded<T>(T);
 
 struct Ring<T> {
-    /// A power of two of them, so that counting may wrap around.
+    /// The slots. Their number is a power of two, so that the counters may wrap around.
     slots: Box<[UnsafeCell<MaybeUninit<T>>]>,
     /// Capacity in values.
     size: usize,
@@ -26,11 +26,11 @@ struct Ring<T> {
     taken: Padded<AtomicUsize>,
 }
 
-// SAFETY: a slot is reached by one end at a time. The writer reaches slot `written` only while fewer than `size` values
-// lie in the ring, so that the reader has taken what was there before, and tells the reader by a release store of
-// `written`; the reader reaches slot `taken` only after an acquire load has shown it that `written` is beyond it, and
-// gives it back by a release store of `taken`, which the writer loads with acquire before it writes there again.
-// Values are moved between threads, never shared: `T: Send` suffices.
+// SAFETY: a slot is reached by one end at a time. The writer accesses slot `written` only while fewer than `size`
+// values are in the ring, so the reader has taken the slot's previous value; it passes the slot to the reader by a
+// release store of `written`. The reader accesses slot `taken` only after an acquire load has shown that `written` is
+// beyond it, and returns it by a release store of `taken`, which the writer loads with acquire before it writes there
+// again. Values are moved between threads, never shared: `T: Send` suffices.
 unsafe impl<T: Send> Sync for Ring<T> {}
 // SAFETY: as above; the ring owns its values.
 unsafe impl<T: Send> Send for Ring<T> {}
@@ -84,7 +84,7 @@ impl<T> Ring<T> {
 }
 
 impl<T> RingWriter<T> {
-    /// Appends a value, if there is room. Says whether there was.
+    /// Appends a value if there is room. Returns whether there was.
     #[inline(always)]
     pub(crate) fn push(&mut self, value: T) -> bool {
         let ring = &*self.ring;
@@ -95,7 +95,7 @@ impl<T> RingWriter<T> {
             }
         }
         ring.slot(self.written).with_mut(|slot| {
-            // SAFETY: there is room, so the slot is the writer's; `&mut self` keeps other writers away.
+            // SAFETY: there is room, so the slot belongs to the writer; `&mut self` excludes other writers
             unsafe { (*slot).write(value) };
         });
         self.written = self.written.wrapping_add(1);
@@ -105,7 +105,7 @@ impl<T> RingWriter<T> {
 }
 
 impl<T> RingReader<T> {
-    /// Takes the oldest value.
+    /// Removes and returns the oldest value.
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> Option<T> {
         let ring = &*self.ring;
@@ -118,20 +118,20 @@ impl<T> RingReader<T> {
         let slot = ring.slot(self.taken);
         self.taken = self.taken.wrapping_add(1);
         slot.with(|slot| {
-            // SAFETY: it has been written and not been taken, so the slot is the reader's and holds a value, which is
-            // moved out once: `taken` grows below, and `&mut self` keeps other readers away.
+            // SAFETY: the value has been written and not taken, so the slot belongs to the reader and is initialised.
+            // It is moved out once, because `taken` is incremented before; `&mut self` excludes other readers.
             let value = Some(unsafe { (*slot).assume_init_read() });
             ring.taken.0.store(self.taken, Ordering::Release);
             value
         })
     }
 
-    /// Returns whether the writer is gone.
+    /// Returns whether the writer has been dropped.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.ring) == 1
     }
 
-    /// Returns how many values can be taken now.
+    /// Returns the number of values that can be taken now.
     pub(crate) fn len(&mut self) -> usize {
         self.written = self.ring.written.0.load(Ordering::Acquire);
         self.written.wrapping_sub(self.taken)
@@ -144,7 +144,7 @@ impl<T> Drop for Ring<T> {
         let mut number = self.taken.0.load(Ordering::Relaxed);
         while number != written {
             self.slot(number).with_mut(|slot| {
-                // SAFETY: both ends are gone, and what was written and not taken is still there.
+                // SAFETY: both ends have been dropped, and the values written and not taken are still initialised
                 unsafe { (*slot).assume_init_drop() };
             });
             number = number.wrapping_add(1);
@@ -186,7 +186,7 @@ mod tests {
 mod exhaustively {
     use super::*;
 
-    /// Every interleaving of three writes into two slots and as many reads.
+    /// Tries every interleaving of three writes into two slots and as many reads.
     #[test]
     fn o6_no_interleaving_tears_loses_repeats_or_turns_values_around() {
         loom::model(|| {

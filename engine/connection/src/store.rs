@@ -1,11 +1,11 @@
-//! A queue of bounded length for writers and readers that take turns.
+//! A bounded queue without synchronisation of its own.
 
 use std::collections::VecDeque;
 
 use crate::buffer_kind::BufferKind;
 use crate::channel::PushOutcome;
 
-/// A queue for one thread at a time.
+/// A bounded queue, used by one thread at a time.
 pub(crate) struct Store<T> {
     kind: BufferKind,
     queue: VecDeque<T>,

@@ -12,7 +12,7 @@ pub(crate) use loom::{
 
 pub(crate) use std::sync::atomic::Ordering;
 
-/// The standard cell with loom's interface: the content is reached through a pointer for the duration of a closure.
+/// The standard cell with loom's interface: a closure accesses the content through a pointer.
 #[cfg(not(feature = "loom"))]
 pub(crate) struct UnsafeCell<T>(std::cell::UnsafeCell<T>);
 

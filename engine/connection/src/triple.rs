@@ -1,8 +1,8 @@
 //! Triple buffer of a data connection: one writer, one reader, the newest value, wait-free.
 //!
-//! Three slots: the writer fills one, the reader empties one, the third lies between them. Each side hands over
-//! by exchanging its slot with the middle one in a single atomic swap. (Simpson's four-slot mechanism serves the
-//! same end; three slots suffice where an atomic swap exists. RTT's `DataObjectLockFree` is the model.)
+//! There are three slots: the writer fills one, the reader empties one, and the third is in the middle. Each side
+//! passes on its slot by exchanging it for the middle one in a single atomic swap. (Simpson's four-slot mechanism
+//! serves the same end; three slots suffice where an atomic swap exists. RTT's `DataObjectLockFree` is the model.)
 #![allow(
     unsafe_code,
     reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
@@ -10,22 +10,22 @@
 
 use crate::sync::{Arc, AtomicU8, Ordering, UnsafeCell};
 
-/// Bits of `middle` that name a slot.
+/// Bits of `middle` that contain the index of a slot.
 const SLOT: u8 = 0b011;
-/// Bit of `middle`: the writer has put a value there that the reader has not fetched.
+/// Bit of `middle`: the slot contains a value that the reader has not fetched.
 const FRESH: u8 = 0b100;
 
 struct Slots<T> {
     slots: [UnsafeCell<Option<T>>; 3],
-    /// The slot that belongs to neither side, and whether it is fresh.
+    /// Index of the slot that belongs to neither side, and the bit `FRESH`.
     middle: AtomicU8,
 }
 
-// SAFETY: a slot is reached by one side at a time. At all times the three numbers writer.slot, reader.slot and
-// middle & SLOT are a permutation of 0, 1, 2: they start so, and the only changes are the atomic swaps below, which
-// exchange a side's own number with the middle one. Each side reaches only the slot of its own number, and a slot's
-// content passes from one side to the other through a swap with acquire and release. Values are moved between
-// threads, never shared: `T: Send` suffices.
+// SAFETY: a slot is accessed by one side at a time. At all times the three numbers writer.slot, reader.slot and middle
+// & SLOT are a permutation of 0, 1, 2: this holds at the start, and the only changes are the atomic swaps below, which
+// exchange a side's own number with the middle one. Each side accesses only the slot with its own number, and a slot's
+// content passes from one side to the other through a swap with acquire and release. Values are moved between threads,
+// never shared: `T: Send` suffices.
 unsafe impl<T: Send> Sync for Slots<T> {}
 
 /// Writing end of the buffer.
@@ -57,7 +57,7 @@ impl<T> Slots<T> {
     /// Calls `act` with the content of a slot.
     ///
     /// # Safety
-    /// The slot is the caller's own: see the argument at `Sync`.
+    /// The slot must be the caller's own; see the argument at `Sync`.
     unsafe fn with<R>(&self, slot: u8, act: impl FnOnce(&mut Option<T>) -> R) -> R {
         self.slots[usize::from(slot)].with_mut(|content| {
             // SAFETY: the caller owns the slot, so no other reference to its content exists.
@@ -69,7 +69,7 @@ impl<T> Slots<T> {
 impl<T> TripleWriter<T> {
     /// Publishes a value. Returns whether it replaced a value that was never read.
     pub(crate) fn write(&mut self, value: T) -> bool {
-        // SAFETY: `self.slot` is the writer's own, and `&mut self` keeps other writers away.
+        // SAFETY: `self.slot` is the writer's own; `&mut self` excludes other writers
         unsafe {
             self.shared
                 .with(self.slot, |content| *content = Some(value))
@@ -81,20 +81,20 @@ impl<T> TripleWriter<T> {
 }
 
 impl<T> TripleReader<T> {
-    /// Returns whether the writer is gone.
+    /// Returns whether the writer has been dropped.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.shared) == 1
     }
 
-    /// Takes the newest value, unless it was taken before.
+    /// Removes and returns the newest value, unless it was taken before.
     pub(crate) fn take(&mut self) -> Option<T> {
-        // Only the writer sets FRESH; a stale answer here is the same as having come a moment earlier.
+        // only the writer sets FRESH; a stale value here is equivalent to a call a moment earlier
         if self.shared.middle.load(Ordering::Relaxed) & FRESH == 0 {
             return None;
         }
         let before = self.shared.middle.swap(self.slot, Ordering::AcqRel);
         self.slot = before & SLOT;
-        // SAFETY: `self.slot` is the reader's own, and `&mut self` keeps other readers away.
+        // SAFETY: `self.slot` is the reader's own; `&mut self` excludes other readers
         unsafe { self.shared.with(self.slot, Option::take) }
     }
 }
@@ -120,7 +120,7 @@ mod tests {
         let (mut writer, mut reader) = triple();
         writer.write(0);
         let held = reader.take();
-        // Were there a lock to wait for, this would not end.
+        // with a lock to wait for, this would not end
         for n in 1..1000 {
             writer.write(n);
         }
@@ -142,7 +142,7 @@ mod tests {
 mod exhaustively {
     use super::*;
 
-    /// Every interleaving of two writes and three reads.
+    /// Tries every interleaving of two writes and three reads.
     #[test]
     fn o5_no_interleaving_tears_repeats_or_goes_back() {
         loom::model(|| {

@@ -12,31 +12,30 @@ use crate::channel::SharedBuffer as Kept;
 use crate::pool::Pool;
 use crate::store::Store;
 
-/// A share of something that one thread at a time uses.
+/// A shared reference to content that one thread at a time uses.
 pub(crate) struct Unsync<T>(Arc<UnsyncCell<T>>);
 
 struct UnsyncCell<T>(UnsafeCell<T>);
 
-// SAFETY: `Unsync::new` has its caller promise that no two threads use the shares at one time, and that what one thread
-// did happened before what the next one does; `T: Send` lets the content change threads with them.
+// SAFETY: the contract of `Unsync::new` requires that no two threads use the shares at the same time, and that the
+// actions of one thread happen before those of the next; `T: Send` allows the content to move between threads.
 unsafe impl<T: Send> Sync for UnsyncCell<T> {}
 
 impl<T> Unsync<T> {
     /// Creates the first share.
     ///
     /// # Safety
-    /// This share and its clones are used by one thread; or, if they change to another one, all of them together, what
-    /// was done before happening before what is done after.
+    /// This share and its clones must be used by one thread. If they move to another thread, they must move together,
+    /// and all accesses before the move must happen before those after it.
     pub(crate) unsafe fn new(content: T) -> Self {
         Self(Arc::new(UnsyncCell(UnsafeCell::new(content))))
     }
 
-    /// Calls `act` with the content. `act` must not reach this cell again: it moves values in and out, and drops
-    /// none.
+    /// Calls `act` with the content. `act` must not access this cell again: it moves values in and out, and drops none.
     #[inline]
     pub(crate) fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R {
-        // SAFETY: no other thread is here, by the promise given to `new`; and this call is not nested, since all
-        // callers are in `channel` and only move values in and out of a `Store`, which calls no foreign code.
+        // SAFETY: no other thread is here, by the contract of `new`. This call is not nested, because all callers are
+        // in `channel` and only move values in and out of a `Store`, which calls no foreign code.
         act(unsafe { &mut *self.0.0.get() })
     }
 }
@@ -55,13 +54,13 @@ impl<T> Clone for Unsync<T> {
 }
 
 impl<T> Pool<T> {
-    /// Not kept apart (RTT UNSYNC).
+    /// Creates a pool without synchronisation (RTT UNSYNC).
     ///
     /// # Safety
-    /// The pool and its ends are used by one thread; or, if they change to another one, all of them together, what was
-    /// done before happening before what is done after.
+    /// The pool and its ends must be used by one thread. If they move to another thread, they must move together, and
+    /// all accesses before the move must happen before those after it.
     pub unsafe fn unsync(kind: BufferKind) -> Self {
-        // SAFETY: as the caller promises.
+        // SAFETY: upheld by the caller
         Self(Kept::Unsync(unsafe { Unsync::new(Store::new(kind)) }))
     }
 }
@@ -70,9 +69,9 @@ impl<T> Pool<T> {
 pub(crate) mod tests {
     use super::*;
 
-    /// For tests, which run each in one thread.
+    /// Creates a pool for tests, each of which runs in one thread.
     pub(crate) fn in_this_thread<T>(kind: BufferKind) -> Pool<T> {
-        // SAFETY: the test keeps the pool and its ends in its thread.
+        // SAFETY: the test keeps the pool and its ends in its thread
         unsafe { Pool::unsync(kind) }
     }
 }

@@ -9,7 +9,7 @@ use asmotion_connection::{BufferKind, Pool, PushOutcome, Receiver, Sender, chann
 const SHORT: u64 = 1_000_000;
 const LONG: u64 = 100_000_000;
 
-/// Each part is the sample's number, so that a torn sample shows.
+/// Every part is the sample's number, so that a torn sample can be detected.
 type Wide = [u64; 6];
 
 type Ends = (Sender<Wide>, Receiver<Wide>);
@@ -24,19 +24,20 @@ fn kinds() -> [(&'static str, Ends); 4] {
     ]
 }
 
-/// Writes so many samples against a reader, and says how many were read and how many were dropped before they lay there.
+/// Writes samples while a reader reads. Returns how many were read, and how many were dropped because the queue was
+/// full.
 fn race(writes: u64, (mut sender, mut receiver): Ends) -> (u64, u64) {
     let writing = thread::spawn(move || {
         let mut refused = 0;
         for n in 1..=writes {
             let full = sender.send([n; 6]) == PushOutcome::DroppedNewest;
             refused += u64::from(full);
-            // With fewer processors than work, the reader gets its turns.
+            // with fewer processors than threads, lets the reader run
             if full || n % 1024 == 0 {
                 thread::yield_now();
             }
         }
-        // The last one is always there to end by.
+        // the last sample must arrive: it ends the loop of the reader
         while sender.send([u64::MAX; 6]) == PushOutcome::DroppedNewest {
             thread::yield_now();
         }
@@ -74,7 +75,7 @@ fn o5_o6_a_million_writes_are_never_torn_and_never_out_of_order() {
     race_all(SHORT);
 }
 
-/// The figure: `cargo test -p asmotion-connection --release -- --ignored --nocapture hundred`.
+/// Run with `cargo test -p asmotion-connection --release -- --ignored --nocapture hundred`.
 #[test]
 #[ignore = "takes a minute"]
 fn o5_o6_a_hundred_million_writes_are_never_torn_and_never_out_of_order() {
@@ -109,7 +110,7 @@ fn o8_what_several_write_is_read_once_by_one_of_several() {
                         let mut sum = 0;
                         loop {
                             match receiver.take() {
-                                // One for each reader.
+                                // one end marker for each reader
                                 Some(u64::MAX) => return sum,
                                 Some(n) => sum += n,
                                 None => thread::yield_now(),

@@ -1,5 +1,6 @@
-//! Event in, command out: a message over the broker into a coordinator, a step of its machine, a message over the broker
-//! out of it; beside one hop of the bare client, in one process, on one broker, in turns. Prints both and their ratio.
+//! Latency from an event to a command: a message over the broker to a coordinator, a step of its machine, and a message
+//! over the broker back. Measured alternately with one hop of the bare client, in the same process on the same broker.
+//! Prints both and their ratio.
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 
 use std::sync::Arc;
@@ -27,12 +28,12 @@ use asmotion_runtime::{Live, System};
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::UnboundedReceiver;
 
-/// Many and short, so that what else the machine does falls on both.
+/// Many short rounds, so that other load on the machine affects both measurements.
 const ROUNDS: usize = 61;
 const PINGS: usize = 60;
 const SIZE: usize = 256;
 
-/// A command for every event.
+/// A specification that answers every event with a command.
 const ECHO: &str = "
 asm echo
 import StandardLibrary
@@ -47,8 +48,8 @@ default init s0:
 	function count = 0
 ";
 
-/// A coordinator on the bus, and somebody else on it who sends events and reads commands; as the bare client is both
-/// ends of its hop.
+/// A coordinator on the bus, and a client on the same bus that sends events and reads commands, as the bare client is
+/// both ends of its hop.
 struct Ours {
     _live: Live,
     _bus: Arc<AmqpBus>,
@@ -146,7 +147,7 @@ fn coordinator() -> System {
     system
 }
 
-/// One hop of the bare client: published and read in one task, each message acknowledged.
+/// One hop of the bare client: a message is published, read and acknowledged in one task.
 struct Bare {
     runtime: Runtime,
     connection: Connection,
@@ -203,7 +204,7 @@ impl Bare {
         })
     }
 
-    /// The client's parts must end inside its runtime.
+    /// Drops the client inside its runtime, as it requires.
     fn close(self) {
         let (channel, connection) = (self.channel, self.connection);
         self.runtime.block_on(async move {

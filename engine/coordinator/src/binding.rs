@@ -1,6 +1,6 @@
-//! The binding between the functions of a specification and the world, as plain data.
+//! The binding between the functions of a specification and its environment, as plain data.
 //!
-//! Names and kinds were checked when the composite was read; what does not fit all the same is a
+//! Names and kinds are checked when the composite is read; remaining errors become a
 //! [`BindError`](crate::coordinator::BindError) when the coordinator is built.
 
 use std::fmt;
@@ -9,16 +9,16 @@ use asmotion_datum::{Datum, Schema};
 use asmotion_derive::Word;
 use serde::{Serialize, Serializer};
 
-/// Which messages become the values of monitored functions, and what updates of out functions do.
+/// The messages that supply monitored functions, and the effects of updates of out functions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Binding {
-    /// Monitored functions.
+    /// Bindings of monitored functions.
     pub monitored: Vec<Monitored>,
-    /// Out functions.
+    /// Bindings of out functions.
     pub out: Vec<Out>,
 }
 
-/// The ports and references of the component that runs a specification, with their types.
+/// The ports, references and services of the component that runs a specification, with their types.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interfaces {
     /// Input ports and their message types.
@@ -31,188 +31,189 @@ pub struct Interfaces {
     pub services: Vec<(String, String)>,
 }
 
-/// A monitored function and where its value comes from.
+/// The binding of a monitored function.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Monitored {
-    /// The function.
+    /// Name of the function.
     pub function: String,
-    /// Where its value comes from.
+    /// Origin of its value.
     #[serde(flatten)]
     pub from: Source,
-    /// Which of the messages that came.
+    /// The messages that count as its value.
     pub receive: Receive,
-    /// The part of the message that is the value, as in `pose.position.x`; the message itself, or its
-    /// only field, where not given.
+    /// Path of the value in the message, for example `pose.position.x`. Without it, the message itself or its only
+    /// field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<String>,
-    /// The field whose text names an enum literal; read like `field`.
+    /// Path of a text that names an enum literal; an alternative to `field`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<String>,
-    /// The texts for which it is true; the value is taken as it is where there are none.
+    /// The texts for which a Boolean function is true. If empty, the value itself is used.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub is: Vec<String>,
-    /// The value in a step without a message; undef where not given.
+    /// Value in a step without a message; undef if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub none: Option<Constant>,
-    /// How old the last message may be.
+    /// Age in milliseconds after which the last message is stale; unlimited if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stale_ms: Option<u64>,
-    /// The value when it is older, or when none came yet.
+    /// Value if the last message is stale, or if there has been none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_stale: Option<Constant>,
 }
 
-/// Where the value of a monitored function comes from.
+/// Origin of a monitored function's value.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
-    /// An input port.
+    /// Messages on an input port, given by its name.
     Port(String),
-    /// Requests of an operation that the component serves.
+    /// Requests for an operation that the component provides.
     Request {
-        /// The service.
+        /// Name of the service.
         service: String,
-        /// The operation of its interface.
+        /// Name of the operation within the interface.
         operation: String,
     },
 }
 
-/// Which of the messages that came is the value in a step.
+/// The messages that count as the value of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Receive {
-    /// The last one that ever came (TCA's `receiveLast`).
+    /// The newest message, however old (TCA's `receiveLast`).
     #[default]
     Last,
-    /// One a step; the others wait for the following steps (TCA's `receiveAll`).
+    /// One message a step, in order; the others wait for the following steps (TCA's `receiveAll`).
     All,
-    /// None: the value is true in the step in which a message came, and false in the others.
+    /// None: the value is `true` in steps in which a message arrived, and `false` in all others.
     Edge,
 }
 
-/// An out function and what its updates do.
+/// The binding of an out function.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Out {
-    /// The function.
+    /// Name of the function.
     pub function: String,
-    /// What its updates do.
+    /// Effect of its updates.
     pub effect: Effect,
 }
 
-/// What the updates of an out function do.
+/// The effect of updates of an out function.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effect {
-    /// The value itself is published.
+    /// Publishes the value itself.
     Publish {
-        /// The output port.
+        /// Name of the output port.
         port: String,
-        /// The field that takes the value; the message itself where not given.
+        /// The field that takes the value. Without it, the message itself.
         #[serde(skip_serializing_if = "Option::is_none")]
         field: Option<String>,
-        /// After which steps.
+        /// The steps after which it is published.
         when: PublishWhen,
     },
-    /// Each literal has its actions; other literals do nothing.
+    /// Runs actions that depend on the literal; literals that are not listed have no effect.
     Literals(Vec<Case>),
 }
 
-/// After which steps the value of an out function is published.
+/// The steps after which the value of an out function is published.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum PublishWhen {
-    /// After those that updated it, also to the value it had.
+    /// Steps that updated the function, even to the same value.
     #[default]
     OnUpdate,
-    /// After those that changed it.
+    /// Steps that changed the function's value.
     OnChange,
-    /// After all.
+    /// All steps.
     EveryStep,
 }
 
-/// A literal of an out function and what an update to it does, in this order.
+/// The actions of an update of an out function to one literal, in order.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Case {
-    /// The literal.
+    /// The enum literal.
     pub literal: String,
-    /// What an update to it does.
+    /// The actions, in order.
     pub actions: Vec<Action>,
 }
 
-/// Something an update does.
+/// An action of an update.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
-    /// Calls a service.
+    /// Calls an operation of a service.
     Call(Call),
     /// Publishes a message.
     Publish {
-        /// The output port.
+        /// Name of the output port.
         port: String,
-        /// The message.
+        /// Content of the message.
         value: Argument,
     },
 }
 
-/// A call of a service; its outcome comes back as an event. An update of the same out function takes
-/// back the calls that an earlier one made: their outcome would answer a question no longer asked.
+/// A call of a service, whose outcome comes back as an event.
+///
+/// A later update of the same out function cancels the call, because its outcome would no longer be relevant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Call {
-    /// The reference of the component.
+    /// Name of the component's reference.
     pub reference: String,
-    /// The operation of its interface.
+    /// Name of the operation within the interface.
     pub operation: String,
-    /// The argument.
+    /// The request.
     pub with: Argument,
-    /// The name under which the reply is kept.
+    /// Name under which the response is kept for later arguments.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep: Option<String>,
-    /// The monitored function that takes one of the following literals when the call has ended.
+    /// The monitored function that takes one of the following literals when the call ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub event: Option<String>,
-    /// The literal for a reply.
+    /// Literal for a response.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ok: Option<String>,
-    /// The literal for a fault.
+    /// Literal for a fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
-    /// The literal for a reply that did not come in time; `failed` where not given.
+    /// Literal for a timeout; `failed` if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timeout: Option<String>,
-    /// The literal for nobody there to answer; `failed` where not given.
+    /// Literal for an unavailable provider; `failed` if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unavailable: Option<String>,
-    /// The service whose caller hears how the call has ended.
+    /// The service whose request this call is made for: the caller gets the outcome as its reply.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reply: Option<String>,
 }
 
-/// A message or an argument, put together.
+/// The content of a message or request.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Argument {
     /// The default of the type.
     Default,
-    /// A reply that was kept, the last message of the input port of this name, or what this service was asked last.
+    /// A response that was kept, the newest message of an input port, or the newest request of a service.
     Kept {
-        /// The name of the reply or port.
+        /// Name of the kept response, port or service.
         name: String,
-        /// The part of it, as in `pose.position`; all of it where not given.
+        /// Path within it, for example `pose.position`; all of it if not given.
         #[serde(skip_serializing_if = "Option::is_none")]
         path: Option<String>,
     },
-    /// A record; fields left out have their default.
+    /// A record; omitted fields have their initial values.
     Record(Vec<(String, Argument)>),
-    /// A value as written.
+    /// A literal value.
     Value(Constant),
 }
 
-/// A value that the composite gives; shown as `***` where a secret is in it.
+/// A value given by the composite; displayed as `***` if it contains a secret.
 #[derive(Clone, PartialEq)]
 pub struct Constant {
-    /// The value.
+    /// The value, with secrets in plain text.
     pub datum: Datum,
-    /// Whether a secret is in it.
+    /// `true` if a secret property was used in it.
     pub secret: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Data that travels and values of the machine, one into the other.
+//! Converts between data and values of the machine.
 
 use asmotion_datum::Datum;
 use asmotion_lang::ir::{DomainElements, DomainId, Program, ValueShape};
@@ -6,7 +6,7 @@ use asmotion_lang::machine::Naming;
 use asmotion_lang::value::{Atom, Value};
 use std::borrow::Cow;
 
-/// A datum as a value of the shape; `None` if it is none. Texts name enumeration literals.
+/// Converts a datum to a value of this shape. Returns `None` if it does not fit. Texts name enum literals.
 pub(crate) fn value_of(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
     let each = |items: &[Datum], shape: &ValueShape| {
         items
@@ -34,7 +34,7 @@ pub(crate) fn value_of(datum: &Datum, shape: &ValueShape, program: &Program) -> 
                 .map(|(item, shape)| value_of(item, shape, program));
             items.collect::<Option<Vec<_>>>().map(Value::tuple)
         }
-        // a record is a map of its fields, where any value will do
+        // a record is a map of its fields, if any value is accepted
         (Datum::Record(fields), ValueShape::Any) if fields.len() != 1 => {
             let field = |(name, value): &(Cow<'_, str>, Datum)| {
                 Some((Value::text(&**name), value_of(value, shape, program)?))
@@ -59,7 +59,7 @@ pub(crate) fn value_of(datum: &Datum, shape: &ValueShape, program: &Program) -> 
                 .collect::<Option<Vec<_>>>()
                 .map(Value::map)
         }
-        // and a tuple of them, in order, where a tuple is wanted
+        // and a tuple of its fields, in order, if a tuple is expected
         (Datum::Record(fields), ValueShape::Tuple(shapes)) if fields.len() == shapes.len() => {
             let items = fields
                 .iter()
@@ -89,7 +89,7 @@ fn integer_of(number: i64, domain: DomainId, program: &Program) -> Option<Value>
     }
 }
 
-/// The enumeration literal or constant of this name in a domain.
+/// The enum literal or constant with this name in a domain.
 pub(crate) fn literal_of(name: &str, domain: DomainId, program: &Program) -> Option<Value> {
     let DomainElements::Atoms { first, count } = program.domains.get(domain.0 as usize)?.elements
     else {
@@ -103,7 +103,7 @@ pub(crate) fn literal_of(name: &str, domain: DomainId, program: &Program) -> Opt
     Some(Value::Atom(Atom(first.0 + index as u32)))
 }
 
-/// A value as a datum; atoms and rules travel by name.
+/// Converts a value to a datum; atoms and rules are represented by their names.
 pub(crate) fn datum_of(value: &Value, naming: &Naming<'_>) -> Datum {
     let each = |items: &mut dyn Iterator<Item = &Value>| {
         Datum::List(items.map(|item| datum_of(item, naming)).collect())
@@ -117,7 +117,7 @@ pub(crate) fn datum_of(value: &Value, naming: &Naming<'_>) -> Datum {
         Value::Char(character) => Datum::text(character.to_string()),
         Value::Tuple(items) | Value::Seq(items) => each(&mut items.iter()),
         Value::Set(items) => each(&mut items.iter()),
-        // a map from texts is a record
+        // a map with text keys is a record
         Value::Map(pairs) if pairs.keys().all(|key| matches!(key, Value::Text(_))) => {
             let field = |(key, value): (&Value, &Value)| match key {
                 Value::Text(name) => Some((name.to_string(), datum_of(value, naming))),

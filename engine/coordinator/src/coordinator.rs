@@ -17,40 +17,40 @@ use std::sync::Arc;
 /// A binding that does not fit its specification or component.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BindError {
-    /// The specification has no such function without arguments.
+    /// The specification has no function with this name and without arguments.
     #[error("the specification declares no function `{function}` without arguments")]
     UnknownFunction {
-        /// The name in the binding.
+        /// Name of the function in the binding.
         function: String,
     },
     /// The component has no such port.
     #[error("the component has no port `{port}`")]
     UnknownPort {
-        /// The name in the binding.
+        /// Name of the port in the binding.
         port: String,
     },
     /// The component has no such reference.
     #[error("the component has no reference `{reference}` with an operation `{operation}`")]
     UnknownOperation {
-        /// The reference.
+        /// Name of the reference in the binding.
         reference: String,
-        /// The operation.
+        /// Name of the operation in the binding.
         operation: String,
     },
-    /// A function does not take such a value.
+    /// The function's codomain does not contain the value.
     #[error("`{function}` does not take the value `{value}`")]
     NotAValue {
-        /// The function.
+        /// Name of the function.
         function: String,
-        /// The value.
+        /// The value as text.
         value: String,
     },
-    /// The initial state cannot be built.
+    /// The initial state cannot be built; the machine's error as text.
     #[error("{0}")]
     Initial(String),
 }
 
-/// A machine as a component: its cycle is a step.
+/// A component that runs a specification: its cycle is one step of the machine.
 pub struct Coordinator {
     specification: Arc<Specification>,
     machine: Machine,
@@ -59,21 +59,21 @@ pub struct Coordinator {
     outbox: EffectOutbox,
     partners: MessagePartners,
     requests: Requests,
-    /// Where the system tells how its bus is, if the component listens.
+    /// Port that receives the state of the bus; `None` without such a port.
     health: Option<In<Datum>>,
     frame: InputFrame,
-    /// What was lost, as far as it was told.
+    /// The losses as last reported.
     told: Losses,
 }
 
-/// The kind under which it is reported how many messages were lost so far: a [`Losses`].
+/// Kind of the report with the number of lost messages, a [`Losses`].
 pub const LOSSES_REPORT: &str = "asm/Losses";
 
 impl Coordinator {
-    /// Declares the ports and references, and builds the machine. Choices follow the seed.
+    /// Declares the ports and references, and builds the machine. The seed determines all random choices.
     ///
     /// # Errors
-    /// The binding does not fit, or the machine has no initial state.
+    /// An error if the binding does not fit, or if the initial state cannot be built.
     pub fn new(
         specification: Arc<Specification>,
         binding: &Binding,
@@ -117,15 +117,15 @@ impl Coordinator {
 }
 
 impl Component for Coordinator {
-    /// Compiles native code before the first step, so that no step takes longer because of it.
+    /// Compiles native code before the first step, so that compilation delays no step.
     fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
-        // without native code, closures do the same steps
+        // without native code, closures compute the same steps
         let _ = self.machine.set_back_end(BackEnd::Native);
         Ok(())
     }
 
-    /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all. Who is to stop begins no step, and
-    /// ends the one that has begun.
+    /// Freezes, computes a step and sends: the step's messages leave with the cycle, or not at all. A coordinator that
+    /// is stopping starts no new step, and finishes the current one.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         if cycle.interrupted() {
             return Ok(());
@@ -150,7 +150,7 @@ impl Component for Coordinator {
         let step = self.machine.last_step();
         if !step.updates().is_empty() || !step.sent().is_empty() {
             let record = StepRecord::of(&self.specification, &self.machine, &step);
-            // the step is told before what it causes
+            // the step is reported before its effects
             cycle.report(STEP_REPORT, Datum::of(&record)?);
         }
         let (inbox, requests) = (&mut self.inbox, &mut self.requests);
@@ -165,7 +165,7 @@ impl Component for Coordinator {
         Ok(())
     }
 
-    /// Calls do not outlive it: for the specification they have failed.
+    /// Ends all calls under way; for the specification they have failed.
     fn stop(&mut self) {
         self.outbox.stop(&mut self.inbox);
         self.partners.stop(&mut self.machine);
@@ -173,7 +173,7 @@ impl Component for Coordinator {
 }
 
 impl Coordinator {
-    /// Says what was lost, when it has become more.
+    /// Reports the losses if they have increased.
     fn tell_losses(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let losses = self.inbox.losses;
         if losses != self.told {
@@ -184,7 +184,7 @@ impl Coordinator {
         Ok(())
     }
 
-    /// Messages do not go out while the bus is not up.
+    /// Marks the machine's channels as down while the bus is not up, so that messages are not sent.
     fn follow_health(&mut self, cycle: &Cycle<'_>) {
         let Some(port) = self.health else { return };
         if let Flow::NewData(health) = cycle.read(port)
@@ -196,7 +196,7 @@ impl Coordinator {
     }
 }
 
-/// The port with the messages of the bus' health.
+/// The port that receives the state of the bus, identified by its type.
 fn health(interfaces: &Interfaces, handles: &EffectHandles) -> Option<In<Datum>> {
     let types = interfaces.inputs.iter().map(|(_, message)| message);
     let mut ports = types.zip(&handles.inputs);

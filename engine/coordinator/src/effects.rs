@@ -1,4 +1,4 @@
-//! From updates to messages and calls.
+//! Turns updates of out functions into messages and calls.
 
 use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
 use crate::convert::{datum_of, literal_of};
@@ -21,14 +21,14 @@ use std::collections::BTreeMap;
 pub(crate) struct EffectHandles {
     pub inputs: Vec<(String, In<Datum>)>,
     pub outputs: Vec<(String, Out<Datum>)>,
-    /// By reference and operation.
+    /// By names of the reference and the operation.
     pub operations: Vec<((String, String), Required<Dynamic>)>,
 }
 
-/// The bound out functions of a specification, and the calls under way.
+/// The bound out functions of a specification, and their calls under way.
 pub(crate) struct EffectOutbox {
     outs: Vec<BoundOutput>,
-    /// The replies that were kept.
+    /// Responses by the names under which they are kept.
     kept: BTreeMap<String, Datum>,
     pending: Vec<PendingOutcome>,
     ports: Vec<(String, In<Datum>)>,
@@ -61,27 +61,27 @@ enum BoundAction {
     },
 }
 
-/// A call under way.
+/// A call that has not ended.
 struct PendingOutcome {
     call: CallId,
     outcome: OutcomeEffect,
-    /// Whom it answers for.
+    /// The request that the outcome answers, if any.
     caller: Option<WaitingCaller>,
 }
 
-/// What the end of a call does.
+/// The effects of the end of a call.
 #[derive(Clone)]
 struct OutcomeEffect {
-    /// The out function whose update made the call.
+    /// The out function whose update made the call; a later update of it cancels the call.
     function: FunctionId,
     keep: Option<String>,
-    /// The input that takes the event.
+    /// Position of the input that takes the event.
     event: Option<usize>,
     ok: Option<Value>,
     failed: Option<Value>,
     timeout: Option<Value>,
     unavailable: Option<Value>,
-    /// The service whose caller hears of it.
+    /// Name of the service whose caller gets the outcome.
     reply: Option<String>,
 }
 
@@ -143,7 +143,7 @@ impl EffectOutbox {
         })
     }
 
-    /// Takes in the calls that ended: replies are kept, outcomes become events.
+    /// Handles the calls that have ended: keeps responses, and turns outcomes into events.
     pub fn receive(&mut self, cycle: &mut Cycle<'_>, inbox: &mut MessageInputs) {
         for operation in &self.operations {
             for Reply { call, result } in cycle.replies(*operation) {
@@ -176,15 +176,15 @@ impl EffectOutbox {
         }
     }
 
-    /// The component stops, and its calls with it: they end as failed.
+    /// Ends all calls as failed, because the component stops.
     pub fn stop(&mut self, inbox: &mut MessageInputs) {
         for pending in std::mem::take(&mut self.pending) {
             pending.outcome.fail(inbox);
         }
     }
 
-    /// Does what the updates of a step ask for. What would need a message that has not come yet is
-    /// not sent, and reported; a call then ends as failed.
+    /// Carries out the effects of a step's updates. An action that needs a message which has not arrived yet is skipped
+    /// and reported; if it is a call, it ends as failed.
     pub fn send(
         &mut self,
         machine: &Machine,
@@ -363,14 +363,14 @@ fn literal(
     })
 }
 
-/// The kind under which it is reported that something was not sent, with what was missing for it.
+/// Kind of the report that an action was skipped, with the name of the missing message.
 pub const UNSENT_REPORT: &str = "asm/Unsent";
 
 fn unsent(missing: &str, cycle: &mut Cycle<'_>) {
     cycle.report(UNSENT_REPORT, Datum::text(missing));
 }
 
-/// What a caller hears of the call that was made for it.
+/// The reply to the caller on whose behalf a call was made.
 fn forwarded(result: &Result<Datum, CallError>) -> Result<Datum, ServiceFault> {
     let fault = match result {
         Ok(_) => return Ok(Datum::Record(Vec::new())),
@@ -382,16 +382,16 @@ fn forwarded(result: &Result<Datum, CallError>) -> Result<Datum, ServiceFault> {
     Err(ServiceFault::new(fault.0, fault.1.to_string()))
 }
 
-/// What messages are put together from.
+/// The sources of message contents.
 struct EffectContext<'k> {
-    /// The replies that were kept.
+    /// Responses by the names under which they are kept.
     kept: &'k BTreeMap<String, Datum>,
     ports: &'k [(String, In<Datum>)],
     requests: &'k Requests,
 }
 
 impl EffectContext<'_> {
-    /// The reply, message or request of this name.
+    /// The kept response, the newest message or the newest request with this name.
     fn get<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<&'k Datum> {
         let received = || {
             let (_, port) = self.ports.iter().find(|(port, _)| port == name)?;
@@ -402,11 +402,10 @@ impl EffectContext<'_> {
     }
 }
 
-/// Puts a message or argument together.
+/// Builds a message or request.
 ///
 /// # Errors
-/// The name of what it takes from a reply or port that nothing has come from yet: zeros in its place
-/// would be taken for real.
+/// The name of a response, port or service without data yet. Zeros in their place would look like real data.
 fn compose(
     argument: &Argument,
     known: &EffectContext<'_>,

@@ -1,4 +1,4 @@
-//! The inputs of one step: what every bound function is, fixed before the step begins.
+//! The inputs of one step: the values of all bound functions, fixed before the step begins.
 
 use asmotion_lang::Environment;
 use asmotion_lang::ir::FunctionId;
@@ -21,7 +21,7 @@ impl InputFrame {
 }
 
 impl Environment for InputFrame {
-    /// An input that nothing is bound to is undef.
+    /// A function without binding is undef.
     fn read(
         &mut self,
         function: FunctionId,

@@ -1,8 +1,7 @@
-//! From messages to inputs: the event frame.
+//! Turns messages into inputs: the event frame.
 //!
-//! A step sees at most one event of a function that takes them `all`; further events wait, in order,
-//! for the steps that follow. So no event hides another one (two in one frame would: a REACHED could
-//! cover a BLOCKED).
+//! A step sees at most one event of a function with `receive = "all"`; further events wait in order for the following
+//! steps. Otherwise one event could hide another in the same frame, for example a REACHED a BLOCKED.
 
 use crate::binding::{Binding, Constant, Monitored, Receive, Source};
 use crate::convert::{literal_of, value_of};
@@ -18,13 +17,13 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// More events than this do not wait: the oldest is dropped and counted.
+/// Capacity of an event queue; when full, the oldest event is dropped and counted.
 const MAX_WAITING: usize = 256;
 
 /// The bound inputs of a specification.
 pub(crate) struct MessageInputs {
     inputs: Vec<BoundInput>,
-    /// Events dropped because too many waited, and messages that did not fit the codomain.
+    /// Number of events dropped because a queue was full, and of messages that did not fit the codomain.
     pub losses: Losses,
 }
 
@@ -39,17 +38,17 @@ struct BoundInput {
     stale: Option<(Duration, Value)>,
     newest: Option<Time>,
     last: Option<Value>,
-    /// Events, each with the out function whose call it answers, if it does.
+    /// Waiting events, each with the out function whose call it reports on, if any.
     waiting: VecDeque<(Option<FunctionId>, Value)>,
 }
 
-/// Where messages come from.
+/// Origin of an input's messages.
 #[derive(Clone, Copy)]
 enum MessageOrigin {
-    /// Only from calls that have ended.
+    /// Outcomes of calls only.
     Calls,
     Port(In<Datum>),
-    /// Requests of this operation.
+    /// Requests for the operation at this position.
     Requests(usize),
 }
 
@@ -71,7 +70,7 @@ impl MessageInputs {
         })
     }
 
-    /// The input of an event function that calls report to; made if no port is bound to it.
+    /// Position of the input of an event function that calls report to; creates one if no port is bound to it.
     pub fn event(&mut self, name: &str, specification: &Specification) -> Result<usize, BindError> {
         let function = function(name, specification)?;
         if let Some(index) = self
@@ -88,7 +87,7 @@ impl MessageInputs {
             receive: Receive::All,
             field: None,
             is: Vec::new(),
-            // an event that is true or false has not happened in the other steps
+            // a Boolean event is false in steps without the event
             none: match shape {
                 ValueShape::Bool => Value::Bool(false),
                 _ => Value::Undef,
@@ -102,7 +101,7 @@ impl MessageInputs {
         Ok(self.inputs.len() - 1)
     }
 
-    /// A literal of an event function.
+    /// The value of a literal of an event function.
     pub fn literal(&self, input: usize, name: &str, program: &Program) -> Option<Value> {
         match self.inputs.get(input)?.shape {
             ValueShape::Domain(domain) => literal_of(name, domain, program),
@@ -111,26 +110,26 @@ impl MessageInputs {
         }
     }
 
-    /// Adds the outcome of a call that an update of the out function made.
+    /// Queues the outcome of a call that an update of `answers` made.
     pub fn push(&mut self, input: usize, value: Value, answers: FunctionId) {
         if let Some(input) = self.inputs.get_mut(input) {
             self.losses.dropped += input.wait(Some(answers), value);
         }
     }
 
-    /// Takes back the outcomes that still wait and answer calls of this out function.
+    /// Removes waiting outcomes of calls that updates of this out function made.
     pub fn withdraw(&mut self, answers: FunctionId) {
         for input in &mut self.inputs {
             input.waiting.retain(|(to, _)| *to != Some(answers));
         }
     }
 
-    /// Whether an event waits for a following step.
+    /// Returns whether an event waits for a following step.
     pub fn has_more(&self) -> bool {
         self.inputs.iter().any(|input| !input.waiting.is_empty())
     }
 
-    /// Takes in the messages of the cycle.
+    /// Handles the messages of the cycle.
     pub fn receive(&mut self, cycle: &Cycle<'_>, requests: &Requests, program: &Program) {
         for input in &mut self.inputs {
             let (messages, newest) = match input.from {
@@ -177,7 +176,7 @@ impl MessageInputs {
         }
     }
 
-    /// Fixes the inputs of the next step. An event that waits goes before the last message.
+    /// Fixes the inputs of the next step. A waiting event takes precedence over the newest message.
     pub fn freeze(&mut self, now: Time, frame: &mut InputFrame) {
         frame.clear();
         for input in &mut self.inputs {
@@ -240,7 +239,7 @@ impl BoundInput {
         Some(Value::Bool(self.is.iter().any(|known| known == text)))
     }
 
-    /// Adds an event; how many were dropped for it.
+    /// Queues an event. Returns how many events were dropped for it.
     fn wait(&mut self, answers: Option<FunctionId>, value: Value) -> u64 {
         self.waiting.push_back((answers, value));
         match self.waiting.len() > MAX_WAITING {

@@ -1,9 +1,8 @@
 //! An ASM machine as a component: bindings, event frames, faults.
 //!
-//! One cycle of the [`Coordinator`] is one step of the machine. The frozen inputs of the cycle become
-//! the monitored functions, as the [`Binding`] says; the updates of out functions become messages and
-//! service calls. The specification itself knows of none of this: the same file is simulated, tested
-//! and verified.
+//! One cycle of the [`Coordinator`] is one step of the machine. The [`Binding`] maps the frozen inputs of the cycle to
+//! monitored functions, and updates of out functions to messages and service calls. The specification does not depend
+//! on it: the same file is simulated, tested and verified.
 
 mod binding;
 mod convert;

@@ -1,8 +1,8 @@
-//! Messages to and from services: what `r_wsend`, `r_wcall` and their kin do in a running system.
+//! Messages between a specification and services: the meaning of `r_wsend`, `r_wcall` and the like in a running system.
 //!
-//! An element of the specification that is called like a reference of the component stands for the
-//! service behind it: what is sent to it is a call of that reference. Requests that the component
-//! serves come from an agent that is undef. (SCA-ASM; T25 to T27 of the TCA paper.)
+//! An element of the specification with the name of a reference represents the service behind it: a message to the
+//! element is a call through that reference. Requests to the component's own services have undef as their sender.
+//! (SCA-ASM; T25 to T27 of the TCA paper.)
 
 use crate::convert::{datum_of, value_of};
 use asmotion_component::{
@@ -19,9 +19,9 @@ use asmotion_lang::value::{Atom, Value};
 pub(crate) struct MessagePartners {
     asked: Vec<PartnerOperation>,
     served: Vec<OwnOperation>,
-    /// The calls under way, and the messages that made them.
+    /// Calls under way, with the messages that made them.
     calls: Vec<(CallId, PartnerCall)>,
-    /// The requests received, and the messages they became.
+    /// Open requests: the message, the position of the operation, and the request.
     requests: Vec<(MessageId, usize, RequestId)>,
 }
 
@@ -30,31 +30,31 @@ struct PartnerOperation {
     partner: Value,
     operation: String,
     handle: Required<Dynamic>,
-    /// What its replies are.
+    /// Expected shape of responses.
     answer: ValueShape,
-    /// Whether messages have replies, too; calls always have.
+    /// Whether the specification expects replies to messages of this operation; calls always have them.
     replies: bool,
 }
 
-/// An operation of the component itself.
+/// An operation that the component provides.
 struct OwnOperation {
     operation: String,
     handle: Provided<Dynamic>,
     argument: ValueShape,
 }
 
-/// A message that became a call.
+/// A message that was sent as a call.
 struct PartnerCall {
     message: MessageId,
     from: Value,
-    /// Whether the specification waits for the reply, or receives it as a message.
+    /// `true` if the specification waits for the reply, `false` if it receives it as a message.
     waits: bool,
     asked: usize,
 }
 
 impl MessagePartners {
-    /// Declares the operations that the specification names: of references what it asks for, of
-    /// services what it receives.
+    /// Declares the operations that the specification uses: those it calls through references, and those it receives on
+    /// services.
     pub fn declare(
         specification: &Specification,
         references: &[(String, String)],
@@ -142,7 +142,7 @@ impl MessagePartners {
         }
     }
 
-    /// The agents whose messages leave the specification.
+    /// The agents that represent services; messages to them leave the specification.
     pub fn agents(&self) -> Vec<Value> {
         let mut agents: Vec<Value> = self
             .asked
@@ -155,7 +155,7 @@ impl MessagePartners {
         agents
     }
 
-    /// Brings what came in this cycle to the agents. How many messages did not fit.
+    /// Delivers the messages of this cycle to the agents. Returns how many did not fit.
     pub fn receive(&mut self, cycle: &mut Cycle<'_>, machine: &mut Machine) -> u64 {
         let mut misfits = 0;
         for (index, served) in self.served.iter().enumerate() {
@@ -193,7 +193,7 @@ impl MessagePartners {
         misfits
     }
 
-    /// Tells the agent how its call ended. Whether the reply fits.
+    /// Delivers the outcome of a call. Returns whether the response fits.
     fn end(
         &self,
         call: &PartnerCall,
@@ -227,16 +227,16 @@ impl MessagePartners {
         fits
     }
 
-    /// The component stops, and its calls with it.
+    /// Ends all calls as cancelled, because the component stops.
     pub fn stop(&mut self, machine: &mut Machine) {
         for (_, call) in std::mem::take(&mut self.calls) {
             self.end(&call, Err(CallError::Cancelled), machine);
         }
-        // whoever made them has been told
+        // their callers are notified when the runtime closes the services
         self.requests.clear();
     }
 
-    /// Sends what the last step sent to partners.
+    /// Sends the last step's messages to partners.
     pub fn send(&mut self, machine: &Machine, cycle: &mut Cycle<'_>) {
         for sent in machine.last_step().sent().iter().filter(|sent| sent.leaves) {
             match &sent.kind {
@@ -301,7 +301,7 @@ fn operation_name(spelt: &str) -> &str {
     asmotion_lang::stdlib::operation(spelt)
 }
 
-/// The element that a term is, and its name.
+/// The value and name of an element that a term denotes.
 fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value, String)> {
     let asmotion_lang::hir::TermKind::Value(Value::Atom(atom)) = &*term.kind else {
         return None;
@@ -311,7 +311,7 @@ fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value,
     Some((Value::Atom(*atom), name.to_string()))
 }
 
-/// What a message says; one that says nothing is true, so that it can be told from none.
+/// The content of a message. An empty message is `true`, to distinguish it from no message.
 fn said(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
     let is_empty = matches!(datum, Datum::Record(fields) if fields.is_empty());
     if is_empty || *datum == Datum::Null {

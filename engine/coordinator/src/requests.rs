@@ -1,6 +1,6 @@
-//! Requests as inputs: a monitored function may be bound to an operation that the component serves.
+//! Requests as inputs: a monitored function may be bound to an operation that the component provides.
 //!
-//! A request is answered when the step has heard it; or, where a call is made for it, as that call is answered.
+//! A request gets its reply after the step that reads it or, if a call is made on its behalf, when that call ends.
 
 use crate::binding::{Binding, Interfaces, Source};
 use crate::coordinator::{BindError, calls};
@@ -17,21 +17,21 @@ struct RequestInput {
     service: String,
     operation: String,
     handle: Provided<Dynamic>,
-    /// Whether a call answers for it.
+    /// A call made on the request's behalf supplies the reply.
     forwards: bool,
-    /// What was asked in this cycle.
+    /// Requests of this cycle.
     came: Vec<Datum>,
-    /// What was asked last.
+    /// The newest request so far.
     last: Option<Datum>,
-    /// Who waits for an answer.
+    /// Requests without a reply.
     open: Vec<RequestId>,
 }
 
-/// Somebody who asked, and waits.
+/// A request that waits for its reply.
 pub(crate) type WaitingCaller = (Provided<Dynamic>, RequestId);
 
 impl Requests {
-    /// Declares the operations.
+    /// Declares the operations that monitored functions are bound to.
     pub fn declare(
         binding: &Binding,
         interfaces: &Interfaces,
@@ -65,18 +65,18 @@ impl Requests {
         Ok(requests)
     }
 
-    /// The place of an operation.
+    /// Position of an operation.
     pub fn position(&self, service: &str, operation: &str) -> Option<usize> {
         let is = |served: &RequestInput| served.service == service && served.operation == operation;
         self.served.iter().position(is)
     }
 
-    /// What was asked of an operation in this cycle.
+    /// The requests of this cycle for an operation.
     pub fn came(&self, position: usize) -> &[Datum] {
         self.served.get(position).map_or(&[], |served| &served.came)
     }
 
-    /// What was asked of a service last.
+    /// The newest request of a service.
     pub fn last(&self, service: &str) -> Option<&Datum> {
         let mut served = self.served.iter();
         served
@@ -85,7 +85,7 @@ impl Requests {
             .as_ref()
     }
 
-    /// Takes in the requests of the cycle.
+    /// Receives the requests of the cycle.
     pub fn receive(&mut self, cycle: &mut Cycle<'_>) {
         for served in &mut self.served {
             served.came.clear();
@@ -99,8 +99,8 @@ impl Requests {
         }
     }
 
-    /// Who asked a service in this cycle, and is now answered for by a call. A step makes one call for all, with what
-    /// was asked last: of several only the last one is meant.
+    /// Takes the newest open request of a service, to reply to it when a call ends. The other open requests are
+    /// superseded: a step makes one call, with the newest request's content.
     pub fn claim(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<WaitingCaller> {
         let mut served = self.served.iter_mut();
         let served = served.find(|served| served.service == service)?;
@@ -111,7 +111,7 @@ impl Requests {
         Some((served.handle, last))
     }
 
-    /// Answers everybody whom no call answers for: the step has heard them, or has not listened.
+    /// Replies to all requests that no call is made for. If a call was expected, the reply is a fault.
     pub fn settle(&mut self, cycle: &mut Cycle<'_>) {
         for served in &mut self.served {
             for request in served.open.drain(..) {
@@ -128,7 +128,7 @@ impl Requests {
     }
 }
 
-/// What a caller hears whose question another one has replaced.
+/// The fault for a request that was replaced by another one.
 pub(crate) fn superseded() -> ServiceFault {
     ServiceFault::new(
         "SUPERSEDED",

@@ -1,4 +1,4 @@
-//! What the coordinator tells of its steps: those that wrote something.
+//! Reports about steps of the coordinator that wrote something.
 
 use asmotion_lang::Specification;
 use asmotion_lang::machine::{Machine, Step};
@@ -6,37 +6,37 @@ use asmotion_lang::simulate;
 use asmotion_lang::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// The kind under which a [`StepRecord`] is reported to observers.
+/// Kind of the report that contains a [`StepRecord`].
 pub const STEP_REPORT: &str = "asm/Step";
 
-/// A step as text and numbers, for observers.
+/// A step in the form of text and numbers, for observers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepRecord {
-    /// The specification.
+    /// Name of the specification.
     pub specification: String,
-    /// Its number, from 1.
+    /// Number of the step, from 1.
     pub number: u64,
-    /// What was read of the environment, as location and value, in order.
+    /// Monitored locations that were read, with their values, in order.
     pub inputs: Vec<(String, String)>,
-    /// Which candidate was chosen, and of how many, in order.
+    /// For each choice, the index of the chosen candidate and the number of candidates, in order.
     pub choices: Vec<(u64, u64)>,
-    /// The update set, by location.
+    /// The update set, ordered by location.
     pub updates: Vec<UpdateRecord>,
 }
 
 /// An update.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UpdateRecord {
-    /// The location.
+    /// The updated location as text.
     pub location: String,
-    /// What it held.
+    /// Value before the step.
     pub before: String,
-    /// What it holds.
+    /// Value after the step.
     pub after: String,
 }
 
 impl StepRecord {
-    /// The record of a step just done.
+    /// The record of a step that was just made.
     pub fn of(specification: &Specification, machine: &Machine, step: &Step<'_>) -> Self {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();

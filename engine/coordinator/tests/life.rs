@@ -1,4 +1,4 @@
-//! The coordinator as it runs: events one a step, what it loses, and what becomes of its calls when it is stopped.
+//! A running coordinator: one event a step, counted losses, and the end of its calls when it is stopped.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::sync::{Arc, Mutex};
@@ -16,7 +16,7 @@ use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Event, Run, Simulation, System};
 
 asmotion_datum::message! {
-    /// Anything.
+    /// A message of which only the arrival matters.
     #[derive(Copy)]
     pub struct Nothing = "test/Nothing" {
         /// nothing
@@ -33,7 +33,7 @@ impl Operation for Work {
     const NAME: &'static str = "work";
 }
 
-/// Takes requests, and answers none.
+/// Takes requests and never replies.
 struct Deaf(Provided<Work>);
 
 impl Component for Deaf {
@@ -65,7 +65,7 @@ default init s0:
 	function command = NONE
 ";
 
-/// A coordinator that is told events, and calls somebody who does not answer.
+/// A coordinator that receives events, and calls a service that never replies.
 fn system(activity: Activity) -> System {
     let mut files = MemoryFiles::new();
     files.add("worker.asm", WORKER);
@@ -127,7 +127,7 @@ fn system(activity: Activity) -> System {
 
 type Told = Arc<Mutex<Vec<(String, Datum)>>>;
 
-/// Runs it in virtual time; what it reports.
+/// Runs the system in simulated time and collects its reports.
 fn simulate(activity: Activity) -> (Simulation, Told) {
     let mut system = system(activity);
     let told = Told::default();
@@ -178,7 +178,7 @@ fn what_is_lost_is_counted_and_told() {
     assert_eq!(run.losses("Worker"), Losses::default());
     let now = run.now();
     tell(&mut run, now, "NONSENSE");
-    // one a step, and there is none for a while
+    // one event is consumed a step, and none was waiting before
     for _ in 0..5 {
         for _ in 0..64 {
             tell(&mut run, now, "DONE");
@@ -188,7 +188,7 @@ fn what_is_lost_is_counted_and_told() {
     }
     let lost = run.losses("Worker");
     assert_eq!(lost.misfits, 1);
-    // the first 63 came with the misfit; 5 were taken, 256 wait
+    // the first 63 arrived with the misfit; 5 were consumed, 256 wait
     assert_eq!(lost.dropped, 63 + 4 * 64 - 5 - 256 + 1);
     let told = told.lock().unwrap();
     let last = told.iter().rfind(|(kind, _)| kind == LOSSES_REPORT);

@@ -1,4 +1,4 @@
-//! Codecs: a datum to bytes and back. A codec is one file, and one row in [`Codec`].
+//! Codecs: a datum to bytes and back. Each codec is a module and a variant of [`Codec`].
 
 pub mod cbor;
 pub mod cdr;
@@ -8,24 +8,24 @@ use crate::error::DatumError;
 use crate::schema::Schema;
 use crate::value::Datum;
 
-/// How a payload is written; named by its content type.
+/// The encoding of a payload, identified by its content type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, asmotion_derive::Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Codec {
-    /// Compact, exact, numeric arrays packed: for machines.
+    /// CBOR: compact, exact, with packed numeric arrays; for machines.
     #[default]
     Cbor,
-    /// Exact floats, `"NaN"` and `"Infinity"` as text: for people.
+    /// JSON: exact floats, with `"NaN"` and `"Infinity"` as text; for human readers.
     Json,
-    /// As ROS 2 and DDS write it: only with the schema at hand.
+    /// CDR, as used by ROS 2 and DDS; readable only with the schema.
     Cdr,
 }
 
 impl Codec {
-    /// Every codec.
+    /// All codecs.
     pub const ALL: [Self; 3] = [Self::Cbor, Self::Json, Self::Cdr];
 
-    /// The content type, as messages declare it.
+    /// The content type, as in message headers.
     pub fn content_type(self) -> &'static str {
         match self {
             Self::Cbor => "application/cbor",
@@ -34,14 +34,14 @@ impl Codec {
         }
     }
 
-    /// The codec of a content type, if there is one.
+    /// The codec with this content type.
     pub fn of_content_type(content_type: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
             .find(|codec| codec.content_type() == content_type)
     }
 
-    /// Writes a datum. What does not describe itself, follows the schema.
+    /// Encodes a datum. A codec that is not self-describing follows the schema.
     pub fn encode(self, datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
         match self {
             Self::Cbor => cbor::encode(datum),
@@ -50,7 +50,7 @@ impl Codec {
         }
     }
 
-    /// Reads a datum. What does not describe itself, follows the schema; the rest says what it is.
+    /// Decodes a datum. A codec that is not self-describing follows the schema; the others ignore it.
     pub fn decode(self, bytes: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
         match self {
             Self::Cbor => cbor::read_whole(bytes),
@@ -59,7 +59,10 @@ impl Codec {
         }
     }
 
-    /// Says what of a shape this codec cannot carry, if anything.
+    /// Checks that the codec can encode data of this schema.
+    ///
+    /// # Errors
+    /// The part that it cannot encode.
     pub fn carries(self, schema: &Schema) -> Result<(), DatumError> {
         match self {
             Self::Cbor | Self::Json => Ok(()),
@@ -68,10 +71,10 @@ impl Codec {
     }
 }
 
-/// How deep data may nest before a reader refuses it.
+/// Limit on the nesting depth of decoded data, to bound the stack.
 const DEPTH: usize = 64;
 
-/// The numbers that JSON cannot write, as it writes them here.
+/// The value of the texts that stand for floats which JSON cannot represent.
 pub(crate) fn special_float(text: &str) -> Option<f64> {
     match text {
         "NaN" => Some(f64::NAN),

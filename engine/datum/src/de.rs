@@ -1,4 +1,4 @@
-//! A [`Datum`] into any serde type, and any serde data into a datum.
+//! Converts a [`Datum`] to any serde type, and any serde data to a datum.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -16,12 +16,12 @@ use crate::error::{DatumError, DatumProblem};
 use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
-/// The value of a type that a datum describes.
+/// Converts a datum to a value of type `T`.
 pub(crate) fn value_of<T: DeserializeOwned>(datum: &Datum) -> Result<T, DatumError> {
     T::deserialize(DatumDeserializer(datum))
 }
 
-/// Reads one datum.
+/// Deserialises from one datum.
 #[derive(Clone, Copy)]
 struct DatumDeserializer<'de>(&'de Datum);
 
@@ -51,7 +51,7 @@ impl<'de> Deserializer<'de> for DatumDeserializer<'de> {
         }
     }
 
-    /// Text may stand for a number that JSON cannot write: `"NaN"`, `"Infinity"`, `"-Infinity"`.
+    /// Accepts text for the floats that JSON cannot represent: `"NaN"`, `"Infinity"`, `"-Infinity"`.
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DatumError> {
         match self.0.as_text().and_then(special_float) {
             Some(value) => visitor.visit_f64(value),
@@ -80,7 +80,7 @@ impl<'de> Deserializer<'de> for DatumDeserializer<'de> {
         }
     }
 
-    /// Packed numbers go to one who packs the same kind in one piece, to others one by one.
+    /// Passes packed numbers in one block to a visitor that packs the same element type, and one by one to others.
     fn deserialize_newtype_struct<V: Visitor<'de>>(
         self,
         name: &'static str,
@@ -145,7 +145,7 @@ impl<'de> Deserializer<'de> for DatumDeserializer<'de> {
     }
 }
 
-/// The elements of a list, of packed numbers or of bytes.
+/// Iterates over the elements of a list, of packed numbers or of bytes.
 struct ListAccess<'de> {
     of: &'de Datum,
     next: usize,
@@ -182,10 +182,10 @@ impl<'de> SeqAccess<'de> for ListAccess<'de> {
     }
 }
 
-/// The entries of a record.
+/// Iterates over the entries of a record.
 struct RecordAccess<'de> {
     rest: std::slice::Iter<'de, (FieldName, Datum)>,
-    /// The entry whose key was read last.
+    /// The entry whose key was read last, until its value is read.
     value: Option<&'de (FieldName, Datum)>,
 }
 
@@ -220,7 +220,7 @@ impl<'de> MapAccess<'de> for RecordAccess<'de> {
     }
 }
 
-/// An enum value: a name, and content unless it is a bare name.
+/// An enum value: a bare name, or a name with content.
 struct VariantDeserializer<'de> {
     name: &'de str,
     content: Option<&'de Datum>,
@@ -288,10 +288,10 @@ impl<'de> VariantAccess<'de> for VariantDeserializer<'de> {
     }
 }
 
-/// The newtype name by which a datum asks for everything, packed numbers included.
+/// The newtype name with which `Datum` asks for the whole value, including packed numbers as such.
 const WHOLE: &str = "datum::Datum";
 
-/// Packed numbers on their way into a datum: an entry of the carrier's name and the bytes.
+/// Packed numbers on their way into a datum: one entry with the carrier's name and the bytes.
 struct PackedNumbersAccess<'de>(Option<&'de Numbers>);
 
 impl<'de> MapAccess<'de> for PackedNumbersAccess<'de> {
@@ -317,7 +317,7 @@ impl<'de> MapAccess<'de> for PackedNumbersAccess<'de> {
     }
 }
 
-/// A datum is read from whatever the data says it is.
+/// Deserialises whatever kind of data the format contains.
 impl<'de> Deserialize<'de> for Datum {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_newtype_struct(WHOLE, DatumVisitor)

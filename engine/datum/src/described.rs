@@ -1,4 +1,4 @@
-//! What may be a field of a message, and how it travels.
+//! Types that may be fields of messages, and their serialisation.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -11,43 +11,43 @@ use crate::schema::{Schema, Shape};
 use crate::ser::RawBytes;
 use crate::value::Datum;
 
-/// A type that may be a field of a message: it knows its schema, its initial value and its way through serde.
+/// A type that may be a field of a message. Provides its schema, its initial value and its serialisation.
 ///
-/// The `_many` methods let a number decide that a run of it is packed into one byte string.
+/// The `_many` methods let number types pack a list into one byte string.
 pub trait Described: Sized {
     /// The schema of the type.
     fn describe() -> Schema;
 
-    /// The value a new message has here: zero, empty, false.
+    /// The value of the field in a new message: zero, empty or false.
     fn initial() -> Self;
 
-    /// Writes a field.
+    /// Serialises a field.
     fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error>;
 
-    /// Reads a field.
+    /// Deserialises a field.
     fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 
-    /// Writes a run: element by element.
+    /// Serialises a list. The default writes element by element.
     fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(many.iter().map(SerializeDescribed))
     }
 
-    /// Reads a run: element by element.
+    /// Deserialises a list. The default reads element by element.
     fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
         deserializer.deserialize_seq(ListVisitor(PhantomData))
     }
 }
 
-/// The door through which [`message!`](crate::message!) sends each field: `#[serde(with = "datum::field")]`.
+/// The functions through which [`message!`](crate::message!) serialises each field: `#[serde(with = "datum::field")]`.
 pub mod field {
     use super::{Datum, Described, Deserializer, SerializeDescribed, Serializer};
 
-    /// The initial value of a field as data; nothing, if it cannot be data.
+    /// The initial value of a field as a datum; null if it cannot be represented.
     pub fn datum<T: Described>(value: &T) -> Datum {
         Datum::of(&SerializeDescribed(value)).unwrap_or_default()
     }
 
-    /// Writes a field.
+    /// Serialises a field.
     pub fn serialize<T: Described, S: Serializer>(
         value: &T,
         serializer: S,
@@ -55,7 +55,7 @@ pub mod field {
         value.write(serializer)
     }
 
-    /// Reads a field.
+    /// Deserialises a field.
     pub fn deserialize<'de, T: Described, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<T, D::Error> {
@@ -136,7 +136,7 @@ packed! {
     f64 => F64, 0.0;
 }
 
-/// Single bytes; a run of them is a byte string.
+/// A single byte; a list of them is a byte string.
 impl Described for u8 {
     fn describe() -> Schema {
         Schema::plain(Shape::U8)
@@ -227,7 +227,7 @@ impl<T: Described> Described for Option<T> {
     }
 }
 
-/// Lends a described value to serde.
+/// Adapts a described value to serde's `Serialize`.
 struct SerializeDescribed<'a, T>(&'a T);
 
 impl<T: Described> Serialize for SerializeDescribed<'_, T> {
@@ -236,7 +236,7 @@ impl<T: Described> Serialize for SerializeDescribed<'_, T> {
     }
 }
 
-/// Takes a described value from serde.
+/// Adapts a described value to serde's `Deserialize`.
 struct DeserializeDescribed<T>(T);
 
 impl<'de, T: Described> Deserialize<'de> for DeserializeDescribed<T> {
@@ -245,7 +245,8 @@ impl<'de, T: Described> Deserialize<'de> for DeserializeDescribed<T> {
     }
 }
 
-/// Memory reserved on the word of a peer; more is allocated only as elements really come.
+/// Limit on the number of elements for which memory is reserved because a peer announced them; beyond it, memory grows
+/// with the elements received.
 const TRUSTED_CAPACITY: usize = 4096;
 
 fn read_all<'de, T: Described, A: SeqAccess<'de>>(mut from: A) -> Result<Vec<T>, A::Error> {
@@ -256,7 +257,7 @@ fn read_all<'de, T: Described, A: SeqAccess<'de>>(mut from: A) -> Result<Vec<T>,
     Ok(all)
 }
 
-/// Reads a run element by element.
+/// Reads a list element by element.
 struct ListVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Described> Visitor<'de> for ListVisitor<T> {
@@ -271,7 +272,7 @@ impl<'de, T: Described> Visitor<'de> for ListVisitor<T> {
     }
 }
 
-/// Reads a run of numbers, packed or one by one.
+/// Reads a list of numbers, packed or one by one.
 struct PackedVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Described + Packed> Visitor<'de> for PackedVisitor<T> {

@@ -1,52 +1,52 @@
-//! What can be wrong with a datum, and where in it.
+//! Errors about data, with their place.
 
 use std::fmt;
 
-/// A datum that does not fit: the place, and the problem there.
+/// A problem with a datum, and its place in the datum.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{}{problem}", PathPrefix(path))]
 pub struct DatumError {
-    /// Path to the place, outermost first: `poses.3.x`. Empty for the whole.
+    /// Path to the place, outermost first, for example `poses.3.x`. Empty for the whole datum.
     pub path: String,
-    /// What is wrong there.
+    /// The problem at this place.
     pub problem: DatumProblem,
 }
 
-/// One way in which data does not fit.
+/// A problem with a datum.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DatumProblem {
-    /// The type asked for wants another kind of data, or another value.
+    /// The expected type needs another kind of data or another value.
     #[error("{0}")]
     Mismatch(String),
-    /// A datum's integers have 64 bits and a sign.
+    /// The integer does not fit into a datum's 64-bit signed integer.
     #[error("the integer {0} does not fit 64 bits with a sign")]
     IntegerTooBig(String),
-    /// Only text can name the entries of a record.
+    /// A map key that is not text, and so cannot name an entry of a record.
     #[error("a record's keys are text")]
     KeyNotText,
-    /// The bytes are not what the codec writes.
+    /// The bytes are not valid for the codec.
     #[error("malformed {codec}: {reason}")]
     Malformed {
-        /// The codec that refused the bytes.
+        /// Name of the codec.
         codec: &'static str,
-        /// Its reason.
+        /// The decoder's error message.
         reason: String,
     },
-    /// The codec has no way to write this.
+    /// The codec cannot encode data of this schema.
     #[error("{codec} cannot carry {shape}")]
     Uncarried {
-        /// The codec.
+        /// Name of the codec.
         codec: &'static str,
-        /// What it cannot carry, in words.
+        /// Description of the part that it cannot encode.
         shape: String,
     },
-    /// Data nested deeper than any message is; refused, so that a stack never overflows.
+    /// The data are nested too deep. The limit protects the stack against hostile input.
     #[error("nested deeper than {0} levels")]
     TooDeep(usize),
 }
 
 impl DatumError {
-    /// A problem of the whole datum; see [`DatumError::within`].
+    /// A problem with the whole datum; see [`DatumError::within`].
     pub fn new(problem: DatumProblem) -> Self {
         Self {
             path: String::new(),
@@ -54,7 +54,7 @@ impl DatumError {
         }
     }
 
-    /// The same problem, seen from one level further out.
+    /// The same problem as seen from one level further out.
     #[must_use]
     pub fn within(mut self, segment: impl fmt::Display) -> Self {
         self.path = if self.path.is_empty() {
@@ -78,7 +78,7 @@ impl serde::de::Error for DatumError {
     }
 }
 
-/// `poses.3.x: ` in front of a message, or nothing for the whole.
+/// Displays `poses.3.x: ` before a message, or nothing for an empty path.
 struct PathPrefix<'a>(&'a str);
 
 impl fmt::Display for PathPrefix<'_> {

@@ -1,4 +1,4 @@
-//! Whether a datum fits a schema, for those who let data in before anybody reads it as a type.
+//! Checks data against a schema before it is converted to a type.
 
 use crate::codec::special_float;
 use crate::error::{DatumError, DatumProblem};
@@ -6,11 +6,11 @@ use crate::schema::{OutlineKey, Schema, Shape};
 use crate::value::Datum;
 
 impl Schema {
-    /// Says where a datum does not fit. Fields may be left out, and stand in any order, as when a message is read; one
-    /// that the schema does not have is an error.
+    /// Checks that a datum fits the schema. As in decoding, fields may be omitted and in any order; an unknown field is
+    /// an error.
     ///
     /// # Errors
-    /// The first place that does not fit.
+    /// The first mismatch.
     pub fn accepts(&self, datum: &Datum) -> Result<(), DatumError> {
         match &self.shape {
             Shape::Any => Ok(()),
@@ -22,7 +22,7 @@ impl Schema {
             Shape::U8 => self.whole(u8::MIN, u8::MAX, datum),
             Shape::U16 => self.whole(u16::MIN, u16::MAX, datum),
             Shape::U32 => self.whole(u32::MIN, u32::MAX, datum),
-            // a datum's integers have a sign
+            // a datum's integers are signed
             Shape::U64 => self.whole(0, i64::MAX, datum),
             Shape::F32 | Shape::F64 => {
                 let special = || datum.as_text().and_then(special_float);
@@ -72,7 +72,7 @@ impl Schema {
         }
     }
 
-    /// How many elements a run has that fit, each of them.
+    /// Checks each element of a list and returns their number.
     fn all(&self, element: &Self, datum: &Datum) -> Result<usize, DatumError> {
         let Some(count) = datum.count().filter(|_| !matches!(datum, Datum::Record(_))) else {
             return Err(self.wanted(datum));

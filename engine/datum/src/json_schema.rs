@@ -1,4 +1,4 @@
-//! Schemas of messages as JSON Schema: a record is a definition of its own, by its name.
+//! Converts message schemas to JSON Schema. Each record becomes a definition under its type's name.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +6,15 @@ use serde_json::{Map, Value, json};
 
 use crate::schema::{OutlineKey, Schema, Shape};
 
-/// Definitions of what has a name, as they are met.
+/// Collects the definitions of named types.
 pub struct SchemaDefinitions {
-    /// Where the document has them: `#/$defs`.
+    /// JSON pointer to the definitions in the document, for example `#/$defs`.
     place: &'static str,
     known: BTreeMap<String, Value>,
 }
 
 impl SchemaDefinitions {
-    /// None yet, for a document that has them at this place: `#/$defs`.
+    /// Creates an empty collection for a document with its definitions at this place, for example `#/$defs`.
     pub fn at(place: &'static str) -> Self {
         Self {
             place,
@@ -22,7 +22,7 @@ impl SchemaDefinitions {
         }
     }
 
-    /// The schema of what passes; a reference, where it has a name.
+    /// The JSON Schema of a message schema; a reference if the type has a name.
     pub fn schema(&mut self, schema: &Schema) -> Value {
         match &schema.shape {
             Shape::Any if schema.name.is_empty() => json!({}),
@@ -56,7 +56,7 @@ impl SchemaDefinitions {
         }
     }
 
-    /// A field that is left out has the default of its type, so none is required.
+    /// The schema of a record. No property is required, because an omitted field has its type's default.
     fn record(&mut self, schema: &Schema, fields: &[OutlineKey]) -> Value {
         let properties: Map<String, Value> = fields
             .iter()
@@ -76,7 +76,7 @@ impl SchemaDefinitions {
         record
     }
 
-    /// JSON has no words for three floats.
+    /// The schema of a float, including the texts for the three values that JSON lacks.
     fn float(&mut self, name: &str, format: &str) -> Value {
         let definition = json!({ "title": name, "anyOf": [
             { "type": "number", "format": format },
@@ -90,7 +90,7 @@ impl SchemaDefinitions {
         json!({ "$ref": format!("{}/{key}", self.place) })
     }
 
-    /// All of them, by key.
+    /// All definitions, by key.
     pub fn into_value(self) -> Value {
         self.known.into_iter().collect::<Map<_, _>>().into()
     }
@@ -100,7 +100,7 @@ fn whole(least: impl Into<Value>, greatest: impl Into<Value>) -> Value {
     json!({ "type": "integer", "minimum": least.into(), "maximum": greatest.into() })
 }
 
-/// What stands beside a `$ref` is not read.
+/// Adds a description, except to a `$ref`, whose siblings are ignored.
 fn described(schema: Value, doc: &str) -> Value {
     match schema {
         Value::Object(mut members) if !members.contains_key("$ref") => {
@@ -111,7 +111,7 @@ fn described(schema: Value, doc: &str) -> Value {
     }
 }
 
-/// A type's name as a key: `nav_msgs.Path` of `nav_msgs/Path`, `f64_5_` of `f64[5]`.
+/// A type's name as a key: `nav_msgs.Path` for `nav_msgs/Path`, `f64_5_` for `f64[5]`.
 pub fn key(name: &str) -> String {
     name.chars()
         .map(|character| match character {

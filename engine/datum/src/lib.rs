@@ -1,8 +1,8 @@
-//! Self-describing data: what travels between components, whoever wrote them.
+//! Self-describing data, exchanged between components.
 //!
-//! A [`Message`] is a Rust struct with a ROS name and a [`Schema`]; the [`message!`] macro writes one.
-//! A [`Datum`] is the same data without the struct, for those who learn a type at run time:
-//! the coordinator, the recorder, the monitor. Codecs turn a datum into bytes and back.
+//! A [`Message`] is a Rust struct with a ROS name and a [`Schema`]; the [`message!`] macro declares it. A [`Datum`] is
+//! the same data without the struct, for code that learns a type only at run time: the coordinator, the recorder, the
+//! monitor. Codecs convert a datum to bytes and back.
 //!
 //! ```
 //! asmotion_datum::message! {
@@ -23,9 +23,9 @@
 //! # Ok::<(), datum::DatumError>(())
 //! ```
 
-// The macro names this crate `datum`; so must its own tests.
+// the macro refers to this crate as `datum`, and is used in its own tests
 extern crate self as datum;
-// So does the derive macro of words.
+// the derive macro of words refers to this crate as `asmotion_datum`
 extern crate self as asmotion_datum;
 
 mod codec;
@@ -53,5 +53,5 @@ pub use schema::{OutlineKey, Schema, SchemaDifference, Shape};
 pub use value::{Datum, FieldName};
 pub use word::Word;
 
-/// The serde that [`message!`] derives with, so that its users need no other.
+/// The serde that [`message!`] derives with, so that its users do not depend on serde themselves.
 pub use serde;

@@ -11,28 +11,28 @@ use crate::sample::Sample;
 use crate::schema::{Schema, Shape};
 use crate::value::Datum;
 
-/// A type that travels: named as ROS names it, described by a schema. The [`message!`](crate::message!) macro writes one.
+/// A message type, with a ROS name and a schema. Usually declared with the [`message!`](crate::message!) macro.
 pub trait Message:
     Serialize + DeserializeOwned + Clone + Debug + PartialEq + Send + Sync + 'static
 {
-    /// The type's name: `geometry_msgs/Twist`.
+    /// The type's ROS name, for example `geometry_msgs/Twist`.
     const NAME: &'static str;
 
-    /// The type's shape.
+    /// The type's schema.
     fn schema() -> &'static Schema;
 
-    /// The message that this one points to, if it is a pointer.
+    /// The message that this one points to; `None` unless it is a pointer.
     fn behind(&self) -> Option<Arc<dyn Sample>> {
         None
     }
 
-    /// A pointer to a message, if that is what the type is.
+    /// Makes a pointer to a message; `None` unless the type is a pointer to messages of this type.
     fn pointing_to(_: &Arc<dyn Sample>) -> Option<Self> {
         None
     }
 }
 
-/// Large messages go by pointer: many readers, one message.
+/// Large messages are passed by pointer, so that many readers share one message.
 impl<T: Message> Message for Arc<T> {
     const NAME: &'static str = T::NAME;
 
@@ -50,7 +50,7 @@ impl<T: Message> Message for Arc<T> {
     }
 }
 
-/// A datum is the message whose type is known at run time only.
+/// A datum is a message whose type is known only at run time.
 impl Message for Datum {
     const NAME: &'static str = "";
 
@@ -63,12 +63,13 @@ impl Message for Datum {
     }
 }
 
-/// Declares message types: the struct, its serde, its [`Default`] and its [`Message`]. The crate that uses it knows
-/// this one by the name `asmotion_datum`.
+/// Declares message types: the struct and its implementations of serde's traits, [`Default`] and [`Message`]. The
+/// calling crate must know this one by the name `asmotion_datum`.
 ///
-/// Fields keep the order of the ROS definition; each documents its unit. A field starts at zero, or at the value
-/// given after `=`. On reading, an omitted field has that value, and an unknown field is an error.
-/// Field types are whatever is [`Described`](crate::Described): numbers, text, other messages, runs and options of them.
+/// Fields have the order of the ROS definition, and doc comments with their units. The initial value of a field is
+/// zero, or the value after `=`. In decoding, an omitted field gets its initial value, and an unknown field is an
+/// error. Field types implement [`Described`](crate::Described): numbers, text, other messages, and lists, arrays and
+/// options of them.
 ///
 /// ```
 /// asmotion_datum::message! {

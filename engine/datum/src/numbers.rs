@@ -1,7 +1,7 @@
-//! Packed runs of numbers: an occupancy grid, a laser scan, a covariance.
+//! Packed lists of numbers, such as an occupancy grid, a laser scan or a covariance.
 //!
-//! One allocation for all elements, shared when cloned, one byte string on the wire
-//! (typed arrays, RFC 8746). Element by element, the same data costs 4 to 75 times more.
+//! All elements are in one allocation, which clones share, and in one byte string on the wire (typed arrays, RFC 8746).
+//! Encoded element by element, the same data costs 4 to 75 times more.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::value::Datum;
 
 macro_rules! numbers {
     ($($(#[$meta:meta])* $variant:ident($element:ty) = $name:literal, tag $tag:literal, $wrap:ident($via:ty);)+) => {
-        /// A run of numbers of one kind.
+        /// A packed list of numbers of one type.
         #[derive(Debug, Clone, PartialEq)]
         pub enum Numbers {
             $($(#[$meta])* $variant(Arc<[$element]>),)+
         }
 
         impl Numbers {
-            /// How many.
+            /// Number of elements.
             pub fn len(&self) -> usize {
                 match self { $(Self::$variant(all) => all.len(),)+ }
             }
@@ -29,19 +29,20 @@ macro_rules! numbers {
                 }
             }
 
-            /// Little-endian bytes, one element after the other.
+            /// The elements as little-endian bytes.
             pub fn to_bytes(&self) -> Vec<u8> {
                 match self {
                     $(Self::$variant(all) => <$element as Packed>::pack(all),)+
                 }
             }
 
-            /// The RFC 8746 tag of a typed array of these, little-endian.
+            /// The RFC 8746 tag of a little-endian typed array of this element type.
             pub fn tag(&self) -> u64 {
                 match self { $(Self::$variant(_) => $tag,)+ }
             }
 
-            /// Reads the content of an RFC 8746 typed array; `None` if the tag or the length is not one.
+            /// Reads the content of an RFC 8746 typed array. Returns `None` for any other tag, or if the length is not
+            /// a multiple of the element size.
             pub fn from_tagged(tag: u64, bytes: &[u8]) -> Option<Self> {
                 match tag {
                     $($tag => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
@@ -49,12 +50,12 @@ macro_rules! numbers {
                 }
             }
 
-            /// The name under which serde carries a run of these; see [`Packed::NAME`].
+            /// The newtype name under which serde carries a list of this element type; see [`Packed::NAME`].
             pub(crate) fn carrier(&self) -> &'static str {
                 match self { $(Self::$variant(_) => <$element as Packed>::NAME,)+ }
             }
 
-            /// The numbers that serde carried under a name; `None` if they are not such a run.
+            /// The numbers that serde carried under a newtype name; `None` if the name belongs to no packed list.
             pub(crate) fn from_carrier(name: &str, bytes: &[u8]) -> Option<Self> {
                 match name {
                     $($name => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
@@ -62,22 +63,23 @@ macro_rules! numbers {
                 }
             }
 
-            /// The shape of one of them.
+            /// The shape of one element.
             pub(crate) fn shape(&self) -> Shape {
                 match self { $(Self::$variant(_) => Shape::$variant,)+ }
             }
 
-            /// How many bytes one of them has.
+            /// Size of one element in bytes.
             pub(crate) fn size(&self) -> usize {
                 match self { $(Self::$variant(_) => size_of::<$element>(),)+ }
             }
 
-            /// How many bytes one of a shape has, if a run of it is packed numbers.
+            /// Size in bytes of an element of this shape; `None` if lists of it are not packed.
             pub(crate) fn size_of(shape: &Shape) -> Option<usize> {
                 Self::from_shape(shape, &[]).map(|none| none.size())
             }
 
-            /// Little-endian bytes as numbers of a shape; `None` if a run of it is not packed, or the length is none.
+            /// Converts little-endian bytes to numbers of this shape. Returns `None` if lists of it are not packed, or
+            /// if the length is not a multiple of the element size.
             pub(crate) fn from_shape(shape: &Shape, bytes: &[u8]) -> Option<Self> {
                 match shape {
                     $(Shape::$variant => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
@@ -93,7 +95,7 @@ macro_rules! numbers {
                 }
             }
 
-            /// The name of the element type, as Rust writes it.
+            /// Rust's name of the element type.
             pub fn element(&self) -> &'static str {
                 match self { $(Self::$variant(_) => stringify!($element),)+ }
             }
@@ -116,31 +118,31 @@ macro_rules! numbers {
 }
 
 numbers! {
-    /// Signed bytes: an occupancy grid.
+    /// 8-bit signed integers, as in an occupancy grid.
     I8(i8) = "datum::i8", tag 72, Int(i64);
-    /// 16 bits, signed.
+    /// 16-bit signed integers.
     I16(i16) = "datum::i16", tag 77, Int(i64);
-    /// 16 bits.
+    /// 16-bit unsigned integers.
     U16(u16) = "datum::u16", tag 69, Int(i64);
-    /// 32 bits, signed.
+    /// 32-bit signed integers.
     I32(i32) = "datum::i32", tag 78, Int(i64);
-    /// 32 bits.
+    /// 32-bit unsigned integers.
     U32(u32) = "datum::u32", tag 70, Int(i64);
-    /// 64 bits, signed.
+    /// 64-bit signed integers.
     I64(i64) = "datum::i64", tag 79, Int(i64);
-    /// Single precision: a laser scan.
+    /// Single-precision floats, as in a laser scan.
     F32(f32) = "datum::f32", tag 85, Float(f64);
-    /// Double precision: a covariance.
+    /// Double-precision floats, as in a covariance.
     F64(f64) = "datum::f64", tag 86, Float(f64);
 }
 
 impl Numbers {
-    /// Whether there is none.
+    /// Returns whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// One after the other, as data.
+    /// Iterates over the elements as datums.
     pub fn iter(&self) -> impl Iterator<Item = Datum> + '_ {
         (0..self.len()).filter_map(|index| self.get(index))
     }
@@ -148,16 +150,16 @@ impl Numbers {
 
 /// A number that packs into little-endian bytes.
 pub(crate) trait Packed: Sized {
-    /// The newtype name that tells a serialiser of this crate what the byte string holds.
+    /// The newtype name that identifies a packed byte string to this crate's serialisers.
     const NAME: &'static str;
 
     fn pack(all: &[Self]) -> Vec<u8>;
 
-    /// `None` if the bytes do not divide into elements.
+    /// Returns `None` if the length is not a multiple of the element size.
     fn unpack(bytes: &[u8]) -> Option<Vec<Self>>;
 }
 
-/// Bytes are already packed.
+/// Bytes are packed already.
 impl Packed for u8 {
     const NAME: &'static str = "datum::u8";
 

@@ -1,4 +1,4 @@
-//! A message whose type is not known here.
+//! A message without its static type.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -8,18 +8,18 @@ use crate::error::DatumError;
 use crate::message::Message;
 use crate::value::Datum;
 
-/// Any [`Message`] behind a pointer: queues, recorders and monitors handle it without knowing its type.
+/// Any [`Message`] behind a pointer, for code that handles messages of all types: queues, recorders, monitors.
 pub trait Sample: Any + Debug + Send + Sync {
-    /// The type's name, `geometry_msgs/Twist`; empty for a [`Datum`].
+    /// The type's name, for example `geometry_msgs/Twist`; empty for a [`Datum`].
     fn type_name(&self) -> &'static str;
 
-    /// The same data without its type.
+    /// Converts the message to a datum.
     fn to_datum(&self) -> Result<Datum, DatumError>;
 
-    /// A shared copy of its own.
+    /// Clones the message into a shared pointer.
     fn to_shared(&self) -> Arc<dyn Sample>;
 
-    /// The message that this one points to, if it is a pointer.
+    /// The message that this one points to; `None` unless it is a pointer.
     fn behind(&self) -> Option<Arc<dyn Sample>>;
 }
 
@@ -42,12 +42,12 @@ impl<T: Message> Sample for T {
 }
 
 impl dyn Sample {
-    /// The message itself, if it is of this type.
+    /// The message itself, if it has this type.
     pub fn downcast_ref<T: Message>(&self) -> Option<&T> {
         (self as &dyn Any).downcast_ref()
     }
 
-    /// The message as a type: itself if it is one, else read from its data.
+    /// Converts the message to type `T`: without copying if it has that type, otherwise through its datum.
     pub fn read<T: Message>(self: Arc<Self>) -> Result<T, DatumError> {
         let sample = Sample::behind(&*self).unwrap_or(self);
         if let Some(pointer) = T::pointing_to(&sample) {

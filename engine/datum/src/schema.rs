@@ -1,4 +1,5 @@
-//! The shape of a type, as data: compared before a connection is made, shown to people, stored beside a recording.
+//! Schemas: the shape of a type as data, compared before ports are connected, displayed to users, and stored beside
+//! recordings.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -7,12 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::value::{Datum, FieldName};
 
-/// What a type looks like.
+/// The name and shape of a type.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Schema {
-    /// The message type's name, `geometry_msgs/Twist`; empty for what has none.
+    /// The message type's name, for example `geometry_msgs/Twist`; empty for other types.
     pub name: FieldName,
-    /// Its shape.
+    /// Kind of data, with its parts.
     pub shape: Shape,
 }
 
@@ -20,52 +21,52 @@ pub struct Schema {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// Known at run time only.
+    /// Known only at run time.
     Any,
-    /// A truth value.
+    /// A Boolean.
     Bool,
-    /// 8 bits, signed.
+    /// 8-bit signed integer.
     I8,
-    /// 16 bits, signed.
+    /// 16-bit signed integer.
     I16,
-    /// 32 bits, signed.
+    /// 32-bit signed integer.
     I32,
-    /// 64 bits, signed.
+    /// 64-bit signed integer.
     I64,
-    /// 8 bits.
+    /// 8-bit unsigned integer.
     U8,
-    /// 16 bits.
+    /// 16-bit unsigned integer.
     U16,
-    /// 32 bits.
+    /// 32-bit unsigned integer.
     U32,
-    /// 64 bits.
+    /// 64-bit unsigned integer.
     U64,
-    /// Single precision.
+    /// Single-precision float.
     F32,
-    /// Double precision.
+    /// Double-precision float.
     F64,
-    /// Text.
+    /// UTF-8 text.
     Text,
-    /// Maybe absent.
+    /// An optional value.
     Option(Box<Schema>),
-    /// Any number of elements.
+    /// A list of any length.
     List(Box<Schema>),
-    /// A fixed number of elements.
+    /// A list of fixed length.
     Array(Box<Schema>, usize),
-    /// Named fields in order.
+    /// Named fields, in order.
     Record(Vec<OutlineKey>),
 }
 
 /// A field of a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OutlineKey {
-    /// Its name.
+    /// Name, unique in the record.
     pub name: FieldName,
-    /// What it is, with its unit.
+    /// Description with the unit; may be empty.
     pub doc: FieldName,
-    /// Its schema.
+    /// Schema of the field's type.
     pub schema: Schema,
-    /// What it is in a new message, where that is not its zero; else nothing.
+    /// Value in a new message, if it is not the zero of the type; else null.
     #[serde(default, skip_serializing_if = "Datum::is_null")]
     pub initial: Datum,
 }
@@ -74,16 +75,16 @@ pub struct OutlineKey {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}{left} here, {right} there", DifferencePrefix(path))]
 pub struct SchemaDifference {
-    /// Path of field names to the place; empty for the whole.
+    /// Path of field names to the place; empty for the whole schema.
     pub path: String,
-    /// What the one schema has there.
+    /// The part of the first schema at this place.
     pub left: String,
-    /// What the other has.
+    /// The part of the second schema at this place.
     pub right: String,
 }
 
 impl Schema {
-    /// A schema without a name.
+    /// A schema without a type name.
     pub fn plain(shape: Shape) -> Self {
         Self {
             name: Cow::Borrowed(""),
@@ -91,7 +92,7 @@ impl Schema {
         }
     }
 
-    /// A named message of some fields.
+    /// The schema of a message type.
     pub fn record(name: &'static str, fields: Vec<OutlineKey>) -> Self {
         Self {
             name: Cow::Borrowed(name),
@@ -99,7 +100,7 @@ impl Schema {
         }
     }
 
-    /// What is known of a type by name only.
+    /// The schema of a type of which only the name is known.
     pub fn opaque(name: impl Into<FieldName>) -> Self {
         Self {
             name: name.into(),
@@ -107,7 +108,7 @@ impl Schema {
         }
     }
 
-    /// A run of elements; of a fixed number, if one is given.
+    /// The schema of a list, with a fixed length if `count` is given.
     pub fn many(element: Self, count: Option<usize>) -> Self {
         let element = Box::new(element);
         Self::plain(match count {
@@ -116,7 +117,7 @@ impl Schema {
         })
     }
 
-    /// The zero of this shape. A record's is empty: what it leaves out has its initial value.
+    /// The zero of this shape. For a record it is empty: omitted fields have their initial values.
     pub(crate) fn zero(&self) -> Datum {
         match &self.shape {
             Shape::Any | Shape::Option(_) => Datum::Null,
@@ -137,7 +138,8 @@ impl Schema {
         }
     }
 
-    /// Says where this schema and another part ways. Docs may differ; [`Shape::Any`] agrees with everything.
+    /// Returns the first difference to another schema as an error. Descriptions are ignored; [`Shape::Any`] equals
+    /// everything.
     pub fn compare(&self, other: &Self) -> Result<(), SchemaDifference> {
         if self.shape == Shape::Any || other.shape == Shape::Any {
             let named = !self.name.is_empty() && !other.name.is_empty();
@@ -170,7 +172,7 @@ impl Schema {
 }
 
 impl OutlineKey {
-    /// A field that is zero in a new message.
+    /// A field whose value in a new message is zero.
     pub fn new(name: impl Into<FieldName>, doc: impl Into<FieldName>, schema: Schema) -> Self {
         Self {
             name: name.into(),
@@ -180,7 +182,7 @@ impl OutlineKey {
         }
     }
 
-    /// What it is in a new message.
+    /// Value of the field in a new message.
     pub(crate) fn initial(&self) -> Datum {
         match &self.initial {
             Datum::Null => self.schema.zero(),
@@ -223,7 +225,7 @@ impl SchemaDifference {
     }
 }
 
-/// The name, or the shape of what has none.
+/// Displays the type name, or the shape if there is none.
 impl fmt::Display for Schema {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.name.is_empty() {
@@ -233,7 +235,7 @@ impl fmt::Display for Schema {
     }
 }
 
-/// As ROS writes types: `float64[36]`, `string`, `geometry_msgs/Pose[]`.
+/// Displays the shape as ROS writes types: `float64[36]`, `string`, `geometry_msgs/Pose[]`.
 impl fmt::Display for Shape {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = match self {
@@ -268,7 +270,7 @@ fn record(f: &mut fmt::Formatter<'_>, fields: &[OutlineKey]) -> fmt::Result {
     f.write_str("}")
 }
 
-/// `pose.position: ` in front of a difference, or nothing for the whole.
+/// Displays `pose.position: ` before a difference, or nothing for an empty path.
 struct DifferencePrefix<'a>(&'a str);
 
 impl fmt::Display for DifferencePrefix<'_> {

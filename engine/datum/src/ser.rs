@@ -1,4 +1,4 @@
-//! Any serde value into a [`Datum`].
+//! Converts any serde value to a [`Datum`].
 
 use std::borrow::Cow;
 
@@ -9,7 +9,7 @@ use crate::error::{DatumError, DatumProblem};
 use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
-/// Builds the datum that describes a value.
+/// Converts a value to a datum.
 pub(crate) fn datum_of<T: Serialize + ?Sized>(value: &T) -> Result<Datum, DatumError> {
     value.serialize(DatumSerializer)
 }
@@ -27,7 +27,7 @@ where
         .map_err(|_| DatumError::new(DatumProblem::IntegerTooBig(value.to_string())))
 }
 
-/// How serde carries a variant with content: a record of one entry.
+/// A variant with content, represented as a record with one entry.
 fn variant(name: &'static str, content: Datum) -> Datum {
     Datum::Record(vec![(Cow::Borrowed(name), content)])
 }
@@ -219,9 +219,9 @@ impl Serializer for DatumSerializer {
     }
 }
 
-/// A list in the making.
+/// Collects the elements of a list.
 struct ListSerializer {
-    /// The enum variant whose content this is.
+    /// The enum variant that the list is the content of, if any.
     variant: Option<&'static str>,
     made: Vec<Datum>,
 }
@@ -242,11 +242,11 @@ impl ListSerializer {
     }
 }
 
-/// A record in the making.
+/// Collects the entries of a record.
 struct RecordSerializer {
-    /// The enum variant whose content this is.
+    /// The enum variant that the record is the content of, if any.
     variant: Option<&'static str>,
-    /// The key whose value comes next, of a map.
+    /// In a map, the key of the value to come.
     key: FieldName,
     made: Vec<(FieldName, Datum)>,
 }
@@ -340,7 +340,7 @@ impl ser::SerializeMap for RecordSerializer {
     }
 }
 
-/// A datum is serialisable like the value it describes.
+/// Serialises like the value that the datum represents.
 impl Serialize for Datum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
@@ -368,7 +368,7 @@ impl Serialize for Datum {
     }
 }
 
-/// Bytes that serialise as bytes, not as a list of numbers.
+/// Serialises as a byte string, not as a list of numbers.
 pub(crate) struct RawBytes<'a>(pub(crate) &'a [u8]);
 
 impl Serialize for RawBytes<'_> {

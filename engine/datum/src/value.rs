@@ -1,4 +1,4 @@
-//! The datum: a value that carries its own shape.
+//! The datum: a value that includes its own structure.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -11,45 +11,45 @@ use crate::error::DatumError;
 use crate::numbers::Numbers;
 use crate::{de, ser};
 
-/// The name of a record's entry; borrowed where the program spells it, so naming costs nothing.
+/// The name of a record's entry. Borrowed for names in the program text, which avoids allocation.
 pub type FieldName = Cow<'static, str>;
 
-/// Data of any message type. An enum value without content is [`Datum::Text`].
+/// Data of any message type. An enum value without content is represented as [`Datum::Text`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Datum {
-    /// Absent: an empty option.
+    /// An absent optional value.
     #[default]
     Null,
-    /// A truth value.
+    /// A Boolean.
     Bool(bool),
-    /// A whole number.
+    /// An integer.
     Int(i64),
-    /// A number, NaN and infinities included (REP-117 needs them).
+    /// A float, including NaN and infinities, which REP-117 needs.
     Float(f64),
-    /// Text.
+    /// UTF-8 text.
     Text(String),
-    /// Raw bytes, shared when cloned.
+    /// Raw bytes, shared between clones.
     Bytes(Arc<[u8]>),
-    /// Packed numbers, shared when cloned.
+    /// Packed numbers, shared between clones.
     Numbers(Numbers),
-    /// Elements in order.
+    /// A list of elements.
     List(Vec<Datum>),
     /// Named entries in declaration order.
     Record(Vec<(FieldName, Datum)>),
 }
 
 impl Datum {
-    /// Any serialisable value as a datum.
+    /// Converts any serialisable value to a datum.
     pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DatumError> {
         ser::datum_of(value)
     }
 
-    /// The value of a type that this datum describes; the error names the place that does not fit.
+    /// Converts the datum to a type. An error names the place that does not fit.
     pub fn to<T: DeserializeOwned>(&self) -> Result<T, DatumError> {
         de::value_of(self)
     }
 
-    /// A record from its entries.
+    /// A record with these entries.
     pub fn record<N: Into<FieldName>>(entries: impl IntoIterator<Item = (N, Datum)>) -> Self {
         Self::Record(
             entries
@@ -59,14 +59,15 @@ impl Datum {
         )
     }
 
-    /// Text, from anything that is.
+    /// A text.
     pub fn text(text: impl Into<String>) -> Self {
         Self::Text(text.into())
     }
 
-    /// What stands at a path of names and indices: `pose.position.x`, `poses.0`. The empty path is the whole.
+    /// The part at a path of names and indices, such as `pose.position.x` or `poses.0`. The empty path is the whole
+    /// datum.
     ///
-    /// An element of packed numbers or of bytes is made on the way, hence the [`Cow`].
+    /// An element of packed numbers or of bytes has to be created, hence the [`Cow`].
     pub fn get(&self, path: &str) -> Option<Cow<'_, Datum>> {
         let mut here = self;
         let mut segments = path.split('.').filter(|segment| !segment.is_empty());
@@ -103,7 +104,7 @@ impl Datum {
         }
     }
 
-    /// How many elements or entries; `None` for what has none.
+    /// Number of elements or entries; `None` if the datum is no list, bytes or record.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::List(elements) => Some(elements.len()),
@@ -114,12 +115,12 @@ impl Datum {
         }
     }
 
-    /// Whether there is nothing.
+    /// Returns whether this is [`Datum::Null`].
     pub fn is_null(&self) -> bool {
         *self == Self::Null
     }
 
-    /// The text, if it is one.
+    /// The content of a [`Datum::Text`].
     pub fn as_text(&self) -> Option<&str> {
         if let Self::Text(text) = self {
             Some(text)
@@ -128,7 +129,7 @@ impl Datum {
         }
     }
 
-    /// The whole number, if it is one.
+    /// The content of a [`Datum::Int`].
     pub fn as_int(&self) -> Option<i64> {
         if let Self::Int(value) = self {
             Some(*value)
@@ -137,7 +138,7 @@ impl Datum {
         }
     }
 
-    /// The number, if it is one, whole or not.
+    /// The content of a [`Datum::Float`] or, converted, of a [`Datum::Int`].
     #[allow(
         clippy::cast_precision_loss,
         reason = "a number read as a float is meant as one"
@@ -149,7 +150,7 @@ impl Datum {
         self.as_int().map(|value| value as f64)
     }
 
-    /// The truth value, if it is one.
+    /// The content of a [`Datum::Bool`].
     pub fn as_bool(&self) -> Option<bool> {
         if let Self::Bool(value) = self {
             Some(*value)
@@ -158,7 +159,7 @@ impl Datum {
         }
     }
 
-    /// What kind of data this is, in the words of an error message.
+    /// The kind of data, as worded in error messages.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Null => "nothing",
@@ -204,7 +205,7 @@ impl From<String> for Datum {
     }
 }
 
-/// For people: compact, long runs shortened. `{x: 1.0, name: "a", ranges: 720 × f32}`.
+/// Displays the datum on one line, with long lists abbreviated: `{x: 1.0, name: "a", ranges: 720 × f32}`.
 impl fmt::Display for Datum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,17 +1,17 @@
-//! Words that files use for a few things, as in `lock = "lock_free"`.
+//! Words: enum values as written in files, for example `lock = "lock_free"`.
 
-/// A word out of a closed list. `#[derive(Word)]` of `asmotion-derive` makes it of an enum.
+/// A value from a closed list of words. `#[derive(Word)]` of `asmotion-derive` implements it for enums.
 pub trait Word: Copy + PartialEq + 'static {
-    /// How each is written, what it stands for, and what it means.
+    /// All words with their values and descriptions, in order of declaration.
     const WORDS: &'static [(&'static str, Self, &'static str)];
 
-    /// What a word stands for.
+    /// The value that a word stands for.
     fn of_word(word: &str) -> Option<Self> {
         let mut known = Self::WORDS.iter();
         known.find(|(it, _, _)| *it == word).map(|(_, it, _)| *it)
     }
 
-    /// How it is written.
+    /// The word for this value.
     fn word(self) -> &'static str {
         let mut known = Self::WORDS.iter();
         known
@@ -19,7 +19,7 @@ pub trait Word: Copy + PartialEq + 'static {
             .map_or("", |(word, _, _)| word)
     }
 
-    /// Every word, in the order of declaration.
+    /// All words, in order of declaration.
     fn words() -> Vec<&'static str> {
         Self::WORDS.iter().map(|(word, _, _)| *word).collect()
     }

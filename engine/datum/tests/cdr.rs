@@ -1,4 +1,5 @@
-//! CDR: bytes worked out by hand from the rules of OMG and ROS 2, bytes of another implementation, and bytes of nobody.
+//! CDR against bytes derived by hand from the rules of OMG and ROS 2, bytes of another implementation, and arbitrary
+//! bytes.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
 
 use asmotion_datum::{
@@ -22,7 +23,7 @@ asmotion_datum::message! {
         pub frame_id: String,
     }
 
-    /// What stands at odd places.
+    /// Fields at positions that need alignment.
     pub struct Odd = "test/Odd" {
         pub header: Header,
         pub small: u8,
@@ -34,11 +35,11 @@ asmotion_datum::message! {
         pub maybe: Option<u16>,
     }
 
-    /// Nothing.
+    /// A message without fields.
     #[derive(Eq)]
     pub struct Empty = "std_msgs/Empty" {}
 
-    /// Every scalar, and every array of them.
+    /// All scalars, and lists and arrays of them.
     pub struct Each = "test/Each" {
         pub b: bool, pub bs: Vec<bool>, pub b3: [bool; 3],
         pub i8_: i8, pub i8s: Vec<i8>, pub i83: [i8; 3],
@@ -73,7 +74,7 @@ fn odd() -> Odd {
     }
 }
 
-/// Places count from behind the first four bytes. The CDR of CycloneDDS (pycdr2 1.0.0) writes the same.
+/// Offsets count from the end of the header. CycloneDDS' CDR (pycdr2 1.0.0) produces the same bytes.
 const ODD: &[&[u8]] = &[
     &[0, 1, 0, 0],                   // CDR, little end first, no options
     &[1, 0, 0, 0],                   //  0 sec
@@ -120,7 +121,7 @@ fn the_big_end_may_come_first() {
     assert_eq!(read.to::<Vec<u16>>().unwrap(), [1, 2]);
 }
 
-/// The same fields for the other implementation, whose way goes by serde.
+/// The same fields for the other implementation, which uses serde.
 #[derive(Serialize)]
 struct Theirs<'a> {
     flag: bool,
@@ -136,7 +137,7 @@ struct Theirs<'a> {
 }
 
 asmotion_datum::message! {
-    /// The same fields.
+    /// The same fields as `Theirs`.
     pub struct Ours = "test/Ours" {
         pub flag: bool,
         pub wide: f64,
@@ -151,7 +152,7 @@ asmotion_datum::message! {
     }
 }
 
-/// Any of it, as the proptest of each type draws.
+/// Arbitrary values, drawn by proptest for each field.
 fn each() -> impl Strategy<Value = Each> {
     macro_rules! runs {
         ($($type:ty),+) => { ($((any::<$type>(), any::<Vec<$type>>(), any::<[$type; 3]>()),)+) };
@@ -328,7 +329,7 @@ fn what_it_cannot_carry_is_said_with_its_place() {
     );
     let none = Schema::many(u8::describe(), Some(0));
     assert_eq!(said(&none), "CDR cannot carry `uint8[0]`");
-    // And whoever tries all the same is told the same.
+    // encoding such data anyway gives the same error
     let datum = Datum::record([(
         "all",
         Datum::List(vec![Datum::record([("what", Datum::Null)])]),
@@ -364,13 +365,13 @@ fn what_does_not_fit_its_schema_is_said_with_its_place() {
 }
 
 asmotion_datum::message! {
-    /// A rotation.
+    /// A message with a field whose initial value is not zero.
     pub struct Turn = "test/Turn" {
         pub x: f64,
         pub w: f64 = 1.0,
     }
 
-    /// A turn somewhere, and many.
+    /// Nested messages, and fields with initial values.
     pub struct Turned = "test/Turned" {
         pub name: String = "home".to_owned(),
         pub turn: Turn,
@@ -392,7 +393,7 @@ fn what_is_left_out_has_its_initial_value() {
 
 #[test]
 fn another_representation_is_refused() {
-    // 3: a parameter list; 7: plain CDR of XCDR 2.
+    // 3: a parameter list; 7: plain CDR of XCDR 2
     for kind in [3, 7] {
         let error = cdr::decode::<Time>(&[0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
         assert!(error.unwrap_err().to_string().contains("none of plain CDR"));

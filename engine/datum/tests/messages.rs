@@ -30,7 +30,7 @@ asmotion_datum::message! {
         pub ok: bool,
     }
 
-    /// Nothing.
+    /// A message without fields.
     #[derive(Eq)]
     pub struct Empty = "std_msgs/Empty" {}
 }

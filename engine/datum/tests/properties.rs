@@ -4,14 +4,14 @@
 use asmotion_datum::{Codec, Datum, DatumError, DatumProblem, Message, Numbers, cbor, json};
 use proptest::prelude::*;
 
-/// Any float of all bit patterns but NaN, which is not equal to itself.
+/// Floats with all bit patterns except NaN, which is not equal to itself.
 fn float() -> impl Strategy<Value = f64> {
     any::<u64>()
         .prop_map(f64::from_bits)
         .prop_filter("NaN is not equal to itself", |value| !value.is_nan())
 }
 
-/// Data that JSON tells apart: no bytes, no packed numbers, no text that stands for a float.
+/// Data that JSON can distinguish: no bytes, no packed numbers, no text that stands for a float.
 fn plain() -> impl Strategy<Value = Datum> {
     let leaf = prop_oneof![
         Just(Datum::Null),
@@ -25,7 +25,7 @@ fn plain() -> impl Strategy<Value = Datum> {
     nested(leaf)
 }
 
-/// Any data.
+/// Data of all kinds.
 fn any_datum() -> impl Strategy<Value = Datum> {
     let leaf = prop_oneof![
         plain(),
@@ -96,7 +96,7 @@ fn what_nests_too_deep_is_refused() {
 
 #[test]
 fn lengths_that_lie_are_refused_without_taking_memory() {
-    // A list, a record, a text and a byte string of 2^60 elements, and then nothing.
+    // a list, a record, a text and a byte string that announce 2^60 elements and contain none
     for first in [0x9b, 0xbb, 0x7b, 0x5b] {
         let mut bytes = vec![first];
         bytes.extend((1_u64 << 60).to_be_bytes());

@@ -1,4 +1,4 @@
-//! Graphviz.
+//! Writes pictures in Graphviz' DOT language.
 
 use std::fmt::Write;
 
@@ -87,7 +87,7 @@ fn place(place: &EdgeEnd, side: char) -> String {
     }
 }
 
-/// A text within quotes and records.
+/// Escapes a text for quoted strings and record labels.
 fn quoted(text: &str) -> String {
     let mut quoted = String::new();
     for letter in text.chars() {

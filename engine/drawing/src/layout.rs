@@ -1,7 +1,7 @@
-//! Where things are: boxes in layers from left to right, frames inside out.
+//! Layout: boxes in layers from left to right, frames from the innermost outwards.
 //!
-//! After Sugiyama, Tagawa and Toda: cycles are cut, boxes get layers, long lines get a place in every
-//! layer they cross, layers are ordered so that few lines cross, and at last everything gets its place.
+//! Follows Sugiyama, Tagawa and Toda: cycles are broken, boxes are assigned to layers, long lines get a slot in every
+//! layer they cross, layers are ordered to reduce crossings, and finally coordinates are assigned.
 
 mod layer;
 mod place;
@@ -11,16 +11,16 @@ use std::collections::BTreeMap;
 use crate::picture::{EdgeEnd, Picture, PictureNode};
 use layer::{LayerEdge, Layered};
 
-/// The height of a line of text.
+/// Height of a line of text, in pixels like all lengths here.
 pub(crate) const ROW: f64 = 18.0;
 
-/// What the name of a component and what it is made of take.
+/// Height of a component's name and implementation.
 pub(crate) const HEAD: f64 = 40.0;
 
-/// What the title of a frame takes.
+/// Height of a frame's title.
 pub(crate) const TITLE: f64 = 30.0;
 
-/// The space within a frame.
+/// Space between a frame and its contents.
 const MARGIN: f64 = 34.0;
 
 /// A rectangle.
@@ -40,20 +40,20 @@ pub(crate) struct LinePoint {
     pub backwards: bool,
 }
 
-/// Where everything is.
+/// The coordinates of all parts of a picture.
 #[derive(Default)]
 pub(crate) struct PictureLayout {
     pub nodes: BTreeMap<usize, Rectangle>,
     pub frames: BTreeMap<usize, Rectangle>,
-    /// The points that each line goes through, by the number of the edge.
+    /// The points of each line, by position of its edge.
     pub lines: BTreeMap<usize, Vec<LinePoint>>,
 }
 
-/// Lays out a picture.
+/// Computes the layout of a picture.
 pub(crate) fn layout(picture: &Picture) -> PictureLayout {
     let laid = frame(picture, 0);
     let mut lines = laid.lines;
-    // the pieces of a line, outside in and inside out, are in the order of the edge
+    // the pieces of a line, inside and outside of frames, sorted along the edge
     for points in lines.values_mut() {
         points.sort_by_key(|(stage, _)| *stage);
     }
@@ -68,12 +68,12 @@ pub(crate) fn layout(picture: &Picture) -> PictureLayout {
     }
 }
 
-/// The width of a text, as far as one can say without the font.
+/// Estimated width of a text; the font is unknown.
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * 0.56
 }
 
-/// How large a box is.
+/// Width and height of a box.
 pub(crate) fn size(node: &PictureNode) -> (f64, f64) {
     let widest = |ports: &[crate::picture::PicturePort]| {
         let widths = ports.iter().map(|port| text_width(&port.name, 11.0));
@@ -90,7 +90,7 @@ pub(crate) fn size(node: &PictureNode) -> (f64, f64) {
     }
 }
 
-/// Where a port is, from the top of its box.
+/// Vertical position of a port, from the top of its box.
 pub(crate) fn port_y(node: &PictureNode, port: Option<usize>) -> f64 {
     match port {
         Some(port) => HEAD + (port as f64 + 0.5) * ROW,
@@ -98,10 +98,10 @@ pub(crate) fn port_y(node: &PictureNode, port: Option<usize>) -> f64 {
     }
 }
 
-/// The pieces of a line, each with its place among them.
+/// The pieces of a line, each with its rank along the line.
 type LinePieces = Vec<(i32, Vec<LinePoint>)>;
 
-/// A frame laid out, with its corner at the origin.
+/// The layout of a frame, with its corner at the origin.
 #[derive(Default)]
 struct FrameLayout {
     width: f64,
@@ -109,16 +109,16 @@ struct FrameLayout {
     nodes: BTreeMap<usize, Rectangle>,
     frames: BTreeMap<usize, Rectangle>,
     lines: BTreeMap<usize, LinePieces>,
-    /// Where lines cross the border, by edge: into it at the left, out of it at the right.
+    /// Where lines cross the frame, by edge: inwards at the left side, outwards at the right.
     enters: BTreeMap<usize, f64>,
     leaves: BTreeMap<usize, f64>,
 }
 
-/// What stands side by side in a frame.
+/// An item of a frame that takes part in the layer layout.
 enum FrameItem {
     Node(usize),
     Frame(usize, Box<FrameLayout>),
-    /// Where a line enters the frame, or leaves it.
+    /// A point at which lines enter or leave the frame.
     Border,
 }
 
@@ -145,7 +145,7 @@ fn frame(picture: &Picture, index: usize) -> FrameLayout {
             end(picture, &things, edge.to),
         );
         let (from, to) = match ends {
-            // inside of one of the nested frames
+            // within one of the nested frames
             (Some(from), Some(to))
                 if from == to && matches!(things.get(from), Some(FrameItem::Frame(..))) =>
             {
@@ -178,7 +178,7 @@ fn frame(picture: &Picture, index: usize) -> FrameLayout {
     assemble(picture, index, things, &sizes, &layered, &placed)
 }
 
-/// Which of the things a place belongs to.
+/// The item that an end of an edge belongs to.
 fn end(picture: &Picture, things: &[FrameItem], place: EdgeEnd) -> Option<usize> {
     things.iter().position(|thing| match thing {
         FrameItem::Node(node) => *node == place.node,
@@ -198,7 +198,7 @@ fn extent(picture: &Picture, thing: &FrameItem) -> (f64, f64) {
     }
 }
 
-/// Where a line meets a thing, from its top.
+/// Vertical position at which a line meets an item, from its top.
 fn side(
     picture: &Picture,
     thing: Option<&FrameItem>,
@@ -219,7 +219,7 @@ fn side(
     }
 }
 
-/// Puts everything of a frame together, what is nested moved to its place.
+/// Combines the parts of a frame, with nested frames moved to their places.
 fn assemble(
     picture: &Picture,
     index: usize,
@@ -246,7 +246,7 @@ fn assemble(
     };
     for (link, points) in layered.links.iter().zip(&placed.lines) {
         let mut points: Vec<LinePoint> = points.iter().map(moved).collect();
-        // a line that crosses the border does so at the border
+        // a line that crosses the frame does so exactly at its border
         if let (Some(FrameItem::Border), Some(first)) = (things.get(link.from), points.first_mut())
         {
             first.x = 0.0;
@@ -285,8 +285,8 @@ fn assemble(
     laid
 }
 
-/// Moves what a nested frame has to its place. A piece inside of it comes before the others if the line
-/// begins there, else behind them.
+/// Moves the contents of a nested frame to its place. A piece of a line inside the frame precedes the others if the
+/// line begins there, and follows them otherwise.
 fn nest(picture: &Picture, laid: &mut FrameLayout, inner: FrameLayout, area: Rectangle) {
     let shift = |it: Rectangle| Rectangle {
         x: it.x + area.x,

@@ -1,7 +1,7 @@
-//! Pictures of composites: components as boxes, services at their left and references at their right,
-//! topics between them, nested composites as frames, processes as colours.
+//! Draws composites: components as boxes with services at the left and references at the right, topics between them,
+//! nested composites as frames, and processes as colours.
 //!
-//! The same plan gives the same picture, letter by letter.
+//! The output is deterministic: equal plans give identical text.
 
 mod dot;
 mod layout;
@@ -12,17 +12,17 @@ mod svg;
 use asmotion_assembly::Plan;
 use picture::Picture;
 
-/// For Graphviz.
+/// Draws a plan in Graphviz' DOT language.
 pub fn dot(plan: &Plan) -> String {
     dot::write(&Picture::of(plan))
 }
 
-/// For Mermaid, as in README files.
+/// Draws a plan as a Mermaid flowchart, for example for README files.
 pub fn mermaid(plan: &Plan) -> String {
     mermaid::write(&Picture::of(plan))
 }
 
-/// Drawn.
+/// Draws a plan as SVG.
 pub fn svg(plan: &Plan) -> String {
     svg::write(&Picture::of(plan))
 }

@@ -1,4 +1,4 @@
-//! Mermaid.
+//! Writes pictures as Mermaid flowcharts.
 
 use std::fmt::Write;
 

@@ -1,79 +1,79 @@
-//! What is to be seen: boxes in frames, and what joins them.
+//! The contents of a picture: boxes in frames, and edges between them.
 
 use std::collections::BTreeMap;
 
 use asmotion_assembly::Plan;
 use asmotion_assembly::plan::{Component, End, Implementation, Terminal};
 
-/// A picture, before anybody knows where things are.
+/// A picture without coordinates.
 pub(crate) struct Picture {
-    /// The composite and those nested in it; the first is the outermost.
+    /// The composite and its nested composites; the first is the outermost.
     pub frames: Vec<CompositeFrame>,
     pub nodes: Vec<PictureNode>,
     pub edges: Vec<PictureEdge>,
-    /// The processes, if there are several.
+    /// Names of the processes; empty if there is only one.
     pub processes: Vec<String>,
 }
 
-/// A composite.
+/// The frame of a composite.
 pub(crate) struct CompositeFrame {
     pub name: String,
-    /// The frame around it.
+    /// The frame that contains it; `None` for the outermost.
     pub parent: Option<usize>,
 }
 
-/// A box.
+/// A box: a component, a topic or something outside.
 pub(crate) struct PictureNode {
     pub frame: usize,
     pub kind: PictureNodeKind,
     pub name: String,
-    /// What a component is made of.
+    /// The implementation of a component, abbreviated.
     pub note: String,
     pub process: Option<usize>,
-    /// What others reach it by: services, input ports.
+    /// Ports on the left side: services and inputs.
     pub left: Vec<PicturePort>,
-    /// What it reaches others by: references, output ports.
+    /// Ports on the right side: references and outputs.
     pub right: Vec<PicturePort>,
 }
 
-/// What a box is.
+/// The kind of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PictureNodeKind {
     Component,
     Topic,
-    /// A topic that the outside may publish and subscribe.
+    /// A topic that the outside may publish and subscribe to.
     OpenTopic,
-    /// Whoever is outside.
+    /// A partner outside of the composite.
     Outside,
 }
 
-/// A place at the side of a box.
+/// A port on the side of a box.
 pub(crate) struct PicturePort {
     pub name: String,
-    /// Whether it is called rather than read.
+    /// `true` for services and references, `false` for inputs and outputs.
     pub service: bool,
 }
 
-/// From the right side of a box to the left side of one.
+/// A line from the right side of one box to the left side of another.
 pub(crate) struct PictureEdge {
     pub from: EdgeEnd,
     pub to: EdgeEnd,
     pub kind: EdgeKind,
 }
 
-/// A box, and which of its ports.
+/// A box and, unless the box itself is meant, one of its ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct EdgeEnd {
     pub node: usize,
     pub port: Option<usize>,
 }
 
-/// What goes along a line.
+/// The kind of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EdgeKind {
-    /// Calls.
+    /// Calls of operations.
     Call,
-    /// Messages.
+    /// Samples.
     Flow,
 }
 
@@ -103,7 +103,7 @@ impl Picture {
         draft.picture
     }
 
-    /// Whether a frame lies in another one, or is it.
+    /// Returns whether a frame equals `outer` or lies within it.
     pub(crate) fn is_in(&self, mut frame: usize, outer: usize) -> bool {
         while frame != outer {
             match self.frames.get(frame).and_then(|it| it.parent) {
@@ -115,7 +115,7 @@ impl Picture {
     }
 }
 
-/// What a component is made of, in a word or two.
+/// The implementation of a component, abbreviated.
 fn note(component: &Component) -> String {
     let file = |path: &str| path.rsplit('/').next().unwrap_or(path).to_owned();
     match &component.implementation {
@@ -134,7 +134,7 @@ fn note(component: &Component) -> String {
 struct PictureBuilder<'d> {
     picture: Picture,
     plan: &'d Plan,
-    /// Frames by the names around them: `Driver/`.
+    /// Frames by the prefix of the names in them, for example `Driver/`.
     frames: BTreeMap<String, usize>,
     components: BTreeMap<&'d str, usize>,
     topics: BTreeMap<&'d str, usize>,
@@ -193,7 +193,7 @@ impl<'d> PictureBuilder<'d> {
         }
     }
 
-    /// The frame that a component is in, and its own name.
+    /// The frame of a component, and the component's name within it.
     fn within(&mut self, name: &str) -> (usize, String) {
         let mut frame = 0;
         let mut start = 0;
@@ -214,7 +214,7 @@ impl<'d> PictureBuilder<'d> {
         (frame, name[start..].to_owned())
     }
 
-    /// The frame that a topic is in, and its own name, which may have slashes of its own.
+    /// The frame of a topic, and its name within it, which may contain slashes.
     fn known(&self, name: &str) -> (usize, String) {
         let slashes = name.match_indices('/').map(|(at, _)| at);
         let mut inner = slashes.filter_map(|at| Some((at, self.frames.get(&name[..at])?)));
@@ -224,7 +224,7 @@ impl<'d> PictureBuilder<'d> {
         }
     }
 
-    /// Whether a port is joined to something, or promoted.
+    /// Returns whether a port is connected or promoted.
     fn is_used(&self, component: &str, port: &str) -> bool {
         let is = |end: &End| end.component == component && end.name == port;
         let is_end = |terminal: &Terminal| matches!(terminal, Terminal::Port(end) if is(end));
@@ -255,9 +255,9 @@ impl<'d> PictureBuilder<'d> {
                 (Terminal::Port(from), queue @ Terminal::Mqueue(_)) => {
                     (self.right(from), self.outside(queue.to_string()))
                 }
-                // who is on a topic, the topic says
+                // edges of topics are drawn below
                 (Terminal::Topic(_), _) | (_, Terminal::Topic(_)) => continue,
-                // nothing is only passed on
+                // both ends are message queues: no component to draw
                 (Terminal::Mqueue(_), Terminal::Mqueue(_)) => continue,
             };
             self.edge(ends, EdgeKind::Flow);
@@ -283,7 +283,7 @@ impl<'d> PictureBuilder<'d> {
         }
     }
 
-    /// Somebody outside of the composite.
+    /// Adds a partner outside of the composite.
     fn outside(&mut self, name: String) -> Option<EdgeEnd> {
         let node = self.picture.nodes.len();
         self.picture
@@ -311,7 +311,7 @@ impl<'d> PictureBuilder<'d> {
         Some(EdgeEnd { node, port })
     }
 
-    /// Services, references and ports that the outside sees.
+    /// Adds edges for promoted services, references and ports.
     fn promoted(&mut self) {
         for promoted in &self.plan.promoted {
             let Some((component, name)) = promoted.inside.rsplit_once('.') else {
@@ -341,7 +341,7 @@ impl<'d> PictureBuilder<'d> {
     }
 }
 
-/// A box without ports.
+/// Creates a box without ports.
 fn plain(frame: usize, kind: PictureNodeKind, name: String) -> PictureNode {
     PictureNode {
         frame,

@@ -1,16 +1,16 @@
-//! SVG.
+//! Writes pictures as SVG.
 
 use std::fmt::Write;
 
 use crate::layout::{self, HEAD, LinePoint, PictureLayout, ROW, Rectangle, text_width};
 use crate::picture::{EdgeKind, Picture, PictureNode, PictureNodeKind, PicturePort};
 
-/// The colours of processes.
+/// Fill colours of processes.
 pub(crate) const FILLS: [&str; 6] = [
     "#dce8f7", "#fbe6d2", "#e7def4", "#fbf1c7", "#d8ecea", "#f7dbe4",
 ];
 
-/// The colour of topics, as in the paper.
+/// Fill colour of topics, as in the paper.
 pub(crate) const TOPIC: &str = "#c2e5be";
 
 const INK: &str = "#2b3648";
@@ -18,7 +18,7 @@ const FAINT: &str = "#6b7789";
 const CALL: &str = "#3b5b92";
 const FLOW: &str = "#5f8f5f";
 
-/// The height of the line that explains the signs.
+/// Height of the legend.
 const LEGEND: f64 = 34.0;
 
 pub(crate) fn write(picture: &Picture) -> String {
@@ -99,12 +99,12 @@ fn lines(picture: &Picture, layout: &PictureLayout, out: &mut String) {
     }
 }
 
-/// An arrow ends before the sign of a port.
+/// Space between the tip of an arrow and the centre of its target: the size of a port's symbol.
 fn back(port: bool) -> f64 {
     if port { 5.0 } else { 0.0 }
 }
 
-/// A curve through the points, level at each of them.
+/// A smooth curve through the points, horizontal at each of them.
 fn path(points: &[LinePoint]) -> String {
     let mut path = String::new();
     let mut previous: Option<LinePoint> = None;
@@ -140,7 +140,7 @@ fn path(points: &[LinePoint]) -> String {
     path
 }
 
-/// How far a line reaches beyond its box to turn back.
+/// Distance from the box at which a line that runs backwards turns.
 fn turn(from: f64, to: f64) -> f64 {
     16.0 + ((to - from).abs() * 0.12).min(22.0)
 }
@@ -221,7 +221,7 @@ fn component(node: &PictureNode, area: Rectangle, out: &mut String) {
     }
 }
 
-/// A service is a green chevron, a reference a purple one; a port is a square.
+/// Draws a port: a green chevron for a service, a purple one for a reference, a square for others.
 fn sign(x: f64, y: f64, port: &PicturePort, left: bool, out: &mut String) {
     let _ = match (port.service, left) {
         (true, left) => {
@@ -243,7 +243,7 @@ fn sign(x: f64, y: f64, port: &PicturePort, left: bool, out: &mut String) {
     };
 }
 
-/// The signs and colours, and how wide they stand.
+/// The legend of symbols and colours, and its width.
 fn legend(picture: &Picture, y: f64) -> (String, f64) {
     let mut out = String::new();
     let mut x = 4.0;

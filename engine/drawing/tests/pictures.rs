@@ -1,4 +1,4 @@
-//! The pictures of the composites of this repository; they stand in the documentation too.
+//! Pictures of the composites in this repository, which are also part of the documentation.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use asmotion_assembly::{AsmFiles, Context, EmptyEnvironment, Opened, Tables};
 use asmotion_diagnostics::{LoadError, Loader};
 
-/// The files of `specs`.
+/// Loads files from `specs`.
 struct Specs;
 
 impl Loader for Specs {
@@ -39,7 +39,7 @@ fn open(file: &str) -> Opened {
     asmotion_assembly::open(file, &context)
 }
 
-/// Draws a composite in all ways, twice from its file: the same each time.
+/// Draws a composite in all formats, and checks that drawing it again gives the same.
 fn drawn(file: &str) -> [String; 3] {
     let draw = || {
         let opened = open(file);

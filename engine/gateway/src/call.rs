@@ -1,4 +1,4 @@
-//! A call on the bus, awaited by a task: dropping the future takes it back.
+//! A call on the bus as a future: dropping it cancels the call.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use asmotion_bus::{Bus, CallFailure, Notifier, Payload, Request, later};
 use tokio::sync::Notify;
 use tokio::time::timeout_at;
 
-/// Calls, or tells where nobody is to answer.
+/// Calls an operation and waits for the response or, for a one-way call, for the provider to take the request.
 pub(crate) async fn call(
     bus: &dyn Bus,
     address: &str,
@@ -26,7 +26,7 @@ pub(crate) async fn call(
         if let Some(end) = pending.try_take() {
             return end;
         }
-        // Whichever it was, the call knows.
+        // the call itself tells a reply from a timeout
         let _ = timeout_at(until, news.notified()).await;
     }
 }

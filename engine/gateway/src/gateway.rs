@@ -1,4 +1,4 @@
-//! The gateway: who listens, how many are let in, and how it ends.
+//! The gateway: listens, limits the number of connections, and shuts down.
 
 use std::convert::Infallible;
 use std::net::SocketAddr;
@@ -20,26 +20,26 @@ use tokio::time::{sleep, timeout};
 use crate::handler::RequestHandler;
 use crate::service::GatewayService;
 
-/// How long calls under way may take to end when the gateway closes.
+/// Time that calls under way have to end when the gateway closes.
 const DRAIN: Duration = Duration::from_secs(2);
-/// How long to wait before listening again, where the system had nothing left to listen with.
+/// Pause before listening again after an error of `accept`, for example for want of file descriptors.
 const REST: Duration = Duration::from_millis(50);
 
-/// Where a gateway listens, and what it bears.
+/// Address and limits of a gateway.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GatewaySettings {
-    /// Where; port 0 is a free one.
+    /// Address to listen at; port 0 selects a free one.
     pub listen: SocketAddr,
-    /// How many may be connected at once; more wait until one leaves.
+    /// Limit on simultaneous connections; further ones wait (default: 64).
     pub max_connections: usize,
-    /// The longest argument, in bytes.
+    /// Limit on the size of a request's body, in bytes (default: 1 MiB).
     pub max_body: usize,
-    /// How long a caller may take to say what it wants, and stay without wanting anything.
+    /// Limit on the time in which a request's header must arrive, and on the idle time of a connection (default: 10 s).
     pub patience: Duration,
 }
 
 impl GatewaySettings {
-    /// The usual ones: 64 callers, arguments of a megabyte, ten seconds.
+    /// The default settings for this address.
     pub fn at(listen: SocketAddr) -> Self {
         Self {
             listen,
@@ -50,23 +50,23 @@ impl GatewaySettings {
     }
 }
 
-/// Why a gateway cannot open.
+/// An error when a gateway opens.
 #[derive(Debug, thiserror::Error)]
 pub enum GatewayCheckError {
-    /// Nothing can listen there.
+    /// The address cannot be listened at.
     #[error("nothing can listen at {at}: {reason}")]
     Listen {
-        /// Where.
+        /// The address.
         at: SocketAddr,
-        /// Why.
+        /// The operating system's reason.
         reason: std::io::Error,
     },
-    /// There are no threads left.
+    /// No thread can be started.
     #[error("no thread to listen with: {0}")]
     Thread(std::io::Error),
 }
 
-/// An open gateway. Dropping it closes it: nobody more is let in, and calls under way have two seconds.
+/// An open gateway. Dropping this closes it: new connections are refused, and calls under way have two seconds to end.
 #[derive(Debug)]
 pub struct Gateway {
     address: SocketAddr,
@@ -75,10 +75,10 @@ pub struct Gateway {
 }
 
 impl Gateway {
-    /// Opens a gateway to services that are on a bus, each operation at the address `SERVICE.OPERATION`.
+    /// Opens a gateway to services on a bus, each operation of which has the address `SERVICE.OPERATION`.
     ///
     /// # Errors
-    /// Nothing can listen there.
+    /// An error if the address cannot be listened at or no thread can be started.
     pub fn open(
         settings: GatewaySettings,
         services: Vec<GatewayService>,
@@ -114,7 +114,7 @@ impl Gateway {
         })
     }
 
-    /// Where it listens.
+    /// The address it listens at, with the selected port.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -124,13 +124,13 @@ impl Drop for Gateway {
     fn drop(&mut self) {
         self.end.send_replace(true);
         if let Some(thread) = self.thread.take() {
-            // It runs none but our own code.
+            // ends without panicking: it runs only our own code
             let _ = thread.join();
         }
     }
 }
 
-/// Lets callers in until the end, and lets those who are in end what they have begun.
+/// Accepts connections until `ended` is set, then lets them finish their requests.
 async fn listen_until(
     mut ended: watch::Receiver<bool>,
     listener: TcpListener,
@@ -152,14 +152,14 @@ async fn listen_until(
         }
     }
     drop(listener);
-    // Who has not ended by then is hung up on.
+    // remaining connections are closed
     let _ = timeout(DRAIN, async {
         while callers.join_next().await.is_some() {}
     })
     .await;
 }
 
-/// Who is connected, and has a place.
+/// A connection that counts towards the limit.
 struct HttpConnection {
     stream: TcpStream,
     from: SocketAddr,
@@ -176,7 +176,8 @@ async fn next(listener: &TcpListener, places: &Arc<Semaphore>) -> Option<HttpCon
     })
 }
 
-/// Answers a caller until it leaves. One that leaves has taken its call back: the future of its answer is dropped.
+/// Serves a connection until the client closes it. This drops the future of a request under way, which cancels its
+/// call.
 async fn serve(
     caller: HttpConnection,
     reception: Arc<RequestHandler>,
@@ -187,7 +188,7 @@ async fn serve(
         let reception = Arc::clone(&reception);
         async move { Ok::<_, Infallible>(reception.answer(asked, from).await) }
     });
-    // It is late by a little, no less right.
+    // not essential: without it responses arrive a little later
     let _ = caller.stream.set_nodelay(true);
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
@@ -195,14 +196,14 @@ async fn serve(
         .serve_connection(TokioIo::new(caller.stream), service);
     let mut connection = pin!(connection);
     tokio::select! {
-        // What is wrong with a connection is known to its other end.
+        // connection errors concern the client only
         _ = connection.as_mut() => return,
         () = end(&mut ended) => connection.as_mut().graceful_shutdown(),
     }
     let _ = connection.await;
 }
 
-/// Waits for the end; a gateway that is gone has ended.
+/// Waits for `ended`; a dropped sender counts as the end.
 async fn end(ended: &mut watch::Receiver<bool>) {
     let _ = ended.wait_for(|ended| *ended).await;
 }

@@ -1,4 +1,4 @@
-//! A request comes in, an answer goes out.
+//! Handles HTTP requests.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use crate::service::{GatewayOperation, GatewayService};
 /// What comes in.
 type HttpRequest = hyper::Request<Incoming>;
 
-/// Who answers requests.
+/// Handles the requests of all connections.
 pub(crate) struct RequestHandler {
     pub services: Vec<GatewayService>,
     pub bus: Arc<dyn Bus>,
@@ -30,14 +30,14 @@ pub(crate) struct RequestHandler {
 }
 
 impl RequestHandler {
-    /// Answers a request.
+    /// Handles a request.
     pub(crate) async fn answer(&self, asked: HttpRequest, from: SocketAddr) -> HttpResponse {
         let answer = self.route(asked, from).await;
         answer.unwrap_or_else(|problem| problem.response())
     }
 
     async fn route(&self, asked: HttpRequest, from: SocketAddr) -> Result<HttpResponse, Problem> {
-        // A browser says whose page asks; nobody else does.
+        // only browsers send this header; web pages of other origins must not control a robot
         if asked.headers().contains_key(header::ORIGIN) {
             return Err(Problem::WebPage);
         }
@@ -60,7 +60,7 @@ impl RequestHandler {
         }
     }
 
-    /// Whether calls get anywhere.
+    /// Reports the state of the bus.
     fn health(&self) -> HttpResponse {
         let (status, state, reason) = match self.bus.health().link {
             LinkState::Up => (StatusCode::OK, "UP", None),
@@ -97,7 +97,7 @@ impl RequestHandler {
         let trace = asked.headers().get("traceparent");
         let trace = trace.and_then(|trace| trace.to_str().ok()?.parse().ok());
         let argument = self.argument(service, operation, asked).await?;
-        // it is in no life of a process of ours
+        // the sender is no process of the system, so the incarnation is 0
         let origin = SenderId::new(format!("http {from}"), 0);
         let mut request = Request::new(origin, Payload::of(argument), time);
         request.trace = trace;
@@ -116,7 +116,7 @@ impl RequestHandler {
         }
     }
 
-    /// The argument of an operation, once it has come.
+    /// Reads and checks the request of an operation.
     async fn argument(
         &self,
         service: &GatewayService,
@@ -150,14 +150,14 @@ impl RequestHandler {
     }
 }
 
-/// An argument, if it is one.
+/// Decodes JSON and checks it against the schema.
 fn read(json: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
     let argument = Codec::Json.decode(json, schema)?;
     schema.accepts(&argument)?;
     Ok(argument)
 }
 
-/// Where the schema of a service's arguments is shown.
+/// Path at which the schemas of a service are available.
 fn schema_at(service: &GatewayService) -> String {
     format!("/services/{}", service.name)
 }
@@ -175,7 +175,8 @@ fn operation<'s>(service: &'s GatewayService, name: &str) -> Result<&'s GatewayO
     })
 }
 
-/// The argument of who says none: of a record, all fields are left out.
+/// The value of an empty body: a record without fields, which all have their initial values, or null for any other
+/// type.
 fn nothing(operation: &GatewayOperation) -> Datum {
     match matches!(operation.request.shape, Shape::Record(_)) {
         true => Datum::Record(Vec::new()),

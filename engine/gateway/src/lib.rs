@@ -1,8 +1,9 @@
-//! Services over HTTP and JSON, for those who are on no bus: `curl` calls what a composite promotes.
+//! Services over HTTP and JSON, for clients without access to the bus. Any HTTP client, such as `curl`, can call the
+//! operations that a composite promotes.
 //!
-//! A [`Gateway`] stands between HTTP and a [`Bus`](asmotion_bus::Bus), whichever: a `POST` is a request on it, with its deadline
-//! and its typed end; who hangs up has taken the call back. What can be called it says itself, with the JSON Schema of
-//! everything (`GET /services`). `docs/wire.md` describes all of it for callers.
+//! A [`Gateway`] translates between HTTP and any [`Bus`](asmotion_bus::Bus): a `POST` becomes a call with a deadline
+//! and a typed result, and closing the connection cancels the call. `GET /services` lists the services with the JSON
+//! Schemas of all types. `docs/wire.md` is the specification for clients.
 
 mod call;
 mod gateway;

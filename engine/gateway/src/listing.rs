@@ -1,4 +1,4 @@
-//! What can be called, as JSON: services, operations, and the JSON Schema of everything.
+//! Lists services and operations as JSON, with JSON Schemas of all types.
 
 use asmotion_datum::json_schema::SchemaDefinitions;
 use hyper::StatusCode;
@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 use crate::response::{self, HttpResponse};
 use crate::service::{GatewayOperation, GatewayService};
 
-/// Where the schemas of what has a name stand.
+/// JSON pointer to the schemas of named types.
 const SCHEMAS: &str = "#/$defs";
 
-/// All services.
+/// The listing of all services.
 pub(crate) fn all(services: &[GatewayService]) -> HttpResponse {
     let mut definitions = SchemaDefinitions::at(SCHEMAS);
     let services: Vec<Value> = services
@@ -21,7 +21,7 @@ pub(crate) fn all(services: &[GatewayService]) -> HttpResponse {
     response::json(StatusCode::OK, shown.to_string())
 }
 
-/// One service.
+/// The listing of one service.
 pub(crate) fn one(of: &GatewayService) -> HttpResponse {
     let mut definitions = SchemaDefinitions::at(SCHEMAS);
     let mut shown = service(of, &mut definitions);

@@ -1,23 +1,23 @@
-//! What a caller says beside the argument: `?timeout_ms=500&oneway=true`.
+//! Query parameters of a call: `?timeout_ms=500&oneway=true`.
 
 use std::time::Duration;
 
 use crate::problem::Problem;
 
-/// The longest that a call may take.
+/// Limit on the timeout of a call.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 
-/// How an operation is to be called.
+/// Parameters of a call.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct CallParameters {
-    /// How long it may take, if the caller says.
+    /// `timeout_ms`; `None` for the service's default.
     pub timeout: Option<Duration>,
-    /// Whether the caller waits for no answer.
+    /// `oneway`: the client does not wait for a response.
     pub one_way: bool,
 }
 
 impl CallParameters {
-    /// Reads the query of an address.
+    /// Parses the query part of a URI. An unknown parameter is an error.
     pub(crate) fn of(query: Option<&str>) -> Result<Self, Problem> {
         let mut question = Self::default();
         let parts = query.unwrap_or_default().split('&');

@@ -1,5 +1,4 @@
-//! What can be wrong with a request, or become of it: problem details of RFC 9457, with a code for programs and a way out
-//! for people.
+//! Errors of requests as problem details (RFC 9457), with a code for programs and a remedy for human readers.
 
 use std::time::Duration;
 
@@ -10,7 +9,7 @@ use serde_json::json;
 
 use crate::response::{self, HttpResponse};
 
-/// Why a request has no result.
+/// The reason that a request has no result.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(crate) enum Problem {
     #[error("there is nothing at `{path}`")]
@@ -49,7 +48,7 @@ pub(crate) enum Problem {
     Answer(DatumError),
 }
 
-/// The code of the engine for an argument that its operation cannot read.
+/// The code that a provider uses for a request that it cannot decode.
 const BAD_REQUEST: &str = "BAD_REQUEST";
 
 impl Problem {
@@ -72,7 +71,7 @@ impl Problem {
         }
     }
 
-    /// For programs; that of a fault is the operation's own.
+    /// The code for programs; for a fault, the operation's own code.
     fn code(&self) -> &str {
         match self {
             Self::NoPath { .. } => "NO_PATH_HERE",
@@ -93,7 +92,7 @@ impl Problem {
         }
     }
 
-    /// A way out; none for what only the operation knows.
+    /// A remedy; `None` for faults of an operation.
     fn help(&self) -> Option<String> {
         Some(match self {
             Self::NoPath { .. } => {
@@ -127,7 +126,7 @@ impl Problem {
         })
     }
 
-    /// As it is sent.
+    /// The HTTP response.
     pub(crate) fn response(&self) -> HttpResponse {
         let status = self.status();
         let mut details = json!({
@@ -150,7 +149,7 @@ impl Problem {
     }
 }
 
-/// What there is instead of a name that is not there.
+/// A suggestion if a similar name exists, otherwise the list of known names.
 fn among(what: &str, name: &str, known: &[String]) -> String {
     let distance = |known: &String| strsim::osa_distance(name, known);
     let nearest = known.iter().min_by_key(|known| distance(known));

@@ -1,14 +1,14 @@
-//! What goes out.
+//! Builds HTTP responses.
 
 use asmotion_datum::Codec;
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::{Response, StatusCode, header};
 
-/// An answer, whole.
+/// A response whose body is in memory.
 pub(crate) type HttpResponse = Response<Full<Bytes>>;
 
-/// An answer in JSON.
+/// A response with a JSON body.
 pub(crate) fn json(status: StatusCode, json: String) -> HttpResponse {
     let mut response = Response::new(Full::new(Bytes::from(json + "\n")));
     *response.status_mut() = status;
@@ -17,7 +17,7 @@ pub(crate) fn json(status: StatusCode, json: String) -> HttpResponse {
     response
 }
 
-/// The request is with its component, and nobody will be answered.
+/// The response to a one-way call: the provider has the request.
 pub(crate) fn accepted() -> HttpResponse {
     let mut response = Response::new(Full::default());
     *response.status_mut() = StatusCode::ACCEPTED;

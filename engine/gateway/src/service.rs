@@ -1,4 +1,4 @@
-//! What can be called, as plain data.
+//! Descriptions of services, as plain data.
 
 use std::time::Duration;
 
@@ -7,25 +7,25 @@ use asmotion_datum::Schema;
 /// A service that can be called through a gateway.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatewayService {
-    /// Its name, outside and on the bus: operation `getMap` of `maps` is served at the address `maps.getMap`.
+    /// Name in URIs and on the bus: operation `getMap` of service `maps` has the address `maps.getMap`.
     pub name: String,
-    /// Its interface: `nav/MapService`.
+    /// Name of the interface, for example `nav/MapService`.
     pub interface: String,
-    /// How long a call may take whose caller does not say.
+    /// Timeout of calls without the parameter `timeout_ms`.
     pub timeout: Duration,
-    /// Its operations.
+    /// The operations that can be called.
     pub operations: Vec<GatewayOperation>,
 }
 
 /// An operation of a service.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatewayOperation {
-    /// Its name.
+    /// Name within the interface.
     pub name: String,
-    /// What is asked.
+    /// Type of the request.
     pub request: Schema,
-    /// What is answered.
+    /// Type of the response.
     pub response: Schema,
-    /// Whether nobody is answered.
+    /// `true` if calls have no response.
     pub one_way: bool,
 }

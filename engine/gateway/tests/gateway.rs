@@ -1,4 +1,4 @@
-//! A gateway before a bus: every end of a call as a status of HTTP.
+//! A gateway on a local bus: every outcome of a call has its HTTP status.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
 
 mod client;
@@ -17,7 +17,7 @@ use client::{Client, Said};
 use serde_json::json;
 
 asmotion_datum::message! {
-    /// What is asked.
+    /// The type of requests.
     pub struct Question = "test/Question" {
         /// whose
         pub name: String,
@@ -27,14 +27,13 @@ asmotion_datum::message! {
         pub path: Vec<Point>,
     }
 
-    /// A point.
     #[derive(Copy)]
     pub struct Point = "test/Point" {
         pub x: f64,
         pub y: f64,
     }
 
-    /// What is answered.
+    /// The type of responses.
     pub struct Reply = "test/Reply" {
         pub text: String,
         pub range: f64,
@@ -43,7 +42,7 @@ asmotion_datum::message! {
 
 const SECOND: Duration = Duration::from_secs(1);
 
-/// A gateway to a service `maps`, and the service, whose requests a function takes.
+/// A gateway to a service `maps`, and a thread in which a function handles its requests.
 struct Open {
     gateway: Option<Gateway>,
     ended: Arc<AtomicBool>,
@@ -114,7 +113,7 @@ fn maps() -> GatewayService {
     }
 }
 
-/// Nobody serves it.
+/// A service without a provider.
 fn empty() -> GatewayService {
     GatewayService {
         name: "plans".to_owned(),
@@ -122,7 +121,7 @@ fn empty() -> GatewayService {
     }
 }
 
-/// Answers with what was asked.
+/// Replies with the content of the request.
 fn echo(call: IncomingCall) {
     let asked: Result<Question, _> = call.argument.read();
     call.reply(match asked {
@@ -137,7 +136,7 @@ fn echo(call: IncomingCall) {
     });
 }
 
-/// Keeps its callers waiting.
+/// Never replies.
 fn silent() -> impl FnMut(IncomingCall) + Send {
     let mut kept = Vec::new();
     move |call| kept.push(call)
@@ -171,7 +170,7 @@ fn an_operation_is_called_with_json_and_answers_with_json() {
     let expected = json!({ "text": text, "range": "Infinity" });
     assert_eq!((said.status, &said.json), (200, &expected));
     assert_eq!(said.header("content-type"), Some("application/json"));
-    // who says nothing leaves all fields out
+    // an empty body means that all fields are omitted
     let said = open.client().post("/services/maps/get", "");
     assert_eq!(said.json, json!({ "text": " 1 []", "range": 0.0 }));
 }
@@ -250,7 +249,7 @@ fn every_end_of_a_call_has_its_status() {
     is_problem(&any(&open, "\"leave\""), 503, "UNAVAILABLE", &["`maps`"]);
     let nobody = open.client().post("/services/plans/get", "{}");
     is_problem(&nobody, 503, "UNAVAILABLE", &["`plans`"]);
-    // what was served and is no longer
+    // a provider that has stopped
     open.ended.store(true, Ordering::Relaxed);
     open.server
         .replace(std::thread::spawn(|| {}))
@@ -365,7 +364,7 @@ fn it_says_what_can_be_called_and_with_what() {
     assert_eq!(get["call"], "POST /services/maps/get");
     assert_eq!(one["operations"][1]["oneway"], true);
     assert_eq!(one["operations"][1].get("result"), None);
-    // the schema of an argument, with what it refers to, is one
+    // the request's schema and its definitions form one document
     one.as_object_mut()
         .unwrap()
         .extend(get["argument"].as_object().unwrap().clone());
@@ -401,7 +400,7 @@ fn it_bears_no_more_than_it_was_told_to() {
     let page = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\
                 Origin: http://elsewhere.example\r\n\r\n";
     is_problem(&client.say(page), 403, "WEB_PAGE", &["proxy"]);
-    // who does not say what it wants is in nobody's way for long
+    // a client that does not complete its request blocks nobody for long
     let mut idle = TcpStream::connect(client.0).unwrap();
     idle.write_all(b"GET /hea").unwrap();
     assert_eq!(client.get("/health").status, 200);
@@ -416,7 +415,7 @@ fn it_bears_no_more_than_it_was_told_to() {
         let mut stream = TcpStream::connect(client.0).unwrap();
         stream.write_all(noise.as_bytes()).unwrap();
         stream.shutdown(std::net::Shutdown::Write).unwrap();
-        // refused in words of HTTP, or hung up on
+        // refused by HTTP status, or the connection is closed
         let mut heard = Vec::new();
         let _ = stream.read_to_end(&mut heard);
         assert!(
@@ -436,7 +435,7 @@ fn what_is_under_way_ends_before_the_gateway_is_closed() {
     let call = comes.recv_timeout(20 * SECOND).unwrap();
     let gateway = open.gateway.take();
     let closing = std::thread::spawn(move || drop(gateway));
-    // nobody more is let in
+    // new connections are refused
     while TcpStream::connect(address).is_ok() {
         std::thread::sleep(Duration::from_millis(5));
     }

@@ -1,17 +1,17 @@
-//! What can be wrong with a queue, and with a type that shall pass through one.
+//! Errors of queues and of the types of their messages.
 
-/// Why a type has no form in this transport.
+/// The reason that a type cannot be sent through a queue.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnsupportedTypeError {
-    /// Something that is written as a pointer, or not at all.
+    /// A type without a fixed binary form: text, an option or an unknown type.
     #[error("{}{what} has no form in a message queue", FieldPathPrefix(path))]
     NoForm {
         /// Path of field names to it.
         path: String,
-        /// What it is: `string`.
+        /// Name of the type, for example `string`.
         what: String,
     },
-    /// Many of what has no bytes: how many could not be checked.
+    /// A list whose elements occupy no bytes, so that its length could not be checked.
     #[error(
         "{}many of {what} take no bytes, however many there are",
         FieldPathPrefix(path)
@@ -19,110 +19,110 @@ pub enum UnsupportedTypeError {
     Nothing {
         /// Path of field names to it.
         path: String,
-        /// The elements' type.
+        /// Name of the elements' type.
         what: String,
     },
 }
 
-/// Why a queue cannot be opened.
+/// The reason that a queue cannot be opened.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum QueueCheckError {
-    /// No name of a queue.
+    /// An invalid name.
     #[error("`{name}` is no name of a queue; one is a `/` and up to 255 characters that are none")]
     Name {
-        /// As it was written.
+        /// The name as written.
         name: String,
     },
-    /// Messages would have no bytes, or as many as a list happens to have.
+    /// The messages have no fixed size, or no bytes at all.
     #[error(
         "how large are the messages of {queue}? {kind} has lists; say `data_size = BYTES`, the same as on the other side"
     )]
     NoSize {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
-        /// The type.
+        /// Name of the message type.
         kind: String,
     },
-    /// More messages than this system allows.
+    /// The queue would hold more messages than the system allows.
     #[error(
         "{queue} would hold {asked} messages, and this system allows {limit}; make the connection's `size` smaller, or raise the limit: `sysctl fs.mqueue.msg_max={asked}`"
     )]
     TooMany {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
-        /// How many it would hold.
+        /// Requested number of messages.
         asked: usize,
-        /// How many are allowed.
+        /// The system's limit.
         limit: usize,
     },
-    /// Larger messages than this system allows.
+    /// The messages would be larger than the system allows.
     #[error(
         "messages of {queue} would have {asked} bytes, and this system allows {limit}; raise the limit: `sysctl fs.mqueue.msgsize_max={asked}`"
     )]
     TooLarge {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
-        /// Bytes of a message.
+        /// Requested size of a message, in bytes.
         asked: usize,
-        /// How many are allowed.
+        /// The system's limit, in bytes.
         limit: usize,
     },
-    /// All queues of this user together would take too much.
+    /// The queues of this user would exceed their limit on memory.
     #[error(
         "{queue} would take {asked} bytes, and all queues of this user together may take {limit}; raise the limit with `ulimit -q`, or remove queues that nobody needs: `ls /dev/mqueue`"
     )]
     NoRoom {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
-        /// Bytes it would take.
+        /// Bytes requested for this queue.
         asked: usize,
-        /// How many all may take.
+        /// Limit on the sum over all queues, in bytes.
         limit: u64,
     },
-    /// There are as many queues as the system allows.
+    /// The system's limit on the number of queues is reached.
     #[error(
         "there are as many queues as this system allows, so {queue} cannot be made; remove some (`ls /dev/mqueue`), or raise the limit: `sysctl fs.mqueue.queues_max`"
     )]
     NoMore {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
     },
-    /// The queue is somebody else's.
+    /// The queue belongs to another user.
     #[error("{queue} is there and belongs to another user")]
     Denied {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
     },
-    /// A queue of this name takes smaller messages.
+    /// A queue with this name exists, for smaller messages.
     #[error(
         "{queue} is there and takes messages of {takes} bytes, and these have {size}; give both sides the same type and `data_size`, and if nobody uses it any more, remove it: `rm /dev/mqueue{}`",
         queue.trim_start_matches("mqueue:")
     )]
     Smaller {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
-        /// Bytes it takes.
+        /// Message size of the existing queue, in bytes.
         takes: usize,
-        /// Bytes wanted.
+        /// Message size needed, in bytes.
         size: usize,
     },
-    /// This system has no such queues.
+    /// This operating system has no POSIX message queues.
     #[error("{queue}: this system has no POSIX message queues")]
     Unsupported {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
     },
-    /// What the system says else.
+    /// Any other error of the operating system.
     #[error("{queue}: {reason}")]
     System {
-        /// The queue.
+        /// Name of the queue.
         queue: String,
-        /// Its words.
+        /// The operating system's message.
         reason: String,
     },
 }
 
-/// `pose.name: ` in front of a problem, or nothing for the whole.
+/// Displays `pose.name: ` before a problem, or nothing for an empty path.
 struct FieldPathPrefix<'a>(&'a str);
 
 impl std::fmt::Display for FieldPathPrefix<'_> {

@@ -1,15 +1,16 @@
-//! How many bytes a type takes, and whether it has any form at all.
+//! The binary layout of a type, and the check that it has one.
 
 use asmotion_datum::{Schema, Shape};
 
 use crate::error::UnsupportedTypeError;
 
-/// A type that passes through a queue. Scalars are raw, in this machine's width and byte order; a list is a count of 64
-/// bits and its elements; an array is its elements; a record is one field after the other, without padding.
+/// The binary layout of a type, as RTT's `mqueue` transport defines it. Scalars have the machine's byte order; a list
+/// is a 64-bit count followed by its elements; an array consists of its elements, and a record of its fields in order,
+/// without padding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QueueLayout {
     schema: Schema,
-    /// Bytes with all lists empty.
+    /// Size in bytes if all lists are empty.
     least: usize,
     has_lists: bool,
 }
@@ -18,7 +19,7 @@ impl QueueLayout {
     /// The layout of a type.
     ///
     /// # Errors
-    /// It has none: text, options and what is known at run time only are not written.
+    /// An error if the type has no layout: text, options and unknown types cannot be sent.
     pub fn of(schema: &Schema) -> Result<Self, UnsupportedTypeError> {
         examine(schema, "")?;
         Ok(Self {
@@ -28,23 +29,23 @@ impl QueueLayout {
         })
     }
 
-    /// Bytes of each message; `None` if that depends on how long its lists are.
+    /// Size of a message in bytes; `None` if it depends on the lengths of lists.
     pub fn size(&self) -> Option<usize> {
         (!self.has_lists).then_some(self.least)
     }
 
-    /// Bytes of each message, or so many where that depends on its lists.
+    /// Size of a message in bytes, or `given` if it depends on the lengths of lists.
     pub fn size_or(&self, given: usize) -> usize {
         self.size().unwrap_or(given)
     }
 
-    /// The type.
+    /// Schema of the message type.
     pub fn schema(&self) -> &Schema {
         &self.schema
     }
 }
 
-/// Finds what has no form.
+/// Checks that all parts of a type have a layout.
 fn examine(schema: &Schema, path: &str) -> Result<(), UnsupportedTypeError> {
     match &schema.shape {
         Shape::Any | Shape::Text | Shape::Option(_) => Err(UnsupportedTypeError::NoForm {
@@ -103,7 +104,7 @@ fn has_lists(shape: &Shape) -> bool {
     }
 }
 
-/// Bytes that a value takes at least; what cannot be written takes none.
+/// Minimum size of a value in bytes; 0 for types without a layout.
 pub(crate) fn least(shape: &Shape) -> usize {
     match shape {
         Shape::Any | Shape::Text | Shape::Option(_) => 0,

@@ -1,8 +1,8 @@
-//! A door to Orocos components of other processes: ports joined over POSIX message queues, with the wire format of RTT's
+//! Connects ports to Orocos components of other processes over POSIX message queues, in the wire format of RTT's
 //! `mqueue` transport.
 //!
 //! ```no_run
-//! use asmotion_mqueue::{Keep, Layout, Name, Room, Writer};
+//! use asmotion_mqueue::{FullQueuePolicy, QueueCapacity, QueueLayout, QueueName, QueueWriter};
 //!
 //! asmotion_datum::message! {
 //!     /// What the joints are told.
@@ -12,9 +12,9 @@
 //!     }
 //! }
 //!
-//! let layout = Layout::of(<Command as asmotion_datum::Message>::schema())?;
-//! let room = Room { messages: 10, size: layout.size_or(0) };
-//! let mut writer = Writer::open(Name::new("/commands")?, layout, room, Keep::Oldest)?;
+//! let layout = QueueLayout::of(<Command as asmotion_datum::Message>::schema())?;
+//! let room = QueueCapacity { messages: 10, size: layout.size_or(0) };
+//! let mut writer = QueueWriter::open(QueueName::new("/commands")?, layout, room, FullQueuePolicy::Oldest)?;
 //! writer.send(&Command::default())?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

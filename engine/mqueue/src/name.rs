@@ -4,18 +4,18 @@ use std::fmt;
 
 use crate::error::QueueCheckError;
 
-/// The name of a queue, `/jointStatus`: a slash, and something without slashes.
+/// The name of a queue, for example `/jointStatus`: a slash, followed by characters other than a slash.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QueueName(String);
 
-/// What the kernel takes, the slash left out.
+/// The kernel's limit (`NAME_MAX`), without the slash.
 const LONGEST: usize = 255;
 
 impl QueueName {
-    /// A name.
+    /// Checks a name.
     ///
     /// # Errors
-    /// It is none.
+    /// [`QueueCheckError::Name`] if it is invalid.
     pub fn new(name: &str) -> Result<Self, QueueCheckError> {
         match name.strip_prefix('/') {
             Some(rest)
@@ -33,13 +33,13 @@ impl QueueName {
         }
     }
 
-    /// As it is written.
+    /// The name with its slash.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 }
 
-/// As it is written in a composite: `mqueue:/jointStatus`.
+/// Displays the name as in a composite: `mqueue:/jointStatus`.
 impl fmt::Display for QueueName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "mqueue:{}", self.0)

@@ -1,4 +1,4 @@
-//! Queues of the Linux kernel. Nothing here waits, but [`KernelQueue::wait`].
+//! Message queues of the Linux kernel. Only [`KernelQueue::wait`] blocks.
 
 use std::os::fd::AsFd;
 use std::time::Duration;
@@ -16,16 +16,16 @@ use crate::error::QueueCheckError;
 use crate::name::QueueName;
 use crate::writer::QueueCapacity;
 
-/// An open queue; closed when it is dropped.
+/// An open queue, which is closed on drop.
 pub(crate) struct KernelQueue {
     name: QueueName,
-    /// Absent only while it is being closed.
+    /// `None` only while the queue is being closed.
     descriptor: Option<MqdT>,
-    /// The largest message it takes, in bytes.
+    /// Size of the largest message, in bytes.
     size: usize,
 }
 
-/// What became of a message.
+/// The outcome of sending a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SendOutcome {
     Stored,
@@ -33,7 +33,8 @@ pub(crate) enum SendOutcome {
 }
 
 impl KernelQueue {
-    /// Opens a queue to write to it, and makes it if there is none. Who writes may read, too: to take out the oldest.
+    /// Opens a queue for writing, and creates it if it does not exist. Also opens it for reading, so that the writer
+    /// can remove the oldest message.
     pub(crate) fn create(name: &QueueName, room: QueueCapacity) -> Result<Self, QueueCheckError> {
         let member =
             |number: usize| mq_attr_member_t::try_from(number).unwrap_or(mq_attr_member_t::MAX);
@@ -42,7 +43,7 @@ impl KernelQueue {
         Self::open(name, flags, Some(&attributes)).map_err(|errno| refusal(name, room, errno))
     }
 
-    /// Opens a queue to read from it; `None` as long as there is none.
+    /// Opens a queue for reading. Returns `None` if it does not exist.
     pub(crate) fn find(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
         match Self::open(name, MQ_OFlag::O_RDONLY, None) {
             Ok(queue) => Ok(Some(queue)),
@@ -76,12 +77,12 @@ impl KernelQueue {
         self.descriptor.as_ref().ok_or(Errno::EBADF)
     }
 
-    /// The largest message it takes, in bytes.
+    /// Size of the largest message, in bytes.
     pub(crate) fn size(&self) -> usize {
         self.size
     }
 
-    /// Puts a message in, if there is room.
+    /// Adds a message if there is room.
     pub(crate) fn push(&self, message: &[u8]) -> Result<SendOutcome, QueueCheckError> {
         match self.descriptor().and_then(|open| mq_send(open, message, 0)) {
             Ok(()) => Ok(SendOutcome::Stored),
@@ -95,7 +96,7 @@ impl KernelQueue {
         }
     }
 
-    /// Takes the oldest message out, if there is one; says how many bytes it has.
+    /// Removes the oldest message, if there is one. Returns its size in bytes.
     pub(crate) fn pop(&self, buffer: &mut [u8]) -> Result<Option<usize>, QueueCheckError> {
         let mut priority = 0;
         let received = (self.descriptor()).and_then(|open| mq_receive(open, buffer, &mut priority));
@@ -106,24 +107,24 @@ impl KernelQueue {
         }
     }
 
-    /// Waits until there is a message, or so long.
+    /// Waits until there is a message, at most this long.
     pub(crate) fn wait(&self, at_most: Duration) {
         let Ok(open) = self.descriptor() else { return };
         let milliseconds = u16::try_from(at_most.as_millis()).unwrap_or(u16::MAX);
         let mut polled = [PollFd::new(open.as_fd(), PollFlags::POLLIN)];
-        // interrupted or not: whoever waits looks by itself
+        // after an interruption too, the caller checks the queue itself
         let _ = poll(&mut polled, PollTimeout::from(milliseconds));
     }
 
-    /// Whether it has been removed: what is written under its name now goes elsewhere.
+    /// Returns whether the queue's name has been removed, so that new messages under this name go to another queue.
     pub(crate) fn is_gone(&self) -> bool {
         let status = self.descriptor().and_then(|open| fstat(open.as_fd()));
         status.is_ok_and(|status| status.st_nlink == 0)
     }
 
-    /// Removes its name; who has it open keeps it.
+    /// Removes the queue's name. Processes that have the queue open can still use it.
     pub(crate) fn unlink(&self) {
-        // gone already is gone
+        // fails if the name has been removed already
         let _ = mq_unlink(self.name.as_str());
     }
 }
@@ -131,7 +132,7 @@ impl KernelQueue {
 impl Drop for KernelQueue {
     fn drop(&mut self) {
         if let Some(descriptor) = self.descriptor.take() {
-            // nothing to be done about one that does not close
+            // an error leaves nothing to do
             let _ = mq_close(descriptor);
         }
     }
@@ -144,7 +145,8 @@ fn system(name: &QueueName, errno: Errno) -> QueueCheckError {
     }
 }
 
-/// Why a queue was not made: the kernel says little, so its limits are looked up.
+/// Explains why a queue was not created. The kernel's error code is not specific, so this compares the request with the
+/// limits.
 fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckError {
     let queue = name.to_string();
     let limit = |which: &str| -> Option<usize> {
@@ -169,7 +171,7 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
                 _ => system(name, errno),
             }
         }
-        // this is how the kernel says that the user's queues are too large
+        // the kernel's code for queues that are too large for the user's limit
         Errno::EMFILE => match getrlimit(Resource::RLIMIT_MSGQUEUE) {
             Ok((limit, _)) if room.messages.saturating_mul(room.size) as u64 > limit / 2 => {
                 QueueCheckError::NoRoom {

@@ -1,4 +1,4 @@
-//! The receiving end of a queue: an input port of ours that an Orocos component writes to.
+//! The receiving end of a queue: an input port to which an Orocos component writes.
 
 use std::sync::Arc;
 use std::thread;
@@ -12,37 +12,38 @@ use crate::name::QueueName;
 use crate::queue::KernelQueue;
 use crate::writer::told;
 
-/// What the first message of a queue is.
+/// The meaning of the first message in a queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FirstMessage {
-    /// A sample that shows the reader what samples are like, as RTT sends it: no data.
+    /// A sample that only shows the layout, as RTT sends it; not data.
     Shape,
-    /// Data, like those after it.
+    /// Data, like all following messages.
     Data,
 }
 
-/// Reads messages. The writer makes the queue; as long as there is none, and when it was removed, one is looked for.
+/// Reads messages. The writer creates the queue; the reader searches for it until it exists, and again when it has been
+/// removed.
 pub struct QueueReader {
     name: QueueName,
     layout: QueueLayout,
     first: FirstMessage,
     queue: Option<OpenQueue>,
-    /// What was wrong the last time a queue was looked for, so that it is told once.
+    /// The last problem of the search, so that it is reported once.
     problem: Option<DatumError>,
 }
 
 struct OpenQueue {
     queue: KernelQueue,
     buffer: Vec<u8>,
-    /// Whether nothing was read from it.
+    /// No message has been read from it.
     fresh: bool,
 }
 
-/// How often a queue is looked for.
+/// Period of the search for a queue.
 const SEARCH: Duration = Duration::from_millis(50);
 
 impl QueueReader {
-    /// A reader of a queue that need not be there yet.
+    /// Creates a reader. The queue need not exist yet.
     pub fn new(name: QueueName, layout: QueueLayout, first: FirstMessage) -> Self {
         Self {
             name,
@@ -53,7 +54,7 @@ impl QueueReader {
         }
     }
 
-    /// The next message, waited for so long at most. `None` if none came.
+    /// Waits up to `at_most` for the next message. Returns `None` if there is none.
     pub fn next(&mut self, at_most: Duration) -> Option<Result<Datum, DatumError>> {
         let Some(open) = &mut self.queue else {
             return self.search(at_most).map(Err);
@@ -85,7 +86,7 @@ impl QueueReader {
         }
     }
 
-    /// Looks for the queue; a problem that is new is told.
+    /// Searches for the queue. Returns a problem if it differs from the previous one.
     fn search(&mut self, at_most: Duration) -> Option<DatumError> {
         match KernelQueue::find(&self.name) {
             Ok(Some(queue)) => {

@@ -1,27 +1,27 @@
-//! Messages as bytes, and back.
+//! Encodes and decodes messages.
 
 use asmotion_datum::{Datum, DatumError, DatumProblem, Numbers, Schema, Shape};
 
 use crate::layout::{QueueLayout, least};
 
 impl QueueLayout {
-    /// Writes a message after what is there. Fields that are left out are zero, false, empty.
+    /// Appends an encoded message to `out`. Omitted fields are zero, false or empty.
     ///
     /// # Errors
-    /// It is of another type, with the place.
+    /// The first difference from the layout's type, with its place.
     pub fn encode(&self, datum: &Datum, out: &mut Vec<u8>) -> Result<(), DatumError> {
         put(self.schema(), Some(datum), out)
     }
 
-    /// Writes a message of zeros.
+    /// Appends a message of zeros.
     pub(crate) fn encode_zeros(&self, out: &mut Vec<u8>) -> Result<(), DatumError> {
         put(self.schema(), None, out)
     }
 
-    /// Reads a message that takes all of the bytes.
+    /// Decodes a message, which must occupy all bytes.
     ///
     /// # Errors
-    /// There are too many bytes or too few, or they are none of this type, with the place.
+    /// An error if there are too many or too few bytes, or if a value is invalid, with its place.
     pub fn decode(&self, bytes: &[u8]) -> Result<Datum, DatumError> {
         let mut rest = bytes;
         let datum = take(self.schema(), &mut rest)?;
@@ -65,7 +65,7 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
         Some(datum) => datum.as_float().ok_or_else(|| mismatch(schema, datum)),
     };
     match &schema.shape {
-        // the layout has refused these
+        // cannot occur: the layout has refused these types
         Shape::Any | Shape::Text | Shape::Option(_) => {
             return Err(mismatch(schema, datum.unwrap_or(&Datum::Null)));
         }
@@ -126,7 +126,7 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
     Ok(())
 }
 
-/// How many elements; `None` for what has none.
+/// Number of elements of a list, of packed numbers or of bytes; `None` for anything else.
 fn elements(datum: &Datum) -> Option<usize> {
     match datum {
         Datum::Record(_) => None,
@@ -164,7 +164,7 @@ fn put_all(
     Ok(())
 }
 
-/// So many bytes off the front.
+/// Removes the first `N` bytes.
 fn chunk<const N: usize>(schema: &Schema, rest: &mut &[u8]) -> Result<[u8; N], DatumError> {
     match rest.split_first_chunk() {
         Some((chunk, left)) => {
@@ -188,7 +188,7 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
         }};
     }
     match &schema.shape {
-        // the layout has refused these
+        // cannot occur: the layout has refused these types
         Shape::Any | Shape::Text | Shape::Option(_) => Err(mismatch(schema, &Datum::Null)),
         Shape::Bool => match chunk::<1>(schema, rest)? {
             [0] => Ok(Datum::Bool(false)),
@@ -222,7 +222,7 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
     }
 }
 
-/// Reads so many elements. Nothing is reserved for more than there are bytes.
+/// Reads `count` elements. Fails before allocation if there cannot be enough bytes.
 fn take_all(element: &Schema, count: usize, rest: &mut &[u8]) -> Result<Datum, DatumError> {
     if least(&element.shape).saturating_mul(count) > rest.len() {
         return Err(malformed(format!(
@@ -259,7 +259,7 @@ mod tests {
     use super::*;
 
     asmotion_datum::message! {
-        /// A bit of everything that has a form.
+        /// A mixture of types that have a layout.
         #[derive(Copy)]
         pub struct Inner = "test/Inner" {
             pub flag: bool,

@@ -1,4 +1,4 @@
-//! The sending end of a queue: an output port of ours that Orocos components read.
+//! The sending end of a queue: an output port that Orocos components read.
 
 use std::sync::Arc;
 
@@ -10,44 +10,44 @@ use crate::layout::QueueLayout;
 use crate::name::QueueName;
 use crate::queue::{KernelQueue, SendOutcome};
 
-/// How much a queue holds.
+/// The capacity of a queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QueueCapacity {
-    /// How many messages.
+    /// Number of messages.
     pub messages: usize,
-    /// The largest of them, in bytes (RTT `data_size`).
+    /// Size of the largest message, in bytes (RTT `data_size`).
     pub size: usize,
 }
 
-/// What is kept when the queue is full.
+/// The messages that are kept when the queue is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FullQueuePolicy {
-    /// What was there first; a new message is dropped (RTT BUFFER).
+    /// The oldest: a new message is dropped (RTT BUFFER).
     Oldest,
-    /// What comes; the oldest message is taken out (RTT CIRCULAR_BUFFER).
+    /// The newest: the oldest message is dropped (RTT CIRCULAR_BUFFER).
     Newest,
-    /// The same, where one message makes those before it worthless (RTT DATA).
+    /// Only the last: replaced messages do not count as dropped (RTT DATA).
     Last,
 }
 
-/// Writes messages; never waits for a reader. The queue's name is removed at the end.
+/// Writes messages without ever waiting for a reader. The queue's name is removed on drop.
 pub struct QueueWriter {
     name: QueueName,
     layout: QueueLayout,
     keep: FullQueuePolicy,
     queue: KernelQueue,
-    /// The message being written.
+    /// Buffer for the message being written.
     message: Vec<u8>,
-    /// For one taken out.
+    /// Buffer for a message that is removed to make room.
     old: Vec<u8>,
 }
 
 impl QueueWriter {
-    /// Opens a queue, and makes it if there is none. What a writer before has left in it is thrown away; its first
-    /// message is a sample of zeros.
+    /// Opens a queue, and creates it if it does not exist. Discards messages of a previous writer, and sends a sample
+    /// of zeros as the first message.
     ///
     /// # Errors
-    /// The system or its limits stand in the way, or there is a queue for smaller messages.
+    /// An error of the operating system, usually a limit; or a queue with this name exists for smaller messages.
     pub fn open(
         name: QueueName,
         layout: QueueLayout,
@@ -81,19 +81,19 @@ impl QueueWriter {
         writer.show_shape().map(|()| writer)
     }
 
-    /// A reader of RTT waits for a first sample as soon as it is connected: this one shows what samples are like.
+    /// Sends a sample that shows the layout, for which a reader of RTT waits after connecting.
     fn show_shape(&mut self) -> Result<(), QueueCheckError> {
-        // a layout has a form for zeros
+        // fails only for types that a layout refuses
         match self.layout.encode_zeros(&mut self.message) {
             Ok(()) => self.push().map(drop),
             Err(_) => Ok(()),
         }
     }
 
-    /// Writes a message, or drops it.
+    /// Sends a message, or drops it if the queue is full.
     ///
     /// # Errors
-    /// It is of another type, or larger than the queue takes.
+    /// An error if the message has another type or is too large for the queue.
     pub fn send(&mut self, sample: &dyn Sample) -> Result<PushOutcome, DatumError> {
         self.message.clear();
         match sample.downcast_ref::<Datum>() {
@@ -110,7 +110,7 @@ impl QueueWriter {
         if self.keep == FullQueuePolicy::Oldest {
             return Ok(PushOutcome::DroppedNewest);
         }
-        // a reader may be faster, then nothing is lost
+        // a reader may have emptied the queue in the meantime, in which case nothing is lost
         let taken = self.queue.pop(&mut self.old)?;
         Ok(match (self.queue.push(&self.message)?, taken, self.keep) {
             (SendOutcome::Full, ..) => PushOutcome::DroppedNewest,
@@ -136,7 +136,7 @@ impl Sink for QueueWriter {
     }
 }
 
-/// A queue's problem, as one of the sample that met it.
+/// Converts a problem of the queue to an error of the sample.
 pub(crate) fn told(error: QueueCheckError) -> DatumError {
     DatumError::new(DatumProblem::Mismatch(error.to_string()))
 }

@@ -1,4 +1,5 @@
-//! Against a peer in Python that knows the format from its description alone, and against the limits of the system.
+//! Exchanges messages with a peer in Python, written from the description of the format alone, and tests the system's
+//! limits.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -14,7 +15,7 @@ use asmotion_mqueue::{
 use asmotion_runtime::PushOutcome;
 
 asmotion_datum::message! {
-    /// What the peer speaks.
+    /// The message type that both sides use.
     pub struct Joints = "test/Joints" {
         /// a truth value
         pub flag: bool,
@@ -27,7 +28,7 @@ asmotion_datum::message! {
 
 const SIZE: usize = 128;
 
-/// A name of this run alone.
+/// A queue name that only this process uses.
 fn name(what: &str) -> QueueName {
     QueueName::new(&format!("/asmotion-{}-{what}", std::process::id())).unwrap()
 }
@@ -52,7 +53,7 @@ fn joints(number: u16) -> Joints {
     }
 }
 
-/// The peer; `None`, with a notice, where there is no Python.
+/// Starts the peer. Returns `None` and prints a notice if Python is not installed.
 fn peer(arguments: &[&str]) -> Option<Child> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py");
     let peer = Command::new("python3")
@@ -67,7 +68,7 @@ fn peer(arguments: &[&str]) -> Option<Child> {
     peer.ok()
 }
 
-/// What comes within five seconds.
+/// The next message within five seconds.
 fn next(reader: &mut QueueReader) -> Option<Result<Datum, DatumError>> {
     let until = Instant::now() + Duration::from_secs(5);
     while Instant::now() < until {
@@ -113,7 +114,7 @@ fn o17_a_peer_reads_what_ours_writes_the_first_message_at_once() {
 #[test]
 fn o17_ours_reads_what_a_peer_writes_and_its_first_message_is_no_data() {
     let name = name("in");
-    // it waits for the queue, which is the writer's to make
+    // the reader waits for the queue, which the writer creates
     let mut reader = QueueReader::new(name.clone(), layout(), FirstMessage::Shape);
     let Some(mut peer) = peer(&["write", name.as_str(), "3"]) else {
         return;
@@ -124,7 +125,7 @@ fn o17_ours_reads_what_a_peer_writes_and_its_first_message_is_no_data() {
     }
     let problem = next(&mut reader).unwrap().unwrap_err().to_string();
     assert!(problem.starts_with("`errors`: malformed"), "{problem}");
-    // the peer ends, and another one comes: the queue is another one, too
+    // the peer is replaced by another one, and so is the queue
     drop(peer.stdin.take());
     assert!(peer.wait().unwrap().success());
     let mut peer = self::peer(&["write", name.as_str(), "1"]).unwrap();
@@ -158,7 +159,7 @@ fn a_reader_that_is_not_there_never_holds_the_writer() {
         assert_eq!(sent[..2], [PushOutcome::Stored; 2], "{keep:?}");
         assert_eq!(sent[2..], [full; 3], "{keep:?}");
         let mut reader = QueueReader::new(name, layout(), FirstMessage::Shape);
-        // what came first shows the shape, whatever it is
+        // the first message shows the layout, whatever its content
         let left: Vec<_> = (0..2)
             .map(|_| next(&mut reader).unwrap().unwrap())
             .collect();

@@ -1,8 +1,8 @@
 //! The adapters between a system and its buses.
 //!
-//! One thread has them: the bus thread of a live system, or the simulation's. A cycle leaves what it sends in a queue and
-//! waits for no transport. In a live system messages of topics need not wait for that thread: the thread that brings one
-//! puts it into its port ([`crate::subscription`]).
+//! They are used by one thread: the bus thread of a live system, or the simulation's thread. A cycle puts its messages
+//! into queues and never waits for a transport. In a live system, incoming messages of topics bypass the bus thread:
+//! the receiving thread puts them into their ports ([`crate::subscription`]).
 
 use std::sync::Arc;
 
@@ -17,15 +17,15 @@ use crate::ends::{OfferedService, RemoteEnds};
 use crate::identity::BusIdentity;
 use crate::offered::OfferedOperations;
 
-/// Joins the remote ends of a system to its buses.
+/// Connects the remote ends of a system to its buses.
 pub(crate) struct BusAdapter {
     attachments: Vec<Attachment>,
-    /// The topics of components that are on no bus, until they have been told that none is gone.
+    /// The topics of components that use no bus, until the state of the bus has been published to them once.
     inside: Option<(Vec<SystemTopic>, InjectionPorts)>,
 }
 
 impl BusAdapter {
-    /// Joins what was collected to the buses; everything to a bus without a name.
+    /// Connects the collected ends to the buses; a bus without a name gets all of them.
     pub(crate) fn new(
         system: &mut System,
         mut ends: RemoteEnds,
@@ -77,7 +77,7 @@ impl Adapter for BusAdapter {
     }
 }
 
-/// Serves operations on a bus that carries nothing else.
+/// Serves operations on a bus that is used for nothing else.
 pub(crate) struct ServingAdapter(OfferedOperations);
 
 impl ServingAdapter {
@@ -88,7 +88,7 @@ impl ServingAdapter {
     ) -> Result<Self, BusError> {
         let identity = BusIdentity {
             bus,
-            // it publishes nothing
+            // never used: nothing is published
             incarnation: 0,
             notifier: Arc::clone(system.notifier()),
         };

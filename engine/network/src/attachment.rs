@@ -1,4 +1,4 @@
-//! What of a system is on one bus.
+//! The ends of a system that use one bus.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,14 +13,14 @@ use crate::offered::OfferedOperations;
 use crate::remote::RemoteService;
 use crate::topics::BusTopics;
 
-/// The ends of a system on one bus.
+/// The ends of a system that use one bus.
 pub(crate) struct Attachment {
     topics: BusTopics,
     offered: OfferedOperations,
     remote: Vec<RemoteService>,
 }
 
-/// Whether a component is on a bus.
+/// Returns whether a component uses this bus.
 pub(crate) fn is_here(
     homes: &BTreeMap<usize, String>,
     component: usize,
@@ -30,8 +30,8 @@ pub(crate) fn is_here(
 }
 
 impl Attachment {
-    /// Joins what is on the bus of this name; everything, if it has none. Takes the references that are reached over it out
-    /// of the ends.
+    /// Connects the ends that use the bus with this name, or all ends if it has no name. Removes the remote references
+    /// of this bus from `ends`.
     pub(crate) fn new(
         system: &mut System,
         ends: &mut RemoteEnds,
@@ -57,12 +57,12 @@ impl Attachment {
         })
     }
 
-    /// From now on topics come in by the threads that bring them.
+    /// From now on, receiving threads put messages of topics into ports themselves.
     pub(crate) fn go_live(&self, context: &LiveContext) {
         self.topics.go_live(context);
     }
 
-    /// Lets in what has come, and lets out what waits.
+    /// Moves arrived messages into the system, and waiting ones to the bus.
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         self.topics.deliver(now, effects);
         for remote in &mut self.remote {

@@ -1,4 +1,4 @@
-//! The remote ends of a system, as they are collected before it is attached to its buses.
+//! The remote ends of a system, collected before it is attached to buses.
 
 use std::collections::BTreeMap;
 
@@ -7,18 +7,18 @@ use asmotion_runtime::ComponentEnd;
 
 use crate::remote::RemoteRoute;
 
-/// What of a system is joined over buses, besides its topics.
+/// The remote ends of a system, except its topics.
 #[derive(Default)]
 pub(crate) struct RemoteEnds {
-    /// The buses of the components, where there are several: by position in the system.
+    /// If there are several buses, the bus of each component, by position in the system.
     pub homes: BTreeMap<usize, String>,
-    /// How topics are sent; the default for those not named.
+    /// Publishing options by topic; topics that are not listed use the default.
     pub sending: BTreeMap<String, PublishOptions>,
-    /// Outputs that inputs of other processes are connected to.
+    /// Outputs connected to inputs of other processes.
     pub exposed: Vec<(ComponentEnd, PublishOptions)>,
     /// Services that other processes may call.
     pub offered: Vec<OfferedService>,
-    /// Services of other processes.
+    /// References to services of other processes.
     pub reached: Vec<RemoteReference>,
 }
 
@@ -26,30 +26,30 @@ pub(crate) struct RemoteEnds {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct OfferedService {
     pub service: ComponentEnd,
-    /// What its addresses begin with.
+    /// Prefix of its operations' addresses.
     pub name: String,
-    /// Over which of several buses.
+    /// The bus, if there are several.
     pub bus: Option<String>,
 }
 
 /// A reference to a service of another process.
 pub(crate) struct RemoteReference {
     pub route: RemoteRoute,
-    /// Over which of several buses.
+    /// The bus, if there are several.
     pub bus: Option<String>,
 }
 
-/// Whether something on one bus is on this one; a system with a single bus has no names for it.
+/// Returns whether an end on `bus` uses the bus named `this`. A single bus has no name and is used by all ends.
 pub(crate) fn is_on(bus: Option<&str>, this: Option<&str>) -> bool {
     this.is_none() || bus == this
 }
 
-/// The topic of an output that inputs of other processes are connected to: `port.RoverDriver.odom`.
+/// The topic of an output that is connected to inputs of other processes, for example `port.RoverDriver.odom`.
 pub fn port_topic(output: &str) -> String {
     format!("port.{output}")
 }
 
-/// The address of an operation of a service: `TrajectoryPlanner.planning.plan`.
+/// The address of an operation, for example `TrajectoryPlanner.planning.plan`.
 pub(crate) fn address(service: &str, operation: &str) -> String {
     format!("{service}.{operation}")
 }

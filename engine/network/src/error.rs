@@ -1,15 +1,15 @@
-//! Why a system cannot be joined to a bus as asked.
+//! Errors in connecting a system to a bus.
 
 use asmotion_bus::BusError;
 use asmotion_runtime::BuildError;
 
-/// Why something cannot be joined to a bus.
+/// An error in connecting a system to a bus.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NetworkError {
-    /// The system has no such end, or it is joined already.
+    /// The system has no such end, or it is connected already.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The bus refuses it.
+    /// The bus refuses the publisher, subscription or service.
     #[error(transparent)]
     Bus(#[from] BusError),
 }

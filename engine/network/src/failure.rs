@@ -1,9 +1,9 @@
-//! The end of a call that has no response: as components see it, and as a bus carries it.
+//! Converts errors of calls between the component's and the bus' representation.
 
 use asmotion_bus::{CallFailure, Refusal};
 use asmotion_component::{CallError, ServiceFault};
 
-/// A failure on the bus, as the caller's component sees it.
+/// Converts a failure on the bus to the calling component's error.
 pub fn call_error(failure: CallFailure) -> CallError {
     match failure {
         CallFailure::Timeout => CallError::Timeout,
@@ -15,7 +15,7 @@ pub fn call_error(failure: CallFailure) -> CallError {
     }
 }
 
-/// An error of a provider, as the bus carries it.
+/// Converts a provider's error to a failure on the bus.
 pub(crate) fn call_failure(error: CallError) -> CallFailure {
     match error {
         CallError::Timeout => CallFailure::Timeout,

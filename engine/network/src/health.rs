@@ -1,4 +1,4 @@
-//! Tells components how their bus is.
+//! Publishes the state of a bus to components.
 
 use asmotion_bus::{Health, LinkState};
 use asmotion_component::BusHealth;
@@ -8,7 +8,7 @@ use asmotion_runtime::{Effects, HealthTopic, InjectionPorts, SystemTopic};
 /// Publishes the health of a bus at the start and at every change.
 pub(crate) struct HealthPublisher {
     topic: HealthTopic,
-    /// What was published last.
+    /// The state as last published.
     published: Option<Health>,
 }
 
@@ -20,7 +20,7 @@ impl HealthPublisher {
         }
     }
 
-    /// Publishes a change, if there is one and anything reads the topic.
+    /// Publishes the state if it has changed and the topic has subscribers.
     pub(crate) fn publish(
         &mut self,
         health: impl FnOnce() -> Health,

@@ -7,7 +7,8 @@ use asmotion_bus::{Bus, Notifier};
 /// A bus that a system is attached to.
 pub(crate) struct BusIdentity {
     pub bus: Arc<dyn Bus>,
-    /// Numbers the lives of this process; no two processes share one. Messages that carry it are the process's own.
+    /// Number of this process' incarnation, unique among all processes. Messages that carry it were sent by this
+    /// process.
     pub incarnation: u64,
     /// The system's notifier, which wakes the thread that delivers.
     pub notifier: Arc<Notifier>,

@@ -1,8 +1,8 @@
-//! Joins a system to buses: topics, ports and services of other processes.
+//! Connects a system to buses, and through them to topics, ports and services of other processes.
 //!
-//! A [`Network`] collects what of a system is remote: outputs that inputs of other processes read, services that others
-//! call, references to services of others. [`Network::attach`] joins all of it, and the system's topics, to a bus by an
-//! adapter of the runtime. To a component nothing of that shows: a remote service is a queue that the adapter empties.
+//! A [`Network`] collects the remote ends of a system: outputs read by other processes, services called by them, and
+//! references to their services. [`Network::attach`] connects these and the system's topics to a bus, through an
+//! adapter of the runtime. Components do not notice: a remote service is a queue of requests that the adapter empties.
 
 mod adapter;
 mod attachment;

@@ -12,19 +12,19 @@ use crate::ends::{OfferedService, RemoteEnds, RemoteReference, address};
 use crate::error::NetworkError;
 use crate::remote::RemoteRoute;
 
-/// What of a system is joined over buses, besides its topics: collected first, then joined by [`attach`](Self::attach).
+/// The remote ends of a system, collected first and then connected to buses by [`attach`](Self::attach).
 ///
 /// ```
 /// use std::sync::Arc;
 ///
-/// use asmotion_bus::Local;
+/// use asmotion_bus::LocalBus;
 /// use asmotion_network::Network;
 /// use asmotion_runtime::System;
 ///
 /// let mut system = System::new();
 /// // … components are added, topics published and subscribed …
 /// let mut network = Network::new();
-/// network.attach(&mut system, Arc::new(Local::new()), 1)?;
+/// network.attach(&mut system, Arc::new(LocalBus::new()), 1)?;
 /// let run = system.simulate();
 /// # drop(run);
 /// # Ok::<(), asmotion_bus::BusError>(())
@@ -32,26 +32,26 @@ use crate::remote::RemoteRoute;
 #[derive(Default)]
 pub struct Network {
     ends: RemoteEnds,
-    /// Whether the system is attached to a bus.
+    /// The system is attached to a bus.
     attached: bool,
 }
 
 impl Network {
-    /// A network without remote ends.
+    /// Creates a network without remote ends.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Says how a topic is sent: how sure its messages are to arrive, and what becomes of them while the bus is away.
-    /// Nothing changes inside the system.
+    /// Sets the publishing options of a topic: delivery guarantee, and treatment of messages while the bus is down.
+    /// Delivery within the system is not affected.
     pub fn set_sending(&mut self, topic: &str, sending: PublishOptions) {
         self.ends.sending.insert(topic.to_owned(), sending);
     }
 
-    /// Lets inputs of other processes connect to an output: they read its [`port_topic`](crate::port_topic).
+    /// Publishes an output for inputs of other processes, which read its [`port_topic`](crate::port_topic).
     ///
     /// # Errors
-    /// There is no such output.
+    /// An error if there is no such output.
     pub fn expose(
         &mut self,
         system: &System,
@@ -65,26 +65,26 @@ impl Network {
         Ok(())
     }
 
-    /// Says on which of several buses a component is: its topics, and its services and references unless they say
-    /// otherwise. The topics of a component on no bus stay inside.
+    /// Assigns a component to one of several buses, for its topics and, unless specified otherwise, its services and
+    /// references. The topics of a component without a bus stay within the system.
     pub fn put_on(&mut self, component: ComponentId, bus: &str) {
         self.ends.homes.insert(component.position(), bus.to_owned());
     }
 
-    /// Lets other processes call a service over its component's bus.
+    /// Offers a service to other processes over its component's bus.
     ///
     /// # Errors
-    /// There is no such service.
+    /// An error if there is no such service.
     pub fn offer(&mut self, system: &System, service: &str) -> Result<(), BuildError> {
         let end = system.service(service)?;
         let bus = self.ends.homes.get(&end.component()).cloned();
         self.offer_at(system, service, service, bus.as_deref())
     }
 
-    /// Lets other processes call a service under a name, over one of several buses.
+    /// Offers a service to other processes under a name, over one of several buses.
     ///
     /// # Errors
-    /// There is no such service.
+    /// An error if there is no such service.
     pub fn offer_at(
         &mut self,
         system: &System,
@@ -104,10 +104,10 @@ impl Network {
     }
 
     /// Wires a reference to a service that another process offers. Calls end with
-    /// [`CallError::Unavailable`](asmotion_component::CallError::Unavailable) as long as none does.
+    /// [`CallError::Unavailable`](asmotion_component::CallError::Unavailable) while there is no provider.
     ///
     /// # Errors
-    /// There is no such reference, or it has a service already.
+    /// An error if there is no such reference, or if it has a service already.
     pub fn reach(
         &mut self,
         system: &mut System,
@@ -123,7 +123,7 @@ impl Network {
     /// Wires a reference to a service that another process offers over one of several buses.
     ///
     /// # Errors
-    /// There is no such reference, or it has a service already.
+    /// An error if there is no such reference, or if it has a service already.
     pub fn reach_over(
         &mut self,
         system: &mut System,
@@ -146,13 +146,13 @@ impl Network {
         Ok(())
     }
 
-    /// Joins the topics declared so far to those of a bus: samples published here go out, samples of others come in, to
-    /// each subscriber by its own policy (see [`set_sending`](Self::set_sending)); and with them the remote ends collected
-    /// so far. `incarnation` numbers the lives of this process, and no two processes share one: a message that carries it
-    /// does not come in again where it was handed over inside.
+    /// Connects the topics declared so far, and the remote ends collected so far, to a bus. Samples published in the
+    /// system are sent (see [`set_sending`](Self::set_sending)), and samples of other processes go to each subscriber
+    /// according to its policy. `incarnation` must be unique among all processes and restarts: messages that carry it
+    /// were delivered within the system, and are not delivered again.
     ///
     /// # Errors
-    /// The bus refuses a topic, a service or a reader.
+    /// An error if the bus refuses a publisher, a subscription or a service.
     pub fn attach(
         &mut self,
         system: &mut System,
@@ -162,11 +162,11 @@ impl Network {
         self.join(system, vec![(None, bus)], incarnation)
     }
 
-    /// Joins several buses by name: a component's ends are joined to the bus it was [put on](Self::put_on), and stay inside
-    /// if it is on none. See [`attach`](Self::attach).
+    /// Connects the system to several buses by name: a component's ends use the bus it was [put on](Self::put_on), and
+    /// stay within the system if it has none. See [`attach`](Self::attach).
     ///
     /// # Errors
-    /// A bus refuses a topic, a service or a reader.
+    /// An error if a bus refuses a publisher, a subscription or a service.
     pub fn attach_each(
         &mut self,
         system: &mut System,
@@ -177,11 +177,12 @@ impl Network {
         self.join(system, buses.collect(), incarnation)
     }
 
-    /// Serves over a bus that carries nothing else, such as a gateway's. Each service has a name there:
-    /// `("MapServer.maps", "maps")`. A system that is attached to a bus too must be attached first.
+    /// Offers services on a bus that is used for nothing else, such as a gateway's. Each service has a name there, for
+    /// example `("MapServer.maps", "maps")`. If the system is attached to another bus too, call
+    /// [`attach`](Self::attach) first.
     ///
     /// # Errors
-    /// There is no such service, or the bus refuses it.
+    /// An error if there is no such service, or if the bus refuses it.
     pub fn serve_on(
         &mut self,
         system: &mut System,

@@ -1,4 +1,4 @@
-//! Services that other processes call: a request goes into the component's queue like those from inside.
+//! Services that other processes call: their requests go into the component's queue like local ones.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -16,24 +16,24 @@ use crate::ends::{OfferedService, address};
 use crate::failure::call_failure;
 use crate::identity::BusIdentity;
 
-/// How many requests of an operation may wait between two deliveries.
+/// Capacity of an operation's request queue on the bus.
 const WAITING: usize = 128;
 
 /// All operations that a system offers on a bus.
 pub(crate) struct OfferedOperations {
     operations: Vec<OfferedOperation>,
-    /// Number of the last request.
+    /// Number of the newest request.
     last: u64,
 }
 
 /// An operation that other processes may call.
 struct OfferedOperation {
-    /// The provider's position in the system.
+    /// Position of the provider in the system.
     provider: usize,
     queue: Arc<RequestQueue>,
     /// Position of the operation in the service.
     operation: usize,
-    /// The type of its argument.
+    /// Schema of the request.
     argument: Schema,
     serving: ServedAddress,
 }
@@ -46,7 +46,7 @@ impl OfferedOperations {
     ) -> Result<Self, BusError> {
         let mut operations = Vec::new();
         let mut names = BTreeSet::new();
-        // offered over several buses that are one here, it is offered once
+        // a service offered over several buses may be listed twice for the same bus
         for OfferedService {
             service: end, name, ..
         } in offered.filter(|it| names.insert(&it.name))
@@ -70,7 +70,7 @@ impl OfferedOperations {
         })
     }
 
-    /// Hands over the requests that have come.
+    /// Moves arrived requests into the providers' queues.
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         for offer in &self.operations {
             while let Some(call) = offer.serving.try_next() {
@@ -95,7 +95,7 @@ impl OfferedOperation {
         let answered = !call.is_one_way();
         let left = call.deadline.saturating_duration_since(Instant::now());
         let request = ServiceRequest {
-            // Callers on a bus cancel their own calls; nothing cancels by this key.
+            // unused: callers on a bus cancel through the bus
             key: CallKey {
                 caller: usize::MAX,
                 number,
@@ -107,14 +107,14 @@ impl OfferedOperation {
             deadline: answered.then_some(now + left),
             reply_to: answered.then(|| ReplyTo::Remote(Box::new(BusCaller(call)))),
         };
-        // A caller whose request is not taken learns it when the request is dropped.
+        // if the queue is full, dropping the request tells the caller
         if self.queue.ask(request, effects) == Ok(true) {
             effects.trigger(self.provider);
         }
     }
 }
 
-/// A caller on the bus.
+/// A caller that is reached over the bus.
 struct BusCaller(IncomingCall);
 
 impl RemoteCaller for BusCaller {

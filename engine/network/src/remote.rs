@@ -1,5 +1,5 @@
-//! Services of other processes that a reference reaches: requests of its component are called over the bus, answers are
-//! put into the component's queue. To the component a remote service is one like another.
+//! Services of other processes: requests of a component are called over the bus, and replies are put into the
+//! component's queue.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,20 +16,20 @@ use crate::identity::BusIdentity;
 
 /// The route from a reference to a remote service.
 pub(crate) struct RemoteRoute {
-    /// Where the component leaves its requests.
+    /// The component's requests for this service.
     pub queue: Arc<RequestQueue>,
-    /// By position of the operation in the reference.
+    /// Addresses, by position of the operation in the reference.
     pub addresses: Vec<String>,
-    /// How long a one-way call may be under way.
+    /// Timeout of one-way calls.
     pub timeout: Duration,
 }
 
-/// A remote service, and the calls of it that are under way.
+/// A remote service and the calls of it under way.
 pub(crate) struct RemoteService {
     route: RemoteRoute,
     identity: Arc<BusIdentity>,
     open: Vec<RemoteCall>,
-    /// One-way calls that found no provider.
+    /// Number of one-way calls without a provider.
     lost: u64,
 }
 
@@ -40,11 +40,11 @@ struct RemoteCall {
     pending: PendingCall,
 }
 
-/// Where the end of a call goes.
+/// The destination of a call's outcome.
 enum CallOrigin {
-    /// To the component, as an answer.
+    /// The component, as a reply.
     Waiting(ReplyTo),
-    /// To the observers, if the one-way call found no provider.
+    /// The observers, if a one-way call found no provider.
     OneWay {
         component: Arc<str>,
         address: String,
@@ -61,7 +61,7 @@ impl RemoteService {
         }
     }
 
-    /// Sends what was posted, and hands over what was answered.
+    /// Sends the posted requests, and passes on the outcomes of calls.
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         while let Some(message) = self.route.queue.next() {
             match message {
@@ -134,7 +134,7 @@ impl RemoteService {
         effects: &mut dyn Effects,
     ) {
         match (origin, end) {
-            // The caller's own clock ends it, or has it tried again.
+            // the caller's own deadline ends the call or starts a retry
             (CallOrigin::Waiting(_), Err(CallFailure::Timeout | CallFailure::Cancelled)) => {}
             (CallOrigin::Waiting(reply_to), Err(CallFailure::Unavailable)) => {
                 reply_to.send(key.number, Err(CallError::Unavailable), effects);

@@ -1,7 +1,7 @@
-//! A topic of the bus, on its way into a port.
+//! Subscriptions of ports to topics of the bus.
 //!
-//! In a live system the thread that brings a message puts it into the port: no other thread is woken for it. In a
-//! simulation messages come in between two steps, so there they wait for the adapter.
+//! In a live system, the receiving thread puts a message into the port without waking another thread. In a simulation,
+//! messages enter between two steps, so they wait for the adapter.
 
 use std::sync::atomic::{AtomicBool, Ordering, fence};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
@@ -13,61 +13,61 @@ use asmotion_runtime::{ComponentEnd, CycleCause, Effects, InjectionPort, LiveCon
 
 use crate::identity::BusIdentity;
 
-/// How many messages of a topic may wait to be put into their port, at least; when full, the oldest is dropped.
+/// Minimum capacity of a topic's queue on the bus; when full, the oldest message is dropped.
 const WAITING: usize = 256;
 
-/// A topic that a port reads. Each port has a queue of its own on the bus, so that none waits for another, and operators
-/// see which one does not keep up.
+/// A port's subscription to a topic. Each port has its own queue on the bus, so that ports do not wait for each other,
+/// and operators can see which of them does not keep up.
 pub(crate) struct TopicSubscription(Arc<DeliveryGate>);
 
 /// Lets one thread at a time move messages from the bus's queue into the port, without ever blocking a thread.
 ///
 /// Threads of the bus call [`notify`](Self::notify) after they have put a message into the queue; in a simulation the
-/// executor's thread calls [`drain`](Self::drain). Several may come at once. The one that gets the lock drains the
-/// queue; the others leave, and rely on it to see their messages. That is the hand-over:
+/// executor's thread calls [`drain`](Self::drain). Several threads may arrive at once. The one that acquires the lock
+/// drains the queue; the others leave, and rely on it to see their messages. The protocol is:
 ///
 /// 1. A thread sets `pending`, then tries the lock. If it fails, another thread holds the lock.
-/// 2. The holder clears `pending` *after* it has the lock and *before* it drains, and looks at `pending` again *after* it
-///    has released the lock.
+/// 2. The holder clears `pending` *after* it has acquired the lock and *before* it drains, and reads `pending` again
+///    *after* it has released the lock.
 ///
 /// A message is in the queue before its thread sets `pending`. If the holder clears the flag after that, its swap reads
 /// what the thread's swap wrote, or a later swap of the same chain, so it sees the message when it drains. If it clears
-/// the flag before that, it must see the flag when it looks again. This is the pattern of two threads that each write one
-/// location and read the other (flag and lock here), and release and acquire do not order it; hence the two `SeqCst`
-/// fences. Of the two fences one comes first. If it is the thread's, the holder's second look sees the flag. If it is the
-/// holder's, the thread's attempt comes after the release, so it fails because of another holder, to which the same
+/// the flag before that, it must see the flag when it reads it again. In this pattern, two threads each write one
+/// location and read the other (here flag and lock), and release and acquire do not order the accesses; hence the two
+/// `SeqCst` fences, one of which comes first. If it is the thread's, the holder's second read sees the flag. If it is
+/// the holder's, the thread's attempt follows the release, so it fails because of another holder, to which the same
 /// applies. So no message stays behind.
 ///
-/// A blocking lock would be simpler, but a thread of the bus would then wait for a port whose reader copies and converts.
+/// A blocking lock would be simpler, but a thread of the bus would then wait for a port that copies and converts.
 struct DeliveryGate {
-    /// Wakes the adapter.
+    /// Wakes the thread that calls the adapter.
     notifier: Arc<Notifier>,
-    /// With which threads of the bus put messages into the port. Set once, by the bus thread before it starts; until then,
-    /// and in a simulation always, they notify the adapter instead.
+    /// The context with which threads of the bus put messages into the port. Set once, before the bus thread starts;
+    /// until then, and throughout a simulation, they notify the adapter instead.
     context: OnceLock<LiveContext>,
-    /// There may be messages that no thread is going to drain. See above.
+    /// There may be messages that no thread is about to drain; see the type's documentation.
     pending: AtomicBool,
-    /// Absent until the topic is subscribed to.
+    /// `None` until the subscription has been made.
     route: Mutex<Option<TopicRoute>>,
 }
 
-/// The route from a topic into a port.
+/// The route from a topic to a port.
 struct TopicRoute {
     subscription: Subscription,
     port: InjectionPort,
-    /// The port's type.
+    /// Schema of the port's type.
     schema: Schema,
-    /// What the next cycle of the port's component follows from.
+    /// The cause of the next cycle of the port's component.
     cause: Arc<CycleCause>,
-    /// Messages of this incarnation are the process's own, and were handed over inside.
+    /// Messages of this incarnation are skipped: they were sent by this process and delivered within it.
     own: Option<u64>,
-    /// How many messages have been counted as lost.
+    /// Number of lost messages that have been reported.
     lost: u64,
 }
 
 impl TopicSubscription {
-    /// Subscribes to a topic of the bus for an input. Messages of the incarnation `own` do not come in. `None` if there can
-    /// be no connection into the port, which joining has refused before.
+    /// Subscribes an input to a topic of the bus, without messages of the incarnation `own`. Returns `None` if the port
+    /// cannot have such a connection, which an earlier check excludes.
     pub(crate) fn new(
         system: &mut System,
         topic: &str,
@@ -85,7 +85,7 @@ impl TopicSubscription {
             pending: AtomicBool::new(false),
             route: Mutex::default(),
         });
-        // weak: the gate has the subscription, which has the notifier
+        // weak, because the gate owns the subscription, which owns the notifier
         let notified = Arc::downgrade(&gate);
         let notifier = Notifier::calling(move || {
             if let Some(gate) = notified.upgrade() {
@@ -111,20 +111,20 @@ impl TopicSubscription {
         Ok(Some(Self(gate)))
     }
 
-    /// From now on threads that bring messages put them into the port.
+    /// From now on, receiving threads put messages into the port.
     pub(crate) fn go_live(&self, context: &LiveContext) {
-        // a system goes live once
+        // never set twice: a system goes live once
         let _ = self.0.context.set(context.clone());
     }
 
-    /// Puts into the port what has come.
+    /// Moves the arrived messages into the port.
     pub(crate) fn deliver(&self, now: Time, effects: &mut dyn Effects) {
         self.0.drain(|| now, effects);
     }
 }
 
 impl DeliveryGate {
-    /// A message has come.
+    /// Called by a thread of the bus after it has queued a message.
     fn notify(&self) {
         match self.context.get() {
             Some(context) => self.drain(|| context.now(), &mut context.clone()),
@@ -132,7 +132,7 @@ impl DeliveryGate {
         }
     }
 
-    /// Puts into the port what has come, or leaves that to the thread that is doing so.
+    /// Moves the queued messages into the port, or leaves that to the thread that is doing so.
     fn drain(&self, now: impl Fn() -> Time, effects: &mut dyn Effects) {
         self.pending.swap(true, Ordering::AcqRel);
         fence(Ordering::SeqCst);
@@ -140,7 +140,7 @@ impl DeliveryGate {
             let mut route = match self.route.try_lock() {
                 Ok(route) => route,
                 Err(TryLockError::Poisoned(route)) => route.into_inner(),
-                // the holder looks at `pending` again when it has released the lock
+                // the holder reads `pending` again after it has released the lock
                 Err(TryLockError::WouldBlock) => return,
             };
             self.pending.swap(false, Ordering::AcqRel);
@@ -182,7 +182,7 @@ impl TopicRoute {
     }
 }
 
-/// The bus's queue for a port: the newest message, if the port's connection keeps only that.
+/// The policy of the bus' queue for a port: only the newest message, if the connection keeps no more.
 fn queue(kind: BufferKind) -> QueuePolicy {
     match kind {
         BufferKind::Data => QueuePolicy::Latest,

@@ -1,4 +1,4 @@
-//! Topics on the bus: what is published inside goes out, what others publish comes in.
+//! Topics on the bus: sends samples of the system, and receives those of other processes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,14 +20,14 @@ use crate::subscription::TopicSubscription;
 pub(crate) struct BusTopics {
     subscriptions: Vec<TopicSubscription>,
     health: HealthPublisher,
-    /// Those of the health topic.
+    /// Injection ports of the subscribers of [`HEALTH_TOPIC`].
     health_ports: InjectionPorts,
     bus: Arc<dyn Bus>,
 }
 
 impl BusTopics {
-    /// Joins topics, and outputs that other processes are connected to. Messages of the process's own come in too, if
-    /// topics inside the system are left to the bus.
+    /// Connects topics, and outputs read by other processes, to the bus. If the bus connects the topic's local ends
+    /// too, the process also receives its own messages.
     pub(crate) fn new<'e>(
         system: &mut System,
         topics: &[SystemTopic],
@@ -66,14 +66,14 @@ impl BusTopics {
         })
     }
 
-    /// From now on the thread that brings a message puts it into its port.
+    /// From now on, receiving threads put messages into ports.
     pub(crate) fn go_live(&self, context: &LiveContext) {
         for subscription in &self.subscriptions {
             subscription.go_live(context);
         }
     }
 
-    /// Lets in what has come, and tells how the bus is.
+    /// Moves arrived messages into ports, and publishes the state of the bus.
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         let bus = &self.bus;
         (self.health).publish(|| bus.health(), &mut self.health_ports, now, effects);
@@ -83,7 +83,7 @@ impl BusTopics {
     }
 }
 
-/// Lets an output publish on the bus too.
+/// Publishes an output on the bus as well.
 fn publish(
     system: &mut System,
     end: &ComponentEnd,
@@ -100,10 +100,10 @@ fn publish(
     Ok(())
 }
 
-/// The bus as the reading end of a connection.
+/// Adapts a publisher to the reading end of a connection.
 struct BusSender {
     publisher: Box<dyn Publisher>,
-    /// What the component's present cycle follows from.
+    /// The cause of the component's current cycle.
     cause: Arc<CycleCause>,
 }
 

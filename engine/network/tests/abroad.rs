@@ -1,4 +1,4 @@
-//! Services, ports and topics over a bus: to a component they are like those inside.
+//! Services, ports and topics over a bus behave like local ones.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 #[path = "../../runtime/tests/common/mod.rs"]
@@ -20,7 +20,7 @@ use common::{Double, Number, behaviour, counter, doubler, number};
 
 type Replies = Arc<Mutex<Vec<Result<i64, CallError>>>>;
 
-/// Calls `double` once, and keeps what comes back.
+/// Calls `double` once, and records the reply.
 fn caller(replies: &Replies) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     let replies = Arc::clone(replies);
     behaviour(move |interface| {
@@ -39,7 +39,7 @@ fn caller(replies: &Replies) -> impl FnOnce(&mut Interface) -> Box<dyn Component
     })
 }
 
-/// Serves `double`, in its own way.
+/// Provides `double` with the given answers; `None` is no reply.
 fn provider(
     answer: impl Fn(i64) -> Option<Result<i64, ServiceFault>> + Send + 'static,
 ) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
@@ -60,7 +60,7 @@ fn provider(
     })
 }
 
-/// A system that calls what is elsewhere.
+/// A system that calls a remote service.
 fn calling(bus: &LocalBus, replies: &Replies, wire: Wire) -> (System, Log) {
     let (mut system, log) = (System::new(), Log::new());
     system.observe(log.clone());
@@ -93,7 +93,7 @@ fn offering(
     (system, log)
 }
 
-/// Runs two live systems until a component of the first one reports.
+/// Runs until a component makes a report of this kind.
 fn until_reported(run: &mut impl Run, kind: &str) {
     let mut seen =
         |_: Time, event: &Event<'_>| matches!(event, Event::Report { kind: it, .. } if *it == kind);
@@ -221,7 +221,7 @@ fn one_system_reaches_itself_over_the_bus_the_same_way_each_time() {
     assert_eq!(lines(), lines());
 }
 
-/// Reports what it is told.
+/// Reports each request it receives.
 fn listening() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let double = interface.serve::<Double>("sums", "listens");
@@ -272,7 +272,7 @@ fn y10_a_callback_reaches_listeners_inside_and_beyond_the_bus() {
     assert!(replies.lock().unwrap().is_empty());
 }
 
-/// Reports every number it reads.
+/// Makes a report for every number it reads.
 fn teller() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let input = interface.input::<Number>("n", "numbers");
@@ -339,7 +339,7 @@ fn topics_left_to_the_bus_reach_those_inside_by_it_and_only_once() {
     assert_eq!(tool.try_next().unwrap().sequence, 2);
 }
 
-/// The result of `double` at an address.
+/// The result of calling `double` at an address.
 fn doubled(bus: &LocalBus, address: &str, n: i64) -> Result<Payload, CallFailure> {
     let request =
         asmotion_bus::Request::new(SenderId::new("Tool", 9), Payload::of(number(n)), 20.s());

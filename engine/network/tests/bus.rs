@@ -1,4 +1,4 @@
-//! A system's topics on a bus: tools listen, other processes take part.
+//! A system's topics on a bus: tools subscribe, and other processes take part.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 #[path = "../../runtime/tests/common/mod.rs"]
@@ -45,7 +45,7 @@ fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     })
 }
 
-/// A counter and a reader on topic `numbers`, and a bus.
+/// A counter and a reader on topic `numbers`, attached to a bus.
 fn attached(incarnation: u64, bus: &LocalBus) -> (System, Log) {
     let log = Log::new();
     let mut system = System::new();
@@ -159,7 +159,7 @@ fn what_is_lost_on_its_way_in_is_seen() {
         elsewhere.publish(0, Payload::of(number(n))).unwrap();
     }
     run.run_for(1.ms());
-    // 300 - 256 on the way, and of those 256 all but 16 at the port.
+    // 300 - 256 on the way, and of those 256 all but 16 at the port
     let dropped = log.lines_with("dropped");
     let last = dropped.last().unwrap();
     assert!(last.contains("284 dropped"), "{last}");

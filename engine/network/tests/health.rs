@@ -1,4 +1,4 @@
-//! How the bus is, as a topic.
+//! The state of the bus as a topic.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 #[path = "../../runtime/tests/common/mod.rs"]
@@ -19,7 +19,7 @@ use asmotion_network::Network;
 use asmotion_runtime::{BuildError, Event, Log, Run, System};
 use common::{Number, behaviour, counter};
 
-/// Reports how the bus is.
+/// Reports the states of the bus.
 fn watcher() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let health = interface.input::<BusHealth>("bus", "how it is");
@@ -53,7 +53,7 @@ fn said(event: &Event<'_>) -> Option<String> {
     }
 }
 
-/// What a system says about its bus in a second.
+/// The states of the bus that a system reports within a second.
 fn heard(mut system: System) -> Vec<String> {
     let heard = Arc::new(Mutex::new(Vec::new()));
     let ear = Arc::clone(&heard);
@@ -82,7 +82,7 @@ fn a_system_is_told_once_that_its_bus_is_up_and_so_is_one_without() {
     assert!(tool.try_next().is_none(), "it stays inside");
 }
 
-/// A bus of which the test says how it is.
+/// A bus whose state the test sets.
 #[derive(Clone)]
 struct Moody {
     bus: LocalBus,

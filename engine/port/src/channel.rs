@@ -1,4 +1,4 @@
-//! The channel of a connection, as its policy wants it.
+//! Channels of connections, according to their policies.
 
 use std::any::Any;
 use std::marker::PhantomData;
@@ -12,24 +12,24 @@ use crate::one_thread;
 use crate::policy::{Lock, OnStale, Policy};
 use crate::sender::{AnySender, PulledSender, Stamped};
 
-/// A queue that several connections share; made by the first of them, and typed by its readers.
+/// A queue shared by several connections. Created by the first one; its element type is that of its readers.
 pub type SharedQueue = Option<Box<dyn Any + Send>>;
 
-/// Why a connection cannot be made.
+/// The reason that a connection cannot be opened.
 #[derive(Debug)]
 pub enum OpenError {
-    /// The policy wants zeros in place of stale data, and the type has none.
+    /// The policy replaces stale samples by zeros, and the type has no zero value.
     NoZero(DatumError),
-    /// The shared queue carries samples of another type.
+    /// The shared queue contains samples of another type.
     OtherType,
 }
 
-/// Opens channels into an input port: knows the port's type, and needs no access to the port.
+/// Opens channels into an input port. Knows the port's type, but does not access the port.
 pub trait ChannelOpener: Send + Sync {
     /// Opens a channel for a connection, over the shared queue if there is one.
     ///
     /// # Errors
-    /// The type does not allow what the policy or the shared queue asks for.
+    /// An error if the type does not fit the policy or the shared queue.
     fn open(
         &self,
         connection: ConnectionId,
@@ -38,27 +38,27 @@ pub trait ChannelOpener: Send + Sync {
     ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError>;
 }
 
-/// The reading end of a connection, on its way to the port whose [`ChannelOpener`] made it.
+/// The reading end of a connection, before it is joined to the port whose [`ChannelOpener`] made it.
 pub struct ReadingEnd(pub(crate) Box<dyn Any + Send>);
 
-/// The reading end of a connection, at its port.
+/// The reading end of a connection, joined to its port.
 pub(crate) struct InputChannel<T> {
     pub connection: ConnectionId,
     pub policy: Policy,
-    /// Replaces a stale sample, if the policy wants zeros.
+    /// Replacement for a stale sample, if the policy asks for zeros.
     pub zero: Option<T>,
     pub receiver: InputReceiver<T>,
 }
 
-/// How samples come out of a connection.
+/// The receiver of a connection's samples.
 pub(crate) enum InputReceiver<T> {
-    /// In the port's own type.
+    /// Samples in the port's own type.
     Own(Receiver<Stamped<T>>),
-    /// As they were written: the port converts them.
+    /// Samples as they were written; the port converts them.
     Pulled(Receiver<Stamped<Arc<dyn Sample>>>),
 }
 
-/// Opens channels into ports of this type.
+/// Opens channels into ports of type `T`.
 pub(crate) struct OpenerOf<T>(pub PhantomData<fn() -> T>);
 
 impl<T: Message> ChannelOpener for OpenerOf<T> {
@@ -69,7 +69,7 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
         queue: Option<&mut SharedQueue>,
     ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError> {
         let zero: Option<T> = match policy.on_stale {
-            // All fields of a message have an initial value.
+            // all fields of a message have initial values, so an empty record suffices
             OnStale::Zero => {
                 let zeros = Datum::Record(Vec::new());
                 Some(zeros.to().map_err(OpenError::NoZero)?)
@@ -97,7 +97,8 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
 }
 
 impl<T: Message> InputChannel<T> {
-    /// Takes out what is there now. Returns the number of samples that the port's type cannot read.
+    /// Removes all waiting samples and passes them to `give`. Returns how many could not be converted to the port's
+    /// type.
     pub(crate) fn drain(&mut self, mut give: impl FnMut(Stamped<T>)) -> u64 {
         match &mut self.receiver {
             InputReceiver::Own(receiver) => {
@@ -117,7 +118,7 @@ impl<T: Message> InputChannel<T> {
 }
 
 impl<T> InputChannel<T> {
-    /// Whether the writing end is gone.
+    /// Returns whether the writing end has been dropped.
     pub(crate) fn is_abandoned(&self) -> bool {
         match &self.receiver {
             InputReceiver::Own(receiver) => receiver.is_abandoned(),
@@ -129,8 +130,8 @@ impl<T> InputChannel<T> {
 /// The two ends of a connection.
 type Ends<T> = (Sender<Stamped<T>>, Receiver<Stamped<T>>);
 
-/// Makes the two ends of a connection. The runtime's table of connections admits an unsynchronised one only if both
-/// ends are in one thread.
+/// Creates the two ends of a connection. The runtime's connection table admits an unsynchronised one only if both ends
+/// are in the same thread.
 fn ends<T: Send + 'static>(
     policy: &Policy,
     queue: Option<&mut SharedQueue>,

@@ -1,11 +1,11 @@
 //! The number of a connection.
 
-/// Tells one connection of a system from all others.
+/// Identifies a connection within a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ConnectionId(u64);
 
 impl ConnectionId {
-    /// The connection of this number, which the system's table of connections gives out once.
+    /// The connection with this number. The system's connection table issues each number once.
     pub fn new(number: u64) -> Self {
         Self(number)
     }

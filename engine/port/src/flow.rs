@@ -1,13 +1,13 @@
-//! What an input port shows to a cycle.
+//! The status and content of an input port, as a cycle reads it.
 
-/// What an input port shows (RTT `FlowStatus`; TCA `receiveLast`).
+/// The result of reading an input port (RTT `FlowStatus`; TCA `receiveLast`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flow<T> {
-    /// Nothing has ever come.
+    /// No sample has arrived yet.
     NoData,
-    /// The newest sample, seen by an earlier cycle too.
+    /// The newest sample, which an earlier cycle has seen already.
     OldData(T),
-    /// The newest sample, come since the last cycle.
+    /// The newest sample, which has arrived since the last cycle.
     NewData(T),
 }
 
@@ -33,7 +33,7 @@ impl<T> Flow<T> {
         }
     }
 
-    /// Whether the sample is new.
+    /// Returns whether the sample is new.
     pub fn is_new(&self) -> bool {
         matches!(self, Self::NewData(_))
     }

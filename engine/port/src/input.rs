@@ -1,4 +1,4 @@
-//! Input ports: what came since the last cycle is frozen for the next one.
+//! Input ports: the samples that arrive between two cycles are frozen for the next one.
 
 use std::any::Any;
 use std::marker::PhantomData;
@@ -13,31 +13,32 @@ use crate::policy::OnStale;
 use crate::sender::Stamped;
 use crate::time::Time;
 
-/// An input port at run time. One thread at a time has it: its component's.
+/// An input port at run time. Used by its component's thread only.
 pub struct InputPort<T> {
     schema: Schema,
     channels: Vec<InputChannel<T>>,
-    /// Samples come since the last cycle, in the order in which they came.
+    /// Samples that arrived since the last cycle, in order of arrival.
     fresh: Vec<T>,
-    /// The newest sample of earlier cycles, while there is no newer one.
+    /// The newest sample of earlier cycles; `None` while `fresh` contains a newer one.
     last: Option<T>,
     newest: Option<Newest>,
     stale: bool,
-    /// Scratch space of `freeze`.
+    /// Scratch buffer of `freeze`, kept to avoid allocation.
     arrived: Vec<(ConnectionId, Stamped<T>)>,
 }
 
-/// Where the newest sample came from.
+/// Origin of the newest sample.
 #[derive(Clone, Copy)]
 struct Newest {
     at: Time,
     connection: ConnectionId,
-    /// Whether zeros have taken its place.
+    /// Set once zeros have replaced the stale sample.
     zeroed: bool,
 }
 
 impl<T: Message> InputPort<T> {
-    /// A port without connections. `schema` is the declared one, which a message type known at run time only needs.
+    /// Creates a port without connections. `schema` differs from `T`'s own only if the message type is known at run
+    /// time.
     pub fn new(schema: Schema) -> Self {
         Self {
             schema,
@@ -59,12 +60,12 @@ impl<T: Message> InputPort<T> {
         }
     }
 
-    /// All samples frozen for the present cycle, in the order in which they came.
+    /// All samples frozen for the current cycle, in order of arrival.
     pub fn all(&self) -> &[T] {
         &self.fresh
     }
 
-    /// Empties the channels. Returns the number of samples that cannot be read.
+    /// Empties the channels. Returns how many samples could not be converted.
     fn collect(&mut self) -> u64 {
         let mut unreadable = 0;
         for channel in &mut self.channels {
@@ -72,7 +73,7 @@ impl<T: Message> InputPort<T> {
             unreadable += channel.drain(|sample| arrived.push((connection, sample)));
         }
         if self.channels.len() > 1 {
-            // Unstable: orders are unique, and no scratch memory is taken.
+            // order numbers are unique, and the unstable sort needs no scratch memory
             (self.arrived).sort_unstable_by_key(|(_, sample)| sample.order);
         }
         for (connection, sample) in self.arrived.drain(..) {
@@ -83,14 +84,14 @@ impl<T: Message> InputPort<T> {
             });
             self.fresh.push(sample.value);
         }
-        // As long as the newest sample is from there, its connection says how old it may grow.
+        // keep the newest sample's connection, whose policy limits the sample's age
         let newest = self.newest.map(|newest| newest.connection);
         (self.channels)
             .retain(|channel| Some(channel.connection) == newest || !channel.is_abandoned());
         unreadable
     }
 
-    /// Compares the newest sample's age with what its connection promises.
+    /// Compares the age of the newest sample with the limit of its connection, and applies `on_stale`.
     fn grow_stale(&mut self, now: Time) {
         self.stale = false;
         let Some(newest) = &mut self.newest else {
@@ -122,28 +123,28 @@ impl<T: Message> InputPort<T> {
     }
 }
 
-/// An input port whose message type the caller does not know.
+/// An input port without its static message type.
 pub trait AnyInput: Any + Send {
-    /// Name and shape of its messages.
+    /// Name and fields of the message type.
     fn schema(&self) -> &Schema;
 
-    /// Opens channels into this port; only this port takes their reading ends.
+    /// Opens channels into this port; their reading ends can be joined to this port only.
     fn opener(&self) -> Arc<dyn ChannelOpener>;
 
-    /// Makes what came since the last call visible, and what was visible old. Returns the number of samples that could
-    /// not be read.
+    /// Makes the samples that arrived since the last call visible, and marks earlier ones as old. Returns how many
+    /// samples could not be converted.
     fn freeze(&mut self, now: Time) -> u64;
 
-    /// Whether the newest sample is older than its connection promises.
+    /// Returns whether the newest sample is older than its connection's policy allows.
     fn is_stale(&self) -> bool;
 
-    /// When the newest sample was written.
+    /// Time of the writer's cycle in which the newest sample was written.
     fn written_at(&self) -> Option<Time>;
 
-    /// Takes the reading end of a connection.
+    /// Adds the reading end of a connection.
     fn join(&mut self, end: ReadingEnd);
 
-    /// Ends a connection. What came through it is gone, as in RTT: data that nobody renews must not look fresh.
+    /// Removes a connection. Its samples are lost, as in RTT: data that are no longer renewed must not look fresh.
     fn disconnect(&mut self, connection: ConnectionId);
 }
 
@@ -175,7 +176,7 @@ impl<T: Message> AnyInput for InputPort<T> {
     }
 
     fn join(&mut self, end: ReadingEnd) {
-        // It came from this port's own opener.
+        // succeeds: the end was made by this port's own opener
         let channel = end.0.downcast::<InputChannel<T>>();
         self.channels.extend(channel.ok().map(|channel| *channel));
     }

@@ -1,8 +1,8 @@
 //! Typed ports: samples frozen for a cycle, samples that wait for its commit, and the channels between.
 //!
-//! A component sees its ports through the handles of `asmotion-component`; the runtime joins them through [`AnyInput`]
-//! and [`AnyOutput`], which do not show the message type. A [`Policy`] says what a connection promises, and every
-//! sample carries the [`Time`] of its writer's cycle.
+//! Components access their ports through the handles of `asmotion-component`; the runtime connects them through
+//! [`AnyInput`] and [`AnyOutput`], which hide the message type. A [`Policy`] defines the guarantees of a connection,
+//! and every sample carries the [`Time`] of its writer's cycle.
 
 mod channel;
 mod connection_id;

@@ -1,4 +1,4 @@
-//! Output ports: what a cycle writes waits here until the cycle is committed.
+//! Output ports: the samples of a cycle wait here until the cycle is committed.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -13,73 +13,75 @@ use crate::policy::Policy;
 use crate::sender::{AnySender, PortSender, Stamped};
 use crate::time::Time;
 
-/// An output port at run time. One thread at a time has it: its component's.
+/// An output port at run time. Used by its component's thread only.
 pub struct OutputPort<T> {
     schema: Schema,
     pending: VecDeque<T>,
     links: Vec<(PortSender<T>, OutputLink)>,
-    /// Number of the last sample that left.
+    /// Number of the last sample that was sent.
     sequence: u64,
-    /// The last sample that left, for readers to come (RTT `keepLastWrittenValue`).
+    /// The last sample that was sent, for new readers (RTT `keepLastWrittenValue`).
     last: Option<Stamped<T>>,
 }
 
-/// What the writer knows of a connection, or of several that share a queue.
+/// The writer's record of a connection, or of several that share a queue.
 pub struct OutputLink {
-    /// The readers inside the system; none for a link to a bus.
+    /// The readers inside the system; empty for a link to a bus.
     pub readers: Vec<LinkReader>,
-    /// The other end's name: `Follower.path`.
+    /// Name of the reading end, for example `Follower.path`.
     pub to: String,
-    /// Whether a sample that is not delivered is a fault of the writer.
+    /// `true` if a sample that cannot be delivered is a fault of the writer.
     pub mandatory: bool,
-    /// The shared queue's position in the table of connections.
+    /// Position of the shared queue in the connection table; `None` for a queue of its own.
     pub queue: Option<usize>,
-    /// Samples dropped so far. Counted by the writer's thread; readers outside of the system may look at it.
+    /// Number of samples dropped so far. Written by the writer's thread; readers outside of the system may read it.
     pub dropped: Arc<AtomicU64>,
 }
 
-/// The reading end of a connection, as the writer knows it.
+/// The writer's record of a reader.
 pub struct LinkReader {
-    /// Ends with this connection.
+    /// The connection; the record is removed with it.
     pub connection: ConnectionId,
-    /// How the reader learns of a new sample.
+    /// The way in which the reader is notified of a new sample.
     pub notification: Notification,
 }
 
-/// How a reader learns that there is something to read.
+/// The way in which a reader is notified of a new sample.
 pub enum Notification {
-    /// It looks by itself.
+    /// Not at all: the reader polls.
     Silent,
     /// The component at this position of the system is triggered.
     Trigger(usize),
-    /// A thread outside of the system is woken, as long as its reader exists.
+    /// A thread outside of the system is woken. The reference is weak, so it ends with the reader.
     Notify(Weak<Notifier>),
 }
 
-/// What follows from the samples that leave an output port. The runtime turns these into events and triggers.
+/// The effects of samples that leave an output port, which the runtime turns into events and triggers.
 pub trait PortEffects {
-    /// The next position among all samples of the run.
+    /// Returns the next order number among all samples of the run.
     fn next_order(&mut self) -> u64;
 
-    /// A sample leaves; `sequence` is its number at this port, from 1, without gaps.
+    /// Reports a sample that leaves; `sequence` is its number at this port, from 1, without gaps.
     fn published(&mut self, sequence: u64, sample: &dyn Sample);
 
-    /// Something new is there for the component at this position of the system.
+    /// Signals new data for the component at this position of the system.
     fn trigger(&mut self, component: usize);
 
-    /// A connection was full, or could not carry the sample for this reason. `total` counts all that it has dropped.
+    /// Reports a dropped sample. `reason` is `None` if the connection was full; `total` counts all samples that the
+    /// connection has dropped.
     fn dropped(&mut self, to: &str, total: u64, reason: Option<&DatumError>);
 }
 
 /// A mandatory connection was full, or could not carry the sample.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Undelivered {
-    /// The connection's other end.
+    /// Name of the connection's reading end.
     pub to: String,
 }
 
 impl<T: Message> OutputPort<T> {
-    /// A port without connections. `schema` is the declared one, which a message type known at run time only needs.
+    /// Creates a port without connections. `schema` differs from `T`'s own only if the message type is known at run
+    /// time.
     pub fn new(schema: Schema) -> Self {
         Self {
             schema,
@@ -90,7 +92,7 @@ impl<T: Message> OutputPort<T> {
         }
     }
 
-    /// Keeps a sample until the cycle is committed.
+    /// Queues a sample until the cycle is committed.
     pub fn write(&mut self, sample: T) {
         self.pending.push_back(sample);
     }
@@ -118,7 +120,7 @@ impl<T: Message> OutputPort<T> {
 }
 
 impl OutputLink {
-    /// A link to something outside of the system, which no trigger reaches: a bus, a message queue.
+    /// A link to the outside of the system, for example to a bus or a message queue; nothing is triggered there.
     pub fn to_outside(to: String) -> Self {
         Self {
             readers: Vec::new(),
@@ -129,7 +131,7 @@ impl OutputLink {
         }
     }
 
-    /// A link to a reader outside of the system, and the notifier that its thread waits on.
+    /// A link to a reader outside of the system, and the notifier that its thread waits for.
     pub fn to_reader(connection: ConnectionId, policy: &Policy) -> (Arc<Notifier>, Self) {
         let notifier = Arc::new(Notifier::new());
         let notification = Notification::Notify(Arc::downgrade(&notifier));
@@ -144,7 +146,7 @@ impl OutputLink {
         (notifier, link)
     }
 
-    /// Whether anything may still read.
+    /// Returns whether a reader may still exist.
     fn is_there(&self) -> bool {
         let gone = |reader: &LinkReader| match &reader.notification {
             Notification::Notify(notifier) => notifier.strong_count() == 0,
@@ -167,7 +169,7 @@ impl OutputLink {
         }
     }
 
-    /// Draws the consequences of a delivery.
+    /// Handles the outcome of a delivery: notifies readers, counts and reports drops.
     fn settle(
         &self,
         delivery: &Result<PushOutcome, DatumError>,
@@ -194,27 +196,27 @@ impl OutputLink {
     }
 }
 
-/// An output port whose message type the caller does not know.
+/// An output port without its static message type.
 pub trait AnyOutput: Any + Send {
-    /// Name and shape of its messages.
+    /// Name and fields of the message type.
     fn schema(&self) -> &Schema;
 
     /// Adds a connection.
     fn join(&mut self, sender: Box<dyn AnySender>, link: OutputLink);
 
-    /// Sends the last written sample to a reader that is new (RTT `init`), and triggers it.
+    /// Sends the last sample to a new reader (RTT `init`), and triggers it.
     fn replay_last(&mut self, connection: ConnectionId, trigger: &mut dyn FnMut(usize));
 
-    /// Ends a connection.
+    /// Removes a connection.
     fn disconnect(&mut self, connection: ConnectionId);
 
     /// Sends the oldest pending sample.
     ///
     /// # Errors
-    /// A mandatory connection did not take it. The others have.
+    /// An error if a mandatory connection did not take the sample; all others have.
     fn flush(&mut self, now: Time, effects: &mut dyn PortEffects) -> Result<(), Undelivered>;
 
-    /// Forgets what is pending: the cycle failed.
+    /// Drops the pending samples, because the cycle failed.
     fn discard(&mut self);
 }
 

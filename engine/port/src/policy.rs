@@ -1,4 +1,4 @@
-//! What a connection promises: Orocos RTT's `ConnPolicy`, and what a reader sees of old data.
+//! Connection policies: Orocos RTT's `ConnPolicy`, and the treatment of stale data.
 
 use std::time::Duration;
 
@@ -6,74 +6,76 @@ use asmotion_connection::BufferKind;
 use asmotion_derive::Word;
 use serde::{Deserialize, Serialize};
 
-/// How samples travel from an output port to an input port.
+/// The policy of a connection from an output port to an input port.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Policy {
-    /// What is kept for the reader.
+    /// The samples that are kept for the reader.
     pub kind: BufferKind,
-    /// What keeps writers and readers apart.
+    /// Synchronisation of writers and readers.
     pub lock: Lock,
-    /// Which connections have the queue in common.
+    /// The connections that share one queue.
     pub sharing: Sharing,
-    /// Name of the queue that [`Sharing::Shared`] connections have in common (RTT `name_id`).
+    /// Name of the queue of [`Sharing::Shared`] connections (RTT `name_id`); empty otherwise.
     pub queue: String,
-    /// Whether a new reader gets at once what was last written before (RTT `init`; off by default).
+    /// Whether a new reader receives the last written sample at once (RTT `init`; default: `false`).
     pub init: bool,
-    /// Whether samples stay behind a pointer until the reader looks, which then copies and converts them; otherwise the
-    /// writer does so for it (RTT `pull`; off by default).
+    /// Whether samples are kept as they were written, and copied and converted by the reader instead of the writer (RTT
+    /// `pull`; default: `false`).
     pub pull: bool,
-    /// How many threads may use the queue; as many as there are ends, if absent.
+    /// Limit on the number of threads that use the queue; `None` for one thread per end.
     pub max_threads: Option<usize>,
-    /// The age beyond which the newest sample is stale; unlimited if absent.
+    /// Age after which the newest sample is stale; `None` for no limit.
     pub max_age: Option<Duration>,
-    /// What the reader sees of a stale sample.
+    /// The reader's view of a stale sample.
     pub on_stale: OnStale,
-    /// Whether a sample that does not fit is a fault of the writer, not just counted (RTT `mandatory`; off by default).
+    /// Whether a sample that does not fit into the connection is a fault of the writer, and not only counted (RTT
+    /// `mandatory`; default: `false`).
     pub mandatory: bool,
-    /// Whether a sample triggers an event-driven reader (RTT event port; on by default).
+    /// Whether a sample triggers an event-driven reader (RTT event port; default: `true`).
     pub trigger: bool,
 }
 
-/// What keeps writers and readers apart (RTT `lock_policy`).
+/// Synchronisation of writers and readers (RTT `lock_policy`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Lock {
-    /// Nothing that anybody would wait for.
+    /// Lock-free: neither side ever waits for the other.
     #[default]
     LockFree,
-    /// A lock: whoever comes second waits.
+    /// A lock: one side may wait for the other.
     Locked,
-    /// Nothing: both ends are in one thread, the one in the other's by `System::slave`.
+    /// None: both ends are in the same thread, because one component is the other's slave (`System::slave`).
     Unsync,
 }
 
-/// Who has the queue of a buffer in common (RTT `buffer_policy`). Of the newest sample alone, every reader has its own.
+/// The connections that share a queue (RTT `buffer_policy`). Applies to buffers only; for the newest sample alone,
+/// every reader has a copy of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Sharing {
-    /// Nobody: each connection has one of its own.
+    /// None: each connection has its own queue.
     #[default]
     PerConnection,
-    /// All connections into the input port: together they fill one queue.
+    /// All connections into the input port share one queue.
     #[word("per_input_port")]
     PerInput,
-    /// All connections from the output port: a sample goes to the reader that comes first.
+    /// All connections from the output port share one queue; each sample goes to one of the readers.
     #[word("per_output_port")]
     PerOutput,
-    /// All connections that name the same queue.
+    /// All connections with the same queue name share one queue.
     Shared,
 }
 
-/// What the reader sees of a stale sample. `Cycle::is_stale` tells in any case.
+/// The reader's view of a stale sample. `Cycle::is_stale` is `true` in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum OnStale {
-    /// The sample, as before.
+    /// The sample itself, as before.
     #[default]
     Hold,
-    /// No data.
+    /// No data, as before the first sample.
     NoData,
-    /// Once, a new sample of zeros, so that a command that stops coming becomes a stop.
+    /// Once, a new sample of zeros, so that a velocity command whose writer has fallen silent becomes a stop.
     Zero,
 }
 
@@ -94,34 +96,34 @@ impl Policy {
         }
     }
 
-    /// The newest sample.
+    /// A connection that keeps only the newest sample.
     pub fn data() -> Self {
         Self::new(BufferKind::Data)
     }
 
-    /// Every sample, so many; when full, the new one is dropped.
+    /// A connection with a queue of `size` samples; when full, new samples are dropped.
     pub fn buffer(size: usize) -> Self {
         Self::new(BufferKind::Buffer(size))
     }
 
-    /// Every sample, so many; when full, the oldest is dropped.
+    /// A connection with a queue of `size` samples; when full, the oldest sample is dropped.
     pub fn circular(size: usize) -> Self {
         Self::new(BufferKind::Circular(size))
     }
 
-    /// With this to keep writers and readers apart.
+    /// Sets the synchronisation of writers and readers.
     #[must_use]
     pub fn lock(self, lock: Lock) -> Self {
         Self { lock, ..self }
     }
 
-    /// With its queue in common with these.
+    /// Sets the connections that share a queue.
     #[must_use]
     pub fn sharing(self, sharing: Sharing) -> Self {
         Self { sharing, ..self }
     }
 
-    /// With the queue of this name in common.
+    /// Shares the queue with this name.
     #[must_use]
     pub fn shared(self, queue: impl Into<String>) -> Self {
         Self {
@@ -131,19 +133,19 @@ impl Policy {
         }
     }
 
-    /// With what was last written before for a new reader.
+    /// Sends the last written sample to a new reader.
     #[must_use]
     pub fn init(self) -> Self {
         Self { init: true, ..self }
     }
 
-    /// With the reader to copy and convert.
+    /// Makes the reader copy and convert samples.
     #[must_use]
     pub fn pull(self) -> Self {
         Self { pull: true, ..self }
     }
 
-    /// With no more threads than these at its queue.
+    /// Sets the limit on the number of threads that use the queue.
     #[must_use]
     pub fn max_threads(self, threads: usize) -> Self {
         Self {
@@ -152,7 +154,8 @@ impl Policy {
         }
     }
 
-    /// The same for a writer outside of the system, which has a thread of its own.
+    /// The policy for an end outside of the system, which has its own thread: never unsynchronised, and with its own
+    /// queue.
     pub fn for_outsider(&self) -> Self {
         Self {
             lock: match self.lock {
@@ -164,7 +167,7 @@ impl Policy {
         }
     }
 
-    /// With samples older than this stale.
+    /// Sets the age after which the newest sample is stale.
     #[must_use]
     pub fn max_age(self, max_age: Duration) -> Self {
         Self {
@@ -173,13 +176,13 @@ impl Policy {
         }
     }
 
-    /// With this to be seen of stale samples.
+    /// Sets the reader's view of a stale sample.
     #[must_use]
     pub fn on_stale(self, on_stale: OnStale) -> Self {
         Self { on_stale, ..self }
     }
 
-    /// With undelivered samples a fault of the writer.
+    /// Makes a sample that does not fit a fault of the writer.
     #[must_use]
     pub fn mandatory(self) -> Self {
         Self {
@@ -188,7 +191,7 @@ impl Policy {
         }
     }
 
-    /// Without triggering an event-driven reader.
+    /// Does not trigger an event-driven reader.
     #[must_use]
     pub fn silent(self) -> Self {
         Self {

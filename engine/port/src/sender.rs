@@ -1,4 +1,4 @@
-//! The writing end of a connection, at its writer.
+//! The writing ends of connections.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -8,29 +8,29 @@ use asmotion_datum::{DatumError, Message, Sample};
 
 use crate::time::Time;
 
-/// A sample on its way.
+/// A sample with the time and order in which it was written.
 #[derive(Debug, Clone)]
 pub struct Stamped<T> {
-    /// The time of the writer's cycle.
+    /// Time of the writer's cycle.
     pub at: Time,
-    /// Position among all samples of the run: a reader of several connections sorts by it.
+    /// Order number among all samples of the run, by which a port merges its connections.
     pub order: u64,
-    /// The sample itself.
+    /// The sample in the writer's type.
     pub value: T,
 }
 
-/// A writing end that accepts samples of any type, and converts them to its reader's.
+/// A writing end that accepts samples of any type and converts them to the reader's type.
 pub trait AnySender: Any + Send {
     /// Checks that a sample can be read as the reader's type.
     ///
     /// # Errors
-    /// The first field that does not fit.
+    /// The first difference between the types.
     fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), DatumError>;
 
     /// Sends a sample, converted to the reader's type.
     ///
     /// # Errors
-    /// The first field that does not fit; nothing has been sent then.
+    /// The first difference between the types; in this case nothing has been sent.
     fn send_sample(
         &mut self,
         sample: Arc<dyn Sample>,
@@ -55,7 +55,7 @@ impl<T: Message> AnySender for Sender<Stamped<T>> {
     }
 }
 
-/// A writing end whose reader converts: samples stay as they were written ([`Policy::pull`](crate::Policy::pull)).
+/// A writing end whose reader converts: samples are passed as written ([`Policy::pull`](crate::Policy::pull)).
 pub(crate) struct PulledSender(pub Sender<Stamped<Arc<dyn Sample>>>);
 
 impl AnySender for PulledSender {
@@ -73,17 +73,17 @@ impl AnySender for PulledSender {
     }
 }
 
-/// How samples of a type get into a connection.
+/// The writing end of a connection, at an output of type `T`.
 pub enum PortSender<T> {
-    /// The reader has the same type: it gets the sample itself.
+    /// The reader has the same type and gets the sample itself.
     Same(Sender<Stamped<T>>),
-    /// The reader has another type, or is a bus: it gets the sample behind a pointer, and reads it.
+    /// The reader has another type, or is outside of the system; it gets a pointer and converts.
     Shared(Box<dyn AnySender>),
 }
 
 impl<T: Message> PortSender<T> {
-    /// A sender whose type is looked up once, so that equal types need no conversion. `None` never happens: the type
-    /// has been checked.
+    /// Determines once whether the reader has the same type, in which case no conversion is needed. Never returns
+    /// `None`: the downcast follows a check of the type.
     pub fn of(sender: Box<dyn AnySender>) -> Option<Self> {
         if !(&*sender as &dyn Any).is::<Sender<Stamped<T>>>() {
             return Some(Self::Shared(sender));
@@ -92,10 +92,10 @@ impl<T: Message> PortSender<T> {
         same.map(|sender| Self::Same(*sender)).ok()
     }
 
-    /// Sends a copy.
+    /// Sends a copy of the sample.
     ///
     /// # Errors
-    /// The reader's type does not fit the sample.
+    /// An error if the sample cannot be converted to the reader's type.
     pub fn send(&mut self, sample: &Stamped<T>) -> Result<PushOutcome, DatumError> {
         match self {
             Self::Same(sender) => Ok(sender.send(sample.clone())),
@@ -108,7 +108,7 @@ impl<T: Message> PortSender<T> {
     /// Sends the sample itself.
     ///
     /// # Errors
-    /// The reader's type does not fit the sample.
+    /// An error if the sample cannot be converted to the reader's type.
     pub fn hand_over(&mut self, sample: Stamped<T>) -> Result<PushOutcome, DatumError> {
         match self {
             Self::Same(sender) => Ok(sender.send(sample)),

@@ -6,20 +6,20 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-/// An instant of a run: nanoseconds since the zero of its clock, virtual or monotonic.
+/// An instant of a run: nanoseconds since the zero of its clock, which is virtual or monotonic.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
 )]
 pub struct Time(i64);
 
 impl Time {
-    /// The clock's zero: when the run began.
+    /// The clock's zero, at which the run began.
     pub const ZERO: Self = Self(0);
 
-    /// The end of all time.
+    /// The latest instant that can be represented.
     pub const MAX: Self = Self(i64::MAX);
 
-    /// An instant from nanoseconds since zero.
+    /// Converts from nanoseconds since zero.
     pub const fn from_nanos(nanos: i64) -> Self {
         Self(nanos)
     }
@@ -38,12 +38,12 @@ impl Time {
         self.0 as f64 / 1e9
     }
 
-    /// How long ago `earlier` was; nothing if it is later than this.
+    /// The time from `earlier` to this instant; zero if `earlier` is later.
     pub fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(u64::try_from(self.0.saturating_sub(earlier.0)).unwrap_or(0))
     }
 
-    /// Whole seconds and the nanoseconds of the last one, as ROS messages carry time.
+    /// Seconds and nanoseconds as in ROS messages (builtin_interfaces/Time).
     pub fn sec_nanosec(self) -> (i32, u32) {
         let sec = self.0.div_euclid(1_000_000_000);
         let nanosec = self.0.rem_euclid(1_000_000_000);
@@ -53,13 +53,13 @@ impl Time {
         )
     }
 
-    /// An instant from whole seconds and nanoseconds, as ROS messages carry time.
+    /// Converts from seconds and nanoseconds as in ROS messages.
     pub fn from_sec_nanosec(sec: i32, nanosec: u32) -> Self {
         Self(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
     }
 }
 
-/// Saturating: the far future stays the far future.
+/// Saturates at [`Time::MAX`].
 impl Add<Duration> for Time {
     type Output = Self;
 
@@ -94,14 +94,14 @@ fn nanos(duration: Duration) -> i64 {
     i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }
 
-/// Seconds with the digits that matter: `12.05 s`.
+/// Displays seconds with as many decimals as needed: `12.05 s`.
 impl fmt::Display for Time {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} s", self.seconds())
     }
 }
 
-/// Durations as people write them: `50.ms()`.
+/// Literals for durations, such as `50.ms()`.
 pub trait Span {
     /// Seconds.
     fn s(self) -> Duration;

@@ -1,4 +1,4 @@
-//! Operations called from outside: sent, and collected when they are done.
+//! Calls of operations from outside of a system: sent first, collected when they have ended.
 
 use asmotion_bus::{CallFailure, Payload, PendingCall};
 use asmotion_component::{CallError, SendStatus, ServiceFault};
@@ -8,7 +8,7 @@ use asmotion_network::call_error;
 use crate::error::RemoteError;
 use crate::remote::Remote;
 
-/// A call under way (RTT `SendHandle`). Dropping it gives the call up.
+/// A call under way (RTT `SendHandle`). Dropping it cancels the call.
 pub struct SendHandle {
     remote: Remote,
     operation: String,
@@ -26,7 +26,7 @@ impl SendHandle {
         }
     }
 
-    /// What has become of the call, as of now.
+    /// The current status of the call, with its result once it has ended.
     pub fn collect_if_done(&mut self) -> SendStatus<Datum> {
         if self.collected {
             return SendStatus::Unknown;
@@ -41,10 +41,10 @@ impl SendHandle {
         }
     }
 
-    /// The answer, waiting for it: never longer than the patience that the call was sent with.
+    /// Waits for the response, at most as long as the timeout given with the call.
     ///
     /// # Errors
-    /// Nobody serves the operation, the provider refuses, or the time is up.
+    /// An error if the operation has no provider, the provider replies with a fault, or the time is up.
     pub fn collect(self) -> Result<Datum, RemoteError> {
         let answer = match self.collected {
             true => Err(CallError::Cancelled),
@@ -59,10 +59,10 @@ impl SendHandle {
         })
     }
 
-    /// Tells a listener the answer as soon as it is there, from a thread of its own: nobody polls.
+    /// Passes the result to a listener when it arrives, on a new thread and without polling.
     ///
     /// # Errors
-    /// There are no more threads.
+    /// An error if the operating system cannot start a thread.
     pub fn then(
         self,
         listener: impl FnOnce(Result<Datum, RemoteError>) + Send + 'static,
@@ -71,7 +71,7 @@ impl SendHandle {
         thread.spawn(move || listener(self.collect())).map(drop)
     }
 
-    /// Takes the call back. A provider that has not begun does not begin any more.
+    /// Cancels the call. A provider that has not started on the request never does.
     pub fn cancel(&self) {
         self.pending.cancel();
     }

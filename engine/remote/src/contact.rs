@@ -1,4 +1,4 @@
-//! A process' contact with others on the bus: it says what it is, and does what they want.
+//! The contact of a process with others on the bus: publishes its presence and carries out their orders.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -17,10 +17,10 @@ use crate::order_error::OrderErrorCode;
 use crate::presence::presence_topic;
 use crate::presence_publisher::PresencePublisher;
 
-/// How many orders may wait.
+/// Capacity of the queue of orders.
 const WAITING: usize = 16;
 
-/// The contact of a process over a bus: attended to again and again while the system runs.
+/// The contact of a process over a bus. [`attend`](Self::attend) must be called regularly while the system runs.
 pub struct ProcessContact<'p> {
     origin: SenderId,
     herald: PresencePublisher<'p>,
@@ -30,15 +30,15 @@ pub struct ProcessContact<'p> {
     begun: Vec<(IncomingCall, Asked)>,
     newest: LastSamples,
     presences: Subscription,
-    /// The lives of processes that were heard.
+    /// The processes heard so far, each with its incarnation.
     known: BTreeSet<(Arc<str>, u64)>,
 }
 
 impl<'p> ProcessContact<'p> {
-    /// A contact. What leaves the outputs is seen by `newest`, an observer of the system that no other contact has.
+    /// Creates the contact. `newest` must be an observer of the system, and no other contact may use it.
     ///
     /// # Errors
-    /// The bus does not let us.
+    /// An error of the bus, for example a missing permission.
     pub fn new(
         plan: &'p Plan,
         part: Part,
@@ -65,7 +65,7 @@ impl<'p> ProcessContact<'p> {
         })
     }
 
-    /// Does what is due: carries out orders, greets newcomers, and speaks.
+    /// Does the work that is due: carries out orders, sends its presence to newcomers, and publishes it once a second.
     pub fn attend(&mut self, run: &mut dyn Run) {
         while let Some(call) = self.orders.try_next() {
             match self.begin(&call, run) {
@@ -80,7 +80,7 @@ impl<'p> ProcessContact<'p> {
         self.herald.speak(run);
     }
 
-    /// Answers the orders that have been carried out, and forgets those that nobody waits for any more.
+    /// Replies to the orders that have been carried out, and drops those whose callers no longer wait.
     fn reply(&mut self) {
         for (call, asked) in std::mem::take(&mut self.begun) {
             match asked.try_take() {
@@ -95,7 +95,8 @@ impl<'p> ProcessContact<'p> {
         }
     }
 
-    /// A process that was not there before has missed what is published once: it is sent again.
+    /// Publishes the presence early if a new process was heard, because it may have missed messages published only
+    /// once.
     fn greet(&mut self) {
         let mut somebody = false;
         while let Some(presence) = self.presences.try_next() {
@@ -106,7 +107,7 @@ impl<'p> ProcessContact<'p> {
         }
     }
 
-    /// Says the last word.
+    /// Publishes that the process leaves.
     pub fn leave(&mut self) {
         self.herald.leave();
     }
@@ -120,7 +121,7 @@ impl<'p> ProcessContact<'p> {
         begun.map_err(|error| error.reason().refusal(error))
     }
 
-    /// Has an output published for a while; says on which topic.
+    /// Publishes an output for the duration of a lease. Returns the topic.
     fn watch(&self, port: &str, schema: &Schema) -> Result<Payload, Refusal> {
         let topic = watch_topic(port);
         let publisher =
@@ -131,7 +132,7 @@ impl<'p> ProcessContact<'p> {
     }
 }
 
-/// Where a watched output is published: `watch.RoverDriver.odom`.
+/// The topic of a watched output, for example `watch.RoverDriver.odom`.
 pub(crate) fn watch_topic(port: &str) -> String {
     format!("watch.{port}")
 }

@@ -1,4 +1,4 @@
-//! What cannot be done from outside.
+//! Errors of operations on a remote system.
 
 #[cfg(feature = "amqp")]
 use asmotion_amqp::AddressError;
@@ -8,62 +8,62 @@ use asmotion_datum::DatumError;
 
 use crate::order_error::OrderErrorCode;
 
-/// What cannot be done from outside.
+/// An error of an operation on a remote system.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RemoteError {
-    /// The broker's address is none.
+    /// The broker's address is invalid.
     #[cfg(feature = "amqp")]
     #[error(transparent)]
     Address(#[from] AddressError),
-    /// The bus is not there, or does not let us.
+    /// The bus is unavailable or refuses the operation.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// Nothing of that name.
+    /// A name that no component, service or property has.
     #[error("no {what} `{name}` is there{}", meant(nearest.as_deref()))]
     Unknown {
-        /// Component, service, property.
+        /// The kind of thing looked for: component, service or property.
         what: &'static str,
-        /// The name asked for.
+        /// The name that was looked for.
         name: String,
-        /// A name like it.
+        /// A similar name that exists, as a suggestion.
         nearest: Option<String>,
     },
-    /// Several components have that name.
+    /// Several components have this name.
     #[error("which `{name}`? {}", candidates.join(", "))]
     Several {
-        /// The name asked for.
+        /// The ambiguous name.
         name: String,
-        /// Their whole names.
+        /// The full names of the candidates.
         candidates: Vec<String>,
     },
-    /// The component's process does not carry out an order.
+    /// The component's process refuses an order.
     #[error("{detail}")]
     Refused {
-        /// Why, for programs.
+        /// The reason, for programs.
         reason: OrderErrorCode,
-        /// For people.
+        /// The explanation, for a human reader.
         detail: String,
     },
-    /// The component's process does not answer.
+    /// The component's process did not reply to an order.
     #[error("the process `{process}` does not answer: {source}")]
     Process {
-        /// Which.
+        /// Name of the process.
         process: String,
-        /// How the order ended.
+        /// The reason that there was no reply.
         source: CallError,
     },
-    /// Nobody serves an operation.
+    /// An operation that no process provides.
     #[error("nobody serves `{operation}`{}", meant(nearest.as_deref()))]
     Nobody {
-        /// Where it was called.
+        /// The address that was called.
         operation: String,
-        /// An operation like it.
+        /// A similar operation that exists, as a suggestion.
         nearest: Option<String>,
     },
-    /// A call has no response.
+    /// A call ended without a response.
     #[error(transparent)]
     Call(#[from] CallError),
-    /// A value has not the form that is wanted.
+    /// A value does not have the expected type.
     #[error(transparent)]
     Datum(#[from] DatumError),
 }

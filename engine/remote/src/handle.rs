@@ -1,4 +1,4 @@
-//! A component of a running system, as if it were here.
+//! Handles of components of a running system.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use crate::remote::Remote;
 use crate::roster::ComponentLocation;
 use crate::watch::OutputWatch;
 
-/// A component of a running system. It stays the same component when its process is started again.
+/// A handle of a component. Remains valid when the component's process is restarted.
 #[derive(Clone)]
 pub struct RemoteComponent {
     remote: Remote,
@@ -35,45 +35,45 @@ impl RemoteComponent {
         Self { remote, found }
     }
 
-    /// Its name.
+    /// Name of the component within its robot.
     pub fn name(&self) -> &str {
         &self.found.present.name
     }
 
-    /// Its robot; empty if that has no name.
+    /// Name of the component's robot; empty if the robot has no name.
     pub fn robot(&self) -> &str {
         &self.found.robot
     }
 
-    /// The process it runs in.
+    /// Name of the process that runs the component.
     pub fn process(&self) -> &str {
         &self.found.process
     }
 
-    /// Its name with its robot's before it, `rover1.RoverDriver`.
+    /// Name with the robot's name as a prefix: `rover1.RoverDriver`.
     pub fn whole_name(&self) -> String {
         self.found.whole()
     }
 
-    /// What it was when it was looked up: ports, services, references, properties, state, rates.
+    /// The component's description as of the lookup: ports, services, references, properties, state, rates.
     pub fn present(&self) -> &PresentComponent {
         &self.found.present
     }
 
-    /// What it is now, with the rate that it was last heard to have.
+    /// The component's current description. The rate is the last one that was published.
     ///
     /// # Errors
-    /// Its process does not answer.
+    /// [`RemoteError::Process`] if the component's process does not reply.
     pub fn look(&self) -> Result<PresentComponent, RemoteError> {
         let mut present: PresentComponent = self.order(OrderKind::Look)?.to()?;
         present.rate_hz = self.present().rate_hz;
         Ok(present)
     }
 
-    /// Its state in its life cycle, now.
+    /// Current state in the life cycle.
     ///
     /// # Errors
-    /// Its process does not answer.
+    /// [`RemoteError::Process`] if the component's process does not reply.
     pub fn state(&self) -> Result<State, RemoteError> {
         let state = self.look()?.state;
         let known = State::ALL.into_iter().find(|it| it.to_string() == state);
@@ -84,18 +84,18 @@ impl RemoteComponent {
         })
     }
 
-    /// What it declares, with the shape of every port, operation and property.
+    /// The component's declaration, with the schemas of all ports, operations and properties.
     ///
     /// # Errors
-    /// Its process does not answer.
+    /// [`RemoteError::Process`] if the component's process does not reply.
     pub fn declaration(&self) -> Result<Declaration, RemoteError> {
         Ok(self.order(OrderKind::Describe)?.to()?)
     }
 
-    /// Takes it through a transition of its life cycle.
+    /// Makes a transition of the life cycle.
     ///
     /// # Errors
-    /// RTT's guards refuse it, or its hook fails.
+    /// [`RemoteError::Refused`] if RTT's guards refuse the transition or its hook fails.
     pub fn transition(&self, transition: Transition) -> Result<(), RemoteError> {
         let wish = match transition {
             Transition::Configure => OrderKind::Configure,
@@ -108,18 +108,18 @@ impl RemoteComponent {
         self.order(wish).map(drop)
     }
 
-    /// Its properties with their present values.
+    /// The properties with their current values.
     ///
     /// # Errors
-    /// Its process does not answer.
+    /// [`RemoteError::Process`] if the component's process does not reply.
     pub fn properties(&self) -> Result<Vec<(String, Datum)>, RemoteError> {
         Ok(self.look()?.properties)
     }
 
-    /// The present value of a property.
+    /// The current value of a property.
     ///
     /// # Errors
-    /// It has no such property, or one of another type.
+    /// An error if there is no such property, or if it has another type.
     pub fn get<T: DeserializeOwned>(&self, property: &str) -> Result<T, RemoteError> {
         let properties = self.properties()?;
         let known = properties.iter().find(|(name, _)| name == property);
@@ -131,51 +131,51 @@ impl RemoteComponent {
         Ok(value.to()?)
     }
 
-    /// Sets a property from its next cycle on.
+    /// Sets a property from the component's next cycle on.
     ///
     /// # Errors
-    /// It has no such property, or that takes no such value.
+    /// An error if there is no such property, or if it does not accept the value.
     pub fn set(&self, property: &str, value: impl Serialize) -> Result<(), RemoteError> {
         self.set_all(vec![(property.to_owned(), Datum::of(&value)?)])
     }
 
-    /// Sets properties from its next cycle on, all or none.
+    /// Sets properties from the component's next cycle on, all or none.
     ///
     /// # Errors
-    /// It has not all of these properties, or one takes no such value.
+    /// An error if one of the properties does not exist or does not accept its value.
     pub fn set_all(&self, values: Vec<(String, Datum)>) -> Result<(), RemoteError> {
         self.order(OrderKind::Set(values)).map(drop)
     }
 
-    /// What left an output last.
+    /// The newest sample of an output.
     ///
     /// # Errors
-    /// It has no such output, nothing has left it yet, or it is of another type.
+    /// An error if there is no such output, if it has not written yet, or if it has another type.
     pub fn read<T: DeserializeOwned>(&self, port: &str) -> Result<T, RemoteError> {
         Ok(self.order(OrderKind::Read(port.to_owned()))?.to()?)
     }
 
-    /// Gives a message to an input, checked against its type.
+    /// Injects a message into an input, after a check of its type.
     ///
     /// # Errors
-    /// It has no such input, or that takes another type.
+    /// An error if there is no such input, or if it has another type.
     pub fn write(&self, port: &str, message: impl Serialize) -> Result<(), RemoteError> {
         let wish = OrderKind::Write(port.to_owned(), Datum::of(&message)?);
         self.order(wish).map(drop)
     }
 
-    /// All that leaves an output from now on, and what left it last.
+    /// Watches an output: receives its newest sample and all later ones.
     ///
     /// # Errors
-    /// It has no such output.
+    /// An error if there is no such output.
     pub fn watch(&self, port: &str) -> Result<OutputWatch, RemoteError> {
         OutputWatch::new(&self.remote, &self.found, port)
     }
 
-    /// A service.
+    /// A service of the component.
     ///
     /// # Errors
-    /// It has none of that name.
+    /// [`RemoteError::Unknown`] if there is no service with this name.
     pub fn service(&self, name: &str) -> Result<RemoteServiceHandle, RemoteError> {
         let services = &self.found.present.services;
         let known = services.iter().find(|service| service.name == name);
@@ -196,15 +196,15 @@ impl RemoteComponent {
 }
 
 impl RemoteServiceHandle {
-    /// What it is: name, interface, operations.
+    /// The service's description: name, interface, operations.
     pub fn present(&self) -> &PresentService {
         &self.present
     }
 
-    /// Calls an operation, and waits for the answer.
+    /// Calls an operation and waits for the response.
     ///
     /// # Errors
-    /// Nobody serves it, the provider refuses, or the time is up.
+    /// An error if the operation has no provider, the provider replies with a fault, or the time is up.
     pub fn call(
         &self,
         operation: &str,
@@ -214,10 +214,10 @@ impl RemoteServiceHandle {
         self.send(operation, argument, patience)?.collect()
     }
 
-    /// Calls an operation, and does not wait: the answer is collected, or told to a listener.
+    /// Calls an operation without waiting. The response is collected, or passed to a listener.
     ///
     /// # Errors
-    /// The bus cannot carry it.
+    /// An error of the bus.
     pub fn send(
         &self,
         operation: &str,

@@ -1,4 +1,4 @@
-//! What left each output last, and who watches what leaves next.
+//! The newest sample of each output, and the outputs that are watched.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,21 +9,21 @@ use asmotion_component::Time;
 use asmotion_datum::Sample;
 use asmotion_runtime::{Event, Observer};
 
-/// How long a port is watched, unless whoever watches asks again.
+/// Lease of a watch: the output is published until it expires, unless the watcher renews it.
 const LEASE: Duration = Duration::from_secs(15);
 
-/// What left each output last. As an observer of the system it sends what is watched to those who watch it.
+/// The newest sample of each output. As an observer of the system, it also publishes the samples of watched outputs.
 #[derive(Clone, Default)]
 pub struct LastSamples(Arc<Mutex<LastSamplesState>>);
 
 #[derive(Default)]
 struct LastSamplesState {
-    /// By `Component.port`.
+    /// Newest samples by output, `Component.port`.
     samples: BTreeMap<String, Arc<dyn Sample>>,
     watched: BTreeMap<String, WatchedOutput>,
 }
 
-/// A port that somebody watches.
+/// An output that is watched.
 struct WatchedOutput {
     publisher: Box<dyn Publisher>,
     until: Instant,
@@ -44,7 +44,7 @@ impl Observer for LastSamples {
         let mut kept = self.kept();
         if let Some(watched) = kept.watched.get_mut(&port) {
             match watched.until > Instant::now() {
-                // What a bus does not take, whoever watches misses; the next one is newer.
+                // a sample that the bus does not accept is lost; the next one is newer anyway
                 true => drop(
                     watched
                         .publisher
@@ -58,12 +58,12 @@ impl Observer for LastSamples {
 }
 
 impl LastSamples {
-    /// The last sample of an output, `Component.port`.
+    /// The newest sample of an output, `Component.port`.
     pub(crate) fn of(&self, port: &str) -> Option<Arc<dyn Sample>> {
         self.kept().samples.get(port).cloned()
     }
 
-    /// From now on, and for some time, what leaves an output is published; and so is what left it last.
+    /// Publishes the newest sample of an output, and later ones until the lease expires.
     pub(crate) fn watch<E>(
         &self,
         port: &str,
@@ -89,7 +89,7 @@ impl LastSamples {
     }
 }
 
-/// Now, on the wall, in nanoseconds.
+/// Current wall-clock time, in nanoseconds since the Unix epoch.
 pub(crate) fn now() -> i64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX)

@@ -1,10 +1,10 @@
-//! A running system seen and driven from outside, over any bus.
+//! Observes and controls a running system from outside, over any bus.
 //!
-//! Both ends of the contact are here. The system's: what it says of itself ([`Presence`]), what may be done to it
-//! ([`Order`]), and who does both ([`ProcessContact`]). The outside's: [`Remote`] finds [`RemoteComponent`]s, whose life cycle,
-//! properties, ports and services are at hand as if they were here. `docs/wire.md` says what goes over the wire.
+//! The crate contains both ends. In the system, a [`ProcessContact`] publishes a description of the process
+//! ([`Presence`]) and carries out requests ([`Order`]). Outside, a [`Remote`] finds [`RemoteComponent`]s, which give
+//! access to life cycle, properties, ports and services. `docs/wire.md` describes the messages.
 //!
-//! With the feature `amqp`, of a broker by its address:
+//! With the feature `amqp`, a `Remote` connects to a broker by its address:
 //!
 //! ```no_run
 //! # #[cfg(feature = "amqp")]

@@ -1,4 +1,4 @@
-//! Orders: what others on the bus may have done to the components of a process. `docs/wire.md` describes them.
+//! Orders: requests of others on the bus to the components of a process, as described in `docs/wire.md`.
 
 use std::sync::Arc;
 
@@ -12,65 +12,65 @@ use crate::last_samples::LastSamples;
 use crate::order_error::OrderError;
 use crate::presence::PresentComponent;
 
-/// Where a process takes orders: `control.onboard`.
+/// The address at which a process takes orders, for example `control.onboard`.
 pub fn control_address(process: &str) -> String {
     format!("control.{process}")
 }
 
-/// What a component shall do.
+/// A request to a component.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Order {
-    /// Which.
+    /// Name of the component.
     pub component: String,
-    /// What.
+    /// The requested action.
     pub wish: OrderKind,
 }
 
-/// What is wanted of a component.
+/// The action that an order requests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OrderKind {
-    /// To read its properties, and to get ready.
+    /// Makes the transition `configure`: reads the properties and prepares the component.
     Configure,
-    /// To cycle.
+    /// Makes the transition `start`: begins cycling.
     Start,
-    /// To cycle no more.
+    /// Makes the transition `stop`: ends cycling.
     Stop,
-    /// To give everything back.
+    /// Makes the transition `cleanup`: releases the component's resources.
     Cleanup,
-    /// To leave its error hook.
+    /// Makes the transition `recover`: leaves the error hook.
     Recover,
-    /// To leave an exception.
+    /// Makes the transition `resetException`: leaves an exception.
     Reset,
-    /// To have these properties from its next cycle on: all of them, or none.
+    /// Sets properties from the next cycle on, all or none.
     Set(Vec<(String, Datum)>),
-    /// To say how it is: its [`PresentComponent`], as of now.
+    /// Replies with the current description, a [`PresentComponent`].
     Look,
-    /// To say what it declares: its [`Declaration`].
+    /// Replies with the [`Declaration`].
     Describe,
-    /// To say what left one of its outputs last.
+    /// Replies with the newest sample of an output.
     Read(String),
-    /// To have what leaves one of its outputs published for a while, on the topic that is answered.
+    /// Publishes an output for the duration of a lease, and replies with the topic.
     Watch(String),
-    /// To take a message at one of its inputs.
+    /// Injects a message into an input.
     Write(String, Datum),
 }
 
-/// What became of an order.
+/// The immediate outcome of an order.
 pub enum OrderOutcome {
-    /// The component does it when its present cycle has ended.
+    /// The component carries it out after its current cycle.
     Asked(Asked),
-    /// It is done, and this is the answer.
+    /// It has been carried out, with this reply.
     Done(Datum),
-    /// This output, `Component.port`, shall be published.
+    /// The output `Component.port` of this type is to be published.
     Watched(String, Schema),
 }
 
 impl Order {
-    /// Has it carried out.
+    /// Carries out the order, or has the component do so.
     ///
     /// # Errors
-    /// There is no such component or port, the port goes the other way, takes another type, or has no data.
+    /// An error if there is no such component or port, or if the port has the other direction, another type or no data.
     pub fn begin(
         &self,
         run: &mut dyn Run,

@@ -1,66 +1,66 @@
-//! Why an order is not carried out: at the system as facts, on the wire as a code.
+//! Errors of orders: an enum in the system, a code on the wire.
 
 use asmotion_datum::DatumError;
 use asmotion_runtime::RunError;
 
-/// Why an order is not carried out.
+/// The reason that an order is not carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OrderError {
-    /// What the system refuses.
+    /// The running system refuses the order.
     #[error(transparent)]
     Run(#[from] RunError),
     /// The component has no such port.
     #[error("`{component}` has no port `{port}`; it has {known}")]
     Port {
-        /// The component.
+        /// Name of the component.
         component: String,
-        /// The port asked for.
+        /// The name that was looked for.
         port: String,
-        /// Those it has.
+        /// Names of the component's ports.
         known: String,
     },
-    /// An input to be read, or an output to be written.
+    /// An attempt to read an input or to write an output.
     #[error("`{port}` is an {is}: {instead}")]
     Direction {
-        /// `Component.port`.
+        /// The port, as `Component.port`.
         port: String,
-        /// What it is.
+        /// Its direction: `input` or `output`.
         is: &'static str,
-        /// What can be done with it.
+        /// The operation that is possible instead.
         instead: &'static str,
     },
-    /// Nothing has left the port yet.
+    /// The output has not written anything yet.
     #[error("nothing has left `{port}` yet")]
     NoData {
-        /// `Component.port`.
+        /// The output, as `Component.port`.
         port: String,
     },
-    /// What would be answered has no form.
+    /// The reply cannot be represented as data.
     #[error(transparent)]
     Datum(#[from] DatumError),
 }
 
-/// Why an order is not carried out, for programs.
+/// The reason that an order is not carried out, as a code for programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OrderErrorCode {
-    /// The port takes another type.
+    /// The port has another type.
     WrongType,
     /// The component has no such port.
     NoPort,
-    /// An input to be read, or an output to be written.
+    /// An attempt to read an input or to write an output.
     WrongDirection,
-    /// Nothing has left the port yet.
+    /// The output has not written anything yet.
     NoData,
-    /// What would be answered has no form.
+    /// The reply cannot be represented as data.
     NoForm,
-    /// The order is none.
+    /// The order cannot be decoded.
     BadRequest,
-    /// The system refuses: another state, a property out of its range, no such component.
+    /// The running system refuses: wrong state, property out of range, no such component.
     Refused,
 }
 
 impl OrderErrorCode {
-    /// All of them, with their codes.
+    /// All reasons with their codes on the wire.
     const CODES: [(Self, &'static str); 7] = [
         (Self::WrongType, "WRONG_TYPE"),
         (Self::NoPort, "NO_PORT"),
@@ -71,19 +71,19 @@ impl OrderErrorCode {
         (Self::Refused, "REFUSED"),
     ];
 
-    /// Its code on the wire.
+    /// The code on the wire.
     pub fn code(self) -> &'static str {
         let known = Self::CODES.iter().find(|(reason, _)| *reason == self);
         known.map_or("REFUSED", |(_, code)| code)
     }
 
-    /// The reason of a code; one that is not known is a refusal like others.
+    /// The reason with this code; [`Refused`](Self::Refused) for an unknown code.
     pub fn of(code: &str) -> Self {
         let known = Self::CODES.iter().find(|(_, known)| *known == code);
         known.map_or(Self::Refused, |(reason, _)| *reason)
     }
 
-    /// A refusal for this reason, explained.
+    /// A refusal with this code and an explanation.
     pub(crate) fn refusal(self, detail: impl ToString) -> asmotion_bus::Refusal {
         asmotion_bus::Refusal {
             code: self.code().to_owned(),
@@ -93,7 +93,7 @@ impl OrderErrorCode {
 }
 
 impl OrderError {
-    /// Why, for programs.
+    /// The reason as a code.
     pub fn reason(&self) -> OrderErrorCode {
         match self {
             Self::Run(RunError::Mismatch { .. }) => OrderErrorCode::WrongType,

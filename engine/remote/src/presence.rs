@@ -1,4 +1,5 @@
-//! Presence: what a process says of itself, for tools and for strangers. `docs/wire.md` describes it.
+//! Presence: the description that a process publishes of itself for tools and other programs, as specified in
+//! `docs/wire.md`.
 
 use std::time::Duration;
 
@@ -10,25 +11,25 @@ use asmotion_datum::Datum;
 use asmotion_runtime::Run;
 use serde::{Deserialize, Serialize};
 
-/// The type of the message.
+/// Type name of the message.
 pub const PRESENCE: &str = "asmotion/Presence";
 
-/// The topic of a process' presence: `presence.onboard`.
+/// The topic of a process' presence, for example `presence.onboard`.
 pub fn presence_topic(process: &str) -> String {
     format!("presence.{process}")
 }
 
-/// What a process said, and on whose behalf.
+/// The presence of a process, and the robot it belongs to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotPresence {
-    /// The robot, which its topics are below; empty if it has no name.
+    /// Name of the robot, which is the prefix of its topics; empty if it has none.
     pub robot: String,
-    /// What was said.
+    /// The published description.
     pub presence: Presence,
 }
 
 impl RobotPresence {
-    /// The word in a message; none if it is another one.
+    /// Reads a message; `None` if it is no presence.
     pub fn of(envelope: &Envelope) -> Option<Self> {
         let presence = envelope.payload.to_datum().ok()?.to::<Presence>().ok()?;
         let topic = presence_topic(&presence.process);
@@ -39,13 +40,13 @@ impl RobotPresence {
         })
     }
 
-    /// A topic or address of this robot, as a whole key.
+    /// The routing key of a topic or address of this robot.
     pub fn key(&self, name: &str) -> String {
         key(&self.robot, name)
     }
 }
 
-/// A topic or address of a robot as a whole key.
+/// The routing key of a topic or address of a robot.
 pub fn key(robot: &str, name: &str) -> String {
     match robot {
         "" => name.to_owned(),
@@ -53,69 +54,69 @@ pub fn key(robot: &str, name: &str) -> String {
     }
 }
 
-/// What a process says of itself.
+/// The description that a process publishes of itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Presence {
-    /// The composite it runs.
+    /// Name of the composite.
     pub composite: String,
-    /// Its name.
+    /// Name of the process.
     pub process: String,
-    /// Whether this is its last word.
+    /// `true` in the last message, when the process leaves.
     pub leaves: bool,
     /// Its components, in the order of the composite.
     pub components: Vec<PresentComponent>,
-    /// The topics that its components are on.
+    /// The topics of its components.
     pub topics: Vec<PresentTopic>,
-    /// What joins its components to each other, and to those of other processes.
+    /// Connections and wires of its components, also to other processes.
     pub joined: Vec<PresentConnection>,
 }
 
-/// A writer and its reader, or a caller and its service.
+/// A connection from an output to an input, or a wire from a reference to a service.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PresentConnection {
-    /// `Component.port`, or `Component.reference`.
+    /// The output, `Component.port`, or the reference, `Component.reference`.
     pub from: String,
-    /// `Component.port`, or `Component.service`.
+    /// The input, `Component.port`, or the service, `Component.service`.
     pub to: String,
 }
 
-/// A component.
+/// The description of a component.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PresentComponent {
-    /// Its name.
+    /// Name within the robot.
     pub name: String,
-    /// Its state in its life cycle: `Running`.
+    /// State in the life cycle, for example `Running`.
     pub state: String,
-    /// How often it shall cycle, in milliseconds; 0 where events drive it.
+    /// Period in milliseconds; 0 without a period.
     pub period_ms: u64,
-    /// How many cycles it has begun.
+    /// Number of cycles begun.
     pub cycles: u64,
-    /// Cycles a second, since the word before.
+    /// Cycles per second since the previous message.
     pub rate_hz: f64,
-    /// How many periods it has missed.
+    /// Number of missed periods.
     pub overruns: u64,
-    /// How many of its cycles took longer than their deadline.
+    /// Number of cycles that exceeded their deadline.
     pub late: u64,
-    /// How long its cycles took, in milliseconds: in the mean.
+    /// Mean duration of a cycle in milliseconds.
     pub cycle_mean_ms: f64,
-    /// The longest of them.
+    /// Duration of the longest cycle in milliseconds.
     pub cycle_max_ms: f64,
-    /// How many messages it has dropped, because too many waited.
+    /// Number of messages dropped because a queue was full.
     pub dropped: u64,
-    /// How many it has left out, because they did not fit.
+    /// Number of messages ignored because their content was unsuitable.
     pub misfits: u64,
-    /// Input ports.
+    /// Input ports, in order of declaration.
     pub inputs: Vec<PresentEndpoint>,
-    /// Output ports.
+    /// Output ports, in order of declaration.
     pub outputs: Vec<PresentEndpoint>,
-    /// Services.
+    /// Provided services, in order of declaration.
     pub services: Vec<PresentService>,
-    /// References.
+    /// Required references, in order of declaration.
     pub references: Vec<PresentEndpoint>,
-    /// Properties, as they are.
+    /// Properties with their current values.
     pub properties: Vec<(String, Datum)>,
 }
 
@@ -123,54 +124,54 @@ pub struct PresentComponent {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PresentEndpoint {
-    /// Its name.
+    /// Name within the component.
     pub name: String,
-    /// Its type.
+    /// Name of the message type or interface.
     #[serde(rename = "type")]
     pub kind: String,
 }
 
-/// A service; an operation is called at `Component.service.operation`.
+/// A service. Its operations have addresses of the form `Component.service.operation`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PresentService {
-    /// Its name.
+    /// Name within the component.
     pub name: String,
-    /// Its interface.
+    /// Name of the interface.
     pub interface: String,
-    /// Its operations.
+    /// The operations that it provides.
     pub operations: Vec<PresentOperation>,
 }
 
-/// An operation.
+/// An operation of a service.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PresentOperation {
-    /// Its name.
+    /// Name within the interface.
     pub name: String,
-    /// The type of what is sent.
+    /// Name of the request type.
     pub request: String,
-    /// The type of what is answered.
+    /// Name of the response type.
     pub response: String,
 }
 
-/// A topic, as far as it is in this process.
+/// A topic, with the ends in this process.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PresentTopic {
-    /// Its name.
+    /// Name without the robot's prefix.
     pub name: String,
-    /// The type of its messages, if anybody says.
+    /// Name of the message type; `None` if it is unknown.
     #[serde(rename = "type")]
     pub kind: Option<String>,
-    /// `Component.port` of who writes to it.
+    /// The outputs that publish on it, as `Component.port`.
     pub publishers: Vec<String>,
-    /// Of who reads it.
+    /// The inputs that subscribe to it, as `Component.port`.
     pub subscribers: Vec<String>,
 }
 
 impl Presence {
-    /// What there is to say of a running part of a plan.
+    /// Describes a running part of a plan.
     pub fn of(plan: &Plan, part: &Part, process: &str, run: &mut dyn Run) -> Self {
         let names = run.components();
         Self {
@@ -186,8 +187,8 @@ impl Presence {
         }
     }
 
-    /// Fills in the rates, from what was said so many seconds before; and the properties of those that were too busy to
-    /// say them, as they were.
+    /// Fills in the rates from the previous message, which is `seconds` old, and repeats its properties for components
+    /// that were too busy to report them.
     #[must_use]
     pub fn after(mut self, before: Option<&Self>, seconds: f64) -> Self {
         for component in &mut self.components {
@@ -236,7 +237,7 @@ fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
 }
 
 impl PresentComponent {
-    /// What there is to say of a component.
+    /// Describes a component.
     pub(crate) fn of(name: &str, run: &mut dyn Run) -> Self {
         let declared = run.declaration(name).unwrap_or_default();
         let typed = |ports: &[asmotion_component::declaration::PortDeclaration]| {
@@ -272,7 +273,7 @@ impl PresentComponent {
                     kind: reference.interface.clone(),
                 })
                 .collect(),
-            // one whose cycle takes long says them the next time
+            // empty if a long cycle is under way; `after` fills in the previous values
             properties: run.properties(name).unwrap_or_default(),
         }
     }

@@ -1,4 +1,4 @@
-//! The herald: tells others on the bus, again and again, what this process is and how it is.
+//! Publishes the presence of a process periodically.
 
 use std::time::{Duration, Instant};
 
@@ -10,18 +10,18 @@ use asmotion_runtime::Run;
 use crate::last_samples::now;
 use crate::presence::{PRESENCE, Presence, presence_topic};
 
-/// How often it speaks.
+/// Period of the presence messages.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// Tells what a running part of a plan is.
+/// Publishes the presence of a running part of a plan.
 pub(crate) struct PresencePublisher<'p> {
     plan: &'p Plan,
     part: Part,
     process: String,
     publisher: Box<dyn Publisher>,
-    /// When it spoke last, and what it said.
+    /// Time and content of the last message.
     last: Option<(Instant, Presence)>,
-    /// It shall not wait until it is time.
+    /// Publish at the next opportunity, before the period has passed.
     hurries: bool,
 }
 
@@ -50,7 +50,7 @@ impl<'p> PresencePublisher<'p> {
         })
     }
 
-    /// Speaks, if it is time.
+    /// Publishes the presence if it is due.
     pub(crate) fn speak(&mut self, run: &mut dyn Run) {
         let now = Instant::now();
         let before = self.last.take();
@@ -67,19 +67,19 @@ impl<'p> PresencePublisher<'p> {
         self.hurries = false;
     }
 
-    /// It shall speak as soon as it can: something has changed.
+    /// Makes the presence due at once, because something has changed.
     pub(crate) fn hurry(&mut self) {
         self.hurries = true;
     }
 
-    /// Says the last word.
+    /// Publishes the last message, with `leaves` set.
     pub(crate) fn leave(&mut self) {
         let mut presence = self.last.take().map(|(_, last)| last).unwrap_or_default();
         presence.leaves = true;
         self.publish(&presence);
     }
 
-    /// What a broker does not take is said anew in a second.
+    /// Publishes a message. If the bus does not accept it, the next one follows within a second.
     fn publish(&mut self, presence: &Presence) {
         let Ok(datum) = Datum::of(presence) else {
             return;

@@ -1,4 +1,4 @@
-//! The outside's end: systems on a bus, and the way to their components.
+//! The outside end: finds systems on a bus and gives access to their components.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -20,34 +20,35 @@ use crate::order::{Order, OrderKind, control_address};
 use crate::presence::{RobotPresence, key};
 use crate::roster::{ComponentLocation, Roster, WORDS, named};
 
-/// How long to wait for a broker.
+/// Timeout of the connection to a broker.
 #[cfg(feature = "amqp")]
 const CONNECT: Duration = Duration::from_secs(10);
-/// How long to listen for who is there: each process speaks once a second.
+/// Time after which every running process has published its presence, which happens once a second.
 const LISTEN: Duration = Duration::from_millis(1500);
-/// How long an order may take.
+/// Timeout of an order.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Who we are on the bus.
+/// The sender name of this program on the bus.
 const TOOL: &str = "asmotion-tool";
 
-/// The systems on a bus, or one of them. Clones are the same; there may be any number, on any buses.
+/// The systems on a bus, or one robot among them. Clones share the state; any number may exist, on any buses.
 #[derive(Clone)]
 pub struct Remote(Arc<RemoteState>);
 
 struct RemoteState {
     bus: Arc<dyn Bus>,
-    /// Of several robots on the bus, the one that is meant.
+    /// The robot to which lookups are restricted; `None` for all.
     robot: Option<String>,
     roster: Mutex<Roster>,
-    /// Until then not everybody need have spoken.
+    /// Time at which every running process has published its presence.
     settled: Instant,
 }
 
 impl Remote {
-    /// The systems on a broker, `amqp://user:password@host:port/vhost`; those of one robot, if it is named.
+    /// Connects to the systems on a broker, `amqp://user:password@host:port/vhost`, or to one robot if `robot` names
+    /// it.
     ///
     /// # Errors
-    /// The address is none, or the broker is not there or does not let us.
+    /// An error if the address is invalid, or if the broker is unreachable or refuses the connection.
     #[cfg(feature = "amqp")]
     pub fn connect(url: &str, robot: Option<&str>) -> Result<Self, RemoteError> {
         let mut settings = AmqpSettings::parse(url)?;
@@ -55,10 +56,10 @@ impl Remote {
         Self::over(Arc::new(AmqpBus::connect(settings, CONNECT)?), robot)
     }
 
-    /// The same on any bus.
+    /// Connects to the systems on any bus, or to one robot if `robot` names it.
     ///
     /// # Errors
-    /// The bus does not let us.
+    /// An error of the bus.
     pub fn over(bus: Arc<dyn Bus>, robot: Option<&str>) -> Result<Self, RemoteError> {
         let words = listen(&*bus, WORDS)?;
         Ok(Self(Arc::new(RemoteState {
@@ -69,45 +70,45 @@ impl Remote {
         })))
     }
 
-    /// The bus.
+    /// The bus to which this is connected.
     pub fn bus(&self) -> &Arc<dyn Bus> {
         &self.0.bus
     }
 
-    /// All messages of the topics that match a pattern; topics are whole keys, with the robot.
+    /// Subscribes to all topics that match a pattern. Topics are full routing keys, including the robot.
     ///
     /// # Errors
-    /// The bus does not let us.
+    /// An error of the bus.
     pub fn listen(&self, pattern: &str) -> Result<Subscription, RemoteError> {
         Ok(listen(&*self.0.bus, pattern)?)
     }
 
-    /// The processes that are there, as they last spoke. The first time it listens until everybody has spoken, for a
-    /// second and a half.
+    /// The running processes with their newest presence. The first call waits up to 1.5 s, until every process has
+    /// published its own.
     pub fn processes(&self) -> Vec<RobotPresence> {
         self.settled_roster().words(self.robot())
     }
 
-    /// All components that are there.
+    /// The components of all running processes.
     pub fn components(&self) -> Vec<RemoteComponent> {
         let found = self.settled_roster().components(self.robot());
         let component = |found| RemoteComponent::new(self.clone(), found);
         found.into_iter().map(component).collect()
     }
 
-    /// The component of a name, `RoverDriver`; where several robots have one, `rover1.RoverDriver`.
+    /// The component with a name such as `RoverDriver` or, with the robot, `rover1.RoverDriver`.
     ///
     /// # Errors
-    /// There is none of that name, or several.
+    /// An error if no component or several components have this name.
     pub fn component(&self, name: &str) -> Result<RemoteComponent, RemoteError> {
         self.find(name)
             .map(|it| RemoteComponent::new(self.clone(), it))
     }
 
-    /// Calls an operation, `navigation.MapServer.maps.getMap`, and waits for the answer.
+    /// Calls an operation such as `navigation.MapServer.maps.getMap` and waits for the response.
     ///
     /// # Errors
-    /// Nobody serves it, the provider refuses, or the time is up.
+    /// An error if the operation has no provider, the provider replies with a fault, or the time is up.
     pub fn call(
         &self,
         operation: &str,
@@ -117,10 +118,10 @@ impl Remote {
         self.send(operation, argument, patience)?.collect()
     }
 
-    /// Calls an operation, and does not wait: the answer is collected, or told to a listener.
+    /// Calls an operation without waiting. The response is collected, or passed to a listener.
     ///
     /// # Errors
-    /// The bus cannot carry it.
+    /// An error of the bus.
     pub fn send(
         &self,
         operation: &str,
@@ -132,7 +133,7 @@ impl Remote {
         Ok(SendHandle::new(self.clone(), operation, pending))
     }
 
-    /// Has a component's process carry out an order, and says what it answers.
+    /// Sends an order to a component's process and waits for the reply.
     pub(crate) fn order(
         &self,
         of: &ComponentLocation,
@@ -151,7 +152,7 @@ impl Remote {
         }
     }
 
-    /// The same, and nobody waits for the answer.
+    /// Sends an order without waiting for the reply.
     pub(crate) fn tell(&self, of: &ComponentLocation, wish: OrderKind) -> Result<(), RemoteError> {
         let (address, order) = envelope(of, wish)?;
         let request = request(order, PATIENCE);
@@ -159,7 +160,7 @@ impl Remote {
         Ok(())
     }
 
-    /// Where a component is; as soon as it is known.
+    /// Finds a component, as soon as its process has been heard.
     pub(crate) fn find(&self, name: &str) -> Result<ComponentLocation, RemoteError> {
         let mut roster = self.roster();
         loop {
@@ -167,7 +168,7 @@ impl Remote {
             let all = roster.components(self.robot());
             let found = named(name, &all);
             let left = self.0.settled.saturating_duration_since(Instant::now());
-            // another robot may have one of that name
+            // without the robot's name, a robot that has not been heard yet may have a component with the same name
             let is_sure = |it: &ComponentLocation| self.robot().is_some() || it.whole() == name;
             if left.is_zero() || found.as_ref().is_ok_and(is_sure) {
                 return found;
@@ -176,7 +177,7 @@ impl Remote {
         }
     }
 
-    /// An operation with a name like this one.
+    /// The known operation with the most similar name.
     pub(crate) fn operation_like(&self, name: &str) -> Option<String> {
         let mut known = Vec::new();
         for word in self.processes() {
@@ -201,7 +202,7 @@ impl Remote {
             .unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Who is there, once everybody has had the time to speak.
+    /// The roster, once every process has had time to publish its presence.
     fn settled_roster(&self) -> MutexGuard<'_, Roster> {
         let mut roster = self.roster();
         roster.listen(Duration::ZERO);
@@ -215,10 +216,10 @@ impl Remote {
     }
 }
 
-/// All messages of the topics that match a pattern, for a tool.
+/// Subscribes to all topics that match a pattern, with a queue for interactive tools.
 ///
 /// # Errors
-/// The bus does not let us.
+/// An error of the bus.
 pub fn listen(bus: &dyn Bus, pattern: &str) -> Result<Subscription, BusError> {
     let queue = QueuePolicy::All {
         size: 4096,
@@ -232,7 +233,7 @@ fn request(argument: Datum, patience: Duration) -> Request {
     Request::new(SenderId::new(TOOL, 0), Payload::of(argument), patience)
 }
 
-/// Where an order goes, and what it says.
+/// The routing key and the content of an order.
 fn envelope(of: &ComponentLocation, wish: OrderKind) -> Result<(String, Datum), RemoteError> {
     let component = of.present.name.clone();
     let order = Datum::of(&Order { component, wish })?;

@@ -1,4 +1,4 @@
-//! Who is there: the processes that have been heard lately.
+//! The roster: the processes that have been heard recently.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -9,19 +9,19 @@ use asmotion_diagnostics::similar;
 use crate::error::RemoteError;
 use crate::presence::{Presence, PresentComponent, RobotPresence};
 
-/// A process speaks once a second; one that has been silent for so long is not counted.
+/// Time after which a silent process counts as gone. Processes publish their presence once a second.
 const SILENT: Duration = Duration::from_millis(2500);
 
-/// The topics of all words.
+/// Pattern of all presence topics.
 pub(crate) const WORDS: &str = "#.presence.*";
 
-/// Who is there, by robot and process.
+/// The processes on the bus, by robot and name.
 pub(crate) struct Roster {
     words: Subscription,
     known: BTreeMap<(String, String), (Instant, Presence)>,
 }
 
-/// A component and where it is.
+/// A component, with its robot and process.
 #[derive(Clone)]
 pub(crate) struct ComponentLocation {
     pub robot: String,
@@ -30,7 +30,7 @@ pub(crate) struct ComponentLocation {
 }
 
 impl ComponentLocation {
-    /// Its name with its robot's before it.
+    /// Name with the robot's name as a prefix.
     pub(crate) fn whole(&self) -> String {
         crate::presence::key(&self.robot, &self.present.name)
     }
@@ -44,7 +44,7 @@ impl Roster {
         }
     }
 
-    /// Takes in what has come; if nothing has, waits for it so long.
+    /// Reads all waiting messages; if there are none, waits up to `at_most` for one.
     pub(crate) fn listen(&mut self, at_most: Duration) {
         let mut next = (self.words.try_next()).or_else(|| self.words.next_within(at_most));
         while let Some(envelope) = next {
@@ -59,7 +59,7 @@ impl Roster {
         }
     }
 
-    /// The processes of a robot, or all.
+    /// The processes of a robot, or of all robots.
     pub(crate) fn words(&self, robot: Option<&str>) -> Vec<RobotPresence> {
         let here = self.known.iter().filter(|((of, _), (heard, _))| {
             heard.elapsed() < SILENT && robot.is_none_or(|robot| robot == of)
@@ -73,7 +73,7 @@ impl Roster {
         here.map(word).collect()
     }
 
-    /// The components of a robot, or all.
+    /// The components of a robot, or of all robots.
     pub(crate) fn components(&self, robot: Option<&str>) -> Vec<ComponentLocation> {
         let of = |RobotPresence { robot, presence }: RobotPresence| {
             let process = presence.process;
@@ -88,7 +88,7 @@ impl Roster {
     }
 }
 
-/// The component of a name; before it may stand its robot, `rover1.RoverDriver`.
+/// The component with this name, optionally with its robot: `rover1.RoverDriver`.
 pub(crate) fn named(
     name: &str,
     all: &[ComponentLocation],

@@ -1,4 +1,4 @@
-//! An output watched from outside: its process publishes what leaves it, as long as it is asked again and again.
+//! Watches an output: its process publishes the output under a lease, which the watcher renews.
 
 use std::time::{Duration, Instant};
 
@@ -12,10 +12,11 @@ use crate::presence::key;
 use crate::remote::Remote;
 use crate::roster::ComponentLocation;
 
-/// How often to ask again.
+/// Period at which the lease is renewed.
 const AGAIN: Duration = Duration::from_secs(5);
 
-/// All that leaves an output. Whoever does not look for some seconds misses what comes then.
+/// The samples of an output. If [`next_within`](Self::next_within) is not called for some seconds, the lease expires
+/// and samples are missed.
 pub struct OutputWatch {
     remote: Remote,
     of: ComponentLocation,
@@ -31,7 +32,7 @@ impl OutputWatch {
         port: &str,
     ) -> Result<Self, RemoteError> {
         let topic = watch_topic(&format!("{}.{port}", of.present.name));
-        // first the ear, then the word
+        // subscribes before the order, so that no sample is missed
         let samples = remote.listen(&key(&of.robot, &topic))?;
         remote.order(of, OrderKind::Watch(port.to_owned()))?;
         Ok(Self {
@@ -43,13 +44,13 @@ impl OutputWatch {
         })
     }
 
-    /// The next message, waiting for it at the longest so long.
+    /// Waits up to `at_most` for the next sample.
     pub fn next_within(&mut self, at_most: Duration) -> Option<Result<Datum, DatumError>> {
         let until = asmotion_bus::later(at_most);
         loop {
             if self.asked.elapsed() >= AGAIN {
                 self.asked = Instant::now();
-                // What does not get through is asked again.
+                // a renewal that is lost is repeated
                 let _ = self
                     .remote
                     .tell(&self.of, OrderKind::Watch(self.port.clone()));

@@ -9,14 +9,14 @@ use asmotion_component::{
 use asmotion_runtime::{BuildError, Log, Run, System};
 
 asmotion_datum::message! {
-    /// Words.
+    /// A greeting, or the name of the one to greet.
     pub struct Words = "hello/Words" {
-        /// The words.
+        /// Free text.
         pub words: String,
     }
 }
 
-/// Says what somebody is greeted with.
+/// Returns the greeting for a name.
 pub struct Greet;
 
 impl Operation for Greet {
@@ -26,7 +26,7 @@ impl Operation for Greet {
     const NAME: &'static str = "greet";
 }
 
-/// Greets whoever is named on its port or asks its service, and asks its peer once to greet the world.
+/// Greets the names that arrive on its port or through its service, and asks its peer once to greet the world.
 pub struct Hello {
     name: In<Words>,
     greeting: Out<Words>,
@@ -36,7 +36,7 @@ pub struct Hello {
 }
 
 impl Hello {
-    /// Declares what it has; a constructor for [`System::add`].
+    /// Declares the ports, the service, the reference and the property; a constructor for [`System::add`].
     pub fn declare(interface: &mut Interface) -> Box<dyn Component> {
         Box::new(Self {
             name: interface.input("name", "who is greeted"),
@@ -71,7 +71,7 @@ impl Component for Hello {
     }
 }
 
-/// Ann and Ben, each the other's peer; what Ann says, Ben is told to greet.
+/// Ann and Ben, each the other's peer. Ben greets whatever Ann's greeting port writes.
 pub fn system() -> Result<System, BuildError> {
     let mut system = System::new();
     let ann = system.add("Ann", Activity::event(), Hello::declare)?;

@@ -1,4 +1,4 @@
-//! A component's runtime state: what its handles stand for, and what its cycle has done so far.
+//! A component's runtime state: the other end of its handles, and the actions recorded by its current cycle.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,14 +17,14 @@ use crate::effects::ComponentEffects;
 use crate::event::Event;
 use crate::service::{OutgoingCalls, ProvidedService, RequiredReference};
 
-/// Everything that belongs to a component besides its own code.
+/// The state that the runtime keeps for a component, apart from the component itself.
 pub(crate) struct ComponentBody {
-    /// The interface its handles were declared on.
+    /// Number of the interface on which the handles were declared; a handle of another interface is refused.
     pub owner: u32,
     pub declaration: Declaration,
     pub inputs: Vec<Box<dyn AnyInput>>,
     pub outputs: Vec<Box<dyn AnyOutput>>,
-    /// The topic each output publishes to.
+    /// The topic that each output publishes to, by position of the output.
     pub topics: Vec<Option<String>>,
     pub properties: Vec<Box<dyn AnyProperty>>,
     pub services: Vec<ProvidedService>,
@@ -32,13 +32,13 @@ pub(crate) struct ComponentBody {
     pub provided: Vec<OperationSlot>,
     pub required: Vec<OperationSlot>,
     pub caller: OutgoingCalls,
-    /// What the present cycle follows from.
+    /// The trace that the current cycle continues.
     pub cause: Arc<CycleCause>,
-    /// What the present cycle has done, in order; it happens when the cycle is committed.
+    /// The actions of the current cycle, in order. Carried out by `commit`, dropped by `discard`.
     pub journal: Vec<CycleAction>,
-    /// Where its background work runs.
+    /// Where background work of the component runs.
     pub work_place: WorkPlace,
-    /// How long the present cycle takes in simulated time.
+    /// Duration of the current cycle in simulated time.
     pub lasts: Duration,
 }
 
@@ -81,7 +81,7 @@ impl ComponentBody {
         }
     }
 
-    /// What came since the last cycle becomes visible to the next one.
+    /// Freezes the inputs, replies and requests that have arrived since the last cycle, for the next one to read.
     pub(crate) fn freeze(&mut self, effects: &mut ComponentEffects<'_>) {
         self.cause.freeze();
         self.lasts = Duration::ZERO;
@@ -104,8 +104,8 @@ impl ComponentBody {
         self.caller.freeze();
     }
 
-    /// Everything the cycle has done happens, in its order. A mandatory connection that failed is the fault; what
-    /// else the cycle did has happened by then.
+    /// Carries out the actions of the cycle in order. If a mandatory connection could not take a sample, returns a
+    /// fault; all other actions of the cycle have been carried out by then.
     pub(crate) fn commit(
         &mut self,
         effects: &mut ComponentEffects<'_>,
@@ -144,7 +144,7 @@ impl ComponentBody {
                 CycleAction::Again => effects.effects.trigger(effects.component),
             }
         }
-        // The journal's memory serves the next cycle.
+        // reuse the allocation in the next cycle
         self.journal = journal;
         result
     }
@@ -168,7 +168,7 @@ impl ComponentBody {
         })
     }
 
-    /// Nothing the cycle has done happens.
+    /// Drops the actions and outputs of the cycle.
     pub(crate) fn discard(&mut self) {
         self.journal.clear();
         for output in &mut self.outputs {
@@ -176,15 +176,15 @@ impl ComponentBody {
         }
     }
 
-    /// The component begins to run: its services open.
+    /// Opens the services when the component starts to run.
     pub(crate) fn open(&mut self) {
         for service in &self.services {
             service.open();
         }
     }
 
-    /// The component ends running: its callers get [`CallError::Unavailable`](asmotion_component::CallError), its own calls
-    /// are cancelled.
+    /// Closes the services when the component stops running: callers get
+    /// [`CallError::Unavailable`](asmotion_component::CallError), and the component's own calls are cancelled.
     pub(crate) fn close(&mut self, effects: &mut ComponentEffects<'_>) {
         for service in &mut self.services {
             service.close(effects);
@@ -192,7 +192,7 @@ impl ComponentBody {
         self.caller.abandon(&self.references, effects);
     }
 
-    /// Whether properties can have these values.
+    /// Checks property values without setting them.
     pub(crate) fn check(
         &mut self,
         component: &str,
@@ -210,7 +210,7 @@ impl ComponentBody {
         Ok(())
     }
 
-    /// Sets properties, all or none; see [`Body::apply`].
+    /// Checks and stages property values, all or none; [`apply`](Self::apply) puts them into effect.
     pub(crate) fn prepare(
         &mut self,
         component: &str,
@@ -223,7 +223,7 @@ impl ComponentBody {
         Ok(())
     }
 
-    /// A reference has a service no more.
+    /// Removes a service from a reference and ends the calls under way to it.
     pub(crate) fn unwire(
         &mut self,
         reference: usize,
@@ -256,7 +256,7 @@ impl ComponentBody {
         Ok(&mut *self.properties[index])
     }
 
-    /// Puts prepared property values in place.
+    /// Puts staged property values into effect and reports each change.
     pub(crate) fn apply(&mut self, effects: &mut ComponentEffects<'_>) {
         for property in &mut self.properties {
             if property.apply()
@@ -271,7 +271,7 @@ impl ComponentBody {
         }
     }
 
-    /// All properties by name, with their present values.
+    /// All properties by name, with their current values.
     pub(crate) fn values(&self) -> Vec<(String, Datum)> {
         self.properties
             .iter()
@@ -292,7 +292,7 @@ impl PropertyHost for ComponentBody {
     }
 }
 
-/// A component's body during a cycle, with what other threads see of the component.
+/// A component's body during a cycle, together with the status that other threads read.
 pub(crate) struct CycleBody<'a> {
     pub body: &'a mut ComponentBody,
     pub status: &'a ComponentStatus,
@@ -403,7 +403,7 @@ impl CycleHost for CycleBody<'_> {
     }
 }
 
-/// The effects of an output port that sends a sample.
+/// The effects of an output port that sends a sample: numbers it, reports it, triggers the readers.
 struct OutputEffects<'a, 'e> {
     port: &'a str,
     topic: Option<&'a str>,

@@ -1,98 +1,98 @@
-//! What can be wrong with a system's construction.
+//! Errors in the construction of a system.
 
 use asmotion_component::declaration::DeclarationError;
 use asmotion_component::{PropertyError, suggestion};
 use asmotion_datum::{DatumError, Schema, SchemaDifference};
 
-/// Why a system cannot be built as asked.
+/// An error in the construction of a system.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BuildError {
     /// A component's name that is empty or taken.
     #[error("`{name}` cannot be a component's name: it is empty or taken")]
     Name {
-        /// The name.
+        /// The rejected name.
         name: String,
     },
-    /// The component's own declarations do not go together.
+    /// The component's declarations contradict each other.
     #[error("component `{component}`: {source}")]
     Declaration {
-        /// The component.
+        /// Name of the component.
         component: String,
-        /// What does not.
+        /// The contradiction.
         source: DeclarationError,
     },
-    /// Nothing of that name.
+    /// A name that no component, port, service or reference has.
     #[error("there is no {what} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
-        /// Component, input, output, service, reference.
+        /// The kind of thing looked for: component, input, output, service or reference.
         what: &'static str,
-        /// The name asked for.
+        /// The name that was looked for.
         name: String,
-        /// A name like it.
+        /// A similar name that exists, as a suggestion.
         nearest: Option<String>,
     },
     /// A port, service or reference on the wrong side.
     #[error("`{end}` is {} {is}, not {} {wanted}", article(is), article(wanted))]
     Direction {
-        /// The end.
+        /// The end with the wrong direction, as `component.port`.
         end: String,
-        /// What it is.
+        /// The kind of this end.
         is: &'static str,
-        /// What it would have to be.
+        /// The kind needed here.
         wanted: &'static str,
     },
-    /// Two ends in two threads, and nothing to keep them apart.
+    /// An `unsync` connection between two components that cycle in different threads.
     #[error(
         "`{from}` and `{to}` cycle in two threads, and their connection is `unsync`: make one the other's slave, or use a lock-free connection"
     )]
     Threads {
-        /// The writing end.
+        /// The writing end, as `component.port`.
         from: String,
-        /// The reading end.
+        /// The reading end, as `component.port`.
         to: String,
     },
     /// More threads than the connection allows.
     #[error("{threads} threads would use the queue of `{to}`, which allows {max}")]
     Crowded {
-        /// The reading end.
+        /// The reading end, as `component.port`.
         to: String,
-        /// How many it would be.
+        /// Number of threads that would use the queue.
         threads: usize,
-        /// How many it may be.
+        /// The connection's limit.
         max: usize,
     },
-    /// A queue in common that is of another kind.
+    /// A shared queue whose other connections have a different policy.
     #[error(
         "`{from}` and `{to}` cannot have their queue in common with the others: those have {what}"
     )]
     OtherQueue {
-        /// The writing end.
+        /// The writing end, as `component.port`.
         from: String,
-        /// The reading end.
+        /// The reading end, as `component.port`.
         to: String,
-        /// What the others have.
+        /// The property in which the other connections differ.
         what: &'static str,
     },
-    /// No such connection.
+    /// The connection to remove does not exist.
     #[error("`{from}` is not connected to `{to}`")]
     NotJoined {
-        /// The writing end.
+        /// The writing end, as `component.port`.
         from: String,
-        /// The reading end.
+        /// The reading end, as `component.port`.
         to: String,
     },
-    /// A component that would be its own master.
+    /// A component that would, directly or through others, be its own master.
     #[error("`{slave}` cannot cycle after `{master}`: it would cycle after itself")]
     OwnMaster {
-        /// The slave.
+        /// Name of the component that would be the slave.
         slave: String,
-        /// The master.
+        /// Name of the component that would be its master.
         master: String,
     },
     /// Two ends of different types.
     #[error("`{from}` and `{to}` differ: {difference}")]
     Types {
-        /// The writing end, `component.port`, or the reference.
+        /// The writing end, as `component.port`, or the reference.
         from: String,
         /// The reading end, or the service.
         to: String,
@@ -102,57 +102,57 @@ pub enum BuildError {
     /// Two ends of different interfaces.
     #[error("`{from}` requires {required}, `{to}` provides {provided}")]
     Interfaces {
-        /// The reference.
+        /// The requiring end, as `component.reference`.
         from: String,
-        /// Its interface.
+        /// The interface that the reference requires.
         required: String,
-        /// The service.
+        /// The providing end, as `component.service`.
         to: String,
-        /// Its interface.
+        /// The interface that the service provides.
         provided: String,
     },
     /// An operation that the service lacks.
     #[error("`{from}` calls `{operation}`, which `{to}` does not serve")]
     Operation {
-        /// The reference.
+        /// The reference, as `component.reference`.
         from: String,
-        /// The operation.
+        /// Name of the operation.
         operation: String,
-        /// The service.
+        /// The service, as `component.service`.
         to: String,
     },
-    /// Joined already: a connection twice, a second topic for an output, a second service for a reference
-    /// that waits for an answer.
+    /// The end is connected already: the same connection twice, a second topic for an output, or a second service for a
+    /// reference that waits for replies.
     #[error("`{end}` is joined already: to {to}")]
     Joined {
-        /// The end.
+        /// The end that is connected already.
         end: String,
-        /// To what.
+        /// Its existing counterpart.
         to: String,
     },
-    /// The topic on which the system tells how its bus is.
+    /// An output that would publish on the topic reserved for the system's own bus health reports.
     #[error("`{from}` cannot publish `{topic}`: there the system tells how its bus is")]
     OwnTopic {
-        /// The writing end.
+        /// The writing end, as `component.port`.
         from: String,
-        /// The topic.
+        /// The reserved topic.
         topic: &'static str,
     },
-    /// Zeros cannot stand for a stale sample of this type.
+    /// The policy replaces stale samples by zeros, but the port's type has no zero value.
     #[error("`{to}` has no sample of zeros: {source}")]
     NoZero {
-        /// The reading end.
+        /// The reading end, as `component.port`.
         to: String,
-        /// Why.
+        /// The part of the type that has no zero value.
         source: DatumError,
     },
-    /// A property that cannot have its value.
+    /// A value that the property does not accept.
     #[error(transparent)]
     Property(#[from] PropertyError),
 }
 
 impl BuildError {
-    /// Compares the types of two ends.
+    /// Compares the types of two ends and returns the first difference as an error.
     pub(crate) fn compare(
         written: &Schema,
         from: &str,

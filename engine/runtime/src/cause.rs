@@ -1,19 +1,21 @@
-//! The cause of a cycle: the trace of what it consumed last from outside, which its publications and calls carry on.
+//! The cause of a cycle: the trace of the message from outside that it consumed last. Publications and calls of the
+//! cycle continue this trace.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asmotion_bus::TraceContext;
 use crossbeam_queue::ArrayQueue;
 
-/// What a component's cycle follows from. Never locks.
+/// The trace that a component's cycle continues. Never locks.
 ///
 /// Threads that bring messages from a bus call [`arrive`](Self::arrive); everything else is done by the component's own
 /// thread.
 pub struct CycleCause {
-    /// The newest trace that came over a bus since the last cycle. A queue of one, since a trace is wider than an atomic.
+    /// The newest trace that arrived over a bus since the last cycle. A queue of one, because a trace is wider than an
+    /// atomic.
     arrived: ArrayQueue<TraceContext>,
-    /// The present cycle's trace: both halves of the id, and the span; zeros for none. Written and read by the component's
-    /// own thread alone, so `Relaxed` is enough; atomics only make it shareable.
+    /// The current cycle's trace: both halves of the id, and the span; all zero without a trace. Written and read by
+    /// the component's own thread alone, so `Relaxed` suffices; the atomics only make the type shareable.
     present: [AtomicU64; 3],
 }
 
@@ -25,24 +27,24 @@ impl CycleCause {
         }
     }
 
-    /// A message of a trace comes in; the next cycle follows from it, unless a newer one comes before.
+    /// Records the trace of an arriving message. The next cycle continues it unless a newer one arrives first.
     pub fn arrive(&self, trace: TraceContext) {
         self.arrived.force_push(trace);
     }
 
-    /// A cycle begins.
+    /// Makes the newest recorded trace that of the cycle that begins.
     pub(crate) fn freeze(&self) {
         self.set(self.arrived.pop());
     }
 
-    /// The present cycle has taken something of this trace.
+    /// Makes the trace of a consumed message that of the current cycle; `None` changes nothing.
     pub(crate) fn take(&self, trace: Option<TraceContext>) {
         if trace.is_some() {
             self.set(trace);
         }
     }
 
-    /// What the present cycle follows from.
+    /// The trace that the current cycle continues.
     pub fn present(&self) -> Option<TraceContext> {
         let [high, low, span] = (self.present.each_ref()).map(|part| part.load(Ordering::Relaxed));
         let id = (u128::from(high) << 64) | u128::from(low);

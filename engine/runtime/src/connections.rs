@@ -1,4 +1,4 @@
-//! What joins the ports of a system: direct connections by their ends, and the queues that several have in common.
+//! The connections between the ports of a system, and the queues that several connections share.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -11,26 +11,26 @@ use asmotion_port::{
 use crate::build_error::BuildError;
 use crate::end::ComponentEnd;
 
-/// All connections of a system. The executor's thread has it; components have only the ends.
+/// All connections of a system. Owned by the executor's thread; components hold only the ends.
 #[derive(Default)]
 pub(crate) struct ConnectionTable {
-    /// Number of the last connection.
+    /// Number of the newest connection.
     last: u64,
-    /// Direct connections, so that none is made twice, and each can be ended.
+    /// Direct connections with their ends: refuses duplicates, and finds the connection to remove.
     direct: Vec<(ConnectionId, ComponentEnd, ComponentEnd)>,
     queues: Vec<CommonQueue>,
 }
 
-/// A queue that several connections have in common.
+/// A queue that several connections share.
 struct CommonQueue {
     owner: QueueOwner,
-    /// As of the connection that was first.
+    /// The policy of the connection that created the queue.
     policy: Policy,
     queue: SharedQueue,
     users: Vec<QueueUser>,
 }
 
-/// The connections that share the queue.
+/// Determines which connections share a queue: those of one input, of one output, or those that use the same name.
 #[derive(PartialEq)]
 enum QueueOwner {
     Input(ComponentEnd),
@@ -38,13 +38,13 @@ enum QueueOwner {
     Named(String),
 }
 
-/// A connection that has a queue in common with others, and its threads.
+/// A connection that uses a shared queue, and the threads of its two ends.
 struct QueueUser {
     connection: ConnectionId,
     threads: [usize; 2],
 }
 
-/// A connection that is possible, on its way to its two ports.
+/// A new connection that has not yet been handed to its two ports.
 pub(crate) struct NewConnection {
     pub connection: ConnectionId,
     pub sender: Box<dyn AnySender>,
@@ -52,29 +52,29 @@ pub(crate) struct NewConnection {
     pub link: OutputLink,
 }
 
-/// A direct connection that was forgotten.
+/// A direct connection that was removed from the table.
 pub(crate) struct RemovedConnection {
     connection: ConnectionId,
     ends: (ComponentEnd, ComponentEnd),
-    /// Its part in queues that several have in common.
+    /// Its entries in the shared queues, by position of the queue.
     users: Vec<(usize, QueueUser)>,
 }
 
 impl RemovedConnection {
-    /// Which it was.
+    /// Number of the removed connection.
     pub(crate) fn connection(&self) -> ConnectionId {
         self.connection
     }
 }
 
 impl ConnectionTable {
-    /// A number for a connection.
+    /// Returns a fresh connection number.
     pub(crate) fn number(&mut self) -> ConnectionId {
         self.last += 1;
         ConnectionId::new(self.last)
     }
 
-    /// Refuses a second direct connection of two ends.
+    /// Returns an error if the two ends are connected already.
     pub(crate) fn refuse_twice(
         &self,
         from: &ComponentEnd,
@@ -96,7 +96,7 @@ impl ConnectionTable {
         self.direct.iter().position(ends)
     }
 
-    /// Remembers a direct connection.
+    /// Adds a direct connection to the table.
     pub(crate) fn remember(
         &mut self,
         connection: ConnectionId,
@@ -106,7 +106,7 @@ impl ConnectionTable {
         self.direct.push((connection, from, to));
     }
 
-    /// Forgets a direct connection.
+    /// Removes a direct connection from the table.
     pub(crate) fn forget(
         &mut self,
         from: &ComponentEnd,
@@ -125,7 +125,7 @@ impl ConnectionTable {
         })
     }
 
-    /// Remembers again what was forgotten last.
+    /// Puts a removed connection back; the reverse of `forget`.
     pub(crate) fn restore(&mut self, removed: RemovedConnection) {
         let (from, to) = removed.ends;
         self.remember(removed.connection, from, to);
@@ -134,7 +134,7 @@ impl ConnectionTable {
         }
     }
 
-    /// Makes a connection between two ports, whose components cycle in these threads.
+    /// Opens a connection between two ports whose components cycle in the given threads.
     pub(crate) fn make(
         &mut self,
         (from, to): (&ComponentEnd, &ComponentEnd),
@@ -177,7 +177,7 @@ impl ConnectionTable {
         })
     }
 
-    /// The position of the shared queue that the policy asks for.
+    /// Position of the shared queue that the policy asks for; creates an entry if there is none.
     fn common(
         &mut self,
         from: &ComponentEnd,
@@ -190,7 +190,7 @@ impl ConnectionTable {
             (Sharing::PerOutput, _) => QueueOwner::Output(from.clone()),
             (Sharing::Shared, _) => QueueOwner::Named(policy.queue.clone()),
         };
-        // One that nobody uses any more is made anew.
+        // a queue without users is created anew, with the policy of its next user
         self.queues.iter_mut().for_each(|common| {
             if common.users.is_empty() {
                 common.queue = None;
@@ -221,7 +221,7 @@ impl ConnectionTable {
         }
     }
 
-    /// Refuses what the threads of the ends do not allow.
+    /// Checks that a shared queue has the same policy and allows the threads of both ends.
     fn admit(
         &self,
         (from, to): (&ComponentEnd, &ComponentEnd),
@@ -251,7 +251,7 @@ impl ConnectionTable {
     }
 }
 
-/// The error of a connection between these ends.
+/// Converts an error of the port crate into one that names both ends.
 pub(crate) fn open_error(error: OpenError, from: &str, to: &str) -> BuildError {
     match error {
         OpenError::NoZero(source) => BuildError::NoZero {

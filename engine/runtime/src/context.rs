@@ -1,4 +1,4 @@
-//! What all threads of a live system share: its clock, its wakers, its observers' queue.
+//! State shared by all threads of a live system: the clock, the wakers, and the observers' queue.
 
 mod events;
 mod waker;
@@ -15,19 +15,19 @@ use crate::effects::Effects;
 use crate::event::Event;
 use crate::handle::RunHandle;
 
-/// A live system, as its threads see it. Every thread has a clone; all of it is shared and may be used at any time.
+/// A live system as its threads see it. Every thread has a clone; all of it is shared and may be used at any time.
 #[derive(Clone)]
 pub struct LiveContext {
     /// The clock's zero.
     zero: Instant,
-    /// One for each component, by position in the system.
+    /// The waker of each component, by position in the system.
     wakers: Arc<[Arc<ThreadWaker>]>,
     events: Arc<EventQueue>,
-    /// Position of the last sample among all samples of the run. `Relaxed`: only the counting matters.
+    /// Order number of the newest sample of the run. `Relaxed`: only the counting matters.
     order: Arc<AtomicU64>,
-    /// Set by the executor when the run ends; readers and writers outside look at it.
+    /// Set by the executor when the run ends; read by port readers and writers outside of the system.
     ended: Arc<AtomicBool>,
-    /// Set by a component's thread when its component wants all stopped; taken by the executor's thread.
+    /// Set by the thread of a failed component whose activity stops all components; cleared by the executor's thread.
     escalated: Arc<AtomicBool>,
 }
 
@@ -47,7 +47,7 @@ impl LiveContext {
         }
     }
 
-    /// The waker of the component at this position.
+    /// The waker of the component at this position; one that wakes nothing if there is no such component.
     pub(crate) fn waker(&self, component: usize) -> Arc<ThreadWaker> {
         self.wakers
             .get(component)
@@ -55,12 +55,12 @@ impl LiveContext {
             .unwrap_or_default()
     }
 
-    /// The system runs no more.
+    /// Marks the run as ended. `Release` pairs with the `Acquire` of `is_running`.
     pub(crate) fn end(&self) {
         self.ended.store(true, Ordering::Release);
     }
 
-    /// Whether all components are to stop; resets that.
+    /// Returns whether all components are to stop, and clears the request.
     pub(crate) fn take_escalation(&self) -> bool {
         self.escalated.load(Ordering::Relaxed) && self.escalated.swap(false, Ordering::AcqRel)
     }
@@ -71,7 +71,7 @@ impl LiveContext {
         }
     }
 
-    /// The time since the clock's zero.
+    /// Time since the clock's zero, monotonic.
     pub fn now(&self) -> Time {
         Time::ZERO + self.zero.elapsed()
     }
@@ -91,7 +91,7 @@ impl Effects for LiveContext {
         self.events.wake();
     }
 
-    /// The component's own thread looks at its deadlines before it sleeps.
+    /// Does nothing: the component's own thread checks its deadlines before it sleeps.
     fn wake_at(&mut self, _: usize, _: Time) {}
 
     fn next_order(&mut self) -> u64 {

@@ -1,4 +1,4 @@
-//! What other threads see of a component while its own thread has it.
+//! The part of a component that other threads see while its own thread owns it.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,33 +9,33 @@ use asmotion_port::ChannelOpener;
 
 use crate::service::RequestQueue;
 
-/// How long the cycles of a component took, on the clock that it runs by.
+/// Duration of a component's cycles, on the clock it runs by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CycleTime {
-    /// All of them.
+    /// Sum over all cycles.
     pub total: Duration,
-    /// The longest.
+    /// The longest single cycle.
     pub longest: Duration,
 }
 
 impl CycleTime {
-    /// The mean of this number of cycles.
+    /// Mean over this number of cycles; zero without cycles.
     pub fn mean(self, cycles: u64) -> Duration {
         let cycles = u32::try_from(cycles).unwrap_or(u32::MAX);
         self.total.checked_div(cycles).unwrap_or_default()
     }
 }
 
-/// What does not change while the component runs, and its status. The executor has it; the component's thread shares the
+/// The constant facts about a component, and its status. Held by the executor; the component's thread shares the
 /// status.
 pub(crate) struct ComponentDescriptor {
     pub name: Arc<str>,
     pub declaration: Declaration,
-    /// Position of the component in whose thread it cycles; its own, unless it is a slave.
+    /// Position of the component in whose thread this one cycles: its own, unless it is a slave.
     pub thread: usize,
-    /// Opens channels into each input.
+    /// Opens channels into each input, by position.
     pub openers: Vec<Arc<dyn ChannelOpener>>,
-    /// The requests of each service.
+    /// The request queue of each service, by position.
     pub queues: Vec<Arc<RequestQueue>>,
     pub configure_on_startup: bool,
     pub run_on_startup: bool,
@@ -43,35 +43,35 @@ pub(crate) struct ComponentDescriptor {
     pub status: Arc<ComponentStatus>,
 }
 
-/// What changes while the component runs.
+/// The changing facts about a component.
 ///
-/// The component's thread writes all fields but `interrupt`, any thread reads them. The counters are independent of each
-/// other, so they are `Relaxed`; `state` and `target` are stored with `Release` and read with `Acquire`, so that a thread
-/// that sees a state sees what the hooks before it did.
+/// The component's thread writes all fields but `interrupt`, any thread reads them. The counters are independent of
+/// each other, so they are `Relaxed`; `state` and `target` are stored with `Release` and read with `Acquire`, so that a
+/// thread that sees a state sees the effects of the hooks before it.
 pub(crate) struct ComponentStatus {
     state: AtomicU8,
     target: AtomicU8,
     pub cycles: AtomicU64,
-    /// The present period in nanoseconds; none for what has none.
+    /// Current period in nanoseconds; zero without a period.
     period: AtomicU64,
-    /// Periods missed.
+    /// Number of missed periods.
     pub overruns: AtomicU64,
-    /// Cycles that took longer than their deadline.
+    /// Number of cycles that exceeded their deadline.
     pub late: AtomicU64,
-    /// How long the cycles took, in nanoseconds: all of them, and the longest.
+    /// Duration of the cycles in nanoseconds: the sum, and the longest.
     spent: AtomicU64,
     longest: AtomicU64,
-    /// Set by the executor when the component is to stop and lets its cycles be interrupted; read by the cycle; cleared by
-    /// the component's thread at the next start.
+    /// Set by the executor when the component is to stop and allows interruption of its cycles; read by the cycle;
+    /// cleared by the component's thread at the next start.
     pub interrupt: AtomicBool,
     dropped: AtomicU64,
     misfits: AtomicU64,
-    /// The last fault. Held for as long as it is copied, and a fault is no part of a cycle that succeeds.
+    /// The newest fault. The lock is held only while the fault is copied, and no successful cycle takes it.
     fault: Mutex<Option<Fault>>,
 }
 
 impl ComponentDescriptor {
-    /// Tells a long cycle that the component is to stop.
+    /// Sets the interrupt flag for a stop, if the component allows it.
     pub(crate) fn allow_interrupt(&self, transition: Transition) {
         if transition == Transition::Stop && self.may_interrupt {
             self.status.interrupt.store(true, Ordering::Relaxed);
@@ -101,12 +101,13 @@ impl ComponentStatus {
         State::from_number(self.state.load(Ordering::Acquire))
     }
 
-    /// The state a transition under way leads to (RTT `getTargetState`); without one, the state.
+    /// The state that the transition under way leads to (RTT `getTargetState`); outside of a transition, the current
+    /// state.
     pub(crate) fn target(&self) -> State {
         State::from_number(self.target.load(Ordering::Acquire))
     }
 
-    /// A transition to a state begins.
+    /// Records the state that the transition now begun leads to.
     pub(crate) fn aim(&self, target: State) {
         self.target.store(target as u8, Ordering::Release);
     }
@@ -116,12 +117,12 @@ impl ComponentStatus {
         self.state.store(state as u8, Ordering::Release);
     }
 
-    /// Whether a cycle under way is to return.
+    /// Returns whether a cycle under way should return early.
     pub(crate) fn is_interrupted(&self) -> bool {
         self.interrupt.load(Ordering::Relaxed)
     }
 
-    /// Counts a cycle and its duration.
+    /// Adds a cycle's duration to the statistics.
     pub(crate) fn spend(&self, took: Duration) {
         let nanos = u64::try_from(took.as_nanos()).unwrap_or(u64::MAX);
         self.spent.fetch_add(nanos, Ordering::Relaxed);

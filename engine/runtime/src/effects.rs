@@ -1,4 +1,4 @@
-//! What a component's runtime can do to its surroundings. Each executor brings its own.
+//! The surroundings of a component, as its runtime acts on them. Each executor has its own implementation.
 
 use std::sync::Arc;
 
@@ -6,25 +6,25 @@ use asmotion_port::Time;
 
 use crate::event::Event;
 
-/// The surroundings of a component: the executor and the observers. Called by the thread that has the component.
+/// The surroundings of a component: the executor and the observers. Called by the thread that owns the component.
 pub trait Effects {
-    /// Tells the observers.
+    /// Reports an event to the observers.
     fn emit(&mut self, at: Time, event: &Event<'_>);
 
-    /// Something new is there for the component at this position; an event-driven one cycles.
+    /// Signals new data for the component at this position; an event-driven one cycles.
     fn trigger(&mut self, component: usize);
 
-    /// A call of a component ends at this time, if no answer comes before.
+    /// Asks to wake the component at this time, when one of its calls reaches its deadline.
     fn wake_at(&mut self, component: usize, at: Time);
 
-    /// A component has failed, and its activity wants all components stopped for that.
+    /// Reports that a component has failed whose activity stops all components.
     fn escalate(&mut self, component: usize);
 
-    /// The next position among all samples of the run.
+    /// Returns the next order number among all samples of the run.
     fn next_order(&mut self) -> u64;
 }
 
-/// No effects, for callers outside of any component.
+/// Ignores all effects, for callers outside of any component. Samples get the order number 0.
 pub(crate) struct NoEffects;
 
 impl Effects for NoEffects {
@@ -44,7 +44,7 @@ impl Effects for NoEffects {
 /// The effects of one component at one instant.
 pub(crate) struct ComponentEffects<'a> {
     pub now: Time,
-    /// The component's position in the system.
+    /// Position of the component in the system.
     pub component: usize,
     pub name: &'a Arc<str>,
     pub effects: &'a mut dyn Effects,

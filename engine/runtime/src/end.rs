@@ -1,38 +1,38 @@
-//! Ends: finding `Component.port` among what components declare.
+//! Resolves `Component.port` names against the declarations of the components.
 
 use asmotion_component::declaration::{Declaration, PortDeclaration};
 use asmotion_component::suggestion_among;
 
 use crate::build_error::BuildError;
 
-/// One end of a connection or wire.
+/// One end of a connection or wire: a port, service or reference of a component.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ComponentEnd {
-    /// `component.port`.
+    /// Full name, `component.port`.
     pub(crate) name: String,
-    /// The component's position in the system.
+    /// Position of the component in the system.
     pub(crate) unit: usize,
-    /// The port's, service's or reference's position in the component.
+    /// Position of the port, service or reference in the component's declaration.
     pub(crate) index: usize,
 }
 
 impl ComponentEnd {
-    /// `component.port`.
+    /// Full name, `component.port`.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The component's position in the system.
+    /// Position of the component in the system.
     pub fn component(&self) -> usize {
         self.unit
     }
 }
 
-/// A table of a component's named things, and the one to look in when the name is not there.
+/// A component's names of one kind, and those of the kind most easily confused with it, for the error message.
 pub(crate) struct EndTable<'a> {
     what: &'static str,
     names: Vec<&'a str>,
-    /// What else the name may be, by mistake.
+    /// The kind and names that a wrong name may belong to.
     instead: (&'static str, Vec<&'a str>),
 }
 
@@ -80,7 +80,7 @@ fn services_and_references(declaration: &Declaration) -> (Vec<&str>, Vec<&str>) 
     (services.collect(), references.collect())
 }
 
-/// Finds `component.port`. Components may have dots in their names, ports have none.
+/// Finds `component.port`. A component's name may contain dots, a port's may not.
 pub(crate) fn find<'a>(
     components: impl Iterator<Item = (&'a str, &'a Declaration)> + Clone,
     path: &str,

@@ -1,4 +1,4 @@
-//! What happens in a run, as observers see it.
+//! The events of a run, as observers see them.
 
 mod display;
 mod owned;
@@ -11,12 +11,12 @@ use asmotion_component::{CallError, CallId, Denied, Fault, State};
 use asmotion_datum::{Datum, DatumError, Sample};
 use asmotion_port::Time;
 
-/// Sees everything that happens, in order; changes nothing.
+/// Receives every event of a run, in order, and cannot influence the run.
 ///
-/// In simulated time it is called where the event happens. Live, events reach it through a bounded queue, so that
-/// it never slows a cycle; what the queue could not hold is counted in [`Event::Lost`].
+/// In simulated time it is called at the point of the event. In a live run, events reach it through a bounded queue, so
+/// that it never slows a cycle; events that exceed the queue's capacity are counted in [`Event::Lost`].
 pub trait Observer: Send {
-    /// One event.
+    /// Handles one event that happened at `at`.
     fn observe(&mut self, at: Time, event: &Event<'_>);
 }
 
@@ -26,150 +26,150 @@ impl<F: FnMut(Time, &Event<'_>) + Send> Observer for F {
     }
 }
 
-/// Something that happened. `component` is the name of the one it happened to.
+/// An event of a run. `component` is the name of the component concerned.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
     /// A cycle began.
     Cycle {
-        /// Whose.
+        /// Name of the component.
         component: &'a str,
-        /// Its number, from 1.
+        /// Number of the cycle, from 1.
         number: u64,
     },
     /// A sample left an output port.
     Published {
-        /// The writer.
+        /// Name of the writing component.
         component: &'a str,
-        /// Its port.
+        /// Name of its output port.
         port: &'a str,
         /// The topic the port publishes to, if any.
         topic: Option<&'a str>,
         /// The sample's number at this port, from 1, without gaps.
         sequence: u64,
-        /// The sample.
+        /// The sample as written.
         sample: &'a dyn Sample,
     },
-    /// A sample came in from outside: an operator, a test, the bus.
+    /// A sample was injected from outside: by an operator, a test or the bus.
     Injected {
-        /// The port or topic it was given to.
+        /// The port or topic it was injected into.
         place: &'a str,
-        /// The sample.
+        /// The sample as injected.
         sample: &'a dyn Sample,
     },
     /// A call left its component.
     Called {
-        /// The caller.
+        /// Name of the calling component.
         component: &'a str,
-        /// Its reference.
+        /// Name of the reference it called through.
         reference: &'a str,
-        /// The operation.
+        /// Name of the operation.
         operation: &'a str,
-        /// The call.
+        /// Number of the call at this component.
         call: CallId,
-        /// From 1; more after a retry.
+        /// Number of the attempt, from 1; more than 1 after a retry.
         attempt: u32,
-        /// What was asked.
+        /// The request.
         argument: &'a dyn Sample,
     },
-    /// A provider's answer left its component.
+    /// A provider's reply left its component.
     Answered {
-        /// The provider.
+        /// Name of the providing component.
         component: &'a str,
-        /// Its service.
+        /// Name of its service.
         service: &'a str,
-        /// The operation.
+        /// Name of the operation.
         operation: &'a str,
-        /// The caller.
+        /// Name of the calling component.
         caller: &'a str,
-        /// The answer.
+        /// The response or the error.
         result: Result<&'a dyn Sample, &'a CallError>,
     },
-    /// A call came to its end at the caller: an answer, a timeout, a cancellation.
+    /// A call ended at the caller: by a reply, a timeout or a cancellation.
     Replied {
-        /// The caller.
+        /// Name of the calling component.
         component: &'a str,
-        /// Its reference.
+        /// Name of the reference it called through.
         reference: &'a str,
-        /// The operation.
+        /// Name of the operation.
         operation: &'a str,
-        /// The call.
+        /// Number of the call at this component.
         call: CallId,
-        /// How it ended.
+        /// The response or the error.
         result: Result<&'a dyn Sample, &'a CallError>,
     },
     /// A component changed its state.
     LifeCycle {
-        /// Which.
+        /// Name of the component.
         component: &'a str,
-        /// Before.
+        /// State before the transition.
         from: State,
-        /// After.
+        /// State after the transition.
         to: State,
     },
     /// A component failed.
     Fault {
-        /// Which.
+        /// Name of the component.
         component: &'a str,
-        /// Why.
+        /// The fault.
         fault: &'a Fault,
     },
     /// A cycle took longer than its period.
     Overrun {
-        /// Whose.
+        /// Name of the component.
         component: &'a str,
         /// Periods missed by this cycle.
         missed: u64,
     },
     /// A cycle took longer than its deadline.
     Late {
-        /// Whose.
+        /// Name of the component.
         component: &'a str,
-        /// How long it took.
+        /// Duration of the cycle.
         took: Duration,
-        /// How long it may take.
+        /// Deadline of the activity.
         deadline: Duration,
     },
-    /// The system does not permit what the component's activity wants; it runs without.
+    /// The operating system refused a scheduling setting of the component's activity; the component runs without it.
     Denied {
-        /// Whose activity.
+        /// Name of the component.
         component: &'a str,
-        /// What, why, and what to do about it.
+        /// The refused setting, the reason and a remedy.
         denied: &'a Denied,
     },
-    /// A connection was full, or could not carry the sample.
+    /// A connection dropped a sample because it was full or could not carry the sample.
     Dropped {
-        /// The writer; empty for one outside.
+        /// Name of the writing component; empty if the writer is outside of the system.
         component: &'a str,
-        /// Its port.
+        /// Name of the output port.
         port: &'a str,
-        /// The connection's other end.
+        /// The connection's reading end.
         to: &'a str,
-        /// All that this connection has dropped so far.
+        /// Number of samples that this connection has dropped so far.
         total: u64,
-        /// Why the reader cannot read the sample; absent if the connection was full.
+        /// Why the reader cannot read the sample; `None` if the connection was full.
         reason: Option<&'a DatumError>,
     },
-    /// Properties changed, all at once.
+    /// A property changed.
     Property {
-        /// Whose.
+        /// Name of the component.
         component: &'a str,
-        /// Which.
+        /// Name of the property.
         property: &'a str,
-        /// To what.
+        /// The new value.
         value: &'a Datum,
     },
-    /// A component tells its observers something.
+    /// A component reported something of its own to the observers.
     Report {
-        /// Who.
+        /// Name of the component.
         component: &'a str,
-        /// What kind of report it is.
+        /// Kind of the report, chosen by the component.
         kind: &'a str,
-        /// What it says.
+        /// Content of the report.
         what: &'a Datum,
     },
-    /// Events that the observers' queue could not hold.
+    /// The observers' queue overflowed, and events were dropped.
     Lost {
-        /// How many since the last such event.
+        /// Number of events dropped since the last such event.
         count: u64,
     },
 }

@@ -1,19 +1,19 @@
-//! A running system, as threads outside of it see it.
+//! A running system, as seen by threads outside of it.
 
 use asmotion_port::Time;
 
-/// A running system, for readers, writers and callers on threads of their own. Every method may be called by any thread,
-/// and none blocks.
+/// A running system, for readers, writers and callers on their own threads. Any thread may call any method, and none of
+/// them blocks.
 pub(crate) trait RunHandle: Send + Sync {
-    /// The present time.
+    /// Current time of the system's clock.
     fn now(&self) -> Time;
 
-    /// The next position among all samples of the run.
+    /// Returns the next order number among all samples of the run.
     fn next_order(&self) -> u64;
 
-    /// Something new is there for the component at this position; an event-driven one cycles.
+    /// Signals new data for the component at this position; an event-driven one cycles.
     fn trigger(&self, component: usize);
 
-    /// Whether the system still runs.
+    /// Returns whether the run has not ended yet.
     fn is_running(&self) -> bool;
 }

@@ -1,4 +1,4 @@
-//! The state of the bus as a topic of the system.
+//! Publishes the state of the bus as a topic of the system.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::effects::Effects;
 use crate::injection::{InjectionPorts, InjectionTarget};
 use crate::topic::SystemTopic;
 
-/// The subscribers of [`HEALTH_TOPIC`] among some topics.
+/// The subscribers of [`HEALTH_TOPIC`] among the topics of a system.
 pub struct HealthTopic {
-    /// Absent, if there are no subscribers.
+    /// `None` if the topic has no subscribers.
     target: Option<InjectionTarget>,
 }
 
 impl HealthTopic {
-    /// Finds the topic, in the order in which injection ports have been opened for these topics.
+    /// Finds the topic. `topics` must be in the order in which injection ports were opened for them.
     pub fn new(topics: &[SystemTopic]) -> Self {
         let is_read =
             |topic: &SystemTopic| topic.name == HEALTH_TOPIC && !topic.subscribers.is_empty();
@@ -27,12 +27,12 @@ impl HealthTopic {
         }
     }
 
-    /// Whether anything reads it.
+    /// Returns whether the topic has a subscriber.
     pub fn is_read(&self) -> bool {
         self.target.is_some()
     }
 
-    /// Tells the subscribers a state of the bus and its reason.
+    /// Publishes a state of the bus and the reason for it.
     pub fn publish(
         &self,
         state: &str,
@@ -53,7 +53,7 @@ impl HealthTopic {
     }
 }
 
-/// Tells components that are on no bus that it is up: they cannot lose it.
+/// Publishes that the bus is up, for a system that uses no bus and therefore cannot lose it.
 pub fn publish_without_bus(
     topics: &[SystemTopic],
     ports: &mut InjectionPorts,

@@ -1,4 +1,4 @@
-//! Injection ports: samples from outside of the system, on their way into its input ports and topics.
+//! Injection ports: connections from outside of the system into its input ports and topics.
 
 use std::sync::Arc;
 
@@ -13,31 +13,31 @@ use crate::run_error::RunError;
 use crate::topic::SystemTopic;
 use crate::unit::ComponentUnit;
 
-/// How many samples from effects may wait at a port for its component's next cycle.
+/// Capacity, in samples, of the queue between an injection port and its component's next cycle.
 const WAITING: usize = 64;
 
-/// A connection from outside of the system into one input port. One thread at a time has it.
+/// A connection from outside of the system into one input port. Used by one thread at a time.
 pub struct InjectionPort {
-    /// `Component.port`.
+    /// Full name of the input, `component.port`.
     name: String,
     component: usize,
     /// Whether a sample triggers the component.
     trigger: bool,
-    /// The port's type, for messages.
+    /// The port's type, for error messages.
     expected: String,
     sender: Box<dyn AnySender>,
     dropped: u64,
 }
 
-/// Several injection ports, by port and by topic.
+/// Injection ports, indexed by port and by topic.
 pub struct InjectionPorts {
-    /// One for each input; none, if they are those of topics alone.
+    /// One for each input of the system; empty if these are the ports of topics only.
     ports: Vec<InjectionPort>,
-    /// For each topic those of its subscribers, each with the subscriber's policy.
+    /// Topics, each with an injection port for every subscriber, under the subscriber's policy.
     topics: Vec<(String, Vec<InjectionPort>)>,
 }
 
-/// Where a sample from effects goes.
+/// The target of an injected sample.
 #[derive(Debug, Clone, Copy)]
 pub enum InjectionTarget {
     /// The input port at this position.
@@ -66,7 +66,7 @@ impl InjectionPorts {
         }
     }
 
-    /// The injection ports of topics alone.
+    /// Opens injection ports for the subscribers of topics, and for no other inputs.
     pub(crate) fn of_topics(
         units: &mut [ComponentUnit],
         topics: &[SystemTopic],
@@ -138,7 +138,7 @@ impl InjectionPorts {
         Ok(InjectionTarget::Topic(index))
     }
 
-    /// Puts a sample into its target, and tells the observers.
+    /// Puts a sample into its target and reports it to the observers.
     pub fn inject(
         &mut self,
         target: InjectionTarget,
@@ -171,7 +171,7 @@ impl InjectionPorts {
 }
 
 impl InjectionPort {
-    /// Opens a connection into an input port. `None` if the policy asks for zeros that the type does not have.
+    /// Opens a connection into an input port. Returns `None` if the policy asks for zeros that the type does not have.
     pub(crate) fn open(
         unit: &mut ComponentUnit,
         index: usize,
@@ -204,7 +204,7 @@ impl InjectionPort {
             })
     }
 
-    /// Puts in a sample that came to this port alone, and tells the observers.
+    /// Puts a sample into this port alone and reports it to the observers.
     pub fn inject(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
         effects.emit(
             now,
@@ -232,7 +232,7 @@ impl InjectionPort {
         }
     }
 
-    /// Counts samples that could not be put in, for this reason if one is known.
+    /// Counts samples that could not be put into the port, with the reason if it is known.
     pub fn count_dropped(
         &mut self,
         count: u64,

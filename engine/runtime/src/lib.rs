@@ -1,8 +1,9 @@
 //! Runs systems of components: in simulated time ([`Simulation`]) or [`Live`].
 //!
 //! A [`System`] joins components by name; an executor runs it. Both executors drive the same units through the same
-//! cycle, and both are a [`Run`]: time passes, samples come from outside, components are looked at and told to start or
-//! stop. Observers see every [`Event`]. What joins a system to a bus is an [`Adapter`], in `asmotion-network`.
+//! cycle, and both are a [`Run`]: it lets time pass, injects samples, inspects components, and starts and stops them.
+//! Observers receive every [`Event`]. An [`Adapter`], such as the one in `asmotion-network`, connects a system to a
+//! bus.
 
 mod adapter;
 mod body;

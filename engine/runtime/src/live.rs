@@ -1,8 +1,7 @@
 //! Live: a thread for each component and its slaves, absolute deadlines on a monotonic clock.
 //!
-//! A component's thread sleeps until its period has passed or until something new is there; it never waits for
-//! another component. Events reach the observers through a bounded queue; they are told when the owner of the run
-//! lets time pass.
+//! A component's thread sleeps until its period has passed or new data arrive; it never waits for another component.
+//! Events reach the observers through a bounded queue, which is drained while the owner of the run lets time pass.
 
 mod bus_thread;
 mod schedule;
@@ -30,7 +29,7 @@ use crate::stream::SourceThreads;
 use crate::system::System;
 use crate::unit::ComponentUnit;
 
-/// The longest the owner's thread sleeps without looking for events.
+/// Longest sleep of the owner's thread between two looks at the event queue.
 const NAP: Duration = Duration::from_millis(20);
 
 /// A system running in real time.
@@ -40,21 +39,21 @@ pub struct Live {
     observers: Vec<Box<dyn Observer>>,
     descriptors: Vec<ComponentDescriptor>,
     connections: ConnectionTable,
-    /// One for each component that is nobody's slave.
+    /// One for each component that is no slave.
     threads: Vec<Thread>,
     injections: InjectionPorts,
-    /// Samples from outside whose time has not come, latest first.
+    /// Samples to be injected at a later time, latest first.
     planned: Vec<(Time, InjectionTarget, Arc<dyn Sample>)>,
     grace: Duration,
-    /// Lets the adapters deliver; absent without adapters.
+    /// Calls the adapters; `None` without adapters.
     bus_thread: Option<BusThread>,
-    /// The threads that read sources; absent without sources.
+    /// The threads that read sources; `None` without sources.
     sources: Option<SourceThreads>,
 }
 
-/// A thread, for a component and its slaves.
+/// The thread of a component and its slaves.
 struct Thread {
-    /// The component that is nobody's slave.
+    /// Position of the component that is no slave.
     component: usize,
     commands: mpsc::Sender<WorkerCommand>,
     waker: Arc<ThreadWaker>,
@@ -62,8 +61,10 @@ struct Thread {
 }
 
 impl System {
-    /// Starts the system in real time, a thread for each component: every component is configured, then those that
-    /// run on start-up start. What fails is left out, and seen in its state and by the observers.
+    /// Starts the system in real time, with a thread for each component that is no slave.
+    ///
+    /// Configures every component, then starts those with `run_on_startup`. A component that fails is left as it is;
+    /// its state and an [`Event::Fault`] show it.
     pub fn live(self) -> Live {
         Live::new(self)
     }
@@ -88,7 +89,8 @@ impl Live {
         let context = LiveContext::new(Instant::now(), wakers, Arc::clone(&events));
         for unit in &mut units {
             let waker = context.waker(unit.index);
-            // a cycle whatever drives the component: a periodic one would otherwise hand the result on a period late
+            // request a cycle whatever drives the component: a periodic one would otherwise pass the result on a period
+            // late
             let finished = Arc::new(move || waker.call());
             unit.body.work_place = WorkPlace::Thread(finished);
         }
@@ -119,13 +121,13 @@ impl Live {
         live
     }
 
-    /// Adds an observer; it sees everything from now on.
+    /// Adds an observer, which receives all events from now on.
     pub fn observe(&mut self, observer: impl Observer + 'static) {
         self.events.observe();
         self.observers.push(Box::new(observer));
     }
 
-    /// How long to wait for a component whose cycle is under way; five seconds unless set.
+    /// Sets how long to wait for a component whose cycle is under way (default: 5 s).
     pub fn set_grace(&mut self, grace: Duration) {
         self.grace = grace;
     }
@@ -138,7 +140,7 @@ impl Live {
         }
     }
 
-    /// Tells the observers what has happened. Returns whether it was what is watched for.
+    /// Passes waiting events to the observers. Returns whether one of them satisfied `watch`.
     fn tell(&mut self, watch: &mut Option<Watch<'_>>) -> bool {
         let mut seen = false;
         let observers = &mut self.observers;
@@ -154,7 +156,7 @@ impl Live {
     }
 }
 
-/// Starts the threads: each has a component that is nobody's slave, and its slaves, in order of addition.
+/// Starts one thread for each component that is no slave; its slaves follow in order of addition.
 fn threads(
     units: Vec<ComponentUnit>,
     descriptors: &[ComponentDescriptor],
@@ -197,7 +199,7 @@ impl Thread {
     }
 
     fn send(&self, command: WorkerCommand) {
-        // A thread that is gone needs no telling.
+        // fails only if the thread has ended, and then there is nobody to command
         let _ = self.commands.send(command);
         self.waker.unpark();
     }
@@ -225,13 +227,13 @@ impl Executor for Live {
     }
 
     fn plan(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>) {
-        // Those of one instant keep their order.
+        // samples for the same instant keep their order
         let position = self.planned.partition_point(|(other, ..)| *other > at);
         self.planned.insert(position, (at, target, sample));
         self.inject_planned();
     }
 
-    /// Lets time pass, tells the observers, gives out samples whose time has come.
+    /// Lets time pass: passes events to the observers and injects samples whose time has come.
     fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
         if watch.is_some() {
             self.events.observe();
@@ -259,7 +261,7 @@ impl Executor for Live {
         self.grace
     }
 
-    /// Whoever looks on does not wait for a long cycle.
+    /// An inspection does not wait for a long cycle.
     fn glance(&self) -> Duration {
         NAP
     }
@@ -272,7 +274,7 @@ impl Executor for Live {
     }
 }
 
-/// Stops everything and ends the threads; one that does not end is left behind.
+/// Stops all components and ends the threads. A thread that does not end in time is detached.
 impl Drop for Live {
     fn drop(&mut self) {
         self.bus_thread = None;

@@ -1,4 +1,4 @@
-//! A log of a run in memory, for tests and for looking back.
+//! An in-memory log of a run, for tests and inspection.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -7,7 +7,7 @@ use asmotion_port::Time;
 
 use crate::event::{Event, Observer};
 
-/// An observer that keeps what happened. Clones share it: give one to the system, keep one.
+/// An observer that keeps all events. Clones share the log: pass one to the system and keep another.
 #[derive(Debug, Clone, Default)]
 pub struct Log {
     entries: Arc<Mutex<Vec<LogEntry>>>,
@@ -21,12 +21,12 @@ struct LogEntry {
 }
 
 impl Log {
-    /// An empty log.
+    /// Creates an empty log.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Every event as a line: `0.05 s Follower.twist #1 = {…}`.
+    /// All events as lines: `0.05 s Follower.twist #1 = {…}`.
     pub fn lines(&self) -> Vec<String> {
         let entries = self.entries();
         (entries.iter())
@@ -34,14 +34,14 @@ impl Log {
             .collect()
     }
 
-    /// The lines that contain a text.
+    /// The lines that contain this text.
     pub fn lines_with(&self, text: &str) -> Vec<String> {
         let mut lines = self.lines();
         lines.retain(|line| line.contains(text));
         lines
     }
 
-    /// What left an output, `Component.port`, and when.
+    /// The samples that left an output, `component.port`, with their times. Samples of another type are left out.
     pub fn samples<T: Message>(&self, output: &str) -> Vec<(Time, T)> {
         let entries = self.entries();
         let of_output = entries.iter().filter_map(|entry| {

@@ -1,4 +1,4 @@
-//! A running system, whichever executor drives it.
+//! A running system, independent of the executor that drives it.
 
 mod asked;
 mod call;
@@ -29,23 +29,23 @@ pub(crate) use executor::{Act, Executor, Watch};
 pub use reader::{PortReader, PortSubscription};
 pub use writer::{PortWriter, WriteError};
 
-/// A running system: time passes, samples come from outside, components are looked at and told to start or stop.
+/// A running system: lets time pass, injects samples, inspects components, and starts, stops and changes them.
 pub trait Run {
-    /// The present time.
+    /// Current time of the system's clock.
     fn now(&self) -> Time;
 
-    /// Lets time pass until then.
+    /// Lets time pass until `until`.
     fn run_until(&mut self, until: Time);
 
-    /// Lets time pass until something has happened, at the longest until `limit`. Says whether it has. What happened
-    /// before does not count.
+    /// Lets time pass until an event satisfies `wanted`, at most until `limit`. Returns whether one did. Events before
+    /// the call do not count.
     fn run_until_event(
         &mut self,
         limit: Time,
         wanted: &mut dyn FnMut(Time, &Event<'_>) -> bool,
     ) -> bool;
 
-    /// Gives a sample to an input port from outside: an operator, a test. `port` is `Component.port`.
+    /// Injects a sample into an input port (`component.port`) from outside, as an operator or a test does.
     fn inject_sample(
         &mut self,
         at: Time,
@@ -61,26 +61,26 @@ pub trait Run {
         sample: Arc<dyn Sample>,
     ) -> Result<(), RunError>;
 
-    /// Connects an output to an input while both run: the reader has the connection from its next cycle on, then the
-    /// writer.
+    /// Connects an output to an input of the running system: the reader uses the connection from its next cycle on,
+    /// then the writer.
     fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError>;
 
-    /// Ends a direct connection of an output and an input, after the cycles under way. What came through it and was not
-    /// read is gone; an input whose last sample came through it has no data then, as in RTT.
+    /// Removes the direct connection of an output and an input, after the cycles under way. Its unread samples are
+    /// lost; an input whose last sample came through it has no data afterwards, as in RTT.
     fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError>;
 
-    /// Makes several changes, or none of them: where one is not possible, nobody feels anything. Each component's are
-    /// made at one border of its cycles; what they do not concern goes on.
+    /// Makes several changes, or none of them if one is impossible. Each component's changes are made between the same
+    /// two of its cycles; components that are not concerned keep running.
     fn change(&mut self, changes: &[Change]) -> Result<(), ChangeError>;
 
     /// Takes a component through a transition of its life cycle.
     fn transition(&mut self, component: &str, transition: Transition)
     -> Result<(), LifeCycleError>;
 
-    /// Asks for a cycle of a component that is event-driven or driven by hand.
+    /// Requests one cycle of a component that is event-driven or driven manually.
     fn trigger(&mut self, component: &str) -> Result<(), RunError>;
 
-    /// Changes what drives a periodic or event-driven component, from its next cycle on; zero means event-driven.
+    /// Changes the period of a periodic or event-driven component, from its next cycle on; zero makes it event-driven.
     fn set_period(&mut self, component: &str, period: Duration) -> Result<(), RunError>;
 
     /// Sets properties of a component, all or none, from its next cycle on.
@@ -90,61 +90,61 @@ pub trait Run {
         values: &[(String, Datum)],
     ) -> Result<(), RunError>;
 
-    /// Asks for a transition, and does not wait for it: a component takes it when its present cycle has ended.
+    /// Requests a transition without waiting for it: the component makes it after its current cycle.
     fn begin_transition(
         &mut self,
         component: &str,
         transition: Transition,
     ) -> Result<Asked, RunError>;
 
-    /// Asks to set properties, all or none, and does not wait for it.
+    /// Requests a change of properties, all or none, without waiting for it.
     fn begin_set_properties(
         &mut self,
         component: &str,
         values: &[(String, Datum)],
     ) -> Result<Asked, RunError>;
 
-    /// The components' names, in order of addition.
+    /// Names of all components, in order of addition.
     fn components(&self) -> Vec<String>;
 
-    /// A component's state.
+    /// Current state of a component; `None` if there is no such component.
     fn state(&self, component: &str) -> Option<State>;
 
-    /// The state that a transition under way leads to, as long as its hook is at work (RTT `getTargetState`); without
-    /// one, the component's state.
+    /// The state that the transition under way leads to while its hook runs (RTT `getTargetState`); outside of a
+    /// transition, the current state.
     fn target_state(&self, component: &str) -> Option<State>;
 
-    /// How many cycles a component has begun; none for one that does not exist.
+    /// Number of cycles that a component has begun; zero if there is no such component.
     fn cycles(&self, component: &str) -> u64;
 
-    /// How often a component shall cycle, as of now; zero for one without period.
+    /// Current period of a component; zero without a period.
     fn period(&self, component: &str) -> Duration;
 
-    /// How many periods a component has missed.
+    /// Number of periods that a component has missed.
     fn overruns(&self, component: &str) -> u64;
 
-    /// How many cycles of a component took longer than their deadline.
+    /// Number of cycles of a component that exceeded their deadline.
     fn late(&self, component: &str) -> u64;
 
-    /// How long the cycles of a component took.
+    /// Statistics of the duration of a component's cycles.
     fn cycle_time(&self, component: &str) -> CycleTime;
 
-    /// What a component says that it has lost.
+    /// The losses that a component has reported.
     fn losses(&self, component: &str) -> Losses;
 
-    /// A component's last fault.
+    /// The newest fault of a component; `None` if it never failed.
     fn fault(&self, component: &str) -> Option<Fault>;
 
-    /// What a component declares.
+    /// The ports, services, references and properties that a component declares.
     fn declaration(&self, component: &str) -> Option<Declaration>;
 
-    /// A component's properties with their present values.
+    /// A component's properties with their current values.
     fn properties(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError>;
 
-    /// Stops every running component, in reverse order of addition. Names those that did not stop in time.
+    /// Stops all running components in reverse order of addition. Returns the names of those that did not stop in time.
     fn stop(&mut self) -> Vec<String>;
 
-    /// Writes to an input port from outside, by a connection of one's own: from any thread, without the run.
+    /// Opens a connection of its own into an input port. The writer works from any thread, without the run.
     fn writer<T: Message>(
         &mut self,
         port: &str,
@@ -153,8 +153,8 @@ pub trait Run {
     where
         Self: Sized;
 
-    /// Reads an output port from outside, by a connection of one's own: from any thread, without the run. How slowly
-    /// it reads is nothing to the writer, nor to other readers.
+    /// Opens a connection of its own from an output port. The reader works from any thread, without the run; a slow
+    /// reader delays neither the writer nor other readers.
     fn reader<T: Message>(
         &mut self,
         port: &str,
@@ -163,8 +163,8 @@ pub trait Run {
     where
         Self: Sized;
 
-    /// Calls an operation of a service from outside, and does not wait (RTT `send`): the answer is collected from what
-    /// this returns, within `patience`.
+    /// Calls an operation of a service from outside without waiting (RTT `send`). The returned handle collects the
+    /// response; the call ends after `patience`.
     fn send<O: Operation>(
         &mut self,
         service: &str,
@@ -174,18 +174,18 @@ pub trait Run {
     where
         Self: Sized;
 
-    /// Lets time pass until an operation that was called is done (RTT `collect`).
+    /// Lets time pass until a call has ended, and returns its result (RTT `collect`).
     fn collect<O: Operation>(&mut self, sent: SentCall<O>) -> Result<O::Response, CallError>
     where
         Self: Sized;
 
-    /// Lets time pass.
+    /// Lets this much time pass.
     fn run_for(&mut self, duration: Duration) {
         let until = self.now() + duration;
         self.run_until(until);
     }
 
-    /// Gives a sample to an input port from outside; see [`Run::inject_sample`].
+    /// Injects a sample into an input port from outside; see [`Run::inject_sample`].
     fn inject<T: Message>(&mut self, at: Time, port: &str, sample: T) -> Result<(), RunError>
     where
         Self: Sized,
@@ -201,7 +201,7 @@ pub trait Run {
         self.publish_sample(at, topic, Arc::new(sample))
     }
 
-    /// Whether a component cycles (TCA `isRunning()`).
+    /// Returns whether a component is in a running state (TCA `isRunning()`).
     fn is_running(&self, component: &str) -> bool {
         self.state(component).is_some_and(State::is_running)
     }

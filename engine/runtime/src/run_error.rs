@@ -1,41 +1,41 @@
-//! What cannot be done to a running system.
+//! Errors of operations on a running system.
 
 use asmotion_component::{LifeCycleError, PropertyError, suggestion};
 use asmotion_datum::DatumError;
 
-/// Why something cannot be done to a running system.
+/// An error of an operation on a running system.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
-    /// Nothing of that name.
+    /// A name that no component, input or topic has.
     #[error("there is no {what} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
-        /// Component, input or topic.
+        /// The kind of thing looked for: component, input or topic.
         what: &'static str,
-        /// The name asked for.
+        /// The name that was looked for.
         name: String,
-        /// A name like it.
+        /// A similar name that exists, as a suggestion.
         nearest: Option<String>,
     },
-    /// The sample is of another type than its place takes.
+    /// The sample has another type than the port.
     #[error("`{place}` takes {expected}: {source}")]
     Mismatch {
-        /// The port.
+        /// The port, as `component.port`, or the topic.
         place: String,
-        /// What it takes.
+        /// Name of the port's type.
         expected: String,
-        /// What does not fit.
+        /// The first difference between the sample and the port's type.
         source: Box<DatumError>,
     },
-    /// A property cannot have its value.
+    /// A value that the property does not accept.
     #[error(transparent)]
     Property(#[from] PropertyError),
-    /// The component's life does not allow it.
+    /// The component's current state does not allow the transition.
     #[error(transparent)]
     LifeCycle(#[from] LifeCycleError),
-    /// The component did not answer in time: its cycle is still under way.
+    /// The component did not reply in time: its cycle is still under way.
     #[error("`{component}` is busy")]
     Busy {
-        /// The component.
+        /// Name of the component.
         component: String,
     },
 }

@@ -1,7 +1,7 @@
 //! Simulated time: one thread, a virtual clock, a queue ordered by (time, declaration order).
 //!
-//! The same system runs the same way each time: nothing here asks what time it really is, but the pacer, which only
-//! sleeps. What a cycle commits is delivered at once; a component it triggers runs at the same instant, after it.
+//! Runs of the same system are identical: only the pacer reads the real clock, and it only sleeps. Committed outputs
+//! are delivered at once; a component they trigger runs at the same instant, after the writer.
 
 mod handle;
 mod pacer;
@@ -41,8 +41,8 @@ pub struct Simulation {
 }
 
 impl System {
-    /// Starts the system in simulated time: every component is configured, then those that run on start-up start,
-    /// all at time zero. What fails is left out, and seen in its state and by the observers.
+    /// Starts the system in simulated time: at time zero, configures every component, then starts those with
+    /// `run_on_startup`. A component that fails is left as it is; its state and an [`Event::Fault`] show it.
     pub fn simulate(self) -> Simulation {
         Simulation::new(self)
     }
@@ -78,7 +78,7 @@ impl Simulation {
         simulation
     }
 
-    /// Makes virtual time keep pace with real time from now on.
+    /// Ties virtual time to real time from now on.
     pub fn set_pace(&mut self, pace: Pace) {
         self.pacer = match pace {
             Pace::Unlimited => None,
@@ -86,12 +86,13 @@ impl Simulation {
         };
     }
 
-    /// Adds an observer; it sees everything from now on.
+    /// Adds an observer, which receives all events from now on.
     pub fn observe(&mut self, observer: impl Observer + 'static) {
         self.timeline.observers.push(Box::new(observer));
     }
 
-    /// Does what is due next: a cycle, a deadline, a sample from outside. `None` if nothing is due ever.
+    /// Handles the next due item: a cycle, a deadline or an injected sample. Returns the new time, or `None` if nothing
+    /// is due any more.
     pub fn step(&mut self) -> Option<Time> {
         self.take_from_outside();
         let due = self.timeline.queue.pop()?;
@@ -99,12 +100,12 @@ impl Simulation {
         Some(self.timeline.now)
     }
 
-    /// When something is due next.
+    /// Time of the next due item.
     pub fn next_due(&self) -> Option<Time> {
         self.timeline.queue.next()
     }
 
-    /// Lets the adapters deliver, and triggers the components that threads outside have written to.
+    /// Calls the adapters, and triggers the components that other threads have written to.
     fn take_from_outside(&mut self) {
         let now = self.timeline.now;
         let mut effects = self.timeline.effects(None);
@@ -127,7 +128,7 @@ impl Simulation {
         }
     }
 
-    /// Does one thing. Says whether the event waited for has happened.
+    /// Handles one due item. Returns whether an event satisfied `watch`.
     fn act(&mut self, due: Due, watch: Option<Watch<'_>>) -> bool {
         self.set_time(due.at);
         let mut effects = self.timeline.effects(watch);
@@ -195,7 +196,7 @@ impl Executor for Simulation {
             .push(at, DueWork::Sample { target, sample });
     }
 
-    /// Runs what is due up to a time, and says whether the event waited for has happened.
+    /// Handles all items due up to a time. Returns whether an event satisfied `watch`.
     fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
         loop {
             self.take_from_outside();
@@ -216,7 +217,7 @@ impl Executor for Simulation {
         self.timeline.trigger(component, now);
     }
 
-    /// No cycle is ever under way.
+    /// Unlimited: no cycle is ever under way when this is asked.
     fn patience(&self) -> Duration {
         Duration::MAX
     }
@@ -238,7 +239,7 @@ impl Executor for Simulation {
     }
 }
 
-/// Readers and writers outside learn that the system is gone.
+/// Marks the run as ended for readers and writers on other threads.
 impl Drop for Simulation {
     fn drop(&mut self) {
         self.timeline.end();

@@ -1,4 +1,4 @@
-//! Streams: single ports joined to another middleware (RTT `createStream`).
+//! Streams: single ports connected to another middleware (RTT `createStream`).
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,28 +11,29 @@ use asmotion_port::{AnySender, PushOutcome, Time};
 use crate::context::LiveContext;
 use crate::injection::InjectionPort;
 
-/// Where the samples of an output go.
+/// The destination of an output's samples.
 pub trait Sink: Send + 'static {
-    /// Its name, for people: `mqueue:/jointStatus`.
+    /// Name for messages, for example `mqueue:/jointStatus`.
     fn name(&self) -> String;
 
-    /// Sends a sample, or drops it. Never waits: it is called in the writer's cycle.
+    /// Sends or drops a sample. Must not block: it is called in the writer's cycle.
     ///
     /// # Errors
-    /// The sample cannot be sent at all.
+    /// Returns an error if the sample cannot be encoded.
     fn send(&mut self, sample: Arc<dyn Sample>) -> Result<PushOutcome, DatumError>;
 }
 
-/// Where the samples of an input come from.
+/// The origin of an input's samples.
 pub trait Source: Send + 'static {
-    /// Its name, for people: `mqueue:/commands`.
+    /// Name for messages, for example `mqueue:/commands`.
     fn name(&self) -> String;
 
-    /// The next sample, waited for so long at most. `None` if none came; an error for one that cannot be read.
+    /// Waits up to `at_most` for the next sample. Returns `None` if none arrives, and an error for a sample that cannot
+    /// be decoded.
     fn next(&mut self, at_most: Duration) -> Option<Result<Arc<dyn Sample>, DatumError>>;
 }
 
-/// A sink as the reading end of a connection.
+/// Adapts a sink to the reading end of a connection.
 pub(crate) struct SinkSender(pub Box<dyn Sink>);
 
 impl AnySender for SinkSender {
@@ -50,16 +51,16 @@ impl AnySender for SinkSender {
     }
 }
 
-/// A source and the port it leads to.
+/// A source, and the port that its samples go to.
 pub(crate) struct SourceStream {
     pub source: Box<dyn Source>,
     pub port: InjectionPort,
 }
 
-/// The longest wait for a sample, so that an end is noticed.
+/// Longest wait for a sample, which bounds the time until a thread notices its end.
 const NAP: Duration = Duration::from_millis(100);
 
-/// The threads that read sources, one each. Dropping this ends them: each looks at `ended` after every nap.
+/// The threads that read sources, one each. Dropping this ends them: each checks `ended` after every wait.
 pub(crate) struct SourceThreads {
     ended: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
@@ -86,7 +87,7 @@ impl Drop for SourceThreads {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Release);
         for thread in self.threads.drain(..) {
-            // a source that has panicked has ended its thread before
+            // fails if the source has panicked, which ended the thread
             let _ = thread.join();
         }
     }

@@ -23,7 +23,7 @@ use crate::unit::ComponentUnit;
 
 pub(crate) use join::fit;
 
-/// A system in the making.
+/// The builder of a system: adds components, sets properties, connects ports, and starts an executor.
 ///
 /// ```
 /// use asmotion_component::{Activity, Component, Cycle, Fault, Out, Span};
@@ -63,40 +63,41 @@ pub struct System {
     pub(crate) units: Vec<ComponentUnit>,
     pub(crate) observers: Vec<Box<dyn Observer>>,
     pub(crate) topics: Vec<SystemTopic>,
-    /// Whether an adapter joins publishers and subscribers, not the system itself.
+    /// Adapters, not the system itself, connect publishers and subscribers.
     topics_outside: bool,
     pub(crate) adapters: Vec<Box<dyn Adapter>>,
     /// Wakes the thread that calls the adapters.
     pub(crate) notifier: Arc<Notifier>,
     pub(crate) connections: ConnectionTable,
-    /// Inputs that sources lead to.
+    /// Sources and the inputs that they feed.
     pub(crate) streams: Vec<SourceStream>,
 }
 
-/// A component of a system under construction.
+/// Refers to a component of the system under construction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ComponentId(pub(crate) usize);
 
 impl ComponentId {
-    /// The component's position in the system: the order of additions, from 0.
+    /// Position of the component in the system, in order of addition from 0.
     pub fn position(self) -> usize {
         self.0
     }
 }
 
 impl System {
-    /// A system without components.
+    /// Creates a system without components.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The same as [`System::new`], for those who look for a builder.
+    /// An alias of [`System::new`].
     pub fn builder() -> Self {
         Self::default()
     }
 
-    /// Adds a component: its name, what drives it, its constructor. The order of additions is the order of
-    /// everything else: of configuring, of cycles due at one instant.
+    /// Adds a component with a name, an activity and a constructor.
+    ///
+    /// The order of additions determines the order of configuration and of cycles that are due at the same instant.
     pub fn add(
         &mut self,
         name: &str,
@@ -123,19 +124,19 @@ impl System {
         Ok(ComponentId(index))
     }
 
-    /// A component by name.
+    /// The component with this name.
     pub fn id(&self, name: &str) -> Option<ComponentId> {
         let found = self.units.iter().position(|unit| *unit.name == *name);
         found.map(ComponentId)
     }
 
-    /// What a component declares.
+    /// The declaration of a component.
     pub fn declaration(&self, component: ComponentId) -> Option<&Declaration> {
         let unit = self.units.get(component.0);
         unit.map(|unit| &unit.body.declaration)
     }
 
-    /// Sets a property; the value is checked against its type, range and choices.
+    /// Sets a property after checking the value against its type, range and choices.
     pub fn set_property(
         &mut self,
         component: ComponentId,
@@ -149,22 +150,22 @@ impl System {
                 problem: Box::new(PropertyProblem::Unknown { nearest: None }),
             });
         };
-        // Put in place when the component is configured.
+        // takes effect when the component is configured
         let values = [(property.to_owned(), value.clone())];
         unit.body.prepare(&unit.name, &values)
     }
 
-    /// Adds an observer; it sees everything from the first configuring on.
+    /// Adds an observer, which receives all events from the first configuration on.
     pub fn observe(&mut self, observer: impl Observer + 'static) {
         self.observers.push(Box::new(observer));
     }
 
-    /// The state of a component: [`State::Init`], until the system runs.
+    /// The state of a component: [`State::Init`] until the system runs.
     pub fn state(&self, component: ComponentId) -> Option<State> {
         self.units.get(component.0).map(ComponentUnit::state)
     }
 
-    /// The system begins to run: an executor has it. Returns what other threads see of the components.
+    /// Prepares the units for an executor. Returns the descriptors that other threads see.
     pub(crate) fn enter_run(&mut self) -> Vec<ComponentDescriptor> {
         self.units.iter_mut().for_each(ComponentUnit::enter_run);
         let threads: Vec<_> = (0..self.units.len())

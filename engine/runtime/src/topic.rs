@@ -1,21 +1,21 @@
-//! Topics: named meeting points of publishers and subscribers.
+//! Topics: named exchanges between publishers and subscribers.
 
 use asmotion_port::Policy;
 
 use crate::end::ComponentEnd;
 
-/// A topic of a system.
+/// A topic with its publishers and subscribers.
 pub struct SystemTopic {
-    /// The topic's name.
+    /// Name without a leading slash, as in the composite.
     pub name: String,
-    /// The outputs that publish to it.
+    /// The outputs that publish on it, in order of declaration.
     pub publishers: Vec<ComponentEnd>,
-    /// The inputs that read it, and how.
+    /// The inputs that subscribe to it, each with the policy of its connections.
     pub subscribers: Vec<(ComponentEnd, Policy)>,
 }
 
 impl SystemTopic {
-    /// The topic with only those ends whose component, given by position, is wanted.
+    /// The topic with only those ends whose component, given by position, satisfies the predicate.
     #[must_use]
     pub fn filtered(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
         let publishers = self.publishers.iter();

@@ -1,4 +1,4 @@
-//! A unit: a component with its runtime state, taken through its life and its cycles. Executors drive units.
+//! A unit: a component with its runtime state, its life cycle and its cycles. Executors drive units.
 
 mod timing;
 
@@ -21,17 +21,17 @@ use crate::event::Event;
 /// A component that an executor drives.
 pub(crate) struct ComponentUnit {
     pub name: Arc<str>,
-    /// Its place in the system.
+    /// Position in the system.
     pub index: usize,
     pub activity: Activity,
-    /// In whose thread, and after whom, it cycles.
+    /// Position of the component in whose thread, and after which, this one cycles; `None` unless it is a slave.
     pub master: Option<usize>,
     pub body: ComponentBody,
     component: Box<dyn Component>,
     state: State,
-    /// It has failed in the last cycle.
+    /// The last cycle failed; cleared by `restart_after_fault`.
     fell: bool,
-    /// How often it has been brought back.
+    /// Number of restarts after a fault.
     resets: u32,
     status: Arc<ComponentStatus>,
 }
@@ -58,14 +58,14 @@ impl ComponentUnit {
         }
     }
 
-    /// Its system begins to run: an executor has it.
+    /// Called when an executor takes over the system.
     pub(crate) fn enter_run(&mut self) {
         self.state = State::PreOperational;
         self.status.enter(self.state);
         self.set_drive(self.activity.drive);
     }
 
-    /// What other threads see of it.
+    /// The part of the component that other threads see.
     pub(crate) fn descriptor(&self, thread: usize) -> ComponentDescriptor {
         let services = self.body.services.iter();
         ComponentDescriptor {
@@ -87,7 +87,8 @@ impl ComponentUnit {
         self.state
     }
 
-    /// One cycle: freeze, compute, commit all or nothing. A unit that is not running only takes in its properties.
+    /// Runs one cycle: freeze, compute, commit all or nothing. A component that does not run only applies changed
+    /// properties.
     pub(crate) fn cycle(&mut self, now: Time, effects: &mut dyn Effects) {
         let mut own = component_effects(&self.name, self.index, now, effects);
         self.body.apply(&mut own);
@@ -106,7 +107,7 @@ impl ComponentUnit {
         }
     }
 
-    /// Runs the component's own code. `Ok` may carry an error that the component has reported.
+    /// Runs the component's own code. `Ok` contains an error that the component has reported, if any.
     fn compute(&mut self, now: Time, number: u64) -> Result<Option<Fault>, Fault> {
         let Self {
             component,
@@ -143,7 +144,7 @@ impl ComponentUnit {
         }
     }
 
-    /// An exception (RTT `exception`): nothing of the cycle leaves, the component is stopped and cleaned up.
+    /// Handles an exception (RTT `exception`): discards the cycle, stops the component and cleans it up.
     pub(crate) fn fail(&mut self, fault: Fault, now: Time, effects: &mut dyn Effects) {
         if self.state == State::FatalError {
             return;
@@ -171,7 +172,7 @@ impl ComponentUnit {
         }
     }
 
-    /// After a cycle: a component that has failed is brought back, if its activity says so. Says whether it runs again.
+    /// Restarts the component after a failed cycle if its activity says so. Returns whether it runs again.
     pub(crate) fn restart_after_fault(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
         if !std::mem::take(&mut self.fell) {
             return false;
@@ -194,14 +195,14 @@ impl ComponentUnit {
                     Transition::Configure,
                     Transition::Start,
                 ];
-                // What fails on the way is in its state and told to the observers.
+                // a failure on the way shows in the state and in events
                 way.iter()
                     .all(|step| self.transition(*step, now, effects).is_ok())
             }
         }
     }
 
-    /// Takes the component through a transition, where RTT's guards allow it.
+    /// Makes a transition of the life cycle, if RTT's guards allow it.
     pub(crate) fn transition(
         &mut self,
         transition: Transition,
@@ -286,7 +287,8 @@ impl ComponentUnit {
         self.enter(target, now, effects);
     }
 
-    /// A hook failed: a panic is an exception; otherwise the component stays where RTT leaves it.
+    /// Handles a hook that failed: a panic is an exception; after an error the component stays in the state that RTT
+    /// prescribes.
     fn refuse(
         &mut self,
         transition: Transition,
@@ -309,7 +311,7 @@ impl ComponentUnit {
         self.enter(to, now, effects);
     }
 
-    /// Ends what waits for the component: it does not run any more.
+    /// Closes the services and cancels the calls of a component that has stopped running.
     fn close(&mut self, now: Time, effects: &mut dyn Effects) {
         (self.body).close(&mut component_effects(&self.name, self.index, now, effects));
     }
@@ -330,7 +332,7 @@ impl ComponentUnit {
         }
     }
 
-    /// Keeps a fault and tells the observers, once.
+    /// Stores a fault and reports it to the observers.
     pub(crate) fn note(&mut self, fault: Fault, now: Time, effects: &mut dyn Effects) {
         effects.emit(
             now,
@@ -342,7 +344,7 @@ impl ComponentUnit {
         *self.status.fault() = Some(fault);
     }
 
-    /// Changes the period of a component that has one or is event-driven; zero means event-driven.
+    /// Changes the period of a periodic or event-driven component; zero makes it event-driven.
     pub(crate) fn set_period(&mut self, period: Duration) {
         self.set_drive(self.activity.drive.with_period(period));
     }
@@ -352,7 +354,7 @@ impl ComponentUnit {
         self.status.set_period(drive.period().unwrap_or_default());
     }
 
-    /// Parts a reference from a service.
+    /// Removes a service from a reference.
     pub(crate) fn unwire(
         &mut self,
         reference: usize,
@@ -364,14 +366,14 @@ impl ComponentUnit {
         self.body.unwire(reference, service, &mut effects);
     }
 
-    /// Ends calls that have waited too long. Says whether anything waits for the next cycle.
+    /// Ends calls that have timed out. Returns whether any result waits for the next cycle.
     pub(crate) fn settle(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
         let mut effects = component_effects(&self.name, self.index, now, effects);
         let body = &mut self.body;
         body.caller.settle(&body.references, &mut effects)
     }
 
-    /// Sets properties, all or none: at the next cycle's beginning, or at once if the component does not run.
+    /// Sets properties, all or none: at the beginning of the next cycle, or at once if the component does not run.
     pub(crate) fn set_properties(
         &mut self,
         values: &[(String, Datum)],

@@ -1,4 +1,4 @@
-//! After warm-up the framework's part of a cycle takes no memory, for messages that take none.
+//! After warm-up, the framework's part of a cycle allocates no memory for messages that need none.
 #![allow(
     unsafe_code,
     clippy::unwrap_used,
@@ -14,23 +14,23 @@ use asmotion_component::{Activity, OnStale, Policy, Span};
 use asmotion_runtime::{Run, System};
 use common::{Number, behaviour, counter, number};
 
-/// Counts what is taken, each thread for itself: the test harness has threads, too.
+/// Counts allocations per thread, because the test harness has threads too.
 struct Counting;
 
 thread_local! {
     static TAKEN: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: every request is handed on unchanged to the system's allocator.
+// SAFETY: every request is passed unchanged to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         TAKEN.set(TAKEN.get() + 1);
-        // SAFETY: as the caller promised.
+        // SAFETY: upheld by the caller
         unsafe { Heap.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as the caller promised.
+        // SAFETY: upheld by the caller
         unsafe { Heap.dealloc(pointer, layout) }
     }
 }

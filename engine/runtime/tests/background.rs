@@ -11,7 +11,7 @@ use asmotion_component::{Activity, BackgroundWork, Component, Cycle, Fault, Out,
 use asmotion_runtime::{Event, Run, System};
 use common::{Number, number};
 
-/// Spawns once, then writes the result of the work. Counts its cycles until then.
+/// Spawns background work once and writes its result. Counts the cycles until then.
 struct Spawner {
     out: Out<Number>,
     work: Option<Box<dyn FnOnce() -> i64 + Send>>,
@@ -63,7 +63,7 @@ fn in_simulated_time_the_result_comes_in_the_cycle_that_spawned() {
     assert_eq!(*cycles.lock().unwrap(), 1);
 }
 
-/// Work that waits until the test lets it end.
+/// Work that blocks until the test sends to `gate`.
 fn gated(gate: Receiver<()>) -> impl FnOnce() -> i64 + Send {
     move || {
         gate.recv().unwrap();

@@ -1,4 +1,4 @@
-//! C18: a running system changes as a whole, or not at all.
+//! C18: changes of a running system are applied all or none.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 mod common;
@@ -12,7 +12,7 @@ use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Log, Run, System};
 use common::{Double, Number, behaviour, counter, doubler, number};
 
-/// What a reader has seen, in order.
+/// The values that a reader has seen, in order.
 type Seen = Arc<Mutex<Vec<i64>>>;
 
 fn reader(seen: &Seen) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
@@ -73,7 +73,7 @@ fn gain(value: f64) -> Change {
     }
 }
 
-/// From `Other` to `Steady`, with another gain and another period.
+/// Moves `Guest` from `Other` to `Steady`, and changes a gain and a period.
 fn good() -> [Change; 4] {
     [
         disconnect("Other.n", "Guest.n"),
@@ -86,7 +86,7 @@ fn good() -> [Change; 4] {
     ]
 }
 
-/// Each is possible up to its last change.
+/// Lists of changes of which only the last is impossible, with the expected errors.
 fn bad() -> [(Vec<Change>, &'static str); 4] {
     let all_but = |last: Change| {
         let mut changes = good().to_vec();
@@ -113,7 +113,7 @@ fn bad() -> [(Vec<Change>, &'static str); 4] {
     ]
 }
 
-/// The system runs, is refused what is bad, and changes; nothing is missing of what is not concerned.
+/// Runs the system, tries all bad lists, then the good one, and checks that connections not concerned lose no sample.
 fn changes(run: &mut impl Run, [witness, guest]: [&Seen; 2]) {
     run.run_for(50.ms());
     for (changes, reason) in bad() {
@@ -155,7 +155,7 @@ fn c18_a_live_system_changes_as_a_whole_or_not_at_all() {
     assert!(run.cycles("Other") < 150, "{}", run.cycles("Other"));
 }
 
-/// Asks to double its count in every cycle; tells what comes of it.
+/// Calls `double` for its count in every cycle, and writes the results.
 fn asker() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let double = interface.require::<Double>("sums", "who doubles");
@@ -176,7 +176,7 @@ fn asker() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     })
 }
 
-/// Serves as `doubler` does, and never answers.
+/// Provides the service of `doubler`, and never replies.
 fn idler() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let double = interface.serve::<Double>("sums", "does not double");
@@ -227,7 +227,7 @@ fn c18_a_reference_leaves_a_service_for_another() {
     );
 }
 
-/// O12: gains that belong together are never seen apart, however often and whenever they are set.
+/// O12: two gains set together are never seen half applied.
 #[test]
 fn o12_two_gains_are_never_seen_half_applied() {
     let torn = Arc::new(AtomicBool::new(false));

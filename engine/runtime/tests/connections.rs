@@ -19,7 +19,7 @@ fn at(ms: u64) -> Time {
     Time::ZERO + ms.ms()
 }
 
-/// A driver that obeys a command; keeps (time, flow's kind, speed, stale).
+/// A driver that follows a command; records time, kind of flow, speed, and whether the command is stale.
 fn driver(
     seen: &Seen<(Time, &'static str, f64, bool)>,
 ) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
@@ -39,7 +39,7 @@ fn driver(
     })
 }
 
-/// Commands once, at the start.
+/// Writes one command in its first cycle.
 fn commander() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let twist = interface.output::<Twist>("twist", "one command");
@@ -229,7 +229,7 @@ fn a_topic_joins_all_publishers_with_all_subscribers() {
     system
         .add("Y", Activity::periodic(1.s()), adding())
         .unwrap();
-    // In any order.
+    // the order of subscribing and publishing does not matter
     system
         .subscribe("numbers", "X.n", Policy::buffer(8))
         .unwrap();
@@ -249,7 +249,7 @@ fn a_topic_joins_all_publishers_with_all_subscribers() {
     );
 }
 
-/// A component with one of everything.
+/// A component with one of each kind of declaration.
 fn everything() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         interface.input::<Number>("in", "numbers");

@@ -10,7 +10,7 @@ use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Log, Run, System};
 use common::{Number, behaviour, burst, counter, number};
 
-/// Collects what a reader's cycles see.
+/// The values that a reader's cycles see.
 type Seen<T> = Arc<Mutex<Vec<T>>>;
 
 #[test]

@@ -1,4 +1,4 @@
-//! Declarations derived from plain structs are the declarations one would write by hand.
+//! Derived declarations equal those written by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 mod common;
@@ -14,7 +14,7 @@ use asmotion_datum::Datum;
 use asmotion_runtime::{Run, System};
 use common::{Double, Number, Spell, behaviour};
 
-/// How a limiter rounds.
+/// Rounding mode of a limiter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Word)]
 enum Rounding {
     #[default]
@@ -145,7 +145,7 @@ fn the_default_of_the_struct_is_the_default_of_the_declaration() {
     assert!(settings.r#match && settings.goals.is_empty());
 }
 
-/// The snapshots a component read, cycle by cycle, in a system that it runs in.
+/// The snapshots that a component reads in successive cycles.
 fn running(set: impl Fn(&mut System)) -> (System, Arc<Mutex<Vec<Settings>>>) {
     let seen: Arc<Mutex<Vec<Settings>>> = Arc::default();
     let mut system = System::new();

@@ -1,4 +1,4 @@
-//! The live executor: real threads, real time. Bounds are wide, since the machine may be busy.
+//! The live executor: real threads, real time. Bounds are wide because the machine may be busy.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 mod common;
@@ -14,7 +14,7 @@ use asmotion_datum::Datum;
 use asmotion_runtime::{Event, Log, Run, System};
 use common::{Double, Number, behaviour, burst, counter, doubler, number};
 
-/// Sleeps in one of its cycles.
+/// Sleeps in the cycle with this number.
 fn sleeping(cycle_number: u64, nap: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(move |_| {
         move |cycle| {
@@ -83,7 +83,7 @@ fn t6_an_overrun_is_caught_up() {
     run.run_for(450.ms());
     run.stop();
     let times = cycle_times(&log, "Slow");
-    // Begins at 0 and 50; at 220 those of 100, 150 and 200 follow at once.
+    // begins at 0 and 50 ms; at 220 ms the cycles of 100, 150 and 200 ms follow at once
     assert!(times[4] - times[2] < 100.ms(), "not at once: {times:?}");
     assert!(run.cycles("Slow") >= 8, "{times:?}");
     assert!(run.overruns("Slow") >= 3);
@@ -369,7 +369,7 @@ fn a_panicking_component_is_isolated() {
         .add("Counter", Activity::periodic(10.ms()), counter())
         .unwrap();
     let mut run = system.live();
-    // A panic's message may take its time.
+    // a panic's message may arrive late
     let mut failed = |_: Time, event: &Event<'_>| {
         matches!(
             event,
@@ -420,7 +420,7 @@ fn properties_are_set_and_read_while_running() {
             .is_err()
     );
     run.run_for(100.ms());
-    // on a busy machine it may be in a cycle just now
+    // on a busy machine a cycle may be under way
     let values = std::iter::repeat_with(|| run.properties("Saying"));
     let values = values.take(100).find_map(Result::ok);
     assert_eq!(values.unwrap(), [("n".to_owned(), Datum::Int(7))]);
@@ -445,7 +445,7 @@ fn observers_that_fall_behind_lose_events_and_are_told_how_many() {
             _ => {}
         }
     });
-    // More events in one cycle than the queue holds.
+    // more events in one cycle than the queue holds
     system
         .add("Burst", Activity::manual(), burst(100_000))
         .unwrap();

@@ -14,7 +14,7 @@ fn at(ms: u64) -> Time {
     Time::ZERO + ms.ms()
 }
 
-/// Passes numbers on, one higher.
+/// Passes each number on, incremented.
 fn relay() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let input = interface.input::<Number>("in", "a number");
@@ -182,7 +182,7 @@ fn o4_an_event_port_triggers_without_a_period_and_a_silent_one_does_not() {
         .unwrap();
     let mut run = system.simulate();
     run.run_until(at(25));
-    // One cycle is the start's.
+    // one cycle because of the start
     assert_eq!(run.cycles("Triggered"), 1 + 3);
     assert_eq!(run.cycles("Silent"), 1);
 }
@@ -192,7 +192,7 @@ fn at_one_instant_cycles_run_in_declaration_order() {
     let log = Log::new();
     let mut system = System::new();
     system.observe(log.clone());
-    // Declared after its reader, so that the trigger comes after the reader's own turn.
+    // declared after its reader, so the trigger follows the reader's own turn
     system.add("Last", Activity::event(), relay()).unwrap();
     system.add("Middle", Activity::event(), relay()).unwrap();
     system

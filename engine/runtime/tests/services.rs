@@ -15,7 +15,7 @@ use common::{Double, Number, Spell, Words, behaviour, doubler, number};
 
 type Replies = Arc<Mutex<Vec<(Time, Result<i64, CallError>)>>>;
 
-/// Calls `double` once with 21, and keeps what comes back.
+/// Calls `double` once with 21, and records the reply.
 fn caller(replies: &Replies) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     let replies = Arc::clone(replies);
     behaviour(move |interface| {
@@ -38,7 +38,7 @@ fn caller(replies: &Replies) -> impl FnOnce(&mut Interface) -> Box<dyn Component
     })
 }
 
-/// Takes requests, answers none.
+/// Takes requests and never replies.
 fn mute() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let double = interface.serve::<Double>("sums", "never");
@@ -218,7 +218,7 @@ fn c6_a_fault_of_the_provider_reaches_the_caller() {
 #[test]
 fn c6_retries_follow_a_timeout_and_a_late_answer_counts_once() {
     let replies = Replies::default();
-    // Answers the first attempt only when the second is under way.
+    // replies to the first attempt only after the second has begun
     let late = (Activity::periodic(150.ms()).delay(150.ms()), doubler());
     let wire = Wire {
         cancel_on_timeout: false,
@@ -401,7 +401,7 @@ fn c7_a_one_way_call_returns_at_once_and_a_lost_one_is_counted() {
     );
 }
 
-/// Tells `double` once, and wants no answer.
+/// Makes one one-way call of `double`.
 fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let double = interface.require::<Double>("listeners", "to hear it");
@@ -415,7 +415,7 @@ fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     })
 }
 
-/// Reports what it is told.
+/// Reports each request it receives.
 fn listening() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let double = interface.serve::<Double>("sums", "listens");
@@ -445,7 +445,7 @@ fn y10_a_one_way_reference_reaches_each_of_its_services() {
         log.lines_with("told"),
         ["0 s First: told: 21", "0 s Last: told: 21"]
     );
-    // who is not there has not heard it, and is counted alone
+    // only the call to the absent provider is lost and counted
     assert_eq!(
         log.lines_with("dropped"),
         ["0 s Teller.listeners -> Absent.sums: 1 dropped"]
@@ -489,7 +489,7 @@ fn a_service_has_several_operations_and_callers() {
     });
     let asking = |n: i64| {
         behaviour(move |interface| {
-            // Another order than the provider's.
+            // another order than the provider's
             let spell = interface.require::<Spell>("arithmetic", "spells");
             let double = interface.require::<Double>("arithmetic", "doubles");
             let mut called = false;

@@ -1,4 +1,4 @@
-//! The findings about SCDL, and about composites that are to become SCDL, one file a code.
+//! Diagnostics about SCDL files, and about composites to be exported to SCDL, one file per code.
 
 pub(crate) mod x001;
 pub(crate) mod x002;
@@ -17,7 +17,7 @@ pub(crate) mod x014;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of this crate, in order.
+/// All codes of this crate, in order.
 pub const CODES: &[&Code] = &[
     x001::InvalidXml::CODE,
     x002::NotScdl::CODE,

@@ -1,4 +1,4 @@
-//! CPF, the XML in which Orocos RTT keeps the properties of a component: read as if it were a table of TOML.
+//! Reads CPF, the XML in which Orocos RTT stores the properties of a component, as if it were a TOML table.
 
 use crate::codes::x003::MissingAttribute;
 use crate::codes::x006::UnknownScdlName;
@@ -9,17 +9,17 @@ use asmotion_diagnostics::{Finding, Report, Sources, Span};
 
 use crate::xml::{self, XmlElement};
 
-/// A file of properties that was read.
+/// A property file that was read.
 pub struct Cpf {
-    /// Its text; the findings point into it.
+    /// The file's text, which findings refer to.
     pub sources: Sources,
-    /// What is wrong with it.
+    /// The findings about the file.
     pub report: Report,
-    /// The properties, each at its place.
+    /// The properties, each with its place in the text.
     pub properties: Table,
 }
 
-/// Reads a CPF file.
+/// Reads a CPF file. `path` is used in messages only.
 pub fn cpf(path: &str, text: &str) -> Cpf {
     let mut sources = Sources::new();
     let file = sources.add(path, text);
@@ -38,7 +38,7 @@ pub fn cpf(path: &str, text: &str) -> Cpf {
     }
 }
 
-/// The elements in another one, by name.
+/// Converts the child elements of an element to a table, by name.
 fn table(outer: &XmlElement, report: &mut Report) -> Table {
     let named = outer.children.iter().filter_map(|element| {
         let (name, value) = (name(element), value(element, report)?);
@@ -62,7 +62,7 @@ fn table(outer: &XmlElement, report: &mut Report) -> Table {
     }
 }
 
-/// What an element holds; nothing for what is no property, as a description.
+/// Converts an element to a value; `None` for elements that are no properties, such as a description.
 fn value(element: &XmlElement, report: &mut Report) -> Option<Branch> {
     let kind = attribute(element, "type").map_or("", |kind| &kind.value);
     match (element.name.value.as_str(), kind) {
@@ -133,14 +133,14 @@ fn attribute<'e>(element: &'e XmlElement, name: &str) -> Option<&'e At<String>> 
     attributes.find(|it| it.name == name).map(|it| &it.value)
 }
 
-/// The text of the value in an element.
+/// The text of an element's `<value>`; empty without one.
 fn written(element: &XmlElement) -> &str {
     let mut children = element.children.iter();
     let value = children.find(|child| child.name.value == "value");
     value.map_or("", |value| &value.text.value)
 }
 
-/// Where the value of an element stands.
+/// The place of an element's `<value>`, or of the element without one.
 fn place(element: &XmlElement) -> Span {
     let mut children = element.children.iter();
     let value = children.find(|child| child.name.value == "value");

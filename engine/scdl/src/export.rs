@@ -1,4 +1,4 @@
-//! Composite files → SCDL. What SCDL cannot say is a finding, and a comment in the XML.
+//! Exports composite files to SCDL. Parts that SCDL cannot express become findings, and comments in the XML.
 
 mod component;
 
@@ -16,18 +16,18 @@ use crate::tca::TcaTime;
 use crate::toml::TIMEOUT_MS;
 use crate::{gateway, value, write};
 
-/// What was exported.
+/// An exported composite.
 pub struct Exported {
-    /// The text of the SCDL file.
+    /// Text of the SCDL file.
     pub text: String,
-    /// What SCDL cannot say, at its place in the composite file.
+    /// The parts that SCDL cannot express, with their places in the composite file.
     pub report: Report,
 }
 
 /// Writes a composite as SCDL.
 ///
 /// # Errors
-/// The writer of XML fails.
+/// An error of the XML writer.
 pub fn export(composite: &here::Composite) -> std::io::Result<Exported> {
     let mut exporter = Exporter {
         composite,
@@ -44,7 +44,7 @@ pub fn export(composite: &here::Composite) -> std::io::Result<Exported> {
 struct Exporter<'e> {
     composite: &'e here::Composite,
     report: Report,
-    /// What SCDL cannot say of the thing being written.
+    /// Comments for the element being written: the parts of it that SCDL cannot express.
     notes: Vec<String>,
 }
 
@@ -89,7 +89,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// Whatever is the engine's alone.
+    /// Reports the parts of a composite that have no meaning in SCA.
     fn of_the_engine(&mut self) {
         let composite = self.composite;
         let name = &composite.name().value;
@@ -124,7 +124,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// An address goes to the components that use it.
+    /// Reports the settings of a broker except its address, which is exported with the components that use it.
     fn broker(&mut self, broker: &here::Broker) {
         let settings = [
             broker.exchange.is_some(),
@@ -192,7 +192,7 @@ impl Exporter<'_> {
         }
         let several = promotion.bindings.len() > 1;
         let bindings = promotion.bindings.iter();
-        // what has one alone that is local, is not said to have it
+        // a promotion over the local binding alone is exported without a binding
         let bindings = bindings.filter(|it| several || it.value != Transport::Local);
         ScdlContract {
             bindings: bindings
@@ -203,7 +203,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// A way to what is promoted.
+    /// Exports one binding of a promotion.
     fn bound(
         &mut self,
         binding: &At<Transport>,
@@ -241,7 +241,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// A time that SCDL can say; nothing is 0.
+    /// Converts a time to milliseconds or a property; 0 if it is missing or cannot be expressed.
     fn time(&mut self, time: Option<&At<Amount>>, of: &str) -> TcaTime {
         let Some(time) = time else {
             return TcaTime::Milliseconds(0);
@@ -261,7 +261,7 @@ impl Exporter<'_> {
     }
 }
 
-/// A service or a reference that says nothing but its name.
+/// A service or reference with a name and nothing else.
 fn contract(name: At<String>, multiplicity: ScdlMultiplicity) -> ScdlContract {
     ScdlContract {
         name,
@@ -282,13 +282,13 @@ fn target(end: &here::End) -> ScdlTarget {
     }
 }
 
-/// Whether a value is nothing but variables of the environment, so that no secret is in it.
+/// Returns whether a value consists only of environment variables, and so contains no secret.
 fn is_variable(node: &Node) -> bool {
     let texts = value::texts(node).unwrap_or_default();
     texts.iter().all(|text| value::names_variable(text))
 }
 
-/// A text as it was written.
+/// The text of a template as it was written.
 fn written(template: &Template) -> String {
     let pieces = template.pieces.iter().map(|piece| match piece {
         Piece::Text(text) => text.replace("${", "$${"),

@@ -1,5 +1,5 @@
-//! What is settled once all composites are resolved: interfaces that are known in one and joined in another, those that
-//! nobody says, and callbacks.
+//! Completes the resolved composites: propagates interfaces across composites, assumes the missing ones, and adds
+//! callbacks.
 
 use crate::codes::x004::NoCounterpart;
 use crate::codes::x008::AssumedValue;
@@ -14,7 +14,7 @@ use crate::model::{
 use crate::name;
 use crate::resolve::{ContractSide, complete, contract, interface, interfaces};
 
-/// Assumes what nobody says, once all composites are resolved. `order` has nested ones before those that nest them.
+/// Completes all resolved composites. `order` contains nested composites before those that nest them.
 pub(crate) fn settle(
     composites: &mut BTreeMap<String, ScdlComposite>,
     order: &[String],
@@ -34,12 +34,12 @@ pub(crate) fn settle(
     }
 }
 
-/// Composites and those that nest them tell each other the interfaces that they know, until nobody hears anything new.
+/// Propagates interfaces between composites and those that nest them, until nothing changes.
 fn across(composites: &mut BTreeMap<String, ScdlComposite>) {
     while upwards(composites) || downwards(composites) {}
 }
 
-/// Tells composites what those that they nest know of their promotions. Says whether that was news.
+/// Propagates the interfaces of nested composites to the promotions that use them. Returns whether anything changed.
 fn upwards(composites: &mut BTreeMap<String, ScdlComposite>) -> bool {
     let promoted =
         |composite: &ScdlComposite| (composite.services.clone(), composite.references.clone());
@@ -65,7 +65,7 @@ fn upwards(composites: &mut BTreeMap<String, ScdlComposite>) -> bool {
     news
 }
 
-/// Tells nested composites what those around them know. Says whether that was news.
+/// Propagates the interfaces in composites to those that they nest. Returns whether anything changed.
 fn downwards(composites: &mut BTreeMap<String, ScdlComposite>) -> bool {
     let mut facts = Vec::new();
     for component in composites.values().flat_map(|it| &it.components) {
@@ -97,11 +97,12 @@ fn downwards(composites: &mut BTreeMap<String, ScdlComposite>) -> bool {
     news
 }
 
-/// Gives one that has none an interface of a name that nobody has said, and says so. Says whether there was one.
+/// Assumes an interface for one contract that has none, named after the contract, and reports it. Returns whether there
+/// was one.
 fn assume(composite: &mut ScdlComposite, report: &mut Report) -> bool {
     let of = composite.name.value.clone();
     for component in &mut composite.components {
-        // a nested composite says it in its own file
+        // a nested composite declares its interfaces in its own file
         if matches!(
             component.implementation,
             Some(ScdlImplementation::Composite(_))
@@ -135,8 +136,8 @@ fn assume(composite: &mut ScdlComposite, report: &mut Report) -> bool {
     false
 }
 
-/// A callback is a reference of the provider and a service of the caller, wired the other way round; where one of them is
-/// promoted, so is its callback.
+/// Adds callbacks: a callback is a reference of the provider and a service of the caller, wired in the opposite
+/// direction. The callback of a promoted service or reference is promoted too.
 fn callbacks(composite: &mut ScdlComposite, report: &mut Report) {
     for component in &mut composite.components {
         let called = |of: &[ScdlContract]| of.iter().filter_map(callback).collect::<Vec<_>>();
@@ -159,8 +160,8 @@ fn callbacks(composite: &mut ScdlComposite, report: &mut Report) {
     composite.services.extend(of_references);
 }
 
-/// The promotions of callbacks of what is promoted. A reference is wired or promoted: who calls back inside cannot be
-/// heard outside.
+/// The promotions of the callbacks of promoted services or references. A reference is either wired or promoted, so a
+/// callback that is wired inside the composite cannot be promoted.
 fn promoted_callbacks(
     composite: &mut ScdlComposite,
     side: ContractSide,
@@ -192,7 +193,7 @@ fn promoted_callbacks(
     promoted
 }
 
-/// What is called back, if a contract's interface has a callback.
+/// The contract of a callback, if the interface has one.
 fn callback(of: &ScdlContract) -> Option<ScdlContract> {
     let interface = ScdlInterface {
         name: of.interface.as_ref()?.callback.clone()?,
@@ -204,7 +205,7 @@ fn callback(of: &ScdlContract) -> Option<ScdlContract> {
     Some(callback)
 }
 
-/// The callback of an end.
+/// The callback of an end of a wire.
 fn back(end: &ScdlTarget) -> ScdlTarget {
     ScdlTarget {
         component: end.component.clone(),

@@ -1,4 +1,4 @@
-//! SCDL → composite files: what SCDL leaves open is found out, or assumed and said.
+//! Imports SCDL as composite files: values that SCDL leaves open are derived, or assumed and reported.
 
 use crate::codes::x006::UnknownScdlName;
 use std::collections::BTreeMap;
@@ -9,19 +9,18 @@ use asmotion_diagnostics::{Finding, Report, Sources};
 use crate::model::{ScdlComposite, ScdlImplementation};
 use crate::{finish, name, read, resolve, toml};
 
-/// What was imported.
+/// The result of an import.
 pub struct Imported {
-    /// The names of composite files and their texts; the first is that of the file itself, the others are
-    /// those that it nests.
+    /// Names and texts of the composite files: first the main one, then those that it nests.
     pub files: Vec<(String, String)>,
-    /// The texts that were read; the findings point into them.
+    /// The texts that were read, which findings refer to.
     pub sources: Sources,
-    /// What was found, by place.
+    /// The findings, ordered by place.
     pub report: Report,
 }
 
-/// Makes a composite file of the first of these files, and of those among the others that it nests.
-/// Files have a path and a text.
+/// Converts the first of these SCDL files to a composite file, together with those of the others that it nests. Each
+/// file is given by its path and text.
 pub fn import(files: &[(String, String)], catalogue: &dyn Catalogue) -> Imported {
     let mut sources = Sources::new();
     let mut report = Report::new();
@@ -59,18 +58,18 @@ pub fn import(files: &[(String, String)], catalogue: &dyn Catalogue) -> Imported
 }
 
 struct ImportVisit<'v> {
-    /// Composites by name, with what was found in them; each is taken once.
+    /// Composites that were read and not yet visited, by name, with their findings.
     known: BTreeMap<String, (ScdlComposite, Report)>,
     catalogue: &'v dyn Catalogue,
     report: Report,
-    /// Composites that are resolved.
+    /// Resolved composites, by name.
     done: BTreeMap<String, ScdlComposite>,
-    /// Their names, nested ones before those that nest them.
+    /// Names of the resolved composites, nested ones before those that nest them.
     order: Vec<String>,
 }
 
 impl ImportVisit<'_> {
-    /// The nested ones first, since they say what can be wired to them.
+    /// Resolves a composite after those that it nests, because they declare the services that can be wired.
     fn composite(&mut self, mut composite: ScdlComposite) {
         self.include(&mut composite);
         for component in &composite.components {
@@ -86,7 +85,7 @@ impl ImportVisit<'_> {
         self.done.insert(name, composite);
     }
 
-    /// Composite files, nested ones first.
+    /// The composite files, nested ones first.
     fn files(&mut self) -> Vec<(String, String)> {
         let mut files = Vec::new();
         for name in &self.order {
@@ -98,14 +97,14 @@ impl ImportVisit<'_> {
         files
     }
 
-    /// A composite that is read for the first time.
+    /// Takes a composite that has not been visited yet.
     fn take(&mut self, name: &str) -> Option<ScdlComposite> {
         let (composite, report) = self.known.remove(name)?;
         self.report.extend(report);
         Some(composite)
     }
 
-    /// Puts what is included in its place.
+    /// Replaces includes by the contents of the included composites.
     fn include(&mut self, composite: &mut ScdlComposite) {
         let mut open = std::mem::take(&mut composite.includes);
         while let Some(name) = open.pop() {

@@ -1,5 +1,5 @@
-//! SCDL, the XML in which the Service Component Architecture writes composites: read into composites
-//! of this engine, and written from them. And CPF, that in which Orocos RTT keeps properties.
+//! Converts between SCDL, the XML of the Service Component Architecture, and composite files; and reads CPF, the XML in
+//! which Orocos RTT stores properties.
 
 mod codes;
 mod cpf;

@@ -1,17 +1,15 @@
-//! A composite as SCDL has it; every part knows its place in the file it was read from.
+//! The SCDL model of a composite; every part has its place in the file it was read from.
 
 use asmotion_assembly::At;
 
-/// A `<composite>`.
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlComposite {
-    /// Its name.
     pub name: At<String>,
     /// `targetNamespace`.
     pub namespace: Option<At<String>>,
     /// `<documentation>`.
     pub doc: Option<String>,
-    /// Whether references find their services by themselves.
+    /// `autowire`: references find their services by interface.
     pub autowire: bool,
     /// `<include name>`.
     pub includes: Vec<At<String>>,
@@ -25,20 +23,18 @@ pub(crate) struct ScdlComposite {
     pub references: Vec<ScdlContract>,
     /// `<wire>`, and the targets of references.
     pub wires: Vec<ScdlWire>,
-    /// What has no counterpart, as it is written.
+    /// Elements and attributes without a counterpart, as written.
     pub notes: Vec<String>,
 }
 
-/// A `<component>`.
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlComponent {
-    /// Its name.
     pub name: At<String>,
     /// `<documentation>`.
     pub doc: Option<String>,
-    /// Whether its references find their services by themselves, where it says so.
+    /// `autowire`: its references find their services by interface; `None` if not specified.
     pub autowire: Option<bool>,
-    /// What it is made of.
+    /// `<implementation.…>`; `None` if it is missing.
     pub implementation: Option<ScdlImplementation>,
     /// `<service>`.
     pub services: Vec<ScdlContract>,
@@ -46,11 +42,11 @@ pub(crate) struct ScdlComponent {
     pub references: Vec<ScdlContract>,
     /// `<property>`.
     pub properties: Vec<ScdlProperty>,
-    /// What has no counterpart, as it is written.
+    /// Elements and attributes without a counterpart, as written.
     pub notes: Vec<String>,
 }
 
-/// What a component is made of.
+/// The implementation of a component.
 #[derive(Clone, Debug)]
 pub(crate) enum ScdlImplementation {
     /// `<implementation.java class>`.
@@ -66,48 +62,46 @@ pub(crate) enum ScdlImplementation {
 /// A `<service>` or `<reference>`, of a component or of the composite.
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlContract {
-    /// Its name.
     pub name: At<String>,
-    /// Its interface, where it is said.
+    /// `<interface.…>`; `None` until it is known.
     pub interface: Option<ScdlInterface>,
-    /// How others reach it, or it reaches others.
+    /// `<binding.…>`: transports over which it is provided or called.
     pub bindings: Vec<ScdlBinding>,
-    /// `promote`: what of the components it is.
+    /// `promote`: the services or references of components that it promotes.
     pub promote: Vec<ScdlTarget>,
-    /// `target`: who answers.
+    /// `target`: the services that it calls.
     pub targets: Vec<ScdlTarget>,
     /// `multiplicity`.
     pub multiplicity: ScdlMultiplicity,
-    /// Whether it finds its service by itself, where it says so.
+    /// `autowire`: finds its service by interface; `None` if not specified.
     pub autowire: Option<bool>,
-    /// What has no counterpart, as it is written.
+    /// Elements and attributes without a counterpart, as written.
     pub notes: Vec<String>,
 }
 
-/// An interface and the one that is called back.
+/// An interface, and optionally the interface for calls in the other direction.
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlInterface {
-    /// Its name as composites have it: `nav/MapService`.
+    /// Name as in composite files, for example `nav/MapService`.
     pub name: At<String>,
-    /// The interface that is called back.
+    /// `callbackInterface`.
     pub callback: Option<At<String>>,
 }
 
-/// A way to a service.
+/// A `<binding.…>` of a service or reference.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ScdlBinding {
-    /// What it goes over.
     pub over: ScdlTransport,
-    /// `uri`: where it is called over HTTP, where it says.
+    /// `uri`: HTTP address of the service; `None` if not specified.
     pub uri: Option<At<String>>,
 }
 
-/// What messages of a service go over.
+/// The transport of a binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ScdlTransport {
-    /// `binding.sca`: whatever the runtime has.
+    /// `binding.sca`: left to the runtime.
     Sca,
-    /// `binding.ws`, and others over HTTP.
+    /// `binding.ws`, `binding.rest` and `binding.jsonrpc`.
     Http,
     /// `binding.jms`.
     Jms,
@@ -115,17 +109,17 @@ pub(crate) enum ScdlTransport {
     Rmi,
 }
 
-/// How many services a reference takes.
+/// Number of services of a reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ScdlMultiplicity {
-    /// It can do without.
+    /// The lower bound is 0.
     pub optional: bool,
-    /// It takes several.
+    /// The upper bound is `n`.
     pub many: bool,
 }
 
 impl ScdlMultiplicity {
-    /// As SCDL writes it.
+    /// The multiplicity as written in SCDL.
     pub(crate) fn word(self) -> &'static str {
         match (self.optional, self.many) {
             (false, false) => "1..1",
@@ -139,37 +133,32 @@ impl ScdlMultiplicity {
 /// A `<property>`: declared by a composite, or set for a component.
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlProperty {
-    /// Its name.
     pub name: At<String>,
-    /// Its type, without the prefix.
+    /// `type`, without the prefix.
     pub kind: Option<At<String>>,
-    /// Its values.
+    /// The values as written.
     pub values: Vec<At<String>>,
-    /// Whether it has several values.
+    /// `many`: the property is a list.
     pub many: bool,
-    /// `source`: the property of the composite it takes its value from.
+    /// `source`: the property of the composite that supplies the value.
     pub source: Option<At<String>>,
-    /// Whether somebody outside must set it.
+    /// `mustSupply`: the property has no default.
     pub must_supply: bool,
-    /// What has no counterpart, as it is written.
+    /// Elements and attributes without a counterpart, as written.
     pub notes: Vec<String>,
 }
 
-/// A wire from a reference to a service.
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlWire {
-    /// The reference.
     pub source: ScdlTarget,
-    /// The service.
     pub target: ScdlTarget,
 }
 
-/// `Component/name`, or a component alone.
+/// An end of a wire: `Component/name`, or a component alone.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ScdlTarget {
-    /// The component.
     pub component: At<String>,
-    /// Its service or reference, where it is said.
+    /// The service or reference; `None` until it is known.
     pub name: Option<At<String>>,
 }
 

@@ -1,21 +1,21 @@
-//! Names there and here: Java writes `nav.MapService`, a composite `nav/MapService` and `nav::MapServer`.
+//! Converts names: Java's `nav.MapService` is `nav/MapService` or `nav::MapServer` in a composite file.
 
-/// The interface that a Java interface is.
+/// Converts a Java interface to the name of an interface.
 pub(crate) fn interface(java: &str) -> String {
     java.replace('.', "/")
 }
 
-/// The Java interface that an interface is.
+/// Converts the name of an interface to a Java interface.
 pub(crate) fn java_interface(interface: &str) -> String {
     interface.replace('/', ".")
 }
 
-/// The component of the build that a Java class is.
+/// Converts a Java class to the name of an implementation.
 pub(crate) fn component(class: &str) -> String {
     class.replace('.', "::")
 }
 
-/// The Java class that a component of the build is.
+/// Converts the name of an implementation to a Java class.
 pub(crate) fn class(component: &str) -> String {
     component.replace("::", ".")
 }
@@ -25,7 +25,7 @@ pub(crate) fn simple(name: &str) -> &str {
     name.rsplit([':', '/', '.']).next().unwrap_or(name)
 }
 
-/// The name as composites allow it: an NCName of XML may have dots.
+/// Replaces the characters that a composite file does not allow in names: an XML NCName may contain dots.
 pub(crate) fn thing(name: &str) -> String {
     let allowed = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
     let name = name.chars();
@@ -37,24 +37,24 @@ pub(crate) fn thing(name: &str) -> String {
     }
 }
 
-/// The file of the composite of this name.
+/// Name of a composite's file.
 pub(crate) fn file(composite: &str) -> String {
     format!("{}.composite.toml", thing(composite))
 }
 
-/// The name of the composite in this file.
+/// Name of the composite in a file.
 pub(crate) fn of_file(file: &str) -> &str {
     let name = file.rsplit('/').next().unwrap_or(file);
     let name = name.strip_suffix(".toml").unwrap_or(name);
     name.strip_suffix(".composite").unwrap_or(name)
 }
 
-/// The reference through which a provider calls back, or the service that is called back.
+/// Name of the callback of a service or reference.
 pub(crate) fn callback(of: &str) -> String {
     format!("{of}_callback")
 }
 
-/// The environment variable for the password of somebody.
+/// Name of the environment variable that replaces the password of a component.
 pub(crate) fn password_variable(of: &str) -> String {
     let letters = of
         .chars()

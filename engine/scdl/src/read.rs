@@ -1,4 +1,5 @@
-//! XML → [`ScdlComposite`]. Whatever is not asked for is a finding, and kept as it is written.
+//! Reads XML as a [`ScdlComposite`]. Elements and attributes that no function asks for are findings, and kept as
+//! written.
 
 use crate::codes::x002::NotScdl;
 use crate::codes::x003::MissingAttribute;
@@ -15,14 +16,14 @@ use crate::model::{
 use crate::xml::{self, XmlElement};
 use crate::{name, value};
 
-/// The namespaces of the Service Component Architecture, first to last.
+/// The namespaces of the Service Component Architecture, oldest first.
 const NAMESPACES: &[&str] = &[
     "http://www.osoa.org/xmlns/sca/1.0",
     "http://docs.oasis-open.org/ns/opencsa/sca/200903",
     "http://docs.oasis-open.org/ns/opencsa/sca/200912",
 ];
 
-/// Reads a composite; `None` where the text is none.
+/// Reads a composite. Returns `None` after an error.
 pub(crate) fn composite(file: FileId, text: &str, report: &mut Report) -> Option<ScdlComposite> {
     let root = match xml::parse(file, text) {
         Ok(root) => root,
@@ -44,7 +45,7 @@ fn read(asked: &mut ElementReader<'_, '_>) -> ScdlComposite {
     let name = asked.name();
     let namespace = asked.attribute("targetNamespace");
     let autowire = asked.flag("autowire").unwrap_or(false);
-    // a composite of one process is the only kind that there is here
+    // accepted without effect: all composites run in one process here
     asked.attribute("local");
     ScdlComposite {
         name,
@@ -74,7 +75,7 @@ fn component(asked: &mut ElementReader<'_, '_>) -> ScdlComponent {
     }
 }
 
-/// The name without its prefix, at the place of that part.
+/// Removes the prefix of a name and adjusts its place.
 fn simple(name: At<String>) -> At<String> {
     let short = name::simple(&name).to_owned();
     At::new(short, name.span)
@@ -106,7 +107,7 @@ fn contract(asked: &mut ElementReader<'_, '_>) -> ScdlContract {
     let wsdl = asked.each("interface.wsdl", wsdl_interface);
     let callbacks = asked.each("callback", |_| ());
     if !callbacks.is_empty() {
-        // it says over what is called back; that is the wire's business here
+        // the binding of a callback is determined by its wire here
         asked.note("callback");
     }
     ScdlContract {
@@ -123,7 +124,7 @@ fn contract(asked: &mut ElementReader<'_, '_>) -> ScdlContract {
 
 fn java_interface(asked: &mut ElementReader<'_, '_>) -> ScdlInterface {
     let here = |java: At<String>| java.map(|java| name::interface(&java));
-    // said by annotations of the interface, which is somebody else's file
+    // accepted without effect: usually an annotation of the Java interface
     asked.attribute("remotable");
     ScdlInterface {
         name: here(asked.needed("interface")),
@@ -131,7 +132,7 @@ fn java_interface(asked: &mut ElementReader<'_, '_>) -> ScdlInterface {
     }
 }
 
-/// `http://maps.example#wsdl.interface(MapService)`.
+/// Converts `http://maps.example#wsdl.interface(MapService)` to `wsdl/MapService`.
 fn wsdl_interface(asked: &mut ElementReader<'_, '_>) -> ScdlInterface {
     let here = |wsdl: At<String>| {
         let name = wsdl.rsplit(['(', '#']).next().unwrap_or("");
@@ -149,8 +150,8 @@ fn wsdl_interface(asked: &mut ElementReader<'_, '_>) -> ScdlInterface {
     }
 }
 
-/// The ways to a service, each once. What is promoted keeps all of them, and a gateway says where it is called; a wire goes
-/// over one, and leaves HTTP to those outside.
+/// Reads the bindings of a contract without duplicates. A promotion keeps all of them; a wire uses one, and never HTTP,
+/// which is for clients outside.
 fn bindings(asked: &mut ElementReader<'_, '_>, promoted: bool) -> Vec<ScdlBinding> {
     const BINDINGS: &[(&str, ScdlTransport)] = &[
         ("binding.sca", ScdlTransport::Sca),
@@ -228,7 +229,7 @@ fn property(asked: &mut ElementReader<'_, '_>) -> ScdlProperty {
     }
 }
 
-/// A simple type of XML Schema; others have no counterpart.
+/// A simple type of XML Schema; other types have no counterpart.
 fn simple_type(asked: &mut ElementReader<'_, '_>, kind: At<String>) -> Option<At<String>> {
     let simple = simple(kind.clone());
     if value::scalar(&simple).is_none() {
@@ -238,7 +239,7 @@ fn simple_type(asked: &mut ElementReader<'_, '_>, kind: At<String>) -> Option<At
     Some(simple)
 }
 
-/// `$place`; a path into a structured property has no counterpart.
+/// Reads `$place`, a reference to a property; a path into a structured property has no counterpart.
 fn dollar(asked: &mut ElementReader<'_, '_>, source: At<String>) -> Option<At<String>> {
     match source.strip_prefix('$') {
         Some(name) if !name.contains('/') => Some(At::new(name.to_owned(), source.span)),
@@ -256,7 +257,7 @@ fn wire(asked: &mut ElementReader<'_, '_>) -> Option<ScdlWire> {
     Some(ScdlWire { source, target })
 }
 
-/// `Component/service`; SCA 1.1 may name a binding behind that, which has no counterpart.
+/// Reads `Component/service`; the name of a binding after it, as SCA 1.1 allows, has no counterpart.
 fn target(text: At<String>) -> ScdlTarget {
     let mut parts = text.split('/');
     let at = |part: &str| {
@@ -268,7 +269,7 @@ fn target(text: At<String>) -> ScdlTarget {
     let component = at(parts.next().unwrap_or(""));
     let name = parts.next().map(|name| {
         let mut found = at(name);
-        // behind the component, also where both have one name
+        // the name follows the component; a search would fail if both are equal
         found.span.start = component.span.end + 1;
         found.span.end = found.span.start + name.len() as u32;
         found
@@ -276,15 +277,15 @@ fn target(text: At<String>) -> ScdlTarget {
     ScdlTarget { component, name }
 }
 
-/// An element being read: what was asked for is what is known.
+/// Reads an element and records which attributes and children were asked for; the rest is unknown.
 struct ElementReader<'e, 'r> {
     element: &'e XmlElement,
     report: &'r mut Report,
     attributes: Vec<&'static str>,
-    /// Names of children, and how many of them are known.
+    /// Names of children that were asked for, with their number.
     children: Vec<(&'static str, usize)>,
     notes: Vec<String>,
-    /// Whether the rest was looked at.
+    /// Set once the unknown rest has been reported.
     done: bool,
 }
 
@@ -321,7 +322,7 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         })
     }
 
-    /// The `name`, as composites allow it.
+    /// The `name` attribute, adjusted to the rules of composite files.
     fn name(&mut self) -> At<String> {
         let written = self.needed("name");
         let renamed = name::thing(&written);
@@ -349,7 +350,7 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         }
     }
 
-    /// Names with space in between: `Component/service`.
+    /// A list of targets separated by white space, such as `Component/service`.
     fn targets(&mut self, name: &'static str) -> Vec<ScdlTarget> {
         let Some(text) = self.attribute(name) else {
             return Vec::new();
@@ -373,7 +374,7 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         (!docs.is_empty()).then(|| docs.join(" "))
     }
 
-    /// Every child of this name.
+    /// Reads every child with this name.
     fn each<T>(
         &mut self,
         name: &'static str,
@@ -392,7 +393,7 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         read
     }
 
-    /// Children of this name have no counterpart, although they were read.
+    /// Reports the children with this name as unknown although they were read.
     fn note(&mut self, name: &'static str) {
         self.children.retain(|(known, _)| *known != name);
     }
@@ -407,14 +408,14 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         self.report.push(finding.diagnostic());
     }
 
-    /// This has no counterpart.
+    /// Reports and keeps a part without a counterpart.
     fn keep(&mut self, what: &str, at: asmotion_diagnostics::Span) {
         let what = what.to_owned();
         self.notes.push(what.clone());
         self.report.push(NoCounterpart { what, at }.diagnostic());
     }
 
-    /// Whatever was not asked for; once, however often this is called.
+    /// Reports and returns all unknown attributes and children, on the first call only.
     fn rest(&mut self) -> Vec<String> {
         if std::mem::replace(&mut self.done, true) {
             return Vec::new();

@@ -1,5 +1,5 @@
-//! What SCDL leaves to the implementation, or to the runtime: services and references that are not
-//! listed, targets without a service, interfaces, callbacks, autowire.
+//! Completes what SCDL leaves to the implementation or the runtime: services and references that are not listed,
+//! targets without a service, interfaces, callbacks, and autowire.
 
 use crate::codes::x006::UnknownScdlName;
 use crate::codes::x009::AmbiguousAutowire;
@@ -14,7 +14,7 @@ use crate::model::{
 };
 use crate::name;
 
-/// Finds out what a composite leaves open. `nested` are those that were resolved before.
+/// Completes a composite. `nested` contains the composites resolved before.
 pub(crate) fn resolve(
     composite: &mut ScdlComposite,
     nested: &BTreeMap<String, ScdlComposite>,
@@ -34,7 +34,7 @@ pub(crate) fn resolve(
     interfaces(composite);
 }
 
-/// A service or reference that is named nowhere but where it is used.
+/// A service or reference that is declared nowhere but in its use.
 pub(crate) fn contract(name: At<String>, interface: Option<ScdlInterface>) -> ScdlContract {
     ScdlContract {
         name,
@@ -48,7 +48,7 @@ pub(crate) fn contract(name: At<String>, interface: Option<ScdlInterface>) -> Sc
     }
 }
 
-/// What the implementation says of itself: a component of the build, or a composite.
+/// Adds the services and references that the implementation declares: a built-in component or a composite.
 fn declared(
     component: &mut ScdlComponent,
     nested: &BTreeMap<String, ScdlComposite>,
@@ -86,7 +86,7 @@ fn declared(
     complete(&mut component.references, references);
 }
 
-/// Adds what is declared to what is listed. Says whether that was news.
+/// Adds declared contracts to the listed ones, and interfaces to those that lack one. Returns whether anything changed.
 pub(crate) fn complete(listed: &mut Vec<ScdlContract>, declared: Vec<ScdlContract>) -> bool {
     let mut news = false;
     for declared in declared {
@@ -111,7 +111,7 @@ pub(crate) fn complete(listed: &mut Vec<ScdlContract>, declared: Vec<ScdlContrac
     news
 }
 
-/// The wires that stand at references.
+/// Converts the targets of references to wires.
 fn targets(composite: &mut ScdlComposite) -> Vec<ScdlWire> {
     let mut wires = Vec::new();
     for component in &mut composite.components {
@@ -128,7 +128,7 @@ fn targets(composite: &mut ScdlComposite) -> Vec<ScdlWire> {
     wires
 }
 
-/// Wires the references that find their service by themselves: the one with their interface.
+/// Wires each reference with `autowire` to the only service with its interface.
 fn autowire(composite: &mut ScdlComposite, report: &mut Report) {
     let mut wires = Vec::new();
     for component in &composite.components {
@@ -172,7 +172,7 @@ fn autowire(composite: &mut ScdlComposite, report: &mut Report) {
     composite.wires.append(&mut wires);
 }
 
-/// The services of others that have the interface of a reference.
+/// The services of other components that have the interface of a reference.
 fn answering(
     composite: &ScdlComposite,
     of: &ScdlComponent,
@@ -193,7 +193,7 @@ fn answering(
     .collect()
 }
 
-/// Which of the two lists of a component is meant.
+/// Selects the services or the references of a component.
 #[derive(Clone, Copy)]
 pub(crate) enum ContractSide {
     Service,
@@ -223,7 +223,7 @@ impl ContractSide {
     }
 }
 
-/// Says which service and reference a wire means; `false` where a component is not there.
+/// Completes both ends of a wire. Returns `false` if a component does not exist.
 fn wire(composite: &mut ScdlComposite, wire: &mut ScdlWire, report: &mut Report) -> bool {
     let source = end(
         composite,
@@ -265,8 +265,8 @@ fn find<'c>(
     side.of(component).iter().find(|it| it.name.value == name)
 }
 
-/// Names the end where only its component is named, and lists it with its component. `like` is the
-/// reference that is to be answered.
+/// Completes an end that names only its component, and lists the service or reference there. `like` describes the
+/// reference to be wired.
 fn end(
     composite: &mut ScdlComposite,
     end: &mut ScdlTarget,
@@ -306,8 +306,8 @@ fn end(
     true
 }
 
-/// Which of the listed ones is meant where none is named: the only one, the one with the interface, or
-/// the one that Java would name after the interface.
+/// Selects the contract for an end that names none: the only one, the one with the interface, or the one that Java
+/// would name after the interface.
 fn meant(
     listed: &[ScdlContract],
     like: Option<(At<String>, Option<ScdlInterface>)>,
@@ -333,7 +333,7 @@ fn meant(
     }
 }
 
-/// Says which services and references are promoted; a promotion of nothing goes.
+/// Completes the ends of promotions; removes promotions of unknown components.
 fn promote(composite: &mut ScdlComposite, report: &mut Report) {
     for side in [ContractSide::Service, ContractSide::Reference] {
         let mut promotions = std::mem::take(side.promoted(composite));
@@ -347,7 +347,7 @@ fn promote(composite: &mut ScdlComposite, report: &mut Report) {
     }
 }
 
-/// Whatever is joined has one interface: who says it tells the others, until nobody hears anything new.
+/// Propagates interfaces along wires and promotions until nothing changes: connected contracts have the same interface.
 pub(crate) fn interfaces(composite: &mut ScdlComposite) {
     loop {
         let mut news = false;
@@ -396,7 +396,7 @@ pub(crate) fn interface(
         .clone()
 }
 
-/// Tells each end what the other one knows.
+/// Propagates the interface of each end to the other. Returns whether anything changed.
 fn agree(composite: &mut ScdlComposite, ends: &[(&ScdlTarget, ContractSide); 2]) -> bool {
     let mut news = false;
     let [one, other] = *ends;

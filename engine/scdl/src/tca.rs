@@ -1,7 +1,7 @@
-//! The ten properties of a component of the Task Component Architecture, and the task that they are.
+//! The ten properties of a component of the Task Component Architecture, and the task that they describe.
 //!
-//! Six are required: `id`, `period`, `delay`, `runOnStartup`, `mayInterruptIfRunning`, `useJMS`. With
-//! `useJMS`, `user`, `password` and `url` say which broker; `topicRename` has pairs of names.
+//! Six are required: `id`, `period`, `delay`, `runOnStartup`, `mayInterruptIfRunning`, `useJMS`. With `useJMS`, `user`,
+//! `password` and `url` describe the broker; `topicRename` contains pairs of names.
 
 use crate::codes::x005::PasswordInScdl;
 use crate::codes::x007::WrongAttributeValue;
@@ -12,7 +12,7 @@ use crate::model::{ScdlComponent, ScdlProperty};
 use crate::name;
 use crate::value::names_variable;
 
-/// The properties that make a component a task.
+/// The properties that mark a component as a task.
 const REQUIRED: [&str; 6] = [
     "id",
     "period",
@@ -22,17 +22,17 @@ const REQUIRED: [&str; 6] = [
     "useJMS",
 ];
 
-/// Where a broker is that nobody names.
+/// The broker of a task that specifies no `url`.
 pub(crate) const BROKER: &str = "${ASMOTION_BUS:-amqp://guest:guest@127.0.0.1:5672/%2f}";
 
-/// A time: so many milliseconds, or as a property of the composite says.
+/// A time in milliseconds, or the property of the composite that supplies it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum TcaTime {
     Milliseconds(i64),
     Property(At<String>),
 }
 
-/// What the ten properties say.
+/// The contents of the ten properties.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TcaTask {
     pub id: String,
@@ -40,13 +40,13 @@ pub(crate) struct TcaTask {
     pub delay: TcaTime,
     pub run_on_startup: bool,
     pub may_interrupt_if_running: bool,
-    /// The address of the broker as composites write it, where the task has one.
+    /// Address of the broker as in composite files; `None` without `useJMS`.
     pub broker: Option<String>,
-    /// `topicRename`: the name in the component, and the topic.
+    /// `topicRename`: pairs of a name in the component and a topic.
     pub rename: Vec<(String, String)>,
 }
 
-/// Takes the ten properties out of a component that has the required ones.
+/// Removes the ten properties from a component that has the required ones.
 pub(crate) fn take(component: &mut ScdlComponent, report: &mut Report) -> Option<TcaTask> {
     let has = |name: &&str| {
         component
@@ -69,7 +69,7 @@ pub(crate) fn take(component: &mut ScdlComponent, report: &mut Report) -> Option
         delay,
         run_on_startup,
         may_interrupt_if_running,
-        // without a broker, what would say which one stays a property, so that nothing is lost
+        // without a broker, its properties remain in the component, so that nothing is lost
         broker: uses_broker.then(|| ten.broker()),
         rename: ten.rename(),
     })
@@ -127,7 +127,7 @@ impl TcaProperties<'_> {
         T::default()
     }
 
-    /// `user`, `password` and `url` as one address; a password becomes a variable of the environment.
+    /// Combines `user`, `password` and `url` into one address; a literal password becomes an environment variable.
     fn broker(&mut self) -> String {
         let Some(url) = self.text("url") else {
             return BROKER.to_owned();
@@ -144,7 +144,7 @@ impl TcaProperties<'_> {
         )
     }
 
-    /// The variable that takes the place of a password.
+    /// Reports a literal password and returns the variable that replaces it.
     fn hide(&mut self, at: Span) -> String {
         let of = self.component.name.value.clone();
         let variable = name::password_variable(&of);
@@ -154,7 +154,7 @@ impl TcaProperties<'_> {
         shown
     }
 
-    /// `trajectory=plan`, a value each; or both names one after the other.
+    /// Reads `trajectory=plan` values, or lists in which both names follow each other.
     fn rename(&mut self) -> Vec<(String, String)> {
         let Some(property) = self.take("topicRename") else {
             return Vec::new();
@@ -183,7 +183,7 @@ impl TcaProperties<'_> {
     }
 }
 
-/// `scheme://user:password@host`.
+/// Builds `scheme://user:password@host`.
 fn address(url: &str, user: Option<&str>, password: Option<&str>) -> String {
     let Some((scheme, host)) = url.split_once("://") else {
         return url.to_owned();
@@ -196,7 +196,7 @@ fn address(url: &str, user: Option<&str>, password: Option<&str>) -> String {
     }
 }
 
-/// An address taken apart: `url`, `user`, `password`. A password that is written out is left out.
+/// Splits an address into `url`, `user` and `password`. A literal password is left out.
 fn apart(address: &str) -> [(&'static str, Option<String>); 3] {
     let parts = || {
         let (scheme, rest) = address.split_once("://")?;
@@ -219,7 +219,7 @@ fn apart(address: &str) -> [(&'static str, Option<String>); 3] {
     [("user", user), ("password", password), ("url", Some(url))]
 }
 
-/// The colon between user and password; one may also stand in the default of a variable.
+/// Position of the colon between user and password; colons in the default of a variable do not count.
 fn colon(who: &str) -> Option<usize> {
     let mut depth = 0_u32;
     let colon = who.char_indices().find(|(_, letter)| {
@@ -233,7 +233,7 @@ fn colon(who: &str) -> Option<usize> {
     colon.map(|(at, _)| at)
 }
 
-/// Whether a password is written out in an address.
+/// Returns whether an address contains a literal password.
 pub(crate) fn has_password(address: &str) -> bool {
     let who = address
         .split_once("://")
@@ -242,7 +242,7 @@ pub(crate) fn has_password(address: &str) -> bool {
     password.is_some_and(|password| !names_variable(password))
 }
 
-/// The ten properties that say this, in the order of the paper.
+/// The ten properties of a task, in the order of the paper.
 pub(crate) fn properties(task: &TcaTask, at: Span) -> Vec<ScdlProperty> {
     let one = |name: &str, value: &str| property(name, vec![value.to_owned()], at);
     let time = |name: &str, time: &TcaTime| match time {

@@ -1,4 +1,4 @@
-//! A completed composite as the text of a composite file.
+//! Writes a completed composite as the text of a composite file.
 
 mod promotions;
 
@@ -22,10 +22,10 @@ use crate::model::{
 use crate::tca::{self, TcaTask, TcaTime};
 use crate::{name, value};
 
-/// How long a call waits where SCDL, which knows no deadlines, says nothing.
+/// Timeout of calls in imported wires, in milliseconds, because SCDL has no deadlines.
 pub(crate) const TIMEOUT_MS: u64 = 1000;
 
-/// The text of a composite. `nested` are those that were completed before.
+/// The text of a composite file. `nested` contains the composites completed before.
 pub(crate) fn document(
     composite: &ScdlComposite,
     nested: &BTreeMap<String, ScdlComposite>,
@@ -83,7 +83,7 @@ fn head(composite: &ScdlComposite) -> Table {
     head
 }
 
-/// A table with comments above it.
+/// Creates a table with comments above it.
 fn table<'n>(notes: impl IntoIterator<Item = &'n String>) -> Table {
     let mut table = Table::new();
     let lines = notes.into_iter().flat_map(|note| note.lines());
@@ -142,9 +142,9 @@ struct TomlWriter<'w> {
     nested: &'w BTreeMap<String, ScdlComposite>,
     catalogue: &'w dyn Catalogue,
     report: &'w mut Report,
-    /// The addresses of brokers.
+    /// Addresses of the brokers that were needed so far; the position determines the name.
     brokers: Vec<String>,
-    /// Where gateways listen.
+    /// Addresses of the gateways that were needed so far; the position determines the name.
     gateways: Vec<String>,
 }
 
@@ -166,7 +166,7 @@ impl TomlWriter<'_> {
         if let Some(task) = task {
             self.task(&component, task, &mut table);
         }
-        // a nested composite says this in its own file
+        // a nested composite declares these in its own file
         if !matches!(
             component.implementation,
             Some(ScdlImplementation::Composite(_))
@@ -214,7 +214,7 @@ impl TomlWriter<'_> {
         }
     }
 
-    /// Which way topics go, and what is on them, only the implementation knows.
+    /// Writes renamed topics as ports. Only the declaration of a built-in component tells their direction and type.
     fn topics(
         &mut self,
         component: &ScdlComponent,
@@ -248,7 +248,7 @@ impl TomlWriter<'_> {
         }
     }
 
-    /// The name of the broker at this address.
+    /// Name of the broker with this address, which is added if need be.
     fn broker(&mut self, url: String) -> String {
         let known = self.brokers.iter().position(|known| *known == url);
         broker_name(known.unwrap_or_else(|| {
@@ -279,7 +279,7 @@ impl TomlWriter<'_> {
         Some((name, value))
     }
 
-    /// `source="$x"` names a property of the composite.
+    /// Writes `source="$x"` as a reference to a property of the composite.
     fn source(&mut self, source: &At<String>) -> Value {
         let value = Value::from(format!("${{properties.{}}}", source.value));
         let mut known = self.composite.properties.iter().map(|it| &it.name);
@@ -300,7 +300,7 @@ impl TomlWriter<'_> {
         value
     }
 
-    /// The type of a component's property, as far as anybody says.
+    /// The type of a component's property, from the property itself or from the nested composite.
     fn kind(&self, component: &ScdlComponent, property: &ScdlProperty) -> Option<Scalar> {
         if let Some(kind) = &property.kind {
             return value::scalar(kind);
@@ -413,7 +413,7 @@ impl TomlWriter<'_> {
         wires
     }
 
-    /// What an end of a wire is bound to, if it says.
+    /// The transport that an end of a wire specifies, if any.
     fn binding(&self, end: &ScdlTarget, calls: bool) -> Option<ScdlTransport> {
         let mut components = self.composite.components.iter();
         let component = components.find(|it| it.name.value == end.component.value)?;
@@ -435,7 +435,7 @@ impl TomlWriter<'_> {
             for (index, inside) in promotion.promote.iter().enumerate() {
                 let mut table = table(promotion.notes.iter().filter(|_| index == 0));
                 table.insert(kind, item(end(inside)));
-                // one promotion promotes one thing here
+                // one promotion per service or reference
                 let name = match index {
                     0 => promotion.name.value.clone(),
                     more => format!("{}{}", promotion.name.value, more + 1),
@@ -466,7 +466,7 @@ impl TomlWriter<'_> {
     }
 }
 
-/// Whether a property holds what nobody else should read.
+/// Returns whether the name of a property suggests a secret.
 fn is_secret(property: &str) -> bool {
     let name = property.to_lowercase();
     ["password", "passwd", "secret", "token"]

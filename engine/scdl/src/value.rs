@@ -1,10 +1,10 @@
-//! Values: the simple types of XML Schema there, the types of properties here.
+//! Converts values between the simple types of XML Schema and the types of properties.
 
 use asmotion_assembly::model::Scalar;
 use asmotion_assembly::tree::{Branch, Node};
 use toml_edit::{Array, Formatted, Value};
 
-/// The type of XML Schema for each type of a property; the first of a type is the one that is written.
+/// The XML Schema types and their property types. When a property type occurs several times, its first row is written.
 const TYPES: &[(&str, Scalar)] = &[
     ("string", Scalar::Text),
     ("boolean", Scalar::Boolean),
@@ -23,24 +23,24 @@ const TYPES: &[(&str, Scalar)] = &[
     ("double", Scalar::F64),
     ("decimal", Scalar::F64),
     ("anyURI", Scalar::Uri),
-    // these two have no type of their own there
+    // XML Schema has no such types
     ("string", Scalar::Path),
     ("string", Scalar::Secret),
 ];
 
-/// The type that a type of XML Schema is.
+/// The property type for a type of XML Schema.
 pub(crate) fn scalar(xml: &str) -> Option<Scalar> {
     let found = TYPES.iter().find(|(known, _)| *known == xml);
     found.map(|(_, scalar)| *scalar)
 }
 
-/// The type of XML Schema that a type is.
+/// The type of XML Schema for a property type.
 pub(crate) fn xml_type(scalar: Scalar) -> &'static str {
     let found = TYPES.iter().find(|(_, known)| *known == scalar);
     found.map_or("string", |(xml, _)| xml)
 }
 
-/// What people call the values of a type.
+/// Description of a type's values for messages.
 pub(crate) fn wanted(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Boolean => "`true` or `false`",
@@ -51,7 +51,7 @@ pub(crate) fn wanted(scalar: Scalar) -> &'static str {
     }
 }
 
-/// The value that a text is as this type; `None` where it is none of it.
+/// Converts a text to a value of this type. Returns `None` if it is not valid.
 pub(crate) fn typed(text: &str, scalar: Scalar) -> Option<Value> {
     match scalar {
         Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => Some(verbatim(text)),
@@ -71,7 +71,7 @@ pub(crate) fn typed(text: &str, scalar: Scalar) -> Option<Value> {
     }
 }
 
-/// The value that a text is where nobody says its type: what is written as the value would be.
+/// Converts a text of unknown type: to a Boolean or a number if it looks like one, else to text.
 pub(crate) fn guessed(text: &str) -> Value {
     if let Ok(truth) = text.parse::<bool>() {
         return truth.into();
@@ -85,12 +85,12 @@ pub(crate) fn guessed(text: &str) -> Value {
     }
 }
 
-/// A number with a fraction; TOML shows a whole one with `.0`.
+/// A floating-point value, which TOML writes with `.0` even if it is whole.
 fn real(number: f64) -> Value {
     Value::Float(Formatted::new(number))
 }
 
-/// A text in which a dollar stands for itself, unless it already names a variable of the environment.
+/// A text in which `${` is escaped, unless it is an environment variable.
 fn verbatim(text: &str) -> Value {
     match names_variable(text) {
         true => text.into(),
@@ -98,7 +98,7 @@ fn verbatim(text: &str) -> Value {
     }
 }
 
-/// Whether a text is `${NAME}`.
+/// Returns whether a text has the form `${NAME}`.
 pub(crate) fn names_variable(text: &str) -> bool {
     let inner = text
         .strip_prefix("${")
@@ -108,12 +108,11 @@ pub(crate) fn names_variable(text: &str) -> bool {
     inner.is_some_and(|name| !name.is_empty() && name.chars().all(letters))
 }
 
-/// A list of values.
 pub(crate) fn list(values: impl IntoIterator<Item = Value>) -> Value {
     Value::Array(values.into_iter().collect::<Array>())
 }
 
-/// The texts of a value of a composite file; `None` where it is no value or list of values.
+/// The texts of a value or a list of values; `None` for anything else.
 pub(crate) fn texts(node: &Node) -> Option<Vec<String>> {
     match &node.value {
         Branch::List(items) => items.iter().map(text).collect(),

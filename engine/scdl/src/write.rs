@@ -1,4 +1,4 @@
-//! [`ScdlComposite`] → XML.
+//! Writes a [`ScdlComposite`] as XML.
 
 use std::io;
 
@@ -11,13 +11,13 @@ use crate::model::{
 };
 use crate::name;
 
-/// The namespace of SCA 1.1.
+/// Namespace of SCA 1.1.
 const SCA: &str = "http://docs.oasis-open.org/ns/opencsa/sca/200912";
 
-/// The types of XML Schema.
+/// Namespace of the XML Schema types.
 const XSD: &str = "http://www.w3.org/2001/XMLSchema";
 
-/// The text of a composite.
+/// The XML text of a composite.
 pub(crate) fn write(composite: &ScdlComposite) -> io::Result<String> {
     let mut xml = XmlWriter(Writer::new_with_indent(Vec::new(), b' ', 2));
     xml.0
@@ -59,7 +59,7 @@ pub(crate) fn write(composite: &ScdlComposite) -> io::Result<String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Attributes, those that there are.
+/// Names and values of attributes; those without a value are left out.
 type Attributes<'a> = [(&'a str, Option<String>)];
 
 struct XmlWriter(Writer<Vec<u8>>);
@@ -103,7 +103,7 @@ impl XmlWriter {
         }
     }
 
-    /// What SCDL cannot say, as comments.
+    /// Writes the parts that SCDL cannot express as comments.
     fn notes(&mut self, notes: &[String]) -> io::Result<()> {
         for note in notes {
             let note = format!(" {} ", note.replace("--", "- -"));

@@ -1,4 +1,4 @@
-//! XML as a tree in which every element and every attribute knows its place.
+//! Reads XML as a tree in which every element and attribute has its place.
 
 use crate::codes::x001::InvalidXml;
 use asmotion_diagnostics::{FileId, Span};
@@ -9,40 +9,37 @@ use quick_xml::reader::NsReader;
 
 use asmotion_assembly::At;
 
-/// Larger files are not composites.
+/// Limit on the size of a file, against hostile input.
 const MAX_BYTES: usize = 1 << 20;
 
-/// Deeper elements are nobody's intention.
+/// Limit on the depth of elements, against hostile input.
 const MAX_DEPTH: usize = 64;
 
-/// An element.
 #[derive(Clone, Debug)]
 pub(crate) struct XmlElement {
-    /// Its name without the prefix, at its place.
+    /// Local name, without the prefix.
     pub name: At<String>,
-    /// The namespace it is in; empty for none.
+    /// URI of the namespace; empty without one.
     pub namespace: String,
-    /// Its attributes, those that declare namespaces left out.
+    /// The attributes, except those that declare namespaces.
     pub attributes: Vec<XmlAttribute>,
-    /// The elements in it.
+    /// Child elements, in order.
     pub children: Vec<XmlElement>,
-    /// The text in it, without the space around it, and its place.
+    /// Text of the element, trimmed.
     pub text: At<String>,
-    /// The place of its start tag.
+    /// Place of the start tag.
     pub span: Span,
 }
 
-/// An attribute.
 #[derive(Clone, Debug)]
 pub(crate) struct XmlAttribute {
-    /// Its name, with its prefix.
+    /// Qualified name, with the prefix.
     pub name: String,
-    /// Its value, at its place.
     pub value: At<String>,
 }
 
 impl XmlElement {
-    /// The start tag as people write it.
+    /// The start tag, for messages.
     pub(crate) fn shown(&self) -> String {
         let attributes = self.attributes.iter();
         let attributes = attributes.map(|it| format!(" {}=\"{}\"", it.name, it.value.value));
@@ -50,7 +47,7 @@ impl XmlElement {
     }
 }
 
-/// Reads the tree of a text.
+/// Parses a text.
 pub(crate) fn parse(file: FileId, text: &str) -> Result<XmlElement, InvalidXml> {
     let syntax = |reason: String, start: usize| InvalidXml {
         reason,
@@ -122,7 +119,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> Result<XmlElement, InvalidXml> 
     }
 }
 
-/// What was read so far: the elements that are open, outermost first.
+/// Parser state: the open elements, outermost first.
 struct XmlTree {
     open: Vec<XmlElement>,
     root: Option<XmlElement>,
@@ -173,7 +170,7 @@ fn element(
         start + 1 + prefix + name.len(),
     );
     let mut attributes = Vec::new();
-    // attributes come in the order of the text, so each is found behind the one before
+    // attributes are in textual order, so each is searched for after the previous one
     let mut position = 1 + prefix + name.len();
     for attribute in tag.attributes() {
         let attribute = attribute.map_err(|error| error.to_string())?;
@@ -204,7 +201,7 @@ fn element(
     })
 }
 
-/// `&lt;`, `&#65;`.
+/// Resolves a reference such as `&lt;` or `&#65;`.
 fn character(reference: &BytesRef<'_>) -> Result<String, String> {
     if let Some(letter) = reference
         .resolve_char_ref()

@@ -1,4 +1,4 @@
-//! The pages of the codes of SCDL: what their wrong example earns, the mended one does not.
+//! The pages of the SCDL codes: the wrong example produces the code, the corrected one does not.
 #![allow(missing_docs, clippy::expect_used, reason = "tests")]
 
 mod support;
@@ -7,7 +7,7 @@ use asmotion_assembly::Tables;
 use asmotion_diagnostics::{Code, Diagnostic, Report, Severity};
 use asmotion_scdl::CODES;
 
-/// What is found in an example: SCDL that comes in, or a composite file that goes out.
+/// The findings about an example: SCDL to import, or a composite file to export.
 fn found(code: &Code, which: &str) -> Report {
     if let Some(text) = code.example(&format!("xml {which}")) {
         let files = [("example.composite".to_owned(), text.to_owned())];
@@ -44,7 +44,7 @@ fn pages_have_examples_that_are_true() {
     }
 }
 
-/// The findings of all wrong examples, as their reader sees them.
+/// Snapshot of the rendered findings of all wrong examples.
 #[test]
 fn findings_are_what_a_person_has_read() {
     let shown: Vec<String> = CODES

@@ -1,11 +1,11 @@
-//! SCDL comes in: nothing is dropped in silence, and what comes out can be checked.
+//! Imports SCDL: nothing is dropped silently, and the result passes the check.
 #![allow(missing_docs, clippy::expect_used, reason = "tests")]
 
 mod support;
 
 use support::{import, open, rendered};
 
-/// All files, and what was found.
+/// All resulting files, followed by the findings.
 fn shown(imported: &asmotion_scdl::Imported) -> String {
     let files = imported.files.iter();
     let files = files.map(|(name, text)| format!("==== {name}\n{text}"));

@@ -1,11 +1,11 @@
-//! There and back: SCDL → composite file → SCDL.
+//! Round trips: SCDL → composite file → SCDL.
 #![allow(missing_docs, clippy::expect_used, reason = "tests")]
 
 mod support;
 
 use support::{import, open, rendered, text};
 
-/// The SCDL of the first composite of an import.
+/// Exports the first composite of an import.
 fn exported(imported: &asmotion_scdl::Imported) -> asmotion_scdl::Exported {
     let opened = open(&imported.files);
     let composite = opened.composite.expect("a composite");
@@ -72,7 +72,7 @@ fn c4_all_bindings_of_a_service_come_back() {
     let said = rendered(&opened.report, &opened.sources);
     assert!(!opened.report.has_errors(), "{said}");
     let back = exported(&imported);
-    // where the broker is, which the import assumed, SCDL says of tasks alone
+    // SCDL expresses the address of a broker for tasks only; the import assumed it here
     let comment = "  <!-- the address of main -->\n";
     assert_eq!(back.text.replace(comment, ""), text("doors.composite"));
     let codes: Vec<_> = back.report.diagnostics.iter().map(|it| it.code).collect();

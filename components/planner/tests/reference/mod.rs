@@ -1,9 +1,9 @@
-//! The same questions answered the slow and obvious way.
+//! A slow and obvious reference implementation.
 
 use asmotion_geometry::{Cell, Grid, Occupancy, Point};
 use asmotion_planner::PlannerSettings;
 
-/// A grid seen by somebody in no hurry.
+/// A grid with the information the reference needs.
 pub struct Reference<'a> {
     grid: &'a Grid,
     walls: Vec<bool>,
@@ -40,8 +40,8 @@ impl<'a> Reference<'a> {
         self.tight[self.grid.layout().index(cell).unwrap()]
     }
 
-    /// The length of the shortest way with straight and diagonal steps that cuts no corner, m; none if there is none.
-    /// Relaxes every cell until nothing changes: a breadth-first search that may come again.
+    /// Length in m of the shortest path with straight and diagonal steps that cuts no corner; `None` if there is none.
+    /// Relaxes every cell until nothing changes.
     pub fn shortest(&self, start: Point, goal: Point) -> Option<f64> {
         let layout = self.grid.layout();
         let (start, goal) = (layout.cell(start)?, layout.cell(goal)?);

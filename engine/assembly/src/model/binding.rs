@@ -21,7 +21,7 @@ pub struct Bind {
     pub out: Vec<Out>,
 }
 
-/// A monitored function and where its value comes from.
+/// The binding of a monitored function.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a bound monitored function",
@@ -35,7 +35,7 @@ pub struct Monitored {
     /// Where its value comes from.
     #[key(flatten)]
     pub from: Source,
-    /// Which of the messages that came is the value in a step.
+    /// The messages that count as the value of a step.
     pub receive: Option<At<Receive>>,
     /// The same as `receive = "edge"`.
     pub edge: Option<At<bool>>,
@@ -50,15 +50,15 @@ pub struct Monitored {
     pub is: Vec<At<String>>,
     /// The value in a step without a message.
     pub none: Option<Node>,
-    /// How old the last message may be.
+    /// Age in milliseconds after which the last message is stale; unlimited if not given.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub stale_ms: Option<At<u64>>,
-    /// The value when it is older, or when none came yet.
+    /// Value if the last message is stale, or if there has been none.
     pub on_stale: Option<Node>,
 }
 
 impl Monitored {
-    /// Which of the messages that came is the value in a step.
+    /// The messages that count as the value of a step.
     pub fn received(&self) -> At<Receive> {
         let last = || At::new(Receive::default(), self.function.span);
         self.receive.clone().unwrap_or_else(last)
@@ -111,7 +111,7 @@ pub struct Published {
     /// The field that takes the value.
     #[key(example = "\"data\"")]
     pub field: Option<MessagePath>,
-    /// After which steps.
+    /// The steps after which it is published.
     #[key(name = "publish")]
     pub when: Option<At<PublishWhen>>,
 }
@@ -132,7 +132,7 @@ pub enum Action {
         /// Publishes a message: the name under `publish` or `ports.out`.
         #[key(name = "publish", example = "\"plan\"")]
         topic: At<String>,
-        /// The message.
+        /// Content of the message.
         #[key(example = "\"@path\"")]
         value: Argument,
     },
@@ -145,7 +145,7 @@ pub struct Call {
     /// Calls a service: `reference.operation`; the `component` of the end is the reference.
     #[key(name = "call", example = "\"planner.plan\"")]
     pub operation: End,
-    /// The argument.
+    /// The request.
     pub with: Option<Argument>,
     /// Name under which the reply is kept.
     #[key(example = "\"path\"")]

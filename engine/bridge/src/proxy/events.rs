@@ -1,4 +1,4 @@
-//! Events: what the proxy tells its listener of the target.
+//! Events about the target that the proxy sends to its listener.
 
 use std::time::Duration;
 
@@ -7,11 +7,11 @@ use asmotion_datum::Datum;
 
 use super::ProxyNotification;
 
-/// What is told, to whom.
+/// The listener, and the events to send.
 pub(super) struct ProxyEvents {
     listener: Required<Dynamic>,
     notify: ProxyNotification,
-    /// That nothing comes has been told, and nothing has come since.
+    /// `stale` was sent, and no sample has arrived since.
     is_stale: bool,
 }
 
@@ -26,19 +26,19 @@ impl ProxyEvents {
         }
     }
 
-    /// A command was accepted.
+    /// Sends `busy`: a command was accepted.
     pub(super) fn busy(&self, cycle: &mut Cycle<'_>) {
         if self.notify.busy {
             self.tell("busy", String::new(), cycle);
         }
     }
 
-    /// The motion has ended.
+    /// Sends `idle`: the motion has ended.
     pub(super) fn idle(&self, error: f64, cycle: &mut Cycle<'_>) {
         self.tell("idle", format!("{error:.4} from the goal"), cycle);
     }
 
-    /// A sample came. Whether it is faulty.
+    /// Sends `refresh` and `fault` as the sample requires. Returns whether the sample is faulty.
     pub(super) fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) -> bool {
         self.is_stale = false;
         let is = |condition: &Option<crate::condition::MessageCondition>| {
@@ -58,7 +58,7 @@ impl ProxyEvents {
         faulty
     }
 
-    /// How long nothing has come, where that is to be told now.
+    /// Sends `stale` if samples have just become overdue, and returns their age.
     pub(super) fn watch(&mut self, age: Duration, cycle: &mut Cycle<'_>) -> Option<Duration> {
         let limit = self.notify.stale?;
         if age < limit || self.is_stale {
@@ -69,7 +69,7 @@ impl ProxyEvents {
         Some(age)
     }
 
-    /// Whether the last sample is too old to be shown as the present.
+    /// Returns whether the newest sample is too old to be used.
     pub(super) fn is_stale(&self) -> bool {
         self.is_stale
     }

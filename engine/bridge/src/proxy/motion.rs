@@ -1,5 +1,5 @@
-//! Motions: begun by a command, ended when what is measured stays near what was commanded. (The paper's listing says
-//! `idle` when the command has been written.)
+//! Detects the end of motions: a motion begins with a command and ends when the measured values stay near the commanded
+//! ones. (In the paper's listing, `idle` follows as soon as the command has been written.)
 
 use asmotion_component::Time;
 use asmotion_datum::Datum;
@@ -7,12 +7,12 @@ use asmotion_datum::Datum;
 use super::IdleCriterion;
 use crate::fit::{SchemaMisfit, wrong_count};
 
-/// The motion under way, if one is.
+/// The current motion, if any.
 pub(super) struct MotionMonitor {
     idle: IdleCriterion,
     goal: Option<Vec<f64>>,
     near_since: Option<Time>,
-    /// How many numbers the target measures, learnt from its samples: its joints.
+    /// Number of values that the target measures, one per joint; learnt from its samples.
     count: Option<usize>,
 }
 
@@ -26,12 +26,12 @@ impl MotionMonitor {
         }
     }
 
-    /// Whether commands go through this port.
+    /// Returns whether commands go through this port.
     pub(super) fn obeys(&self, port: &str) -> bool {
         self.idle.commanded.0 == port
     }
 
-    /// A command begins a motion, and ends the one before.
+    /// A command begins a motion and ends the previous one. Fails if the number of values is wrong.
     pub(super) fn command(&mut self, message: &Datum) -> Result<(), SchemaMisfit> {
         let path = &self.idle.commanded.1;
         let goal = message.get(path).map(|goal| numbers(&goal));
@@ -44,7 +44,7 @@ impl MotionMonitor {
         Ok(())
     }
 
-    /// A sample may end the motion: then, how far from the goal it did.
+    /// Handles a sample. If it ends the motion, returns the distance from the goal.
     pub(super) fn measure(&mut self, port: &str, sample: &Datum, now: Time) -> Option<f64> {
         if self.idle.measured.0 != port {
             return None;
@@ -65,7 +65,7 @@ impl MotionMonitor {
     }
 }
 
-/// The greatest difference; infinite between different counts.
+/// The greatest absolute difference; infinite if the lengths differ.
 fn distance(measured: &[f64], goal: &[f64]) -> f64 {
     if measured.len() != goal.len() {
         return f64::INFINITY;
@@ -74,7 +74,7 @@ fn distance(measured: &[f64], goal: &[f64]) -> f64 {
         .iter()
         .zip(goal)
         .map(|(is, shall)| (is - shall).abs());
-    // not `f64::max`, which forgets a NaN
+    // not `f64::max`, which ignores NaN
     differences.fold(0.0, |greatest, next| {
         match next > greatest || next.is_nan() {
             true => next,
@@ -83,7 +83,7 @@ fn distance(measured: &[f64], goal: &[f64]) -> f64 {
     })
 }
 
-/// A number, or the numbers of a run.
+/// A number, or the numbers of a list.
 fn numbers(value: &Datum) -> Vec<f64> {
     match value.as_float() {
         Some(number) => vec![number],

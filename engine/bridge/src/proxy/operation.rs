@@ -1,4 +1,4 @@
-//! An operation that is a port.
+//! An operation that writes or reads a port.
 
 use std::collections::VecDeque;
 
@@ -10,27 +10,27 @@ use asmotion_datum::Datum;
 use super::{Mapped, ReplyMode};
 use crate::conversion::Conversion;
 
-/// What a caller hears whose command another one has replaced.
+/// Explanation for a caller whose command was replaced by another.
 pub(super) const TAKEN_BACK: &str = "another command came before the motion had ended";
 
-/// More samples than this are not kept for a reader of all of them: the oldest goes.
+/// Capacity of the buffer for [`ReplyMode::All`]; when full, the oldest sample is dropped.
 const MAX_KEPT: usize = 1024;
 
-/// An operation, with those who wait for its reply.
+/// An operation, and the requests that wait for its reply.
 pub(super) struct ProxiedOperation {
     pub port: String,
     pub conversion: Conversion,
     handle: Provided<Dynamic>,
     mode: ReplyMode,
-    /// The samples since the last call, for [`ReplyMode::All`].
+    /// Samples since the last call, for [`ReplyMode::All`].
     kept: VecDeque<Datum>,
     waiting: Vec<Waiting>,
 }
 
-/// Somebody who waits for more than that a sample was written.
+/// A request whose reply needs more than the sample being written.
 struct Waiting {
     request: RequestId,
-    /// When the sample had certainly left: the time of the cycle after the one that wrote it.
+    /// Time by which the sample had left: that of the first cycle after the one that wrote it. `None` until then.
     left: Option<Time>,
 }
 
@@ -58,7 +58,7 @@ impl ProxiedOperation {
         self.handle
     }
 
-    /// Whether it reads a port; it writes one otherwise.
+    /// `true` if the operation reads a port, `false` if it writes one.
     pub(super) fn reads(&self) -> bool {
         match self.mode {
             ReplyMode::Last | ReplyMode::All => true,
@@ -66,7 +66,7 @@ impl ProxiedOperation {
         }
     }
 
-    /// Nobody waits any longer who gave up; what the last cycle wrote has left.
+    /// Forgets cancelled requests, and marks the samples of the last cycle as having left.
     pub(super) fn settle(&mut self, cycle: &Cycle<'_>) {
         let gone = cycle.cancelled(self.handle);
         self.waiting
@@ -76,7 +76,7 @@ impl ProxiedOperation {
         }
     }
 
-    /// A command was written: who asked for it hears so now, or later.
+    /// Called when a command was written: replies at once, or queues the request until its condition holds.
     pub(super) fn accepted(&mut self, request: RequestId, cycle: &mut Cycle<'_>) {
         match self.mode {
             ReplyMode::Taken | ReplyMode::Done => self.waiting.push(Waiting {
@@ -87,7 +87,8 @@ impl ProxiedOperation {
         }
     }
 
-    /// The target has written a sample in a cycle that began then: what had left before, it has taken.
+    /// Called when the target has written a sample in a cycle that began at `began`: it has consumed all samples that
+    /// had left before.
     pub(super) fn taken(&mut self, began: Time, cycle: &mut Cycle<'_>) {
         if self.mode != ReplyMode::Taken {
             return;
@@ -99,7 +100,7 @@ impl ProxiedOperation {
         }
     }
 
-    /// The motion has ended.
+    /// Called when the motion has ended: replies to the waiting requests.
     pub(super) fn done(&mut self, cycle: &mut Cycle<'_>) {
         if self.mode != ReplyMode::Done {
             return;
@@ -109,7 +110,7 @@ impl ProxiedOperation {
         }
     }
 
-    /// The motion will not end.
+    /// Called when the motion will not reach its end: refuses the waiting requests.
     pub(super) fn refuse_waiting(&mut self, code: &str, detail: &str, cycle: &mut Cycle<'_>) {
         if self.mode != ReplyMode::Done {
             return;
@@ -119,7 +120,7 @@ impl ProxiedOperation {
         }
     }
 
-    /// Keeps a sample for whoever reads all of them.
+    /// Buffers a sample for [`ReplyMode::All`].
     pub(super) fn keep(&mut self, port: &str, sample: &Datum) {
         if self.mode != ReplyMode::All || self.port != port {
             return;
@@ -130,7 +131,7 @@ impl ProxiedOperation {
         self.kept.push_back(sample.clone());
     }
 
-    /// The result of reading.
+    /// The response of an operation that reads.
     pub(super) fn read(
         &mut self,
         port: In<Datum>,
@@ -151,7 +152,7 @@ impl ProxiedOperation {
     }
 }
 
-/// A fault that the caller is answered with.
+/// A fault as the reply to a request.
 pub(super) fn refusal(code: &str, detail: &str) -> ServiceFault {
     ServiceFault::new(code, detail)
 }

@@ -1,4 +1,4 @@
-//! What a proxy is told to do: plain data, checked by whoever reads composites.
+//! The settings of a proxy: plain data, checked by the reader of composites.
 
 use std::time::Duration;
 
@@ -7,92 +7,92 @@ use asmotion_datum::Schema;
 use crate::condition::MessageCondition;
 use crate::conversion::Conversion;
 
-/// What a proxy does.
+/// The settings of a proxy.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProxySettings {
-    /// What it reads: outputs of the target.
+    /// Outputs of the target, which the proxy reads.
     pub inputs: Vec<ProxyPort>,
-    /// What it writes: inputs of the target.
+    /// Inputs of the target, which the proxy writes.
     pub outputs: Vec<ProxyPort>,
-    /// The operations that it serves.
+    /// The operations that the proxy provides.
     pub operations: Vec<Mapped>,
-    /// Whom it tells what.
+    /// The events that it sends, and their receiver; `None` for no events.
     pub notify: Option<ProxyNotification>,
 }
 
-/// A port, with the name that it has at the target.
+/// A port of the target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProxyPort {
-    /// Its name.
+    /// Name of the port at the target.
     pub name: String,
-    /// What its messages look like, as the target declares them.
+    /// Schema of its messages, as declared by the target.
     pub message: Schema,
 }
 
-/// An operation that is a port.
+/// An operation that is mapped to a port.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mapped {
-    /// The service it belongs to.
+    /// Name of the service that contains the operation.
     pub service: String,
-    /// The interface of the service.
+    /// Interface of the service.
     pub interface: String,
-    /// Its name.
+    /// Name of the operation within the interface.
     pub operation: String,
-    /// The port.
+    /// Name of the target's port.
     pub port: String,
-    /// How it uses the port.
+    /// Use of the port, and meaning of a reply.
     pub mode: ReplyMode,
-    /// From argument to message, or from message to result.
+    /// Conversion from the request to the message, or from the message to the response.
     pub conversion: Conversion,
 }
 
-/// How an operation uses a port.
+/// The use of a port by an operation, and the meaning of a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReplyMode {
-    /// It writes; a reply means that the sample is on its way.
+    /// Writes; the reply means that the sample was written.
     OneWay,
-    /// It writes; a reply means that the target has taken the sample.
+    /// Writes; the reply means that the target has consumed the sample.
     Taken,
-    /// It writes; a reply means that the motion has ended.
+    /// Writes; the reply means that the motion has ended.
     Done,
-    /// It reads the last sample.
+    /// Reads the newest sample.
     Last,
-    /// It reads all samples since the last call.
+    /// Reads all samples since the last call.
     All,
 }
 
-/// Whom a proxy tells what.
+/// The events that a proxy sends, and their receiver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProxyNotification {
-    /// The reference it calls.
+    /// Name of the reference that the events are sent through.
     pub reference: String,
-    /// The interface of the reference.
+    /// Interface of the reference.
     pub interface: String,
-    /// The operation it calls.
+    /// Name of the operation that is called for each event.
     pub operation: String,
-    /// From `{ event, detail }` to the argument of the operation.
+    /// Conversion from `{ event, detail }` to the operation's request.
     pub conversion: Conversion,
-    /// Whether `busy` is told: a command was accepted.
+    /// Send `busy` when a command is accepted.
     pub busy: bool,
-    /// Whether and when `idle` is told: the motion has ended.
+    /// When to send `idle`: the motion has ended. `None` for never.
     pub idle: Option<IdleCriterion>,
-    /// Whether and when `refresh` is told, sample by sample.
+    /// Which samples to report as `refresh`. `None` for no samples.
     pub refresh: Option<MessageCondition>,
-    /// Whether and when `fault` is told, sample by sample.
+    /// Which samples to report as `fault`. `None` for no samples.
     pub fault: Option<MessageCondition>,
-    /// After how long without samples `stale` is told.
+    /// Time without samples after which `stale` is sent. `None` for never.
     pub stale: Option<Duration>,
 }
 
-/// A motion has ended when what is measured is near what was commanded, for some time.
+/// Criterion for the end of a motion: the measured values are near the commanded ones for some time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdleCriterion {
-    /// How near, each number.
+    /// Greatest difference between a measured and a commanded value.
     pub within: f64,
-    /// Port and part of what was commanded.
+    /// Port and path of the commanded values.
     pub commanded: (String, String),
-    /// Port and part of what is measured.
+    /// Port and path of the measured values.
     pub measured: (String, String),
-    /// For how long.
+    /// Minimum time for which the values must be near.
     pub held: Duration,
 }

@@ -1,8 +1,9 @@
-//! The bus beside the bare client, in one process, on one broker, in turns: prints both and their ratios.
+//! Compares the bus with the bare client, in one process, on one broker, alternately. Prints both figures and their
+//! ratio.
 //!
-//! Latency is from publishing a message of 256 bytes to having it, one at a time; throughput is of as many such
-//! messages as go. The client is used as its examples show it; what it does not do (numbers, identities, confirmations,
-//! a link that comes back) is in our half only.
+//! Latency is the time from publishing a message of 256 bytes to receiving it, one message at a time; throughput is the
+//! number of such messages per second. The client is used as in its examples. Features that it lacks (sequence numbers,
+//! message ids, confirms, reconnecting) add cost on our side only.
 #![allow(clippy::unwrap_used, reason = "a benchmark")]
 
 use std::sync::Arc;
@@ -27,7 +28,7 @@ const ROUNDS: usize = 9;
 const PINGS: usize = 500;
 const MESSAGES: usize = 20_000;
 const SIZE: usize = 256;
-/// How many messages are on their way at the most: less than any bound on the way.
+/// Limit on messages in flight, below every queue bound on the way.
 const AHEAD: usize = 2000;
 
 struct Ours {
@@ -153,7 +154,7 @@ impl Bare {
         }
     }
 
-    /// The client's parts must end inside its runtime.
+    /// Drops the client inside its runtime, as it requires.
     fn close(self) {
         let (channel, connection) = (self.channel, self.connection);
         self.runtime.block_on(async move {
@@ -170,7 +171,7 @@ impl Bare {
         (channel.basic_publish(properties, bytes, arguments).await).unwrap();
     }
 
-    /// Acknowledges every 64th, and all before it; or each, where they come one at a time.
+    /// Acknowledges every `each`th message together with all before it.
     async fn receive(&mut self, each: usize) {
         let message = self.messages.recv().await.unwrap();
         self.received += 1;

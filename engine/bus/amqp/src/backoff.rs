@@ -1,4 +1,4 @@
-//! Waiting between attempts: longer each time, and never in step with others.
+//! Delays between attempts: growing, and jittered so that several clients do not reconnect in step.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ pub(crate) struct Backoff {
 }
 
 impl Backoff {
-    /// Between two limits; the seed decides the jitter.
+    /// Creates delays between two limits; the seed determines the jitter.
     pub(crate) fn new(first: Duration, last: Duration, seed: u64) -> Self {
         Self {
             first,
@@ -29,7 +29,7 @@ impl Backoff {
         self.next = self.first;
     }
 
-    /// Half of the wait is certain, the other half chance; the next one is twice as long.
+    /// Returns the next delay: half of it is fixed, the other half random. Doubles the following one.
     pub(crate) fn wait(&mut self) -> Duration {
         let wait = self.next;
         self.next = (wait * 2).min(self.last);

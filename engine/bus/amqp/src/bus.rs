@@ -1,4 +1,4 @@
-//! The face of the bus: synchronous, handing over to tasks in a thread of its own.
+//! The synchronous interface of the bus, which delegates to tasks on a separate thread.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -23,7 +23,7 @@ use crate::settings::AmqpSettings;
 use crate::wire::MessageSource;
 use crate::{subscriber, supervisor};
 
-/// One worker for each direction; with a single one, throughput drops by a third.
+/// One worker per direction; a single one lowers throughput by a third.
 const WORKERS: usize = 2;
 
 /// Distinguishes the buses of one process.
@@ -34,9 +34,9 @@ static LIVES: AtomicU64 = AtomicU64::new(1);
 pub struct AmqpBus {
     link: Arc<Link>,
     names: RoutingNames,
-    /// Unique among all buses there are.
+    /// Unique among all buses; distinguishes restarts of the same process.
     life: String,
-    /// Numbers publishers and subscriptions.
+    /// Numbers publishers and subscriptions; the next one.
     number: AtomicU64,
     lanes: Mutex<Vec<Weak<PublisherShared>>>,
     services: Services,
@@ -45,10 +45,11 @@ pub struct AmqpBus {
 }
 
 impl AmqpBus {
-    /// A bus that begins to connect, and keeps doing so: see its [`health`](Bus::health).
+    /// Opens a bus, which begins to connect in the background and reconnects forever. [`health`](Bus::health) reports
+    /// the state.
     pub fn open(settings: AmqpSettings) -> Result<Self, BusError> {
         for name in [&settings.process, &settings.services(), &settings.vhost] {
-            // The longest name made of it is a queue's, which is cut.
+            // the longest name derived from it is a queue's, which is truncated
             short(name, &format!("{name} (publishers)"))?;
         }
         let disconnected = |error: std::io::Error| BusError::Disconnected {
@@ -170,7 +171,8 @@ impl Bus for AmqpBus {
         }))
     }
 
-    /// Returns when the broker has the queue; without a broker at once, and the queue is made when there is one.
+    /// Returns when the broker has declared the queue. Without a broker, returns at once, and the queue is declared
+    /// after the connection is made.
     fn subscribe(
         &self,
         reader: &str,
@@ -202,12 +204,13 @@ impl Bus for AmqpBus {
             return Err(BusError::Refused { reason });
         }
         Ok(inlet.subscription(move || {
-            // A task that has already ended needs no signal.
+            // fails if the task has already ended
             let _ = leaving.send(());
         }))
     }
 
-    /// Returns when the broker has the queue of requests; without a broker at once, and it is made when there is one.
+    /// Returns when the broker has declared the request queue. Without a broker, returns at once, and the queue is
+    /// declared after the connection is made.
     fn serve(
         &self,
         address: &str,
@@ -277,7 +280,7 @@ impl Drop for AmqpBus {
         }
         self.link.close();
         if let Some(thread) = self.thread.take() {
-            // It runs none but our own code.
+            // ends without panicking: it runs only our own code
             let _ = thread.join();
         }
     }

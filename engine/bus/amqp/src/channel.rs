@@ -1,4 +1,4 @@
-//! A channel and what the broker says on it, in the order it says it.
+//! Channels, and the events that the broker sends on them, in order.
 
 use amqprs::callbacks::ChannelCallback;
 use amqprs::channel::{
@@ -22,7 +22,7 @@ pub(crate) enum BrokerEvent {
     Nack { tag: u64, multiple: bool },
     /// Returns a mandatory publication that no queue received.
     Returned { message: Option<String> },
-    /// A queue that we read is gone.
+    /// A queue being consumed was deleted.
     Cancelled,
     /// The broker closed the channel.
     Closed { code: u16, reason: String },
@@ -34,7 +34,7 @@ pub(crate) const LOCKED: u16 = 405;
 struct ChannelListener(UnboundedSender<BrokerEvent>);
 
 impl ChannelListener {
-    /// Forwards an event. A receiver that is gone has left the channel.
+    /// Forwards an event. Fails if the receiver has been dropped, and the channel with it.
     fn tell(&self, word: BrokerEvent) {
         let _ = self.0.send(word);
     }
@@ -86,8 +86,8 @@ impl ChannelCallback for ChannelListener {
     }
 }
 
-/// Runs a call to the broker to completion even if the caller's future is dropped: the client's own tasks fail when
-/// nobody receives the reply.
+/// Runs a call to the broker to completion even if the caller's future is dropped: the client's own tasks fail if a
+/// reply has no receiver.
 pub(crate) async fn to_the_end<T: Send + 'static>(
     question: impl Future<Output = AmqpResult<T>> + Send + 'static,
 ) -> AmqpResult<T> {
@@ -95,7 +95,7 @@ pub(crate) async fn to_the_end<T: Send + 'static>(
     tokio::spawn(question).await.map_err(broke)?
 }
 
-/// Opens a channel and listens.
+/// Opens a channel and receives its events.
 pub(crate) async fn open(
     connection: &Connection,
 ) -> AmqpResult<(Channel, UnboundedReceiver<BrokerEvent>)> {
@@ -116,7 +116,7 @@ pub(crate) async fn confirm(channel: &Channel) -> AmqpResult<()> {
     to_the_end(async move { channel.confirm_select(confirm).await }).await
 }
 
-/// Declares a queue, binds it, and reads it.
+/// Declares a queue, binds it and consumes it.
 pub(crate) async fn consume(
     channel: &Channel,
     queue: QueueDeclareArguments,
@@ -136,15 +136,14 @@ pub(crate) async fn consume(
     .await
 }
 
-/// Throws away what waits in a queue.
+/// Removes all messages from a queue.
 pub(crate) async fn purge(connection: &Connection, queue: &str) -> AmqpResult<()> {
     let (channel, _words) = open(connection).await?;
     let queue = QueuePurgeArguments::new(queue);
     to_the_end(async move { channel.queue_purge(queue).await.map(drop) }).await
 }
 
-/// Deletes a queue that has no reader any more. A queue that cannot be deleted expires, or disappears with its
-/// connection.
+/// Deletes a queue that has no reader left. If this fails, the queue expires or disappears with its connection.
 pub(crate) async fn delete(channel: Channel, queue: &str) {
     let queue = QueueDeleteArguments::new(queue);
     let _ = to_the_end(async move {
@@ -175,7 +174,7 @@ pub(crate) fn why(words: &mut UnboundedReceiver<BrokerEvent>) -> ChannelError {
 pub(crate) enum ChannelError {
     /// The broker closed the channel.
     Closed { code: u16, reason: String },
-    /// A queue was taken away.
+    /// A queue being consumed was deleted.
     Cancelled,
     /// The connection is gone.
     Lost,

@@ -1,4 +1,4 @@
-//! Filters duplicates: after a resend or a redelivery, each message is handed on once and in its publisher's order.
+//! Filters duplicates: after a resend or redelivery, each message is passed on once, in its publisher's order.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 
@@ -40,7 +40,7 @@ impl DuplicateFilter {
         }
     }
 
-    /// Returns how many messages are missing, judging by the numbers of later ones.
+    /// Returns how many messages are missing, inferred from gaps in the numbers.
     pub(crate) fn missed(&self) -> u64 {
         self.missed
     }
@@ -49,7 +49,7 @@ impl DuplicateFilter {
         let Some(stream) = self.streams.get_mut(&name) else {
             self.now += 1;
             let now = self.now;
-            // What was published before we listened is none of ours.
+            // messages published before the first one received do not count as missing
             let stream = MessageStream {
                 highest: sequence,
                 gaps: BTreeSet::new(),
@@ -60,7 +60,7 @@ impl DuplicateFilter {
             self.forget();
             return true;
         };
-        // Most often it is the one that was heard last.
+        // usually the stream is the one that was heard last
         if stream.heard != self.now {
             self.now += 1;
             if let Some(name) = self.heard.remove(&stream.heard) {

@@ -1,4 +1,4 @@
-//! Word of how a task began, for the thread that began it.
+//! Reports how a task began to the thread that started it.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -8,7 +8,7 @@ use crate::channel::ChannelError;
 pub(crate) struct FirstDeclaration(Option<SyncSender<Result<(), ChannelError>>>);
 
 impl FirstDeclaration {
-    /// The telling end and the hearing one.
+    /// Creates the reporting and the receiving end.
     pub(crate) fn new() -> (Self, Receiver<Result<(), ChannelError>>) {
         let (tell, told) = sync_channel(1);
         (Self(Some(tell)), told)
@@ -19,7 +19,7 @@ impl FirstDeclaration {
     pub(crate) fn tell(&mut self, end: Result<(), ChannelError>) -> bool {
         let refused = matches!(end, Err(ChannelError::Closed { .. }));
         match self.0.take() {
-            // Who does not wait for it sees it in the health.
+            // fails if the thread does not wait; it can read the outcome in the health
             Some(tell) => tell.send(end).is_ok() && refused,
             None => false,
         }

@@ -1,21 +1,21 @@
 //! The bus over RabbitMQ (AMQP 0-9-1).
 //!
-//! [`AmqpBus`] passes the same contract as the bus inside a process. Its face is synchronous: a thread of its own runs
-//! the client library, and everything is handed over through queues, so no cycle waits for a network. What is written
-//! is laid down in [`wire`].
+//! [`AmqpBus`] passes the same contract suite as the bus within a process. Its interface is synchronous: the client
+//! library runs on a separate thread, and all data are passed through queues, so that no cycle waits for the network.
+//! [`wire`] defines the message format.
 //!
-//! The client, `amqprs`, moves bytes well and looks after nothing; each thing it does not do is done here, in one place:
+//! The client, `amqprs`, transfers bytes well, but has gaps. Each gap is closed in one place:
 //!
-//! | it | so |
+//! | the client | this crate |
 //! |---|---|
-//! | takes a publication on a closed channel for sent | every publisher counts what is known to have arrived (`publisher`) |
-//! | never hears that the broker takes nothing, and buffers | a pulse notices, and what is under way is bounded (`pulse`, `publisher`) |
-//! | breaks when two declare on one channel | a channel belongs to one task (`publisher`, `subscriber`, `service`) |
-//! | breaks at names of more than 255 bytes | names are checked where they come in (`names`) |
-//! | takes a wrong password for a reset, after 3 s | we knock first, and are told why (`knock`) |
-//! | waits for ever for a mute server | connecting has a limit, as a whole (`supervisor`) |
-//! | has 2047 channels, and loses each that the broker closes | a worn connection is made again (`link`) |
-//! | does not reconnect | a supervisor does (`supervisor`) |
+//! | treats a publication on a closed channel as sent | every publisher counts the messages known to have arrived (`publisher`) |
+//! | does not notice that the broker accepts no messages, and buffers | a liveness probe notices, and the messages in flight are limited (`pulse`, `publisher`) |
+//! | fails if two tasks declare on the same channel | a channel belongs to one task (`publisher`, `subscriber`, `service`) |
+//! | fails on names of more than 255 bytes | names are checked on entry (`names`) |
+//! | reports a wrong password as a reset connection, after 3 s | a trial connection obtains the reason first (`probe`) |
+//! | waits forever for a server that does not respond | connecting as a whole has a timeout (`supervisor`) |
+//! | has 2047 channels, and never reuses one that the broker closed | worn-out connections are replaced (`link`) |
+//! | does not reconnect | the supervisor does (`supervisor`) |
 
 mod backoff;
 mod bus;

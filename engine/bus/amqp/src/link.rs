@@ -21,13 +21,13 @@ use crate::settings::AmqpSettings;
 const REST: Duration = Duration::from_millis(500);
 /// Time limit for an orderly close.
 const GOODBYE: Duration = Duration::from_secs(1);
-/// The client never uses the number of a channel again that the broker has closed, and has 2047 of them.
+/// Limit on channels closed by the broker: the client has 2047 channel numbers, and never reuses such a number.
 const REFUSALS: usize = 1000;
 /// Number of consecutive short-lived connections, each to a responding broker, after which a waiting message is
 /// suspected of crashing the client.
 const POISON: usize = 8;
 
-/// The two connections of one life of the link.
+/// A pair of connections to the broker, opened and closed together.
 pub(crate) struct ConnectionPair {
     pub publishers: Connection,
     pub consumers: Connection,
@@ -36,16 +36,16 @@ pub(crate) struct ConnectionPair {
 /// State of the link as its tasks see it.
 #[derive(Clone, Default)]
 pub(crate) struct LinkStatus {
-    /// The connections, if there are any.
+    /// The current connections; `None` while disconnected.
     pub pair: Option<Arc<ConnectionPair>>,
-    /// Whether the broker accepts no messages.
+    /// The broker accepts no messages.
     pub blocked: bool,
-    /// Whether the bus is closing.
+    /// The bus is closing.
     pub closing: bool,
 }
 
 impl LinkStatus {
-    /// The connections, if messages go out.
+    /// The connections, if messages can be published on them.
     pub(crate) fn open(&self) -> Option<&Arc<ConnectionPair>> {
         self.pair.as_ref().filter(|_| !self.blocked)
     }
@@ -67,7 +67,7 @@ pub(crate) struct Link {
     short_lives: AtomicUsize,
 }
 
-/// A task that uses the link, until it ends.
+/// Counts a task that uses the link, until it is dropped.
 struct TaskGuard(Arc<Link>);
 
 impl TaskGuard {
@@ -98,7 +98,7 @@ impl Link {
         }
     }
 
-    /// Runs a task that uses the link; a bus that is closed waits for it.
+    /// Spawns a task that uses the link; a closing bus waits for its end.
     pub(crate) fn spawn(
         self: &Arc<Self>,
         tasks: &Handle,
@@ -122,7 +122,7 @@ impl Link {
         watchers.push(Arc::downgrade(notifier));
     }
 
-    /// The state as it is, and as it changes.
+    /// Subscribes to the state of the link.
     pub(crate) fn state(&self) -> watch::Receiver<LinkStatus> {
         self.state.subscribe()
     }
@@ -144,7 +144,7 @@ impl Link {
         self.state.send_modify(|state| state.closing = true);
     }
 
-    /// The next pair of connections. `None` if the bus is closed.
+    /// Waits for connections. Returns `None` if the bus is closing.
     pub(crate) async fn pair(&self) -> Option<Arc<ConnectionPair>> {
         let mut state = self.state();
         let state = state
@@ -154,30 +154,30 @@ impl Link {
         state.pair.clone().filter(|_| !state.closing)
     }
 
-    /// Waits until a pair is of no use any more.
+    /// Waits until this pair of connections is no longer the current one.
     pub(crate) async fn gone(&self, pair: &Arc<ConnectionPair>) {
         let mut state = self.state();
         let same = |current: &Arc<ConnectionPair>| Arc::ptr_eq(current, pair);
-        // The sender is ours.
+        // never fails: `self` owns the sender
         let _ = state
             .wait_for(|state| !state.pair.as_ref().is_some_and(same))
             .await;
     }
 
-    /// After something broke on a pair: waits until the supervisor has seen it too. If it is something else, and the pair
-    /// is well, not long.
+    /// Called after an error on a pair: waits until the supervisor has replaced the pair, or for a short pause if the
+    /// pair is healthy.
     pub(crate) async fn rest(&self, pair: &Arc<ConnectionPair>) {
         let _ = timeout(REST, self.gone(pair)).await;
     }
 
-    /// Waits until the bus is being closed.
+    /// Waits until the bus is closing.
     pub(crate) async fn closing(&self) {
         let mut state = self.state();
-        // The sender is ours.
+        // never fails: `self` owns the sender
         let _ = state.wait_for(|state| state.closing).await;
     }
 
-    /// The broker has closed a channel.
+    /// Reports that the broker has closed a channel, and counts it.
     pub(crate) fn refused(&self, what: &str, reason: String) {
         let what = what.to_owned();
         self.note(BusNotice::Refused { what, reason });
@@ -186,7 +186,7 @@ impl Link {
         }
     }
 
-    /// A life of the link has ended: in reading, as soon as it had begun, or otherwise.
+    /// Records the end of a pair of connections: `broke` if reading failed shortly after they were opened.
     pub(crate) fn broke_in_reading(&self, broke: bool) {
         let before = self.short_lives.load(Ordering::Relaxed);
         let now = if broke { before + 1 } else { 0 };
@@ -198,12 +198,12 @@ impl Link {
         self.short_lives.load(Ordering::Relaxed) >= POISON
     }
 
-    /// Waits until the connections are worn out.
+    /// Waits until so many channels were closed that new connections are needed.
     pub(crate) async fn worn(&self) {
         self.worn.notified().await;
     }
 
-    /// New connections are there.
+    /// Publishes new connections to the tasks.
     pub(crate) fn begin(&self, pair: &Arc<ConnectionPair>) {
         self.refusals.store(0, Ordering::Relaxed);
         self.state.send_modify(|state| {
@@ -262,14 +262,14 @@ impl Link {
 }
 
 impl ConnectionPair {
-    /// Closes both connections in order, if the broker still responds.
+    /// Closes both connections, with a time limit in case the broker does not respond.
     pub(crate) async fn hang_up(&self) {
         let (publishers, consumers) = (self.publishers.clone(), self.consumers.clone());
         let both = channel::to_the_end(async move {
             publishers.close().await?;
             consumers.close().await
         });
-        // A connection that is gone needs no goodbye.
+        // fails or times out if the connection is gone already
         let _ = timeout(GOODBYE, both).await;
     }
 }

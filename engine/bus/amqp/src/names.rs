@@ -1,4 +1,4 @@
-//! Names that AMQP can carry: at most 255 bytes. The client breaks at longer ones.
+//! Names that AMQP can represent: at most 255 bytes. The client fails on longer ones.
 
 use asmotion_bus::{BusError, Pattern};
 
@@ -9,9 +9,9 @@ pub(crate) const LONGEST: usize = 255;
 #[derive(Debug, Clone)]
 pub(crate) struct RoutingNames {
     robot: Option<String>,
-    /// Begins the name of every queue: what a user may configure is said by it.
+    /// Prefix of all queue names; permissions to configure queues refer to it.
     process: String,
-    /// Ends the name of every queue; no other bus has it.
+    /// Suffix of all queue names, unique to this bus.
     life: String,
 }
 
@@ -24,7 +24,7 @@ impl RoutingNames {
         }
     }
 
-    /// The routing key of a topic, or the queue of an address.
+    /// The routing key of a topic or address.
     pub(crate) fn key(&self, name: &str) -> Result<String, BusError> {
         let key = match &self.robot {
             Some(robot) => format!("{robot}.{name}"),
@@ -39,7 +39,7 @@ impl RoutingNames {
         self.key(pattern.as_str())
     }
 
-    /// The topic of a routing key: another robot's has its whole key.
+    /// The topic of a routing key. A key of another robot is returned unchanged.
     pub(crate) fn topic<'a>(&self, key: &'a str) -> &'a str {
         let robot = self.robot.as_deref();
         let own = robot.and_then(|robot| key.strip_prefix(robot)?.strip_prefix('.'));
@@ -65,7 +65,7 @@ impl RoutingNames {
     }
 }
 
-/// Refuses what does not fit.
+/// Rejects a text that is too long for a short string.
 pub(crate) fn short(name: &str, text: &str) -> Result<(), BusError> {
     if text.len() <= LONGEST {
         return Ok(());

@@ -5,28 +5,28 @@ use std::fmt;
 /// An event in the life of a bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BusNotice {
-    /// Connected, with everything declared again.
+    /// Connected, and all queues and exchanges are declared.
     Connected {
         /// Address of the broker.
         broker: String,
     },
-    /// No connection any more, or still none.
+    /// The connection was lost, or could not be opened.
     Disconnected {
         /// Cause, for display.
         reason: String,
     },
-    /// The broker takes nothing from us.
+    /// The broker accepts no messages.
     Blocked,
     /// The broker accepts messages again.
     Unblocked,
-    /// The broker closed a channel, or took a queue away. It is made again.
+    /// The broker closed a channel or deleted a queue, which is declared again.
     Refused {
-        /// The topic, pattern or address.
+        /// The topic, pattern or address concerned.
         what: String,
         /// Cause, in the broker's words.
         reason: String,
     },
-    /// A message that cannot be read.
+    /// A message could not be decoded.
     Unreadable {
         /// Topic or address of the message.
         what: String,

@@ -1,4 +1,4 @@
-//! Outbox of a publisher: messages that wait, messages in flight, and the counts of the rest.
+//! The outbox of a publisher: messages that wait, messages in flight, and counts of the others.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ pub(crate) struct EncodedMessage {
 struct UnconfirmedMessage {
     tag: u64,
     size: usize,
-    /// Kept where it may have to go again.
+    /// Kept if it may have to be sent again.
     written: Option<EncodedMessage>,
 }
 
@@ -40,23 +40,23 @@ struct UnconfirmedMessage {
 pub(crate) struct PublisherOutbox {
     sending: PublishOptions,
     waiting: VecDeque<OutgoingMessage>,
-    /// Written, and to be sent again before anything else.
+    /// Encoded messages to be sent again, before all others.
     again: VecDeque<EncodedMessage>,
-    /// In the order of their tags.
+    /// Messages in flight, in order of their delivery tags.
     underway: VecDeque<UnconfirmedMessage>,
     underway_bytes: usize,
     /// Number of messages to send one by one, to find the one that the broker refuses.
     careful: usize,
     pub sent: PublisherCounts,
-    /// The last message that was put in, where it is kept.
+    /// The newest message, if it is retained for late subscribers.
     last: Option<OutgoingMessage>,
 }
 
 /// The next thing to send.
 pub(crate) enum NextToSend {
-    /// A message that has not been written yet.
+    /// A message that has not been encoded yet.
     Fresh(OutgoingMessage),
-    /// A message that is sent again.
+    /// A message to be sent again.
     Again(EncodedMessage),
 }
 
@@ -163,7 +163,7 @@ impl PublisherOutbox {
         self.sent.arrived += self.settle(tag, multiple);
     }
 
-    /// The broker will not have these. To send them again would put them behind others.
+    /// Counts messages that the broker rejected. Sending them again would reorder them.
     pub(crate) fn refused(&mut self, tag: u64, multiple: bool) {
         self.sent.refused += self.settle(tag, multiple);
     }
@@ -209,7 +209,7 @@ impl PublisherOutbox {
         }
     }
 
-    /// A message that cannot be written.
+    /// Counts a message that cannot be encoded.
     pub(crate) fn unwritable(&mut self) {
         self.sent.dropped += 1;
     }
@@ -267,7 +267,7 @@ mod tests {
         }
     }
 
-    /// The sizes of those that go again name them.
+    /// Sizes of the messages to be sent again, which identify them.
     fn again(outbox: &PublisherOutbox) -> Vec<usize> {
         outbox.again.iter().map(|one| one.bytes.len()).collect()
     }

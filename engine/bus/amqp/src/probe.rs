@@ -1,8 +1,8 @@
-//! Knocking: asks whether the broker would let us in, and why not.
+//! The probe: opens a trial connection to find out whether the broker accepts us and, if not, why.
 //!
-//! The client does not announce `authentication_failure_close`, so a broker that dislikes the password waits 3 s and
-//! hangs up without a word. This opens a connection as far as its virtual host, with the capability announced, and
-//! closes it again: a few milliseconds, and an answer in words.
+//! The client does not announce `authentication_failure_close`, so a broker that rejects the password waits 3 s and
+//! closes the connection without a reason. The probe announces the capability, opens the virtual host and closes the
+//! connection again, which takes a few milliseconds and yields the reason.
 
 use std::io;
 
@@ -13,7 +13,7 @@ use tokio_rustls::rustls::pki_types::ServerName;
 
 use crate::settings::AmqpSettings;
 
-/// Methods of class 10, `connection`.
+/// Methods of class 10, `connection` (AMQP 0-9-1 §1.4).
 const START: u16 = 10;
 const START_OK: u16 = 11;
 const TUNE: u16 = 30;
@@ -23,7 +23,7 @@ const OPEN_OK: u16 = 41;
 const CLOSE: u16 = 50;
 
 const FRAME_END: u8 = 0xCE;
-/// No frame of a handshake is longer.
+/// Limit on the length of a frame in the handshake, in bytes.
 const LONGEST_FRAME: u32 = 1 << 20;
 
 /// Reason why the broker rejects a connection.
@@ -81,7 +81,7 @@ async fn ask(
     open.extend([0, 0]);
     send(&mut stream, OPEN, &open).await?;
     expect(&mut stream, OPEN_OK).await?;
-    // Code 200, no words, no method at fault.
+    // reply code 200, empty text, no failing method
     send(&mut stream, CLOSE, &[0, 200, 0, 0, 0, 0, 0]).await?;
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! A publisher: its handle in the component's thread, and its task, which owns a channel.
 //!
-//! Delivery is known in one of two ways. Confirmed messages are each confirmed by the broker. Behind others, the task
-//! sets a barrier now and then: a request on the same channel, whose reply proves that everything before it was read.
-//! In both cases the messages in flight are limited to the outbox's window.
+//! Delivery is detected in one of two ways. With confirms, the broker acknowledges each message. Without them, the task
+//! occasionally sets a barrier: a request on the same channel, whose reply proves that all messages before it were
+//! read. In both cases the messages in flight are limited to the outbox's window.
 
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,9 +23,9 @@ use crate::notice::BusNotice;
 use crate::outbox::{EncodedMessage, NextToSend, OutgoingMessage, PublisherOutbox};
 use crate::wire::MessageSource;
 
-/// Number of unconfirmed messages after which a barrier is set.
+/// Number of unacknowledged messages after which a barrier is set.
 const BARRIER: u64 = 256;
-/// Time after which a barrier is set behind fewer messages.
+/// Time after which a barrier is set even for fewer messages.
 const BARRIER_AFTER: Duration = Duration::from_millis(250);
 /// Pause after the broker refused a channel.
 const REFUSED_REST: Duration = Duration::from_millis(200);
@@ -52,7 +52,7 @@ impl PublisherShared {
         self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends the last message again, if it is kept.
+    /// Sends the last message again, if it is retained.
     pub(crate) fn repeat(&self, open: bool) {
         if self.outbox().repeat(open) {
             self.wake.notify_one();
@@ -111,7 +111,7 @@ impl Drop for AmqpPublisher {
     }
 }
 
-/// Task of a publisher, run by the bus thread.
+/// Task of a publisher, run on the bus thread.
 pub(crate) struct PublisherTask {
     pub link: Arc<Link>,
     pub lane: Arc<PublisherShared>,
@@ -124,11 +124,11 @@ struct PublisherSession {
     channel: Channel,
     words: UnboundedReceiver<BrokerEvent>,
     confirmed: bool,
-    /// The tag of the last publication. The broker counts them from 1 on each channel, and so do we.
+    /// Delivery tag of the last publication. The broker counts from 1 on each channel, and so do we.
     tag: u64,
     /// The last tag that a barrier covers.
     covered: u64,
-    /// Time at which the messages after it need a barrier.
+    /// Time at which the messages after `covered` need a barrier.
     barrier_due: Instant,
     barrier: Option<Pin<Box<dyn Future<Output = AmqpResult<()>> + Send>>>,
 }
@@ -158,7 +158,7 @@ impl PublisherTask {
         self.lane.outbox().give_up();
     }
 
-    /// Publishes on one channel until the handle is gone and everything has arrived.
+    /// Publishes on one channel until the handle has been dropped and everything has been delivered.
     async fn session(&self, pair: &ConnectionPair) -> Result<(), ChannelError> {
         let confirmed = self.lane.outbox().is_confirmed();
         let mut session = PublisherSession::open(pair, confirmed).await?;
@@ -170,7 +170,7 @@ impl PublisherTask {
                 self.lane.outbox().close();
             }
             if self.lane.left.load(Ordering::Acquire) && self.lane.open() == 0 {
-                // The client closes the channel when it is dropped.
+                // the client closes the channel on drop
                 return Ok(());
             }
             tokio::select! {
@@ -185,7 +185,7 @@ impl PublisherTask {
         }
     }
 
-    /// Sends what there is room for.
+    /// Sends messages until the window is full.
     async fn send(&self, session: &mut PublisherSession) -> Result<(), ChannelError> {
         loop {
             let next = self.lane.outbox().next();
@@ -203,7 +203,7 @@ impl PublisherTask {
                 None => return Ok(()),
             };
             if !session.channel.is_open() {
-                // The client would say that it went.
+                // the client would report success
                 self.lane.outbox().stayed(written);
                 return Err(session.why_closed());
             }
@@ -254,7 +254,7 @@ impl PublisherTask {
         Ok(())
     }
 
-    /// A barrier was answered: all before it has arrived.
+    /// Handles the reply to a barrier: all messages before it have arrived.
     fn pass(
         &self,
         end: AmqpResult<()>,
@@ -285,7 +285,7 @@ impl PublisherSession {
         })
     }
 
-    /// Returns whether there are messages whose delivery nothing will report.
+    /// Returns whether there are messages whose delivery only a barrier can show.
     fn may_set_barrier(&self) -> bool {
         !self.confirmed && self.barrier.is_none() && self.tag > self.covered
     }

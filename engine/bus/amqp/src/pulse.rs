@@ -1,4 +1,4 @@
-//! The pulse: whether the broker is there, and takes messages.
+//! Liveness probes: is the broker there, and does it accept messages?
 //!
 //! A client that does not announce the capability never receives `connection.blocked`, and heartbeats detect a dead
 //! peer only after twice their interval. Each connection is therefore probed. The publishers' connection sends a
@@ -15,7 +15,7 @@ use tokio::time::{MissedTickBehavior, interval};
 use crate::channel::{self, AmqpResult, BrokerEvent};
 use crate::link::{ConnectionPair, Link};
 
-/// Feels the pulse of both connections; says what is wrong when one is dead.
+/// Probes both connections until one fails. Returns the reason.
 pub(crate) async fn feel(link: &Link, pair: &ConnectionPair) -> String {
     let timing = link.settings.timing;
     let (mut publishing, mut consuming) = match (
@@ -61,7 +61,7 @@ struct PublisherPulse {
     exchange: String,
     /// Start of the wait for the last probe's confirmation.
     waiting: Option<Instant>,
-    /// Without permission to publish there is no pulse.
+    /// `false` without permission to publish: then no probe is sent.
     possible: bool,
 }
 
@@ -82,7 +82,7 @@ impl PublisherPulse {
         if self.waiting.is_some() || !self.possible {
             return;
         }
-        // Nothing is bound to the empty key.
+        // no queue is bound to the empty key
         let arguments = BasicPublishArguments::new(&self.exchange, "");
         let publication =
             (self.channel).basic_publish(BasicProperties::default(), Vec::new(), arguments);
@@ -135,7 +135,7 @@ impl ConsumerPulse {
         self.waiting = Some(Instant::now());
         let (channel, answered) = (self.channel.clone(), self.answered.clone());
         tokio::spawn(async move {
-            // A question that fails is one without answer.
+            // a request that fails counts as one without a reply
             if channel::barrier(channel).await.is_ok() {
                 let _ = answered.send(());
             }

@@ -1,10 +1,10 @@
-//! Services: requests to an address, answered once, by their deadline or not at all.
+//! Services: each request to an address gets at most one reply, before its deadline.
 //!
 //! A request goes through the direct exchange to the queue of its address and is mandatory: the broker returns it
-//! immediately if no server is registered. The answer uses RabbitMQ's direct reply-to. While a call is open, its
-//! caller asks periodically whether the provider still knows it; a provider that is gone or has forgotten the call
-//! ends it before its deadline. After a broken link, open calls are sent again with their ids, and providers execute
-//! an id once.
+//! immediately if no provider is registered. The reply uses RabbitMQ's direct reply-to. While a call is open, the
+//! caller periodically asks the provider whether it still knows the call; if the provider is gone or has forgotten it,
+//! the call ends before its deadline. After a broken link, open calls are sent again with their ids, and providers
+//! execute an id once.
 
 mod caller;
 mod message;
@@ -30,7 +30,7 @@ use crate::link::Link;
 use crate::names::{RoutingNames, short};
 use caller::{AwaitedReply, OpenCall};
 
-/// Time that a leaving server waits for the broker to free its address.
+/// Time that a leaving provider waits for the broker to free its address.
 const FAREWELL: Duration = Duration::from_secs(2);
 
 /// The services' side of a bus.
@@ -92,7 +92,7 @@ impl Services {
         let is_open = self.link.is_open();
         self.link.spawn(&self.tasks, async move {
             task.run(leave).await;
-            // Who does not wait for it any more has waited long enough.
+            // fails if the thread no longer waits
             let _ = gone.try_send(());
         });
         if is_open
@@ -109,7 +109,7 @@ impl Services {
         let all = Arc::clone(&self.served);
         Ok(ServedAddress::new(desk, move || {
             if leaving.send(()).is_ok() {
-                // Then the address is free; a broker that does not answer frees it when it can.
+                // the address is free then; a broker that does not respond frees it later
                 let _ = left.recv_timeout(FAREWELL);
             }
             lock(&all).remove(&key);

@@ -9,14 +9,14 @@ use crate::names::LONGEST;
 use crate::notice::BusNotice;
 use crate::tls::TlsSettings;
 
-/// Everything a bus needs to know.
+/// Settings of a bus. [`parse`](Self::parse) sets all of them from an address and defaults.
 #[derive(Clone)]
 pub struct AmqpSettings {
     /// Host name or address of the broker.
     pub host: String,
     /// TCP port of the broker (AMQP: 5672, AMQPS: 5671).
     pub port: u16,
-    /// The virtual host, one for a robot or a cell.
+    /// Name of the virtual host: one for each robot or cell.
     pub vhost: String,
     /// Encryption; `None` for a plain connection.
     pub tls: Option<TlsSettings>,
@@ -25,13 +25,13 @@ pub struct AmqpSettings {
     /// Robot name, used as the routing-key prefix: keys are `<robot>.<topic>`. Without it, topics are complete keys,
     /// as tools need them.
     pub robot: Option<String>,
-    /// The process, as operators see it among the connections and queues.
+    /// Name of the process, shown to operators with its connections and queues.
     pub process: String,
     /// Name of the topic exchange.
     pub exchange: String,
     /// Name of the clock that stamps the messages, for example `wall:rover1`.
     pub clock: String,
-    /// Decides the jitter of reconnecting.
+    /// Seed of the jitter between connection attempts.
     pub seed: u64,
     /// Intervals and time limits.
     pub timing: AmqpTiming,
@@ -42,11 +42,11 @@ pub struct AmqpSettings {
 /// Intervals and time limits of a bus.
 #[derive(Debug, Clone, Copy)]
 pub struct AmqpTiming {
-    /// Limit of connecting, as a whole.
+    /// Time limit for a connection attempt as a whole.
     pub connect: Duration,
-    /// Heartbeat of AMQP, in seconds, at least 2. The client notices a dead peer after twice that.
+    /// AMQP heartbeat in seconds, at least 2. The client notices a dead peer after twice this time.
     pub heartbeat: u16,
-    /// The first wait before connecting again.
+    /// Delay before the first attempt to reconnect.
     pub first_retry: Duration,
     /// Longest delay between connection attempts.
     pub last_retry: Duration,
@@ -94,7 +94,7 @@ impl Credentials {
         }
     }
 
-    /// From two environment variables.
+    /// Reads user name and password from two environment variables.
     pub fn from_environment(user: &str, password: &str) -> Result<Self, AddressError> {
         let read = |name: &str| {
             std::env::var(name).map_err(|_| AddressError::Variable {
@@ -104,7 +104,7 @@ impl Credentials {
         Ok(Self::new(read(user)?, read(password)?))
     }
 
-    /// From a file with the user in its first line and the password in its second.
+    /// Reads the user name from the first line of a file, and the password from the second.
     pub fn from_file(path: &Path) -> Result<Self, AddressError> {
         let unread = |reason: String| AddressError::File {
             path: path.display().to_string(),
@@ -139,7 +139,7 @@ impl fmt::Debug for Credentials {
 /// Error in a broker address or its credentials. Never contains the password.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AddressError {
-    /// Not `amqp://user:password@host:port/vhost`.
+    /// The address does not have the form `amqp://user:password@host:port/vhost`.
     #[error("a broker's address is `amqp://user:password@host:port/vhost`: {reason}")]
     Address {
         /// Part that is wrong.
@@ -162,8 +162,8 @@ pub enum AddressError {
 }
 
 impl AmqpSettings {
-    /// Reads `amqp://user:password@host:port/vhost`; what is left out is `guest`, 5672 and `/`. With `amqps` the link is
-    /// encrypted, and the port left out is 5671.
+    /// Parses `amqp://user:password@host:port/vhost`. Defaults: user and password `guest`, port 5672, virtual host `/`.
+    /// With `amqps` the link is encrypted, and the default port is 5671.
     pub fn parse(address: &str) -> Result<Self, AddressError> {
         let wrong = |reason| AddressError::Address { reason };
         let (scheme, rest) = address.split_once("://").unwrap_or_default();
@@ -215,7 +215,7 @@ impl AmqpSettings {
         format!("{}:{}/{}", self.host, self.port, self.vhost)
     }
 
-    /// The direct exchange of the requests.
+    /// Name of the direct exchange for requests.
     pub(crate) fn services(&self) -> String {
         format!("{}.services", self.exchange)
     }
@@ -233,7 +233,7 @@ impl fmt::Debug for AmqpSettings {
     }
 }
 
-/// Undoes `%2F` and its like.
+/// Decodes percent-encoding such as `%2F`.
 fn plain(text: &str) -> Result<String, AddressError> {
     let wrong = AddressError::Address {
         reason: "`%` is followed by two hexadecimal digits",

@@ -1,4 +1,4 @@
-//! A subscription: a task that owns a channel and a queue, and fills the reader's end.
+//! A subscription: a task that owns a channel and a queue, and fills the reader's queue.
 //!
 //! The reader's queue bounds, conflates and counts; the broker's queue does the same for messages not yet delivered.
 //! A state topic has a queue of length 1 and at most one unacknowledged message, so that the newest message is always
@@ -28,7 +28,7 @@ use crate::wire::{self, Headers};
 
 /// Limit of unacknowledged events.
 const PREFETCH: u16 = 1024;
-/// and how many are taken at once.
+/// Limit on the number of messages taken in one pass.
 const TAKEN: usize = 64;
 /// Delay before an event is acknowledged together with later ones, so that handling it is not delayed.
 const ACKNOWLEDGED_AFTER: Duration = Duration::from_millis(1);
@@ -37,7 +37,7 @@ const OWED: u64 = 256;
 /// Pause before a queue is declared again.
 const REST: Duration = Duration::from_millis(100);
 
-/// The task of a subscription.
+/// Task of a subscription, run on the bus thread.
 pub(crate) struct SubscriberTask {
     pub link: Arc<Link>,
     pub names: RoutingNames,
@@ -59,7 +59,7 @@ pub(crate) struct SubscriberTask {
 struct PendingAcknowledgement {
     last: u64,
     paid: u64,
-    /// Time at which the acknowledgement is sent.
+    /// Time at which the acknowledgement must be sent.
     due: Option<Instant>,
 }
 
@@ -68,7 +68,7 @@ impl PendingAcknowledgement {
         self.last.saturating_sub(self.paid)
     }
 
-    /// Returns when something has waited long enough.
+    /// Waits until the acknowledgement is due.
     async fn fall_due(&self) {
         match self.due {
             Some(due) => sleep_until(due).await,
@@ -112,7 +112,7 @@ impl SubscriberTask {
         }
     }
 
-    /// Reads one queue until the subscription is dropped.
+    /// Consumes one queue until the subscription is dropped.
     async fn session(
         &mut self,
         pair: &ConnectionPair,
@@ -152,7 +152,7 @@ impl SubscriberTask {
                         return Err(ChannelError::Cancelled);
                     };
                     owed.last = owed.last.max(self.take(message, &mut messages, repeats));
-                    // of a state the next one comes when this one is acknowledged
+                    // for a state, the broker sends the next message only after this acknowledgement
                     if self.policy == QueuePolicy::Latest || owed.count() >= OWED {
                         owed.pay(&channel).await.map_err(|_| channel::why(&mut words))?;
                     } else {
@@ -164,7 +164,7 @@ impl SubscriberTask {
                 }
             }
         }
-        // messages already handed on must not be delivered again to the next subscription; a closed channel accepts
+        // messages already passed on must not be delivered again to the next subscription; a closed channel accepts
         // nothing
         let _ = owed.pay(&channel).await;
         self.end(channel).await;
@@ -197,13 +197,13 @@ impl SubscriberTask {
         queue.arguments(arguments.into_table());
         let exchange = &self.link.settings.exchange;
         let binding = QueueBindArguments::new(&self.queue, exchange, &self.binding);
-        // Alone: what an earlier consumer of ours still holds would come back behind newer messages.
+        // exclusive: messages that an earlier consumer of ours still holds would be redelivered behind newer ones
         let mut consume = BasicConsumeArguments::new(&self.queue, "");
         consume.manual_ack(true).exclusive(true);
         channel::consume(channel, queue, binding, prefetch, consume).await
     }
 
-    /// Hands on a message and those that are there already; the tag of the last.
+    /// Passes on a message and those waiting behind it. Returns the last delivery tag.
     fn take(
         &self,
         first: ConsumerMessage,
@@ -223,7 +223,7 @@ impl SubscriberTask {
         }
     }
 
-    /// Hands on one message; its tag.
+    /// Passes on one message. Returns its delivery tag.
     fn hand_on(&self, message: ConsumerMessage, repeats: &mut DuplicateFilter) -> Option<u64> {
         let deliver = message.deliver?;
         let properties = message.basic_properties.unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The supervisor: connects, looks after the connections, and makes them again when they break.
+//! The supervisor opens the connections, watches them, and replaces them when they fail.
 
 use std::fmt;
 use std::sync::Arc;
@@ -23,10 +23,10 @@ use crate::pulse;
 use crate::settings::AmqpSettings;
 use crate::tls::TlsSettings;
 
-/// A life that breaks sooner was hardly one.
+/// Minimum lifetime of a connection that counts as having worked.
 const SHORT: Duration = Duration::from_secs(3);
 
-/// Connects, watches, connects again, until the bus is closed.
+/// Connects, watches and reconnects until the bus is closed.
 pub(crate) async fn supervise(link: Arc<Link>) {
     let timing = link.settings.timing;
     let mut backoff = Backoff::new(timing.first_retry, timing.last_retry, link.settings.seed);
@@ -58,7 +58,7 @@ pub(crate) async fn supervise(link: Arc<Link>) {
     if let Some(pair) = link.end() {
         pair.hang_up().await;
     }
-    // The client's tasks end after their connection, and break if they are ended.
+    // the client's tasks end after their connection, and panic if the runtime ends before
     sleep(Duration::from_millis(20)).await;
     let reason = "the bus is closed".into();
     link.announce(asmotion_bus::LinkState::Down { reason });
@@ -69,9 +69,9 @@ pub(crate) async fn supervise(link: Arc<Link>) {
 enum LinkFailure {
     /// A cause stated by the broker or the operating system.
     Said(String),
-    /// The connection that we read broke.
+    /// The consumers' connection failed while reading.
     Reading,
-    /// The one that we write broke.
+    /// The publishers' connection failed while writing.
     Writing,
 }
 
@@ -84,7 +84,7 @@ impl fmt::Display for LinkFailure {
     }
 }
 
-/// One life of the connections; why it ended.
+/// Uses a pair of connections until it fails. Returns the reason.
 async fn live(
     link: &Link,
     pair: ConnectionPair,
@@ -105,7 +105,7 @@ async fn live(
     end
 }
 
-/// Knocks, opens both connections and declares the exchanges; or says why not.
+/// Probes the broker, opens both connections and declares the exchanges.
 async fn connect(
     settings: &AmqpSettings,
 ) -> Result<(ConnectionPair, UnboundedReceiver<String>), String> {
@@ -153,7 +153,7 @@ async fn open(
     arguments
         .virtual_host(&settings.vhost)
         .connection_name(&format!("{} ({purpose})", settings.process))
-        // At 1 the client would send them without a pause.
+        // with a heartbeat of 1 s, the client would send heartbeats without a pause
         .heartbeat(settings.timing.heartbeat.max(2));
     if let Some(connector) = connector {
         arguments.tls_adaptor(TlsAdaptor::new(connector.clone(), settings.host.clone()));
@@ -165,7 +165,7 @@ async fn open(
     Ok(connection)
 }
 
-/// Declares an exchange, or finds it there if we may not.
+/// Declares an exchange or, without permission to do so, checks that it exists.
 async fn declare(connection: &Connection, exchange: &str, kind: &str) -> AmqpResult<()> {
     let mut arguments = ExchangeDeclareArguments::new(exchange, kind);
     arguments.durable(true);
@@ -182,13 +182,13 @@ async fn declare(connection: &Connection, exchange: &str, kind: &str) -> AmqpRes
     end
 }
 
-/// Hears why the broker closes a connection.
+/// Receives the broker's reason for closing a connection.
 struct CloseListener(UnboundedSender<String>);
 
 #[async_trait]
 impl ConnectionCallback for CloseListener {
     async fn close(&mut self, _: &Connection, close: Close) -> AmqpResult<()> {
-        // Nobody listens to a connection that was given up.
+        // fails if the connection was given up before
         let _ = self
             .0
             .send(format!("closed by the broker: {}", close.reply_text()));

@@ -12,18 +12,18 @@ use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 /// TLS settings of a link. Files are in PEM format.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct TlsSettings {
-    /// Certificate authority of the broker; without it, the web's root certificates.
+    /// File with the certificate authority of the broker; the web's root certificates if `None`.
     pub authority: Option<PathBuf>,
     /// Client certificate and key, if the broker requires them.
     pub identity: Option<ClientIdentity>,
 }
 
-/// A certificate and its key.
+/// A client certificate and its key.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClientIdentity {
-    /// The file of the certificate, and of those between it and the authority.
+    /// File with the certificate, followed by any intermediate certificates.
     pub certificate: PathBuf,
-    /// The file of its private key.
+    /// File with the private key.
     pub key: PathBuf,
 }
 

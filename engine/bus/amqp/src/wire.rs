@@ -7,17 +7,17 @@ use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
 use asmotion_bus::{Envelope, Payload, TraceContext};
 use asmotion_datum::{Codec, Schema};
 
-/// The component that sent it.
+/// Header: name of the sending component.
 pub const SOURCE: &str = "source";
 /// Header: number of the current run of the sender's process.
 pub const INCARNATION: &str = "incarnation";
-/// The message's number among its publisher's, from 1 without gaps.
+/// Header: number among the publisher's messages, from 1 without gaps.
 pub const SEQUENCE: &str = "sequence";
 /// Header: time of sending in nanoseconds; AMQP's own `timestamp` has seconds.
 pub const STAMP: &str = "stamp";
 /// Header: name of the sender's clock, for example `wall:rover1`.
 pub const CLOCK: &str = "clock";
-/// The trace it belongs to (W3C).
+/// Header: W3C trace context of the message.
 pub const TRACE: &str = "traceparent";
 /// Header of a request: instant at which the caller gives up, in nanoseconds of Unix time.
 pub const DEADLINE: &str = "deadline";
@@ -28,19 +28,19 @@ pub const CALLBACK: &str = "callback";
 /// Header of a refusal: error code of the operation.
 pub const CODE: &str = "code";
 
-/// The `type` of a request that is answered.
+/// `type` of a request that expects a reply.
 pub const REQUEST: &str = "request";
-/// The `type` of a request that is not.
+/// `type` of a one-way request.
 pub const TELLING: &str = "telling";
-/// The `type` of the message that takes a request back.
+/// `type` of a message that cancels a request.
 pub const CANCEL: &str = "cancel";
-/// The `type` of the question whether a request is still known.
+/// `type` of the question whether a request is still known.
 pub const ENQUIRY: &str = "enquiry";
-/// The `type` of a result.
+/// `type` of a reply with a result.
 pub const RESULT: &str = "result";
-/// The `type` of a refusal: a fault, in the provider's words.
+/// `type` of a reply with a fault.
 pub const REFUSAL: &str = "refusal";
-/// The `type` of the reply that no server is there.
+/// `type` of the reply that no provider is there.
 pub const UNAVAILABLE: &str = "unavailable";
 
 /// Builder of a header table. Names are short and ASCII.
@@ -78,18 +78,18 @@ impl Headers {
     }
 }
 
-/// Returns a header field of any sender.
+/// Returns a header field by its name.
 fn field<'a>(properties: &'a BasicProperties, name: &str) -> Option<&'a FieldValue> {
     let name = FieldName::try_from(name).ok()?;
     properties.headers()?.get(&name)
 }
 
-/// A header field that is text.
+/// Returns a header field if it is text.
 pub(crate) fn text<'a>(properties: &'a BasicProperties, name: &str) -> Option<&'a str> {
     field(properties, name).and_then(|value| value.try_into().ok())
 }
 
-/// A header field that is a whole number of any width: other clients choose the narrowest.
+/// Returns a header field if it is an integer of any width: other clients choose the narrowest.
 pub(crate) fn number(properties: &BasicProperties, name: &str) -> Option<i64> {
     match field(properties, name)? {
         FieldValue::b(value) => Some((*value).into()),
@@ -120,13 +120,13 @@ fn count(properties: &BasicProperties, name: &str) -> Option<u64> {
 pub(crate) struct MessageSource {
     pub source: Arc<str>,
     pub incarnation: u64,
-    /// This publisher, of all there are.
+    /// Id of this publisher, unique among all.
     pub stream: String,
     pub clock: String,
     pub user: String,
     pub persistent: bool,
     pub codec: Codec,
-    /// The shape of its messages.
+    /// Schema of its messages.
     pub schema: Schema,
 }
 
@@ -160,9 +160,9 @@ impl MessageSource {
 /// Identity of a message, for the detection of duplicates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum MessageIdentity {
-    /// One of a numbered stream.
+    /// A message of a numbered stream.
     Numbered { stream: String, sequence: u64 },
-    /// One with a name of its own.
+    /// A message with an id of its own.
     Named(String),
     /// No identity: never a duplicate.
     Unknown,
@@ -196,15 +196,15 @@ pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> MessageIden
     }
 }
 
-/// Returns the trace that a message belongs to.
+/// Returns the trace context of a message.
 pub(crate) fn trace(properties: &BasicProperties) -> Option<TraceContext> {
     text(properties, TRACE)?.parse().ok()
 }
 
-/// The payload; or what is wrong with its content type.
+/// Returns the payload, or an explanation if its content type is unknown.
 pub(crate) fn payload(properties: &BasicProperties, content: Vec<u8>) -> Result<Payload, String> {
     let content_type = properties.content_type().map_or("", String::as_str);
-    // Parameters such as a charset do not change how it is read.
+    // parameters such as `charset` do not affect decoding
     let plain = content_type.split(';').next().unwrap_or_default().trim();
     let codec = Codec::of_content_type(plain)
         .ok_or_else(|| format!("unknown content type `{content_type}`"))?;
@@ -214,7 +214,7 @@ pub(crate) fn payload(properties: &BasicProperties, content: Vec<u8>) -> Result<
     })
 }
 
-/// A message as subscribers see it. What its sender has not said is empty.
+/// The envelope for subscribers. Fields that the sender has left out are empty.
 pub(crate) fn envelope(topic: &str, properties: &BasicProperties, payload: Payload) -> Envelope {
     let text = |name| text(properties, name);
     let user = properties.user_id().map(String::as_str);
@@ -231,7 +231,7 @@ pub(crate) fn envelope(topic: &str, properties: &BasicProperties, payload: Paylo
     }
 }
 
-/// Nanoseconds of Unix time.
+/// Current time in nanoseconds since the Unix epoch.
 pub(crate) fn unix_now() -> i64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX)
@@ -239,7 +239,8 @@ pub(crate) fn unix_now() -> i64 {
 
 /// Returns the time a request has left; `None` if the caller has given up.
 ///
-/// The deadline is of the caller's clock. Where clocks differ, a request has never more time than its caller gave it.
+/// The deadline refers to the caller's clock. If the clocks differ, a request still never has more time than its
+/// timeout.
 pub(crate) fn time_left(properties: &BasicProperties) -> Option<Duration> {
     let timeout = count(properties, TIMEOUT).map(Duration::from_nanos)?;
     let left = match number(properties, DEADLINE) {

@@ -1,4 +1,4 @@
-//! The broker: started, stopped, killed, frozen.
+//! The test broker: started, stopped, killed, frozen.
 
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -10,14 +10,14 @@ use std::time::{Duration, Instant};
 use crate::files::{BrokerFiles, PASSWORD, USER};
 use crate::process::{self, SERVER};
 
-/// A cold start takes 5 s on a quiet machine, twice that on a loaded one.
+/// Timeout of a start: a cold start takes 5 s on an idle machine, twice that on a loaded one.
 pub(crate) const START: Duration = Duration::from_secs(90);
 
 /// A RabbitMQ broker for tests.
 pub struct TestBroker {
     pub(crate) ports: BrokerPorts,
     pub(crate) files: BrokerFiles,
-    /// Another after each [`revive`](Self::revive).
+    /// Replaced by each [`revive`](Self::revive).
     server: Mutex<Child>,
     epmd: Child,
     reaper: Child,
@@ -35,13 +35,13 @@ pub(crate) struct BrokerPorts {
 /// Error of the test broker.
 #[derive(Debug, thiserror::Error)]
 pub enum BrokerError {
-    /// The package is not there.
+    /// The package `rabbitmq-server` is not installed.
     #[error("`{SERVER}` is missing: install the package `rabbitmq-server`")]
     NotInstalled,
-    /// A process could not be started or talked to.
+    /// A process could not be started or reached.
     #[error("cannot run the broker")]
     Process(#[from] io::Error),
-    /// The broker did not start.
+    /// The broker did not respond after its start.
     #[error("the broker did not answer within {START:?}; the end of its log:\n{log}")]
     Mute {
         /// End of its log.
@@ -59,7 +59,7 @@ pub enum BrokerError {
 
 impl BrokerPorts {
     fn free() -> io::Result<Self> {
-        // Held together, so that they differ.
+        // bound at the same time, so that they differ
         let bind = || TcpListener::bind((Ipv4Addr::LOCALHOST, 0));
         let (amqp, amqps) = (bind()?, bind()?);
         let (distribution, epmd) = (bind()?, bind()?);
@@ -78,7 +78,7 @@ impl TestBroker {
         std::path::Path::new(SERVER).exists()
     }
 
-    /// Starts a broker and waits until it serves.
+    /// Starts a broker and waits until it accepts connections.
     pub fn start() -> Result<Self, BrokerError> {
         if !Self::is_installed() {
             return Err(BrokerError::NotInstalled);
@@ -105,12 +105,13 @@ impl TestBroker {
         (Ipv4Addr::LOCALHOST, self.ports.amqp).into()
     }
 
-    /// The port where it talks encrypted, and wants to see a certificate. Its own is of `localhost`.
+    /// The port for encrypted connections, which requires a client certificate. The broker's own certificate is for
+    /// `localhost`.
     pub fn encrypted_port(&self) -> u16 {
         self.ports.amqps
     }
 
-    /// The file of the authority that vouches for it and for its clients.
+    /// File with the authority that signed the broker's and the client's certificates.
     pub fn authority(&self) -> PathBuf {
         self.files.path("authority.pem")
     }
@@ -130,7 +131,7 @@ impl TestBroker {
         PASSWORD
     }
 
-    /// Kills it, as a power failure would.
+    /// Kills the broker's process, like a power failure.
     pub fn kill(&self) -> Result<(), BrokerError> {
         let mut server = self.server();
         server.kill()?;
@@ -138,7 +139,7 @@ impl TestBroker {
         Ok(())
     }
 
-    /// Starts it again where it was killed, with what it has on disk.
+    /// Restarts a killed broker with its data on disk.
     pub fn revive(&self) -> Result<(), BrokerError> {
         if !self.is_running()? {
             *self.server() = process::server(&self.files, self.ports)?;
@@ -147,7 +148,7 @@ impl TestBroker {
         self.wait_until_up()
     }
 
-    /// Stops its process where it stands, connections open: a peer that has gone mute.
+    /// Stops the broker's process with `SIGSTOP`: connections stay open, but it does not respond.
     pub fn freeze(&self) -> Result<(), BrokerError> {
         Ok(process::signal("-STOP", &self.server())?)
     }
@@ -210,7 +211,7 @@ impl TestBroker {
 
 impl Drop for TestBroker {
     fn drop(&mut self) {
-        // The broker first: it would start another epmd. What fails here has ended already.
+        // the broker first, because it would start another epmd; errors mean that the process has ended already
         let _ = self.kill();
         let _ = self.epmd.kill();
         let _ = self.epmd.wait();

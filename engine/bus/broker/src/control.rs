@@ -1,4 +1,4 @@
-//! Commands to a running broker, through `erl_call`: a few milliseconds each.
+//! Commands to a running broker through `erl_call`, which takes a few milliseconds.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -13,12 +13,12 @@ const AWAKE: Duration = Duration::from_secs(10);
 const ALARM: &str = "{resource_limit,memory,node()}";
 
 impl TestBroker {
-    /// Evaluates an Erlang expression in the broker; its value as text.
+    /// Evaluates an Erlang expression in the broker and returns its value as text.
     pub fn evaluate(&self, expression: &str) -> Result<String, BrokerError> {
         let until = Instant::now() + AWAKE;
         loop {
             match self.evaluate_once(expression) {
-                // A node that has just been started or thawed needs a moment.
+                // a node that has just been started or thawed needs a moment
                 Err(BrokerError::Refused { answer, .. })
                     if answer.contains(UNREACHED) && Instant::now() < until =>
                 {
@@ -42,7 +42,7 @@ impl TestBroker {
             .stderr(Stdio::piped())
             .spawn()?;
         if let Some(mut input) = child.stdin.take() {
-            // It reads the end of the expression from the new line; why it reads nothing it says itself.
+            // a newline ends the expression; an error shows in the output
             let _ = writeln!(input, "{expression}.");
         }
         let output = child.wait_with_output()?;
@@ -63,7 +63,7 @@ impl TestBroker {
 
     /// Closes every connection, as an operator would.
     pub fn close_connections(&self) -> Result<(), BrokerError> {
-        // one that ends by itself meanwhile is closed, too
+        // a connection that ends by itself in the meantime counts as closed
         self.command(
             "begin [catch rabbit_networking:close_connection(P, \"closed by a test\") || P <- rabbit_networking:connections()], ok end",
         )

@@ -1,4 +1,4 @@
-//! Files of a test broker: one folder, removed with it.
+//! Files of a test broker, in one directory that is removed with it.
 
 use std::io;
 use std::os::unix::fs::PermissionsExt;
@@ -11,14 +11,14 @@ use tempfile::TempDir;
 
 use crate::broker::BrokerPorts;
 
-/// The name of every node; each has an epmd of its own, so they do not meet.
+/// Name of every node. Each node has its own epmd, so the names do not clash.
 pub(crate) const NODE: &str = "rmq@localhost";
 /// Name of the administrator.
 pub(crate) const USER: &str = "tester";
-/// The first user's password.
+/// Password of the administrator.
 pub(crate) const PASSWORD: &str = "test-pass";
 
-/// Folder of the broker.
+/// Directory of a broker.
 pub(crate) struct BrokerFiles {
     folder: TempDir,
     pub cookie: String,

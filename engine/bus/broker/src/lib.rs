@@ -1,8 +1,9 @@
-//! A real RabbitMQ for tests: our own process on loopback, broken on demand, gone when the test run is.
+//! A real RabbitMQ broker for tests: a process on the loopback interface that can be made to fail, and ends with the
+//! test run.
 //!
-//! One [`TestBroker`] serves a test run, one [`Vhost`] a test. Ordinary tests share the broker through [`calm`]; a
-//! test that breaks it takes it exclusively through [`alone`], and it is restored afterwards. It is Debian's package,
-//! started by its inner script with its own epmd: no service of the machine is used or touched.
+//! One [`TestBroker`] serves a test run, one [`Vhost`] a test. Ordinary tests share the broker through [`calm`]; a test
+//! that breaks it takes it exclusively through [`alone`], and it is restored afterwards. It is Debian's package,
+//! started by its inner script with its own epmd; services of the machine are not affected.
 
 mod broker;
 mod control;

@@ -1,4 +1,4 @@
-//! The two processes of a broker, and the one that ends them should the test run be killed.
+//! The two processes of a broker, and the reaper that ends them if the test run is killed.
 
 use std::io;
 use std::path::Path;
@@ -7,22 +7,22 @@ use std::process::{Child, Command, Stdio};
 use crate::broker::BrokerPorts;
 use crate::files::{BrokerFiles, NODE};
 
-/// The inner script: runs under any user. The outer one changes to the package's user.
+/// The package's inner script, which runs as any user. The outer script changes to the package's user.
 pub(crate) const SERVER: &str = "/usr/lib/rabbitmq/bin/rabbitmq-server";
 const EPMD: &str = "/usr/bin/epmd";
 
-/// Waits for the end of the test run, however it ends; then kills the listed processes and removes the folder.
+/// Waits for the end of the test run, however it ends; then kills the listed processes and removes the directory.
 const REAPER: &str = "trap '' INT TERM; read -r _; \
     for pid in $(cat pids); do kill -9 \"$pid\"; done; folder=$PWD; cd /; sleep 0.2; rm -rf \"$folder\"";
 
-/// Starts Erlang's port mapper. One started by the broker would outlive it.
+/// Starts Erlang's port mapper, because one started by the broker would outlive it.
 pub(crate) fn epmd(port: u16) -> io::Result<Child> {
     quiet(EPMD)
         .args(["-address", "127.0.0.1", "-port", &port.to_string()])
         .spawn()
 }
 
-/// The broker. The script becomes the broker's process, so its id is the broker's.
+/// Starts the broker. The script replaces itself by the broker, so the process id is the broker's.
 pub(crate) fn server(files: &BrokerFiles, ports: BrokerPorts) -> io::Result<Child> {
     quiet(SERVER)
         .env_clear()
@@ -54,7 +54,7 @@ pub(crate) fn server(files: &BrokerFiles, ports: BrokerPorts) -> io::Result<Chil
         .spawn()
 }
 
-/// The process that ends the others when our end of its input closes.
+/// Starts the reaper, which acts when our end of its standard input is closed.
 pub(crate) fn reaper(folder: &Path) -> io::Result<Child> {
     quiet("/bin/sh")
         .args(["-c", REAPER])

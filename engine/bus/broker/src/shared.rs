@@ -9,25 +9,26 @@ use crate::broker::TestBroker;
 static BROKER: OnceLock<Option<RwLock<TestBroker>>> = OnceLock::new();
 static NOTICE: Once = Once::new();
 
-/// The run's broker, shared and well.
+/// Shared access to the test run's broker, which is intact.
 pub struct SharedBroker(RwLockReadGuard<'static, TestBroker>);
 
-/// The run's broker, alone: to be broken. It is mended when this ends.
+/// Exclusive access to the test run's broker, which may be made to fail. Repairs it on drop.
 pub struct ExclusiveBroker(RwLockWriteGuard<'static, TestBroker>);
 
-/// The broker, for a test that does not break it; none where RabbitMQ cannot be had, which is said aloud.
+/// Returns the broker for a test that leaves it intact. Returns `None` and prints a notice if RabbitMQ is not
+/// installed.
 ///
 /// # Panics
-/// If the broker does not start; and, where `CI` is set, if the package is missing.
+/// Panics if the broker does not start or, with `CI` set, if the package is missing.
 pub fn calm() -> Option<SharedBroker> {
     let broker = shared()?.read().unwrap_or_else(PoisonError::into_inner);
     Some(SharedBroker(broker))
 }
 
-/// The broker, for a test that breaks it; none where RabbitMQ cannot be had, which is said aloud.
+/// Returns the broker for a test that makes it fail. Returns `None` and prints a notice if RabbitMQ is not installed.
 ///
 /// # Panics
-/// As [`calm`].
+/// See [`calm`].
 pub fn alone() -> Option<ExclusiveBroker> {
     let broker = shared()?.write().unwrap_or_else(PoisonError::into_inner);
     Some(ExclusiveBroker(broker))
@@ -51,7 +52,7 @@ fn shared() -> Option<&'static RwLock<TestBroker>> {
     broker
 }
 
-/// Past the test harness, which keeps what passing tests print.
+/// Writes to standard error directly: the test harness captures what passing tests print.
 fn notice() {
     let words = "\n*** SKIPPED: the tests on a real broker. Install the package `rabbitmq-server`, or run `./test`.\n\n";
     let _ = std::io::stderr().write_all(words.as_bytes());

@@ -1,4 +1,4 @@
-//! A virtual host: a test's own names on a shared broker.
+//! Virtual hosts, which separate tests on a shared broker.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -6,14 +6,14 @@ use crate::broker::{BrokerError, TestBroker};
 
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
-/// A virtual host of one test, deleted with it.
+/// A virtual host for one test, deleted on drop.
 pub struct Vhost<'a> {
     broker: &'a TestBroker,
     name: String,
 }
 
 impl TestBroker {
-    /// A new virtual host; the first user may do everything in it.
+    /// Creates a virtual host in which the administrator has all permissions.
     pub fn vhost(&self) -> Result<Vhost<'_>, BrokerError> {
         let name = format!("test-{}", NEXT.fetch_add(1, Ordering::Relaxed));
         self.evaluate(&format!("rabbit_vhost:add(<<\"{name}\">>, <<\"test\">>)"))?;
@@ -37,7 +37,7 @@ impl Vhost<'_> {
         &self.name
     }
 
-    /// `amqp://user:password@host:port/vhost` of the first user.
+    /// URL for the administrator, `amqp://user:password@host:port/vhost`.
     pub fn url(&self) -> String {
         self.url_of(self.broker.user(), self.broker.password())
     }
@@ -85,7 +85,7 @@ impl Vhost<'_> {
             .map_err(|_| BrokerError::Refused { command, answer })
     }
 
-    /// The names of its queues.
+    /// Returns the names of its queues.
     pub fn queues(&self) -> Result<Vec<String>, BrokerError> {
         let vhost = &self.name;
         let names = self.broker.evaluate(&format!(
@@ -93,14 +93,14 @@ impl Vhost<'_> {
              [element(4, amqqueue:get_name(Q)) || Q <- rabbit_amqqueue:list(<<\"{vhost}\">>)])))"
         ))?;
         let names = names.trim_matches('"').split_whitespace();
-        // No queue is the empty list.
+        // without queues, the value is the empty list
         Ok(names
             .filter(|name| *name != "[]")
             .map(str::to_owned)
             .collect())
     }
 
-    /// Deletes a queue even while it is read.
+    /// Deletes a queue even while it is consumed.
     pub fn delete_queue(&self, queue: &str) -> Result<(), BrokerError> {
         let vhost = &self.name;
         self.broker
@@ -114,7 +114,7 @@ impl Vhost<'_> {
 
 impl Drop for Vhost<'_> {
     fn drop(&mut self) {
-        // A broker that a test has killed is gone with all its hosts.
+        // fails if a test has killed the broker, which ends its virtual hosts too
         let name = &self.name;
         let _ = (self.broker).evaluate(&format!(
             "rabbit_vhost:delete(<<\"{name}\">>, <<\"test\">>)"

@@ -1,4 +1,4 @@
-//! A broker of our own comes up, obeys, breaks, mends and leaves nothing.
+//! A test broker starts, obeys, fails, recovers and leaves nothing behind.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use std::net::TcpStream;

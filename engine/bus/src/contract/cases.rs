@@ -15,7 +15,7 @@ use crate::request::{CallFailure, PendingCall, Refusal, Request, ServedAddress};
 use crate::trace_context::SpanGenerator;
 use asmotion_connection::Notifier;
 
-/// A case: a bus and a name of its own in; what went wrong out.
+/// A case: takes a bus and a unique name, and returns an explanation if the bus fails.
 pub(super) type ContractCase = fn(&dyn Bus, &str) -> Result<(), String>;
 
 pub(super) const CASES: &[(&str, ContractCase)] = &[
@@ -54,7 +54,7 @@ pub(super) const CASES: &[(&str, ContractCase)] = &[
     ("is well", is_well),
 ];
 
-/// Long enough for a message to cross any bus.
+/// Time within which a message crosses any bus.
 const CROSSING: Duration = Duration::from_secs(5);
 /// Time without a message after which a case assumes that none will arrive.
 const SILENCE: Duration = Duration::from_millis(200);
@@ -63,7 +63,7 @@ const EVERY: QueuePolicy = QueuePolicy::All {
     overflow: Overflow::DropOldest,
 };
 
-/// A name of its own below another.
+/// A name below another one, unique within the case.
 fn below(name: &str, word: &str) -> String {
     format!("{name}.{word}")
 }
@@ -237,7 +237,7 @@ fn matches_patterns(bus: &dyn Bus, name: &str) -> Result<(), String> {
     expect(sorted(&odom, 2)?, vec![2, 3])
 }
 
-/// Sends to a subscription that is not read, and waits until all has arrived at another that is.
+/// Sends `count` messages to a subscription that is not read, and waits until they have arrived at another one.
 fn fill(bus: &dyn Bus, name: &str, queue: QueuePolicy, count: i64) -> Result<Subscription, String> {
     let subscription = subscribe(bus, name, queue)?;
     let witness = subscribe(bus, name, EVERY)?;
@@ -332,7 +332,7 @@ fn request(n: i64, timeout: Duration) -> Request {
     Request::new(origin(), Payload::of(Datum::Int(n)), timeout)
 }
 
-/// The end of a call, as something to compare.
+/// The outcome of a call, in comparable form.
 fn end(pending: PendingCall) -> Result<Option<i64>, CallFailure> {
     let payload = pending.wait()?;
     Ok(payload.to_datum().ok().and_then(|datum| datum.as_int()))
@@ -356,7 +356,7 @@ fn answers(bus: &dyn Bus, name: &str) -> Result<(), String> {
             .and_then(|datum| datum.as_int());
         call.reply(Ok(Payload::of(Datum::Int(asked.unwrap_or(0) * 10))));
     }
-    // Each gets its own answer, whichever is read first.
+    // each call gets its own reply, in whichever order they are read
     expect(end(other), Ok(Some(20)))?;
     expect(end(one), Ok(Some(10)))
 }
@@ -402,7 +402,7 @@ fn server_leaves(bus: &dyn Bus, name: &str) -> Result<(), String> {
     std::thread::sleep(SILENCE);
     drop(serving);
     expect(end(pending), Err(CallFailure::Unavailable))?;
-    // The address is free again.
+    // the address is free again
     serve(bus, name, 8).map(drop)
 }
 
@@ -470,7 +470,7 @@ fn tells(bus: &dyn Bus, name: &str) -> Result<(), String> {
     expect(end(tell(1)?), Ok(None))?;
     let call = next_call(&serving)?;
     expect(call.is_one_way(), true)?;
-    // Dropping the pending call does not take a one-way request back.
+    // dropping the pending call does not cancel a one-way request
     drop(tell(2)?);
     let told = next_call(&serving)?.argument.to_datum();
     expect(told.ok().and_then(|datum| datum.as_int()), Some(2))

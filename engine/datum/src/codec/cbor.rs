@@ -1,7 +1,7 @@
 //! CBOR (RFC 8949), for machines: numeric arrays are typed arrays (RFC 8746), records are maps with text keys.
 //!
-//! Deterministic: the same datum gives the same bytes (definite lengths, shortest integers, floats of 64 bits,
-//! entries in their own order), so that what is hashed can be encoded.
+//! Encoding is deterministic: equal datums give equal bytes (definite lengths, shortest integers, 64-bit floats,
+//! entries in their own order), so the encoded form can be hashed.
 
 use std::borrow::Cow;
 
@@ -17,19 +17,19 @@ use crate::error::{DatumError, DatumProblem};
 use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
-/// Any serde value as CBOR.
+/// Encodes any serde value as CBOR.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, DatumError> {
     let mut writer = BufWriter::new(Vec::new());
     write(&Datum::of(value)?, &mut writer).map_err(malformed)?;
     Ok(writer.into_inner())
 }
 
-/// Any serde value from CBOR.
+/// Decodes any serde value from CBOR.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DatumError> {
     read_whole(bytes)?.to()
 }
 
-/// One datum from CBOR, and nothing after it.
+/// Decodes one datum; further bytes after it are an error.
 pub(super) fn read_whole(bytes: &[u8]) -> Result<Datum, DatumError> {
     let mut reader = SliceReader::new(bytes);
     let datum = read(&mut reader, DEPTH)?;
@@ -109,7 +109,7 @@ fn text<'de>(reader: &mut SliceReader<'de>) -> Result<Cow<'de, str>, DatumError>
     Cow::<'de, str>::decode(reader).map_err(malformed)
 }
 
-/// Reads as many as announced, or up to the break of an indefinite length.
+/// Reads the announced number of items, or all up to the break of an indefinite-length item (RFC 8949 §3.2).
 fn each(
     reader: &mut SliceReader<'_>,
     announced: Option<usize>,
@@ -150,7 +150,8 @@ fn record(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumErro
     Ok(Datum::Record(entries))
 }
 
-/// A typed array becomes packed numbers; other tags are passed over, their content is what counts.
+/// Reads a tagged item: a typed array (RFC 8746) becomes packed numbers; any other tag is ignored and its content is
+/// used.
 fn tagged(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
     let tag = types::Tag::tag(reader).map_err(malformed)?;
     let content = read(reader, depth)?;

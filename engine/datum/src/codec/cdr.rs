@@ -1,8 +1,8 @@
-//! CDR (OMG XCDR1, as DDS and ROS 2 write it), for those whose messages are ROS messages.
+//! CDR (OMG XCDR1, as in DDS and ROS 2), for the exchange with programs that use ROS messages.
 //!
-//! Nothing of it says what it is: writing and reading follow a schema. A value stands at a multiple of its own size,
-//! counted from the end of the four bytes that say in which order bytes stand. We write the little end first, and read
-//! both.
+//! CDR is not self-describing: writing and reading follow a schema. Each value is aligned to a multiple of its own
+//! size, counted from the end of the four-byte encapsulation header, which specifies the byte order. We write
+//! little-endian, and read both orders.
 
 mod read;
 mod write;
@@ -15,23 +15,25 @@ use crate::schema::{Schema, Shape};
 pub(super) use read::read_whole;
 pub(super) use write::write_whole;
 
-/// What comes first: CDR, little end first, no options.
+/// The encapsulation header: plain CDR, little-endian, no options.
 const LITTLE: [u8; 4] = [0, 1, 0, 0];
-/// CDR, big end first.
+/// The encapsulation header of big-endian CDR.
 const BIG: [u8; 4] = [0, 0, 0, 0];
 
-/// A message as CDR.
+/// Encodes a message as CDR.
 pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, DatumError> {
     write_whole(&crate::value::Datum::of(message)?, T::schema())
 }
 
-/// A message from CDR.
+/// Decodes a message from CDR.
 pub fn decode<T: Message>(bytes: &[u8]) -> Result<T, DatumError> {
     read_whole(bytes, T::schema())?.to()
 }
 
-/// Says what of a shape CDR cannot carry, if anything: what is known at run time only, and arrays without elements.
-/// What may be absent is a sequence of at most one, as ROS 2 writes it (`T[<=1]`); a message without fields is one byte.
+/// Checks that CDR can encode data of this schema.
+///
+/// It cannot encode data of unknown schema, and arrays without elements. An optional value is a sequence of at most one
+/// element, as ROS 2 defines it (`T[<=1]`); a message without fields is one byte.
 pub fn carries(schema: &Schema) -> Result<(), DatumError> {
     within(schema, DEPTH)
 }
@@ -67,7 +69,7 @@ fn deeper(depth: usize) -> Result<usize, DatumError> {
         .ok_or_else(|| DatumError::new(DatumProblem::TooDeep(DEPTH)))
 }
 
-/// There is no CDR of this.
+/// The error for a schema that CDR cannot encode.
 fn shapeless(schema: &Schema) -> DatumError {
     DatumError::new(DatumProblem::Uncarried {
         codec: "CDR",

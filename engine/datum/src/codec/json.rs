@@ -1,4 +1,5 @@
-//! JSON, for people: exact floats; the numbers JSON lacks as `"NaN"`, `"Infinity"`, `"-Infinity"`.
+//! JSON, for human readers: exact floats; the floats that JSON lacks are written `"NaN"`, `"Infinity"` and
+//! `"-Infinity"`.
 
 use serde::de::DeserializeOwned;
 use serde::ser::{Serialize, Serializer};
@@ -6,22 +7,22 @@ use serde::ser::{Serialize, Serializer};
 use crate::error::{DatumError, DatumProblem};
 use crate::value::Datum;
 
-/// Any serde value as JSON text on one line.
+/// Encodes any serde value as JSON on one line.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
     serde_json::to_string(&JsonDatum(&Datum::of(value)?)).map_err(malformed)
 }
 
-/// Any serde value as indented JSON text.
+/// Encodes any serde value as indented JSON.
 pub fn encode_pretty<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
     serde_json::to_string_pretty(&JsonDatum(&Datum::of(value)?)).map_err(malformed)
 }
 
-/// Any serde value from JSON text.
+/// Decodes any serde value from JSON.
 pub fn decode<T: DeserializeOwned>(text: &str) -> Result<T, DatumError> {
     read_whole(text.as_bytes())?.to()
 }
 
-/// One datum from JSON text in UTF-8. The parser bounds the depth itself.
+/// Decodes one datum from JSON in UTF-8. The parser limits the nesting depth itself.
 pub(super) fn read_whole(text: &[u8]) -> Result<Datum, DatumError> {
     serde_json::from_slice(text).map_err(malformed)
 }
@@ -33,7 +34,7 @@ fn malformed(error: serde_json::Error) -> DatumError {
     })
 }
 
-/// A datum as JSON wants it written.
+/// Serialises a datum with the replacements for special floats.
 struct JsonDatum<'a>(&'a Datum);
 
 impl Serialize for JsonDatum<'_> {
@@ -59,7 +60,7 @@ impl Serialize for JsonDatum<'_> {
     }
 }
 
-/// One of a run of packed numbers.
+/// Serialises one element of packed numbers, which has to be created first.
 struct OwnedJsonDatum(Datum);
 
 impl Serialize for OwnedJsonDatum {

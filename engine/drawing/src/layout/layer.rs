@@ -1,31 +1,31 @@
-//! Layers: which box is in which, and in which order.
+//! Assigns boxes to layers and orders each layer.
 
-/// A line between two boxes.
+/// An edge between two boxes of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct LayerEdge {
-    /// The number of its edge.
+    /// Position of the edge in the picture.
     pub edge: usize,
     pub from: usize,
     pub to: usize,
-    /// Where it meets them, from the top.
+    /// Vertical positions at which it meets the boxes, from their tops.
     pub from_y: f64,
     pub to_y: f64,
 }
 
-/// Boxes in layers. Behind the boxes stand the places of long lines.
+/// Boxes in layers. In `slots`, the boxes are followed by the slots of long lines.
 pub(crate) struct Layered {
     pub links: Vec<LayerEdge>,
     pub slots: Vec<LayerSlot>,
-    /// The slots of each layer, from top to bottom.
+    /// Slots of each layer, from top to bottom.
     pub layers: Vec<Vec<usize>>,
-    /// The slots that each link goes through, from layer to layer; its boxes first and last, unless it
-    /// runs backwards: then only the places beside them, from left to right.
+    /// Slots that each link passes through, in order of layers. Includes its boxes at both ends, unless it runs
+    /// backwards: then only the slots beside the boxes, from left to right.
     pub chains: Vec<Vec<usize>>,
-    /// Whether each link runs backwards.
+    /// `true` for each link that runs from right to left.
     pub backwards: Vec<bool>,
 }
 
-/// A box, or the place of a line in a layer.
+/// A box, or the slot of a line in a layer.
 #[derive(Clone, Debug)]
 pub(crate) struct LayerSlot {
     pub layer: usize,
@@ -34,11 +34,11 @@ pub(crate) struct LayerSlot {
     pub is_box: bool,
 }
 
-/// How often the layers are ordered anew.
+/// Number of passes that reorder the layers.
 const SWEEPS: usize = 24;
 
 impl Layered {
-    /// Puts boxes of these sizes into layers; those of `left` stand in the first, those of `right` in the last.
+    /// Assigns boxes of these sizes to layers; those in `left` to the first, those in `right` to the last.
     pub(crate) fn new(
         sizes: &[(f64, f64)],
         links: Vec<LayerEdge>,
@@ -77,7 +77,7 @@ impl Layered {
         layered
     }
 
-    /// Gives every line a place in each layer that it crosses.
+    /// Assigns slots to every line in the layers that it crosses.
     fn chains(&mut self) {
         for (link, backwards) in self.links.iter().zip(&self.backwards) {
             let at = |slot: usize| self.slots.get(slot).map_or(0, |slot| slot.layer);
@@ -112,12 +112,12 @@ impl Layered {
         }
     }
 
-    /// Pairs of slots in neighbouring layers that a line joins.
+    /// Pairs of slots in adjacent layers that a line connects.
     fn joints(&self) -> Vec<(usize, usize)> {
         let chains = self.chains.iter();
         let pairs = chains.flat_map(|chain| chain.iter().zip(chain.iter().skip(1)));
         let mut joints: Vec<_> = pairs.map(|(one, other)| (*one, *other)).collect();
-        // a line that runs backwards turns beside its boxes, so it stays near them
+        // a line that runs backwards turns beside its boxes, and should stay near them
         for ((link, chain), backwards) in self.links.iter().zip(&self.chains).zip(&self.backwards) {
             if let (true, Some(first), Some(last)) = (backwards, chain.first(), chain.last()) {
                 joints.push((link.to, *first));
@@ -127,7 +127,8 @@ impl Layered {
         joints
     }
 
-    /// Orders each layer by the middle of its neighbours, forth and back, and keeps what crosses least.
+    /// Orders each layer by the mean position of its neighbours, in alternating directions, and keeps the order with
+    /// the fewest crossings.
     fn order(&mut self) {
         let joints = self.joints();
         let mut neighbours = vec![Vec::new(); self.slots.len()];
@@ -157,7 +158,7 @@ impl Layered {
         self.layers = best.1;
     }
 
-    /// How far down a slot is in its layer, from 0 to 1.
+    /// Relative position of each slot in its layer, from 0 at the top to 1.
     fn heights(&self) -> Vec<f64> {
         let mut heights = vec![0.0; self.slots.len()];
         for layer in &self.layers {
@@ -208,7 +209,7 @@ impl Layered {
     }
 }
 
-/// An order in which few lines run backwards: after Eades, Lin and Smyth.
+/// Orders the boxes so that few edges run backwards, after Eades, Lin and Smyth.
 fn ranks(count: usize, links: &[LayerEdge], left: &[usize], right: &[usize]) -> Vec<usize> {
     let mut open: Vec<usize> = (0..count)
         .filter(|it| !left.contains(it) && !right.contains(it))
@@ -251,7 +252,7 @@ fn ranks(count: usize, links: &[LayerEdge], left: &[usize], right: &[usize]) -> 
     rank
 }
 
-/// Each box behind those that lead to it, and as near to those that it leads to as that allows.
+/// Assigns each box to a layer after its predecessors, and as near to its successors as possible.
 fn layers(count: usize, forward: &[(usize, usize)], left: &[usize], right: &[usize]) -> Vec<usize> {
     let mut layer = vec![0_usize; count];
     let start = usize::from(!left.is_empty());
@@ -259,7 +260,7 @@ fn layers(count: usize, forward: &[(usize, usize)], left: &[usize], right: &[usi
         *layer = if left.contains(&at) { 0 } else { start };
     }
     let get = |layer: &[usize], at: usize| layer.get(at).copied().unwrap_or(0);
-    // without circles, so many rounds are enough
+    // the edges are acyclic, so this many rounds suffice
     for _ in 0..count {
         for (from, to) in forward {
             let least = get(&layer, *from) + 1;

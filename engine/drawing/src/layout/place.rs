@@ -1,37 +1,37 @@
-//! Places: how far down and how far to the right everything is.
+//! Assigns coordinates to boxes and lines.
 
 use super::LinePoint;
 use super::layer::Layered;
 
-/// Space between layers, and within them.
+/// Space between layers, and between items within a layer, in pixels.
 const ACROSS: f64 = 64.0;
 const BETWEEN: f64 = 26.0;
 const BETWEEN_LINES: f64 = 12.0;
 
-/// How often the places are improved.
+/// Number of rounds that improve the vertical positions.
 const ROUNDS: usize = 40;
 
-/// Where everything is.
+/// The coordinates of a layered frame.
 pub(crate) struct Coordinates {
     pub width: f64,
     pub height: f64,
-    /// The upper left corner of each slot.
+    /// Upper left corner of each slot.
     pub corners: Vec<(f64, f64)>,
-    /// The points of each link.
+    /// Points of each link.
     pub lines: Vec<Vec<LinePoint>>,
 }
 
-/// A line between two slots: where it meets each, from the top.
+/// A line between two slots, and its vertical positions from their tops.
 struct SlotEdge {
     one: usize,
     one_y: f64,
     other: usize,
     other_y: f64,
-    /// How much it wants to be straight.
+    /// Weight of keeping the line straight.
     pull: f64,
 }
 
-/// Places all slots.
+/// Assigns coordinates to all slots.
 pub(crate) fn place(layered: &Layered) -> Coordinates {
     let y = heights(layered);
     let (x, right) = widths(layered);
@@ -91,7 +91,7 @@ fn joints(layered: &Layered) -> Vec<SlotEdge> {
     joints
 }
 
-/// How far down each slot is: near where its lines come from, and clear of its neighbours.
+/// Vertical position of each slot: near its neighbours in other layers, without overlap.
 fn heights(layered: &Layered) -> Vec<f64> {
     let joints = joints(layered);
     let mut y = vec![0.0; layered.slots.len()];
@@ -121,7 +121,7 @@ fn heights(layered: &Layered) -> Vec<f64> {
     y.iter().map(|y| (y - top).round()).collect()
 }
 
-/// Where a slot would like to be, and how much.
+/// The preferred position of a slot, and its weight.
 fn wanted(slot: usize, joints: &[SlotEdge], y: &[f64]) -> (f64, f64) {
     let at = |slot: usize| y.get(slot).copied().unwrap_or(0.0);
     let (mut sum, mut weight) = (at(slot) * 0.05, 0.05);
@@ -137,10 +137,10 @@ fn wanted(slot: usize, joints: &[SlotEdge], y: &[f64]) -> (f64, f64) {
     (sum / weight, weight)
 }
 
-/// Puts the slots of a layer as near as can be to where they want to be, in their order, none on another:
-/// slots that push each other become one block, which stands where its members want to be on the whole.
+/// Places the slots of a layer as near as possible to their preferred positions, in order and without overlap: slots
+/// that would overlap form a block, which is placed at the weighted mean of its members' preferences.
 fn settle(layered: &Layered, layer: &[usize], wanted: &[(f64, f64)], y: &mut [f64]) {
-    // each block: the offset of its first member, the weighted wish for it, the weight, how many
+    // each block: the weighted sum of preferred positions of its first member, the weight, and the number of members
     let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
     let mut offsets = Vec::with_capacity(layer.len());
     let mut offset = 0.0;
@@ -179,7 +179,7 @@ fn settle(layered: &Layered, layer: &[usize], wanted: &[(f64, f64)], y: &mut [f6
     }
 }
 
-/// How far to the right each slot is, and where each layer begins and ends.
+/// Horizontal position of each slot, and the borders of each layer.
 fn widths(layered: &Layered) -> (Vec<f64>, Vec<(f64, f64)>) {
     let mut x = vec![0.0; layered.slots.len()];
     let mut borders = Vec::new();
@@ -199,7 +199,7 @@ fn widths(layered: &Layered) -> (Vec<f64>, Vec<(f64, f64)>) {
     (x, borders)
 }
 
-/// The points of each link: out at the right of its box, through its places, in at the left of the other.
+/// The points of each link: from the right side of its box, through its slots, to the left side of the other box.
 fn lines(layered: &Layered, corners: &[(f64, f64)], borders: &[(f64, f64)]) -> Vec<Vec<LinePoint>> {
     let corner = |slot: usize| corners.get(slot).copied().unwrap_or_default();
     let all = layered
@@ -230,7 +230,7 @@ fn lines(layered: &Layered, corners: &[(f64, f64)], borders: &[(f64, f64)]) -> V
                 let inner: Vec<_> = inner.map(through).collect();
                 let last = inner.len().saturating_sub(1);
                 for (index, (left, right, y)) in inner.iter().enumerate().rev() {
-                    // at its ends the line turns close to the box
+                    // at both ends, the line turns close to the box
                     let right = if index == last {
                         points.first().map_or(*right, |it| it.x)
                     } else {

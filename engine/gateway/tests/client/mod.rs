@@ -1,4 +1,4 @@
-//! A caller of its own: a request a connection, as `curl` does.
+//! A minimal HTTP client: one request per connection.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-/// A caller of the gateway at this address.
+/// A client of the gateway at this address.
 pub struct Client(pub SocketAddr);
 
-/// What it was told.
+/// A response.
 #[derive(Debug)]
 pub struct Said {
     pub status: u16,
@@ -19,7 +19,7 @@ pub struct Said {
 }
 
 impl Said {
-    /// A header by its name in small letters.
+    /// A header by its name, in lower case.
     pub fn header(&self, name: &str) -> Option<&str> {
         let mut lines = self.head.lines().filter_map(|line| line.split_once(": "));
         lines.find_map(|(key, value)| key.eq_ignore_ascii_case(name).then_some(value))
@@ -48,7 +48,7 @@ impl Client {
             .unwrap();
         stream.write_all(request.as_bytes()).unwrap();
         let mut said = Vec::new();
-        // whoever refuses before it has heard all may hang up
+        // a server that refuses a request before its end may reset the connection
         let _ = stream.read_to_end(&mut said);
         let said = String::from_utf8(said).unwrap();
         let (head, body) = said.split_once("\r\n\r\n").unwrap_or((&said, ""));

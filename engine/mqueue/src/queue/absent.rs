@@ -1,4 +1,4 @@
-//! Queues where the system has none.
+//! Replacement for operating systems without message queues.
 
 use std::time::Duration;
 
@@ -6,10 +6,10 @@ use crate::error::QueueCheckError;
 use crate::name::QueueName;
 use crate::writer::QueueCapacity;
 
-/// No queue: none can be opened.
+/// A queue that cannot be opened, and therefore has no values.
 pub(crate) enum KernelQueue {}
 
-/// What became of a message.
+/// The outcome of sending a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SendOutcome {
     Stored,

@@ -9,14 +9,14 @@ use asmotion_datum::{Message, Schema};
 use asmotion_lang::MemoryFiles;
 
 asmotion_datum::message! {
-    /// Where the joints are.
+    /// Positions of the joints.
     pub struct Joints = "test/Joints" {
         /// radians
         pub position: [f64; 2],
     }
 }
 
-/// Turns joints about.
+/// Mirrors joint positions.
 pub struct Mirror;
 
 impl Operation for Mirror {
@@ -26,7 +26,7 @@ impl Operation for Mirror {
     const NAME: &'static str = "mirror";
 }
 
-/// Says where it was told to go.
+/// Reports each commanded position as reached.
 struct Driver {
     commands: In<Joints>,
     status: Out<Joints>,
@@ -60,7 +60,7 @@ impl Component for Driver {
 
 const COMPONENTS: &[(&str, Constructor)] = &[("test::Driver", Driver::make)];
 
-/// The build.
+/// The tables of the test components.
 pub const BUILD: Tables = Tables {
     components: COMPONENTS,
     messages: &[(Joints::NAME, Joints::schema as fn() -> &'static Schema)],
@@ -76,7 +76,7 @@ fn mirror() -> Vec<OperationDeclaration> {
     }]
 }
 
-/// A driver, and a broker that it could be on.
+/// A driver, and a broker that it may use.
 const COMPOSITE: &str = r#"
 schema = "composite/1"
 [composite]
@@ -95,14 +95,14 @@ subscribe = { commands = "test/Joints" }
 publish = { status = "test/Joints" }
 "#;
 
-/// The files of the composite.
+/// A loader with the composite.
 pub fn files() -> MemoryFiles {
     let mut files = MemoryFiles::new();
     files.add("arm.composite.toml", COMPOSITE);
     files
 }
 
-/// The composite, with these properties.
+/// Opens the composite with these properties.
 pub fn open(settings: &[(String, String)]) -> Opened {
     let files = files();
     let context = Context {
@@ -121,7 +121,7 @@ pub fn open(settings: &[(String, String)]) -> Opened {
     opened
 }
 
-/// Where the joints are.
+/// Joints at these positions.
 pub fn joints(position: [f64; 2]) -> Joints {
     Joints { position }
 }

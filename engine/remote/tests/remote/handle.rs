@@ -1,4 +1,4 @@
-//! A system seen and driven from outside, over the bus inside a process.
+//! Observes and controls a system over the in-process bus.
 
 use std::sync::mpsc;
 use std::time::Duration;
@@ -242,7 +242,7 @@ fn j18_whatever_is_written_a_component_keeps_running() {
             other => panic!("{value}: {other:?}"),
         }
     }
-    // on its topic, too, and of a type that nobody knows
+    // over its topic too, with a type that no process knows
     let unknown = Schema::opaque("strange/Type");
     let origin = SenderId::new("stranger", 1);
     let publisher = (robot.bus).publisher("commands", &origin, &unknown, PublishOptions::state());

@@ -1,4 +1,4 @@
-//! Both ends of the contact: orders to a system by hand, and a system seen from outside over a bus.
+//! Both ends: orders to a system in simulated time, and access to a system over a bus.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod driver;

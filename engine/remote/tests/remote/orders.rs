@@ -1,4 +1,4 @@
-//! Orders to a running system: ports are read and written, shapes described, the life cycle is driven.
+//! Orders to a running system: reading and writing ports, describing components, driving the life cycle.
 
 use asmotion_assembly::Standard;
 use asmotion_component::{Span, State};
@@ -8,7 +8,7 @@ use asmotion_runtime::{Run, Simulation};
 
 use crate::driver::{self, BUILD, files, open};
 
-/// A system in simulated time, and what has left its outputs.
+/// A system in simulated time, with the newest samples of its outputs.
 struct Driven {
     run: Simulation,
     newest: LastSamples,
@@ -30,7 +30,7 @@ fn driver() -> Driven {
     Driven { run, newest }
 }
 
-/// What is answered, or the code and the words of a refusal.
+/// The reply, or the code and explanation of a refusal.
 fn order(driven: &mut Driven, component: &str, wish: OrderKind) -> Result<Datum, String> {
     let component = component.to_owned();
     let begun = Order { component, wish }.begin(&mut driven.run, &driven.newest);

@@ -1,4 +1,4 @@
-//! A system that lives on a bus inside this process, attended to in a thread of its own.
+//! A system on an in-process bus, run by a thread of its own.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,7 @@ use asmotion_runtime::Run;
 
 use crate::driver::{BUILD, files, open};
 
-/// A running system; it ends with this.
+/// A running system. Dropping this ends it.
 pub struct Robot {
     pub bus: LocalBus,
     ends: Arc<AtomicBool>,
@@ -20,7 +20,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// A driver, on a bus of its own.
+    /// Starts a driver on its own bus.
     pub fn start() -> Self {
         let (bus, ends) = (LocalBus::new(), Arc::new(AtomicBool::new(false)));
         let (on, until) = (bus.clone(), Arc::clone(&ends));
@@ -32,7 +32,7 @@ impl Robot {
         }
     }
 
-    /// It from outside.
+    /// A connection to the system from outside.
     pub fn remote(&self) -> Remote {
         Remote::over(Arc::new(self.bus.clone()), None).expect("a bus")
     }

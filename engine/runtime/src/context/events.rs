@@ -1,4 +1,4 @@
-//! The observers' queue: bounded; what it cannot hold is counted, never waited for.
+//! The observers' queue: bounded. Events beyond its capacity are counted, and no thread waits for room.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -8,7 +8,7 @@ use crossbeam_queue::ArrayQueue;
 
 use crate::event::{Event, OwnedEvent};
 
-/// How many events may wait to be observed.
+/// Capacity of the queue, in events.
 const WAITING: usize = 1 << 16;
 
 /// Events on their way from the components' threads to the run's owner. Any thread pushes, the owner drains.
@@ -16,7 +16,7 @@ pub(crate) struct EventQueue {
     queue: ArrayQueue<(Time, OwnedEvent)>,
     /// Whether there is an observer; without one, events are not even built. Set by the run's owner, never cleared.
     observed: AtomicBool,
-    /// Events that did not fit since the last drain.
+    /// Number of events dropped since the last drain.
     lost: AtomicU64,
     notifier: Notifier,
 }
@@ -31,7 +31,7 @@ impl EventQueue {
         }
     }
 
-    /// From now on events are kept.
+    /// Starts keeping events.
     pub(crate) fn observe(&self) {
         self.observed.store(true, Ordering::Relaxed);
     }
@@ -46,7 +46,7 @@ impl EventQueue {
         self.notifier.notify();
     }
 
-    /// Hands over the waiting events, and how many were lost.
+    /// Passes the waiting events to `tell`, then a [`Event::Lost`] if any were dropped.
     pub(crate) fn drain(&self, mut tell: impl FnMut(Time, &Event<'_>)) {
         let mut last = Time::ZERO;
         for _ in 0..self.queue.len() {
@@ -62,12 +62,12 @@ impl EventQueue {
         }
     }
 
-    /// Ends a sleep.
+    /// Ends the sleep of a thread in `wait`.
     pub(crate) fn wake(&self) {
         self.notifier.notify();
     }
 
-    /// Sleeps until an event comes, or so long.
+    /// Sleeps until an event arrives, at most this long.
     pub(crate) fn wait(&self, at_most: Duration) {
         self.notifier.wait(at_most);
     }

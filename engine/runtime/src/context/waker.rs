@@ -1,33 +1,33 @@
-//! Waking a component's thread: a flag and an unpark; nothing blocks.
+//! Wakes a component's thread: a flag and an unpark, neither of which blocks.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::Thread;
 
-/// How other threads reach a component's thread.
+/// Lets other threads wake a component's thread.
 ///
-/// A flag is set before the unpark, and the component's thread takes the flags before it parks. If the flag is set after
-/// the thread has looked, the unpark comes after that too: the park that follows returns at once, and the thread looks
-/// again. So no wake-up is lost, and none needs a lock.
+/// A flag is set before the unpark, and the component's thread takes the flags before it parks. If a flag is set after
+/// the thread has checked it, the unpark follows the check as well, so the next park returns at once and the thread
+/// checks again. No wake-up is lost, and no lock is needed.
 #[derive(Default)]
 pub(crate) struct ThreadWaker {
-    /// Whether new data make the component cycle. Stored by the component's thread when its drive changes, read by those
-    /// who bring data. `Relaxed`: a sample that comes at the very moment
-    /// of the change may wait for the next trigger, as one that came just before it would.
+    /// Whether new data trigger a cycle. Stored by the component's thread when its drive changes, read by the threads
+    /// that bring data. `Relaxed`: a sample that arrives at the moment of the change may wait for the next trigger, as
+    /// one that arrived just before it would.
     event_driven: AtomicBool,
-    /// Something new is there. Set by any thread, taken by the component's. The swap lets only the first of several
+    /// New data are waiting. Set by any thread, taken by the component's. The swap lets only the first of several
     /// triggers unpark, and publishes (`AcqRel`) the data put into queues before it.
     triggered: AtomicBool,
-    /// A cycle was asked for by hand. Set by the run's owner, taken by the component's thread.
+    /// A cycle was requested explicitly. Set by the run's owner, taken by the component's thread.
     called: AtomicBool,
-    /// The thread to unpark. Set once by the thread that spawned it, and before any of its components is
-    /// started, so that nothing needs to wake it earlier.
+    /// The thread to unpark. Set once by the spawning thread, before any component of the thread is started; nothing
+    /// needs to wake it earlier.
     thread: OnceLock<Thread>,
 }
 
 impl ThreadWaker {
     pub(crate) fn set_thread(&self, thread: Thread) {
-        // Set once, by the one who spawned it.
+        // never set twice: only the spawning thread calls this
         let _ = self.thread.set(thread);
     }
 
@@ -35,7 +35,7 @@ impl ThreadWaker {
         self.event_driven.store(event_driven, Ordering::Relaxed);
     }
 
-    /// Something new is there: an event-driven component cycles.
+    /// Signals new data: an event-driven component cycles.
     pub(crate) fn trigger(&self) {
         if self.event_driven.load(Ordering::Relaxed) && !self.triggered.swap(true, Ordering::AcqRel)
         {
@@ -43,7 +43,7 @@ impl ThreadWaker {
         }
     }
 
-    /// A cycle is wanted, whatever drives the component.
+    /// Requests a cycle, whatever drives the component.
     pub(crate) fn call(&self) {
         self.called.store(true, Ordering::Release);
         self.unpark();

@@ -1,4 +1,4 @@
-//! Events as lines of text: for logs, for comparing two runs.
+//! Events as lines of text, for logs and for comparing two runs.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use asmotion_datum::Sample;
 
 use super::Event;
 
-/// One line; the same run gives the same lines.
+/// Writes one line without a time; equal runs give equal lines.
 impl fmt::Display for Event<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -108,7 +108,7 @@ impl fmt::Display for Event<'_> {
     }
 }
 
-/// A sample as text.
+/// A sample as text; the reason if it cannot be represented as a datum.
 struct SampleText<'a>(&'a dyn Sample);
 
 impl fmt::Display for SampleText<'_> {
@@ -120,7 +120,7 @@ impl fmt::Display for SampleText<'_> {
     }
 }
 
-/// The end of a call as text.
+/// The result of a call as text.
 struct CallEndText<'a>(&'a Result<&'a dyn Sample, &'a CallError>);
 
 impl fmt::Display for CallEndText<'_> {

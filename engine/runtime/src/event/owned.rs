@@ -1,4 +1,4 @@
-//! Events that outlive the moment: what crosses from a component's thread to the observers' queue.
+//! Events that own their contents, to cross from a component's thread to the observers' queue.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use asmotion_datum::{Datum, DatumError, Sample};
 
 use super::Event;
 
-/// An [`Event`] with everything it borrowed.
+/// An [`Event`] that owns what the original borrows.
 pub(crate) enum OwnedEvent {
     Cycle {
         component: String,
@@ -221,7 +221,7 @@ impl OwnedEvent {
         }
     }
 
-    /// The event as observers take it.
+    /// The event as observers receive it.
     pub(crate) fn borrow(&self) -> Event<'_> {
         match self {
             Self::Cycle { component, number } => Event::Cycle {

@@ -1,4 +1,4 @@
-//! The bus thread: lets the adapters of a live system deliver.
+//! The bus thread calls the adapters of a live system.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,10 +10,10 @@ use asmotion_port::Notifier;
 use crate::adapter::Adapter;
 use crate::context::LiveContext;
 
-/// The longest sleep between two deliveries.
+/// Longest sleep between two deliveries.
 const NAP: Duration = Duration::from_millis(100);
 
-/// The thread, which has the adapters. Dropping this ends it: sets `ended`, notifies, joins.
+/// The thread that owns the adapters. Dropping this sets `ended`, notifies the thread and joins it.
 pub(crate) struct BusThread {
     /// Set by the owner, read by the thread before each delivery.
     ended: Arc<AtomicBool>,
@@ -54,7 +54,7 @@ impl Drop for BusThread {
         self.ended.store(true, Ordering::Release);
         self.notifier.notify();
         if let Some(thread) = self.thread.take() {
-            // It runs adapters alone, and those do not block.
+            // returns soon: the thread runs only adapters, which do not block
             let _ = thread.join();
         }
     }

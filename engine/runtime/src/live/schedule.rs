@@ -1,4 +1,4 @@
-//! The scheduling class of a thread and its processors, where the system permits them.
+//! Sets the scheduling class and the CPU affinity of a thread, where the operating system permits it.
 
 use asmotion_component::{Activity, Denied, Scheduler};
 use rustix::thread::{CpuSet, sched_setaffinity};
@@ -7,7 +7,7 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-/// Puts the present thread on its processors and into its class. What is not permitted is left as it was.
+/// Applies an activity's scheduling to the current thread. A setting that is refused stays as it was and is returned.
 pub(super) fn adopt(activity: &Activity) -> impl Iterator<Item = Denied> {
     let cpus = processors(&activity.cpus).err();
     cpus.into_iter()

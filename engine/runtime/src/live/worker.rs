@@ -1,4 +1,4 @@
-//! A thread for a component and its slaves: commands, then the cycle that is due, then sleep.
+//! The loop of a component's thread: commands, then the cycle that is due, then sleep.
 
 use std::sync::{Arc, mpsc};
 
@@ -12,35 +12,35 @@ use crate::event::Event;
 use crate::run::Act;
 use crate::unit::ComponentUnit;
 
-/// What the run's owner wants.
+/// A command from the run's owner.
 pub(crate) enum WorkerCommand {
-    /// Something to be done to the component at this place of the system.
+    /// Runs a function on the component at this position of the system.
     Act(usize, Act),
     End,
 }
 
-/// What a component needs next.
+/// A component's next step. The smallest of a thread's components decides what the thread does.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum NextStep {
     Cycle,
-    /// Look again then, unless woken before.
+    /// Check again at this time, unless woken before.
     SleepUntil(Time),
-    /// Nothing, until woken.
+    /// Nothing until woken.
     Sleep,
 }
 
-/// A thread's components.
+/// The components of a thread: one that is no slave, and its slaves.
 pub(crate) struct Worker {
     members: Vec<WorkerMember>,
     commands: mpsc::Receiver<WorkerCommand>,
     context: LiveContext,
 }
 
-/// A component of a thread.
+/// One component of a thread.
 struct WorkerMember {
     unit: ComponentUnit,
     waker: Arc<ThreadWaker>,
-    /// When the next periodic cycle is due, or the first of an event-driven component.
+    /// When the next periodic cycle is due; for an event-driven component, its first cycle.
     due: Time,
 }
 
@@ -80,7 +80,7 @@ impl Worker {
         }
     }
 
-    /// Takes the scheduling class and the processors of the first component: the others are its slaves.
+    /// Applies the scheduling class and the processors of the component that is no slave to the thread.
     fn adopt_schedule(&mut self) {
         let masters = |member: &&WorkerMember| member.unit.master.is_none();
         let Some(WorkerMember { unit, .. }) = self.members.iter().find(masters) else {
@@ -94,7 +94,7 @@ impl Worker {
         }
     }
 
-    /// Carries out what is asked. Says whether to go on.
+    /// Carries out waiting commands. Returns whether to go on.
     fn attend(&mut self) -> bool {
         loop {
             match self.commands.try_recv() {
@@ -110,7 +110,7 @@ impl Worker {
         }
     }
 
-    /// One cycle of a component; then its slaves cycle, and theirs.
+    /// Runs one cycle of a component, then one of each of its slaves, recursively.
     fn cycle(&mut self, index: usize) {
         self.members[index].cycle(&mut self.context);
         let master = Some(self.members[index].unit.index);
@@ -124,7 +124,7 @@ impl Worker {
 }
 
 impl WorkerMember {
-    /// Has something done, and plans by what has become of the component.
+    /// Runs a function on the component and plans its next cycle by its new state.
     fn attend(&mut self, act: Act, context: &mut LiveContext) {
         let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());
         let now = context.now();
@@ -132,13 +132,13 @@ impl WorkerMember {
         if !ran && self.unit.state().is_running() {
             self.begin(now);
         } else if self.unit.activity.drive != drive {
-            // The next cycle is a new period after the last one.
+            // the next cycle is one new period after the last one
             let last = drive.period().map_or(now, |period| self.due - period);
             self.adopt(last, context);
         }
     }
 
-    /// Plans the first cycle after a start; an event-driven component has one too (RTT triggers on start).
+    /// Plans the first cycle after a start. An event-driven component has one too: RTT triggers on start.
     fn begin(&mut self, now: Time) {
         self.due = now + self.unit.activity.delay;
         let event_driven = self.unit.activity.drive == Drive::Event;
@@ -148,7 +148,7 @@ impl WorkerMember {
         }
     }
 
-    /// Plans by a drive that is new since the last cycle.
+    /// Applies a drive that has changed since the last cycle.
     fn adopt(&mut self, last: Time, context: &LiveContext) {
         let drive = self.unit.activity.drive;
         self.waker.set_event_driven(drive == Drive::Event);
@@ -176,13 +176,13 @@ impl WorkerMember {
         }
     }
 
-    /// Nothing to do but to wait, for news or for the end of a call.
+    /// Nothing is due: sleeps until new data arrive or a call reaches its deadline.
     fn await_replies(&mut self, now: Time, context: &mut LiveContext) -> NextStep {
         match self.unit.body.caller.deadline() {
             None => NextStep::Sleep,
             Some(deadline) if now < deadline => NextStep::SleepUntil(deadline),
             Some(_) => {
-                // Ends the call, which is news to an event-driven component.
+                // ends the call, whose result triggers an event-driven component
                 self.unit.settle(now, context);
                 NextStep::SleepUntil(now)
             }

@@ -1,10 +1,10 @@
-//! Something that a component was asked to do, and does between two of its cycles.
+//! Requests that a component carries out between two of its cycles.
 
 use std::sync::mpsc;
 
 use crate::run_error::RunError;
 
-/// Something that a component was asked to do.
+/// A request that a component carries out between two of its cycles.
 #[derive(Debug)]
 pub struct Asked {
     component: String,
@@ -12,13 +12,14 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// What the component's thread will answer.
+    /// A request to this component, whose result arrives through the channel.
     pub(crate) fn of(component: &str, answer: mpsc::Receiver<Result<(), RunError>>) -> Self {
         let component = component.to_owned();
         Self { component, answer }
     }
 
-    /// How it went, once it is over.
+    /// The result, once the request has been carried out. [`RunError::Busy`] if the component's thread has ended
+    /// without doing so.
     pub fn try_take(&self) -> Option<Result<(), RunError>> {
         match self.answer.try_recv() {
             Ok(result) => Some(result),

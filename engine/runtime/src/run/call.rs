@@ -1,4 +1,4 @@
-//! Operations called from outside of a system: sent, and collected when they are done.
+//! Calls of operations from outside of a system: sent first, collected when they have ended.
 
 use std::sync::{Arc, mpsc};
 
@@ -8,7 +8,7 @@ use asmotion_port::Time;
 
 use crate::handle::RunHandle;
 
-/// A call from outside of the system that is under way (RTT `SendHandle`).
+/// A call from outside of a system (RTT `SendHandle`).
 pub struct SentCall<O: Operation> {
     pub(super) answered: mpsc::Receiver<Result<Arc<dyn Sample>, CallError>>,
     pub(super) deadline: Time,
@@ -17,7 +17,7 @@ pub struct SentCall<O: Operation> {
 }
 
 impl<O: Operation> SentCall<O> {
-    /// What has become of the call, as of now.
+    /// The current status of the call, with its result once it has ended.
     pub fn collect_if_done(&mut self) -> SendStatus<O::Response> {
         let late = self.handle.now() >= self.deadline;
         match self.answered.try_recv() {
@@ -26,7 +26,7 @@ impl<O: Operation> SentCall<O> {
                 SendStatus::Failure(CallError::Timeout)
             }
             Err(mpsc::TryRecvError::Empty) => SendStatus::NotReady,
-            // Answered and collected, or thrown away by a provider that will not answer.
+            // collected before, or dropped by a provider that will never reply
             Err(mpsc::TryRecvError::Disconnected) => SendStatus::Unknown,
         }
     }

@@ -1,5 +1,5 @@
-//! Changes of a running system, all of them or none: first each is found to be possible, then they are made, between
-//! two cycles of those whom they concern.
+//! Changes of a running system, all or none. All changes are checked first; then they are made, each component's
+//! between two of its cycles.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -18,64 +18,64 @@ use crate::run_error::RunError;
 use crate::service::Wiring;
 use crate::system::fit;
 
-/// Something that changes while a system runs.
+/// A change of a running system.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// An output is connected to an input.
+    /// Connects an output to an input.
     Connect {
-        /// The output.
+        /// The output, as `component.port`.
         from: String,
-        /// The input.
+        /// The input, as `component.port`.
         to: String,
-        /// How.
+        /// Policy of the new connection.
         policy: Policy,
     },
-    /// The connection of an output and an input ends.
+    /// Removes the connection of an output and an input.
     Disconnect {
-        /// The output.
+        /// The output, as `component.port`.
         from: String,
-        /// The input.
+        /// The input, as `component.port`.
         to: String,
     },
-    /// A reference has a service, or one more that is told.
+    /// Wires a reference to a service, or a one-way reference to another service.
     Wire {
-        /// The reference.
+        /// The reference, as `component.reference`.
         reference: String,
-        /// The service.
+        /// The service, as `component.service`.
         service: String,
-        /// How.
+        /// Timeout, retries and direction of the calls.
         wire: Wire,
     },
-    /// A reference has a service no more; calls under way end as unavailable.
+    /// Removes a service from a reference; calls under way end as unavailable.
     Unwire {
-        /// The reference.
+        /// The reference, as `component.reference`.
         reference: String,
-        /// The service.
+        /// The service, as `component.service`.
         service: String,
     },
-    /// Properties of a component have other values.
+    /// Sets properties of a component.
     Set {
-        /// The component.
+        /// Name of the component.
         component: String,
-        /// Names and values.
+        /// Names and new values of the properties.
         values: Vec<(String, Datum)>,
     },
-    /// A component has another period; of zero, it is event-driven.
+    /// Changes the period of a component; zero makes it event-driven.
     SetPeriod {
-        /// The component.
+        /// Name of the component.
         component: String,
-        /// The period.
+        /// The new period.
         period: Duration,
     },
 }
 
-/// Why a running system cannot be changed as asked.
+/// The reason that a running system could not be changed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ChangeError {
-    /// It would not go together.
+    /// The changed system would be inconsistent.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// A component refuses, or is busy.
+    /// A component refuses the change, or is busy.
     #[error(transparent)]
     Run(#[from] RunError),
 }
@@ -108,18 +108,18 @@ impl fmt::Display for Change {
     }
 }
 
-/// What has been found to be possible so far, and nobody has felt yet.
+/// The checked changes, none of which has reached a component yet.
 pub(super) struct ChangePlan<'r, E: Executor> {
     run: &'r mut E,
-    /// Inputs get their new connections, so that nothing is written to nobody.
+    /// First phase: inputs get new connections, so that every sample written afterwards has a reader.
     first: Vec<(usize, Act)>,
-    /// All else.
+    /// Second phase: everything else.
     then: Vec<(usize, Act)>,
-    /// Inputs lose connections when nobody writes there any more.
+    /// Last phase: inputs lose connections, which no writer uses any more by then.
     last: Vec<(usize, Act)>,
-    /// How the joints become again what they were.
+    /// Steps that restore the connection table if a later change is impossible.
     undo: Vec<UndoStep>,
-    /// The services of each reference that is concerned, by component and place: the name, and whether it only is told.
+    /// Services of the references concerned, by component and reference: the name, and whether calls are one-way.
     wirings: BTreeMap<(usize, usize), Vec<(String, bool)>>,
 }
 
@@ -140,7 +140,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         }
     }
 
-    /// Makes all of these changes, or none.
+    /// Makes all of these changes, or none of them.
     pub(super) fn make(mut self, changes: &[Change]) -> Result<(), ChangeError> {
         match changes.iter().try_for_each(|change| self.plan(change)) {
             Ok(()) => self.carry_out(),
@@ -172,7 +172,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         }
     }
 
-    /// An output to an input.
+    /// Plans a new connection.
     pub(super) fn connect(
         &mut self,
         from: &str,
@@ -200,7 +200,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         Ok(())
     }
 
-    /// An output no more to an input.
+    /// Plans the removal of a connection.
     pub(super) fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError> {
         let (from, to) = (self.run.end(from, outputs)?, self.run.end(to, inputs)?);
         let (connections, _) = self.run.connections();
@@ -263,7 +263,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         Ok(())
     }
 
-    /// The services of a reference, with the changes planned so far.
+    /// The services of a reference, including the changes planned so far.
     fn wirings(&mut self, from: &ComponentEnd) -> Result<&mut Vec<(String, bool)>, RunError> {
         use std::collections::btree_map::Entry::{Occupied, Vacant};
         match self.wirings.entry((from.unit, from.index)) {
@@ -289,14 +289,14 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         });
         lawful.ok_or_else(|| busy(component))??;
         let act: Act = Box::new(move |unit, now, effects| {
-            // they are lawful, and what is lawful does not change
+            // cannot fail: the values were checked when the change was planned, and declarations do not change
             let _ = unit.set_properties(&values, now, effects);
         });
         self.then.push((index, act));
         Ok(())
     }
 
-    /// Makes the changes, each component's at one border of its cycles.
+    /// Makes the changes phase by phase; within a phase, all changes of a component between the same two cycles.
     pub(super) fn carry_out(self) {
         for phase in [self.first, self.then, self.last] {
             let mut each: BTreeMap<usize, Vec<Act>> = BTreeMap::new();
@@ -312,7 +312,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         }
     }
 
-    /// Forgets what was planned: nobody has felt it.
+    /// Restores the connection table. No component has been changed yet.
     fn give_up(self) {
         let (connections, _) = self.run.connections();
         for undo in self.undo.into_iter().rev() {

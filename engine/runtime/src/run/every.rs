@@ -1,4 +1,4 @@
-//! What can be done to a running system, by what every executor brings.
+//! Implements [`Run`] for every executor.
 
 use std::marker::PhantomData;
 use std::sync::atomic::Ordering;
@@ -163,7 +163,7 @@ impl<E: Executor> Run for E {
         let unavailable = answer.clone();
         let posted = queue.ask(
             ServiceRequest {
-                // Nobody outside takes back a call: it has a deadline.
+                // calls from outside are never cancelled: they have a deadline instead
                 key: CallKey {
                     caller: usize::MAX,
                     number: 0,
@@ -180,7 +180,7 @@ impl<E: Executor> Run for E {
         match posted {
             Ok(true) => handle.trigger(to.unit),
             Ok(false) => {}
-            // The other end is here.
+            // cannot fail: the receiver is alive in this function
             Err(error) => drop(unavailable.send(Err(error))),
         }
         Ok(SentCall {

@@ -1,4 +1,4 @@
-//! What an executor brings, and what it needs no more than that for.
+//! The operations that each executor implements, and those built on them alone.
 
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
@@ -19,48 +19,49 @@ use crate::injection::{InjectionPorts, InjectionTarget};
 use crate::run_error::RunError;
 use crate::unit::ComponentUnit;
 
-/// Looks at each event, and says whether it is the one waited for.
+/// Inspects each event and returns whether it is the awaited one.
 pub(crate) type Watch<'a> = &'a mut dyn FnMut(Time, &Event<'_>) -> bool;
 
-/// Something to be done to a component between two of its cycles.
+/// A function to run on a component between two of its cycles.
 pub(crate) type Act = Box<dyn FnOnce(&mut ComponentUnit, Time, &mut dyn Effects) + Send>;
 
 /// Drives the components of a system.
 pub(crate) trait Executor {
-    /// The present time.
+    /// Current time of the executor's clock.
     fn clock(&self) -> Time;
 
-    /// What other threads see of the components, in order of addition.
+    /// The shared descriptors of the components, in order of addition.
     fn descriptors(&self) -> &[ComponentDescriptor];
 
-    /// What joins their ports.
+    /// The connections between the components' ports, and the descriptors.
     fn connections(&mut self) -> (&mut ConnectionTable, &[ComponentDescriptor]);
 
-    /// The connections into inputs and topics from outside.
+    /// The connections from outside into inputs and topics.
     fn injections(&self) -> &InjectionPorts;
 
-    /// The system, for readers and writers on threads of their own.
+    /// The system, for readers and writers on their own threads.
     fn handle(&self) -> Arc<dyn RunHandle>;
 
-    /// Puts a sample into its target when its time has come.
+    /// Puts a sample into its target at this time.
     fn plan(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>);
 
-    /// Lets time pass, at the longest until then, or until what is watched for has happened. Says whether it has.
+    /// Lets time pass, at most until `until` or until an event satisfies `watch`. Returns whether one did.
     fn advance(&mut self, until: Time, watch: Option<Watch<'_>>) -> bool;
 
-    /// Asks for a cycle of a component.
+    /// Requests one cycle of a component.
     fn call(&mut self, component: usize);
 
-    /// How long to wait for a component whose cycle is under way.
+    /// Longest wait for a component whose cycle is under way, if it is to change.
     fn patience(&self) -> Duration;
 
-    /// How long to wait for one only to look at it.
+    /// Longest wait for a component whose cycle is under way, if it is only to be inspected.
     fn glance(&self) -> Duration;
 
-    /// Has something done to a component between two of its cycles, and does not wait for it.
+    /// Runs a function on a component between two of its cycles, without waiting for it.
     fn post(&mut self, component: usize, act: Act);
 
-    /// Has something done to a component between two of its cycles, and waits so long for the answer.
+    /// Runs a function on a component between two of its cycles, and waits up to `patience` for the result. Returns
+    /// `None` if it does not come in time.
     fn ask<R: Send + 'static>(
         &mut self,
         component: usize,
@@ -69,7 +70,7 @@ pub(crate) trait Executor {
     ) -> Option<R> {
         let (answer, answered) = mpsc::channel();
         let act: Act = Box::new(move |unit, now, effects| {
-            // A caller that has lost patience does not read it.
+            // fails if the caller's patience has ended
             let _ = answer.send(act(unit, now, effects));
         });
         self.post(component, act);
@@ -79,7 +80,7 @@ pub(crate) trait Executor {
         }
     }
 
-    /// The same, to be answered when it is done.
+    /// Runs a function on a component between two of its cycles; the result is collected from the returned handle.
     fn begin(
         &mut self,
         component: usize,
@@ -90,14 +91,14 @@ pub(crate) trait Executor {
         let (answer, answered) = mpsc::channel();
         let asked = Asked::of(&self.descriptors()[component].name, answered);
         let act: Act = Box::new(move |unit, now, effects| {
-            // The caller need not read it.
+            // fails if the caller has dropped the handle
             let _ = answer.send(act(unit, now, effects));
         });
         self.post(component, act);
         asked
     }
 
-    /// Takes a component through a transition.
+    /// Makes a transition of a component and waits up to `patience` for it.
     fn take_through(
         &mut self,
         component: usize,
@@ -118,12 +119,12 @@ pub(crate) trait Executor {
         })
     }
 
-    /// Configures everything, one after the other, then starts what runs on start-up. What fails is in the component's
-    /// state, and told to the observers.
+    /// Configures all components in order, then starts those with `run_on_startup`. Failures show in a component's
+    /// state and in events.
     fn start_up(&mut self) {
         for component in 0..self.descriptors().len() {
             if self.descriptors()[component].configure_on_startup {
-                // However long it takes: maps are loaded here.
+                // waits without limit: components load maps here
                 let _ = self.take_through(component, Transition::Configure, Duration::MAX);
             }
         }
@@ -136,7 +137,7 @@ pub(crate) trait Executor {
         }
     }
 
-    /// Stops what runs, last things first. Names what did not stop in time.
+    /// Stops all running components in reverse order. Returns the names of those that did not stop in time.
     fn stop_all(&mut self) -> Vec<String> {
         let mut late = Vec::new();
         for component in (0..self.descriptors().len()).rev() {
@@ -152,14 +153,14 @@ pub(crate) trait Executor {
         late
     }
 
-    /// A component by name.
+    /// The descriptor of the component with this name.
     fn descriptor(&self, component: &str) -> Option<&ComponentDescriptor> {
         self.descriptors()
             .iter()
             .find(|descriptor| *descriptor.name == *component)
     }
 
-    /// A component's place by name.
+    /// The position of the component with this name.
     fn place_of(&self, component: &str) -> Result<usize, RunError> {
         let found =
             (self.descriptors().iter()).position(|descriptor| *descriptor.name == *component);
@@ -175,7 +176,7 @@ pub(crate) trait Executor {
         })
     }
 
-    /// A port or service by name.
+    /// The port, service or reference with this path.
     fn end(
         &self,
         path: &str,
@@ -190,7 +191,7 @@ pub(crate) trait Executor {
     }
 }
 
-/// An output gets a connection; and its reader what was last written, if the policy says so.
+/// Adds a connection to an output and, if the policy has `init`, sends the newest sample through it.
 pub(super) fn joining(
     (output, connection): (usize, ConnectionId),
     sender: Box<dyn AnySender>,

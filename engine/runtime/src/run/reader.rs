@@ -1,4 +1,4 @@
-//! Port readers: threads outside of a system that read one of its outputs, each by a connection of its own.
+//! Port readers: threads outside of a system that read one of its outputs, each through its own connection.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -10,21 +10,21 @@ use asmotion_port::{AnyInput, Flow, InputPort, Notifier};
 
 use crate::handle::RunHandle;
 
-/// The longest sleep without a look at `ended`.
+/// Longest sleep between two checks of `ended`.
 const NAP: Duration = Duration::from_millis(100);
 
-/// Reads an output port from outside of the system; see [`Run::reader`](crate::Run::reader). Every look is a cycle of
-/// its own: what was new at the last one is old.
+/// Reads an output port from outside of the system; see [`Run::reader`](crate::Run::reader). Each read freezes the
+/// input anew: a sample that was new at the last read is old at the next.
 pub struct PortReader<T: Message> {
     pub(super) port: String,
     pub(super) input: InputPort<T>,
-    /// Notified of every sample. The writer holds it weakly: it keeps the connection as long as this reader exists.
+    /// Notified of every sample. The writer holds a weak reference, so the connection ends with this reader.
     pub(super) notifier: Arc<Notifier>,
     pub(super) dropped: Arc<AtomicU64>,
     pub(super) handle: Arc<dyn RunHandle>,
 }
 
-/// A thread that gives an observer what comes. Dropping this ends it: sets `ended`, wakes the thread, joins it.
+/// A thread that passes samples to an observer. Dropping this sets `ended`, wakes the thread and joins it.
 #[must_use = "it ends when it is dropped"]
 pub struct PortSubscription {
     ended: Arc<AtomicBool>,
@@ -32,42 +32,42 @@ pub struct PortSubscription {
     thread: Option<JoinHandle<()>>,
 }
 
-/// When a subscription looks.
+/// When a subscription reads.
 enum SubscriptionPace {
     OnNews,
     Every(Duration),
 }
 
 impl<T: Message> PortReader<T> {
-    /// The newest sample.
+    /// Reads the newest sample.
     pub fn read(&mut self) -> Flow<&T> {
         self.input.freeze(self.handle.now());
         self.input.read()
     }
 
-    /// All that came since the last look.
+    /// All samples that have arrived since the last read.
     pub fn all(&mut self) -> &[T] {
         self.input.freeze(self.handle.now());
         self.input.all()
     }
 
-    /// Waits until a sample comes, or so long. Says whether one has come since the last wait.
+    /// Waits until a sample arrives, at most this long. Returns whether one has arrived since the last wait.
     pub fn wait(&self, at_most: Duration) -> bool {
         self.notifier.wait(at_most)
     }
 
-    /// How many samples had to go for want of room.
+    /// Number of samples dropped because the connection was full.
     pub fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }
 
-    /// Gives an observer every sample when it comes, in a thread of its own.
+    /// Passes every sample to an observer on arrival, in a thread of its own.
     pub fn on_news(self, observer: impl FnMut(&T) + Send + 'static) -> PortSubscription {
         self.subscribe(SubscriptionPace::OnNews, observer)
     }
 
-    /// Looks once a period, in a thread of its own, and gives an observer what has come since. Of a data connection that is the newest sample
-    /// alone: to see each, look at least twice as often as they are written.
+    /// Reads once a period in a thread of its own, and passes the samples that have arrived since to an observer. A
+    /// data connection keeps only the newest sample: to see every sample, use a period of at most half the writer's.
     pub fn every(
         self,
         period: Duration,
@@ -118,7 +118,7 @@ impl Drop for PortSubscription {
         self.notifier.notify();
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
-            // An observer that has panicked has ended it before.
+            // fails if the observer has panicked, which ended the thread
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! Port writers: threads outside of a system that write to one of its inputs, each by a connection of its own.
+//! Port writers: threads outside of a system that write to one of its inputs, each through its own connection.
 
 use std::sync::Arc;
 
@@ -11,41 +11,41 @@ use crate::handle::RunHandle;
 pub struct PortWriter<T: Message> {
     pub(super) port: String,
     pub(super) sender: PortSender<T>,
-    /// The component to trigger, if it is to be.
+    /// The component to trigger; `None` if a sample on this port triggers no cycle.
     pub(super) trigger: Option<usize>,
     pub(super) mandatory: bool,
     pub(super) dropped: u64,
     pub(super) handle: Arc<dyn RunHandle>,
 }
 
-/// Why a sample was not written.
+/// The reason that a sample was not written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WriteError {
-    /// The system is gone.
+    /// The system has ended.
     #[error("`{port}` is gone: its system has ended")]
     Gone {
-        /// The port.
+        /// The input, as `component.port`.
         port: String,
     },
     /// The connection is mandatory, and full.
     #[error("`{port}` is full")]
     Full {
-        /// The port.
+        /// The input, as `component.port`.
         port: String,
     },
     /// The port cannot read the sample.
     #[error("`{port}` cannot read the sample: {source}")]
     Unreadable {
-        /// The port.
+        /// The input, as `component.port`.
         port: String,
-        /// Why.
+        /// The first difference between the sample and the port's type.
         source: DatumError,
     },
 }
 
 impl<T: Message> PortWriter<T> {
-    /// Writes a sample; the component sees it in its next cycle. One that does not fit is dropped and counted, or an
-    /// error if the connection is mandatory.
+    /// Writes a sample, which the component sees in its next cycle. If the connection is full, the sample is dropped
+    /// and counted; if the connection is mandatory, this is an error instead.
     pub fn write(&mut self, sample: T) -> Result<(), WriteError> {
         let port = || self.port.clone();
         if !self.handle.is_running() {
@@ -73,7 +73,7 @@ impl<T: Message> PortWriter<T> {
         Ok(())
     }
 
-    /// How many samples had to go for want of room.
+    /// Number of samples dropped because the connection was full.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }

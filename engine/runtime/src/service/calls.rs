@@ -1,4 +1,4 @@
-//! The caller's side: calls are outstanding until an answer, a cancellation or the deadline ends them.
+//! The caller's side of services: a call is outstanding until a reply, a cancellation or the deadline ends it.
 
 use std::sync::Arc;
 
@@ -16,18 +16,18 @@ use crate::cause::CycleCause;
 use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;
 
-/// How many calls of one component may be under way; more find the provider unavailable.
+/// Limit on the outstanding calls of one component; calls beyond it end as unavailable.
 const UNDER_WAY: usize = 128;
 
-/// The answers that wait for their caller. Providers on any thread put them in; the caller's thread takes them out.
+/// Replies that wait for their caller. Providers on any thread push them; the caller's thread pops them.
 pub(crate) struct ReplyQueue {
     queue: ArrayQueue<CallAnswer>,
-    /// The caller's place in the system.
+    /// Position of the caller in the system.
     component: usize,
 }
 
 impl ReplyQueue {
-    /// Leaves an answer. Should the box be full, the caller meets its deadline instead.
+    /// Pushes a reply. If the queue is full, the reply is dropped and the call ends at its deadline.
     pub(crate) fn put(&self, answer: CallAnswer, effects: &mut dyn Effects) {
         if self.queue.push(answer).is_ok() {
             effects.trigger(self.component);
@@ -35,19 +35,19 @@ impl ReplyQueue {
     }
 }
 
-/// All calls of one component.
+/// All calls that one component has made.
 pub(crate) struct OutgoingCalls {
     reply_queue: Arc<ReplyQueue>,
     outstanding: Vec<OutstandingCall>,
-    /// Ended, for the next cycle to see.
+    /// Calls that have ended and become visible in the next cycle.
     ended: Vec<EndedCall>,
-    /// Ended, and seen by the present cycle.
+    /// Calls that have ended and are visible in the current cycle.
     frozen: Vec<EndedCall>,
-    /// Number of the last call.
+    /// Number of the newest call.
     last: u64,
-    /// One-way calls that found nobody.
+    /// Number of one-way calls that a provider could not take.
     lost: u64,
-    /// What the present cycle follows from.
+    /// The trace that the current cycle continues.
     cause: Arc<CycleCause>,
 }
 
@@ -55,21 +55,21 @@ struct OutstandingCall {
     number: u64,
     slot: OperationSlot,
     attempt: u32,
-    /// When the attempt has waited long enough; or, when it has, when the next one is made.
+    /// When the current attempt times out or, while `resting`, when the next one begins.
     deadline: Time,
-    /// Whether it rests between two attempts.
+    /// The last attempt has failed, and the next one has not begun.
     resting: bool,
-    /// Kept for another attempt.
+    /// Kept for retries.
     argument: Arc<dyn Sample>,
-    /// What the cycle that made it followed from.
+    /// Trace of the cycle that made the call.
     cause: Option<TraceContext>,
 }
 
-/// The end of a call.
+/// A call that has ended.
 pub(crate) struct EndedCall {
     pub number: u64,
     slot: OperationSlot,
-    /// What the cycle that made it followed from.
+    /// Trace of the cycle that made the call.
     pub cause: Option<TraceContext>,
     pub result: Result<Arc<dyn Sample>, CallError>,
 }
@@ -90,13 +90,13 @@ impl OutgoingCalls {
         }
     }
 
-    /// A number for a call that a cycle is about to make.
+    /// Returns a fresh number for a call that the current cycle makes.
     pub(crate) fn number(&mut self) -> CallId {
         self.last += 1;
         CallId(self.last)
     }
 
-    /// Makes a call that a cycle has committed.
+    /// Makes a call of a cycle that has been committed.
     pub(crate) fn call(
         &mut self,
         references: &[RequiredReference],
@@ -130,7 +130,7 @@ impl OutgoingCalls {
         }
     }
 
-    /// Tells every service; what one does not hear is counted.
+    /// Sends a one-way call to every service of the reference, and counts those that could not take it.
     fn tell(
         &mut self,
         references: &[RequiredReference],
@@ -164,7 +164,7 @@ impl OutgoingCalls {
         }
     }
 
-    /// One attempt.
+    /// Makes one attempt of a call.
     fn post(
         &self,
         references: &[RequiredReference],
@@ -180,7 +180,7 @@ impl OutgoingCalls {
         wiring.ask(request, effects)
     }
 
-    /// Takes back a call; the provider is told. A call that has ended stays ended.
+    /// Cancels a call and notifies the provider. Does nothing if the call has ended.
     pub(crate) fn cancel(
         &mut self,
         references: &[RequiredReference],
@@ -196,7 +196,7 @@ impl OutgoingCalls {
         self.end(references, &call, cancelled, effects);
     }
 
-    /// Ends the calls through a reference whose service goes away; the service gets cancellations.
+    /// Ends the calls through a reference whose service is removed; the service gets cancellations.
     pub(crate) fn disconnect(
         &mut self,
         references: &[RequiredReference],
@@ -211,7 +211,7 @@ impl OutgoingCalls {
         }
     }
 
-    /// Ends what has been answered and what has waited too long. Says whether anything waits for the next cycle.
+    /// Ends the calls that have a reply or have timed out. Returns whether any result waits for the next cycle.
     pub(crate) fn settle(
         &mut self,
         references: &[RequiredReference],
@@ -221,7 +221,7 @@ impl OutgoingCalls {
             let Some(answer) = self.reply_queue.queue.pop() else {
                 break;
             };
-            // An answer to a call that has ended is too late.
+            // without a match, the reply is to a call that has ended: too late
             let found = (self.outstanding.iter()).position(|one| one.number == answer.number);
             if let Some(index) = found {
                 let call = self.outstanding.remove(index);
@@ -241,7 +241,7 @@ impl OutgoingCalls {
         !self.ended.is_empty()
     }
 
-    /// An attempt has waited long enough, or rested.
+    /// Handles a call whose attempt has timed out or whose rest is over.
     fn expire(
         &mut self,
         references: &[RequiredReference],
@@ -257,8 +257,8 @@ impl OutgoingCalls {
         self.failed(references, call, CallError::Timeout, effects);
     }
 
-    /// An attempt got no answer: another one, at once or after a rest, or the end. Who found nobody tries again only
-    /// after a rest: at once, nobody would be there again.
+    /// Handles a failed attempt: retries at once, retries after a rest, or ends the call. After `Unavailable` a retry
+    /// always rests first, because an immediate one would fail the same way.
     fn failed(
         &mut self,
         references: &[RequiredReference],
@@ -324,12 +324,12 @@ impl OutgoingCalls {
         effects.effects.trigger(effects.component);
     }
 
-    /// What has ended becomes visible to the cycle that begins.
+    /// Makes ended calls visible to the cycle that begins.
     pub(crate) fn freeze(&mut self) {
         self.frozen.append(&mut self.ended);
     }
 
-    /// Hands over the ended calls of an operation.
+    /// Removes and returns the ended calls of an operation.
     pub(crate) fn take(&mut self, slot: OperationSlot) -> Vec<EndedCall> {
         if self.frozen.is_empty() {
             return Vec::new();
@@ -339,21 +339,21 @@ impl OutgoingCalls {
             .collect()
     }
 
-    /// Hands over one ended call of an operation.
+    /// Removes and returns one ended call of an operation.
     pub(crate) fn take_one(&mut self, slot: OperationSlot, call: CallId) -> Option<EndedCall> {
         let found =
             (self.frozen.iter()).position(|ended| ended.slot == slot && ended.number == call.0)?;
         Some(self.frozen.remove(found))
     }
 
-    /// Whether a call has not come to its end, or to where a cycle can see it.
+    /// Returns whether a call is outstanding, or has ended but is not visible to a cycle yet.
     pub(crate) fn is_under_way(&self, call: CallId) -> bool {
         let outstanding = self.outstanding.iter().map(|one| one.number);
         let ended = self.ended.iter().map(|one| one.number);
         outstanding.chain(ended).any(|number| number == call.0)
     }
 
-    /// Forgets all calls: the component ends running, and nobody waits for the answers.
+    /// Cancels and forgets all calls, because the component stops running.
     pub(crate) fn abandon(
         &mut self,
         references: &[RequiredReference],
@@ -366,13 +366,13 @@ impl OutgoingCalls {
         self.frozen.clear();
     }
 
-    /// The next deadline.
+    /// The earliest deadline of all outstanding calls.
     pub(crate) fn deadline(&self) -> Option<Time> {
         self.outstanding.iter().map(|call| call.deadline).min()
     }
 }
 
-/// Tells the observers of an attempt; says which reference and operation it is of.
+/// Reports an attempt to the observers. Returns the names of its reference and operation.
 fn announce<'r>(
     references: &'r [RequiredReference],
     call: &OutstandingCall,
@@ -390,7 +390,7 @@ fn announce<'r>(
     (reference, operation)
 }
 
-/// The request of an attempt; without a return address it is one-way.
+/// The request of an attempt; without a return address, the call is one-way.
 fn request(
     call: &OutstandingCall,
     operation: usize,
@@ -423,7 +423,7 @@ fn tell_cancelled(
         caller: effects.component,
         number: call.number,
     };
-    // A provider that cannot be told is not at work on it either, or will see the deadline.
+    // fails if the provider is stopped or its queue is full; a request that it already has ends at its deadline
     if wiring.queue.post(ProviderMessage::Cancel(key)).is_ok() {
         wiring.trigger(effects);
     }

@@ -1,4 +1,4 @@
-//! What travels between caller and provider.
+//! Messages between callers and providers.
 
 use std::sync::{Arc, mpsc};
 
@@ -10,7 +10,7 @@ use asmotion_port::Time;
 use super::calls::ReplyQueue;
 use crate::effects::Effects;
 
-/// Names one call in the system.
+/// Identifies a call within the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CallKey {
     /// The caller's position in the system; `usize::MAX` for callers outside, which do not cancel by key.
@@ -21,63 +21,63 @@ pub struct CallKey {
 
 /// A message to a provider.
 pub enum ProviderMessage {
-    /// A request.
+    /// A call of an operation.
     Request(ServiceRequest),
-    /// The caller no longer waits.
+    /// The caller has cancelled the call.
     Cancel(CallKey),
 }
 
 /// A request with its return address.
 pub struct ServiceRequest {
-    /// Names the call.
+    /// Identifies the call.
     pub key: CallKey,
     /// Position of the operation in the service.
     pub operation: usize,
-    /// The argument, in the caller's type.
+    /// The request, in the caller's type.
     pub argument: Arc<dyn Sample>,
-    /// The caller's name.
+    /// Name of the calling component.
     pub caller: Arc<str>,
-    /// When the caller gives up; absent for a one-way call.
+    /// Time at which the caller stops waiting; `None` for a one-way call.
     pub deadline: Option<Time>,
-    /// What the request follows from.
+    /// The trace that the call continues; `None` without one.
     pub trace: Option<TraceContext>,
-    /// Where the answer goes; absent for a one-way call.
+    /// Return address of the reply; `None` for a one-way call.
     pub reply_to: Option<ReplyTo>,
 }
 
-/// Where an answer goes.
+/// Return address of a reply.
 pub enum ReplyTo {
-    /// To a component of this system.
+    /// A component of this system.
     Component(ComponentReply),
-    /// To a caller that reached the service through an adapter: over a bus, say.
+    /// A caller that reached the service through an adapter, for example over a bus.
     Remote(Box<dyn RemoteCaller>),
-    /// To a thread outside of the system that called by [`Run::send`](crate::Run::send).
+    /// A thread outside of the system that called [`Run::send`](crate::Run::send).
     External(mpsc::Sender<Result<Arc<dyn Sample>, CallError>>),
 }
 
 /// The return address of a component of this system.
 pub struct ComponentReply(pub(super) Arc<ReplyQueue>);
 
-/// A caller beyond the system.
+/// A caller outside of the system, reached through an adapter.
 pub trait RemoteCaller: Send {
-    /// Whether the caller still waits, as far as that is known here.
+    /// Returns whether the caller still waits, as far as the adapter knows.
     fn is_awaited(&self) -> bool;
 
-    /// Ends the call.
+    /// Sends the result, which ends the call.
     fn reply(self: Box<Self>, result: Result<Arc<dyn Sample>, CallError>);
 }
 
 impl ReplyTo {
-    /// Whether the caller still waits, as far as that is known here.
+    /// Returns whether the caller still waits, as far as this process knows.
     pub(crate) fn is_awaited(&self) -> bool {
         match self {
-            // A component cancels its call when it no longer waits; an external caller has a deadline.
+            // a component cancels a call that it no longer waits for; an external caller has a deadline
             Self::Component(_) | Self::External(_) => true,
             Self::Remote(caller) => caller.is_awaited(),
         }
     }
 
-    /// Answers the caller's call of this number.
+    /// Sends the result of the caller's call with this number.
     pub fn send(
         self,
         number: u64,
@@ -86,14 +86,14 @@ impl ReplyTo {
     ) {
         match self {
             Self::Component(reply) => reply.0.put(CallAnswer { number, result }, effects),
-            // A caller that has given up does not read it.
+            // fails if the caller has stopped waiting
             Self::External(answer) => drop(answer.send(result)),
             Self::Remote(caller) => caller.reply(result),
         }
     }
 }
 
-/// A message to a caller.
+/// A reply on its way to a caller.
 pub(crate) struct CallAnswer {
     /// The call's number at the caller.
     pub number: u64,

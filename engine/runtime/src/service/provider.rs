@@ -1,4 +1,4 @@
-//! The provider's side: requests wait for its cycle, and stay open until it answers.
+//! The provider's side of services: a request waits for the provider's cycle and stays open until it replies.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,18 +13,21 @@ use super::message::{CallKey, ProviderMessage, ReplyTo, ServiceRequest};
 use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;
 
-/// How many requests may wait for a provider; more find it unavailable.
+/// Capacity of a provider's request queue; calls beyond it end as unavailable.
 const WAITING: usize = 128;
 
-/// The requests that wait for a provider. Callers on any thread put them in; the provider's thread takes them out.
+/// Requests that wait for a provider. Callers on any thread push them; the provider's thread pops them.
 pub struct RequestQueue {
     queue: ArrayQueue<ProviderMessage>,
-    /// Whether the provider runs. Set and cleared by the provider's thread at the border of a cycle (`Release`), read by
-    /// callers (`Acquire`). A request that slips in while it is cleared is refused when the provider empties the queue.
+    /// Whether the provider runs. Set and cleared by the provider's thread between two cycles (`Release`), read by
+    /// callers (`Acquire`). A request that is pushed while this is being cleared is refused when the provider empties
+    /// the queue.
     open: AtomicBool,
-    /// Notified of every message, if the provider is remote and an adapter takes the messages out.
+    /// Notified of every message if the provider is remote and an adapter empties the queue; `None` for a local
+    /// provider.
     notifier: Option<Arc<Notifier>>,
-    /// By position of the operation: what serves it in the caller's thread, if the provider declared that.
+    /// Handlers that run in the caller's thread, by position of the operation; `None` for operations served in the
+    /// provider's cycles.
     handlers: Vec<Option<Handler>>,
 }
 
@@ -38,7 +41,7 @@ impl RequestQueue {
         })
     }
 
-    /// The queue of a remote service: always open; the notifier wakes the adapter that empties it.
+    /// Creates the queue of a remote service: always open; the notifier wakes the adapter that empties it.
     pub fn remote(notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
             queue: ArrayQueue::new(WAITING),
@@ -48,17 +51,16 @@ impl RequestQueue {
         })
     }
 
-    /// Takes out the oldest message.
+    /// Removes and returns the oldest message.
     pub fn next(&self) -> Option<ProviderMessage> {
         self.queue.pop()
     }
 
-    /// Serves a request at once, if its operation is served in the caller's thread, whatever the provider is doing;
-    /// otherwise leaves it for the provider's next cycle. Returns whether it left it, so that the provider is to be
-    /// triggered.
+    /// Serves a request at once if its operation runs in the caller's thread; otherwise queues it for the provider's
+    /// next cycle. Returns whether it was queued, in which case the provider must be triggered.
     ///
     /// # Errors
-    /// [`CallError::Unavailable`]: the provider does not run, or has too many requests.
+    /// [`CallError::Unavailable`] if the provider does not run or its queue is full.
     pub fn ask(
         &self,
         request: ServiceRequest,
@@ -79,7 +81,7 @@ impl RequestQueue {
         Ok(false)
     }
 
-    /// Leaves a message for the provider's next cycle.
+    /// Queues a message for the provider's next cycle.
     pub(crate) fn post(&self, post: ProviderMessage) -> Result<(), CallError> {
         if !self.open.load(Ordering::Acquire) {
             return Err(CallError::Unavailable);
@@ -92,15 +94,15 @@ impl RequestQueue {
     }
 }
 
-/// A service port at run time.
+/// A provided service at run time.
 pub(crate) struct ProvidedService {
     pub declaration: ServiceDeclaration,
     pub queue: Arc<RequestQueue>,
-    /// Frozen, not yet taken by the component.
+    /// Frozen requests that the component has not taken yet.
     waiting: Vec<(RequestId, ServiceRequest)>,
-    /// Taken, not yet answered.
+    /// Requests that the component has taken and not answered yet.
     open: Vec<OpenRequest>,
-    /// Taken, and no longer waited for; of this cycle.
+    /// Taken requests whose cancellation became visible in the current cycle.
     cancelled: Vec<RequestId>,
     next: u64,
 }
@@ -127,7 +129,8 @@ impl ProvidedService {
         }
     }
 
-    /// Takes in the requests that came since the last cycle; drops those that are no longer waited for.
+    /// Freezes the requests that have arrived since the last cycle; drops those that were cancelled before the
+    /// component took them.
     pub(crate) fn freeze(&mut self, now: Time) {
         self.cancelled.clear();
         for _ in 0..self.queue.queue.len() {
@@ -160,7 +163,7 @@ impl ProvidedService {
         }
     }
 
-    /// Hands over the waiting requests of an operation; those that expect an answer stay open.
+    /// Removes and returns the waiting requests of an operation. Those that expect a reply stay open.
     pub(crate) fn take(&mut self, operation: usize) -> Vec<(RequestId, ServiceRequest)> {
         if self.waiting.is_empty() {
             return Vec::new();
@@ -182,12 +185,12 @@ impl ProvidedService {
         taken
     }
 
-    /// The taken requests that are no longer waited for, as of this cycle.
+    /// The taken requests whose callers stopped waiting, as frozen for the current cycle.
     pub(crate) fn cancelled(&self) -> &[RequestId] {
         &self.cancelled
     }
 
-    /// Sends an answer; drops it if the caller no longer waits.
+    /// Sends a reply, or drops it if the caller no longer waits.
     pub(crate) fn answer(
         &mut self,
         to: RequestId,
@@ -219,18 +222,18 @@ impl ProvidedService {
         open.reply_to.send(number, result, effects.effects);
     }
 
-    /// The component begins to run.
+    /// Accepts requests from now on.
     pub(crate) fn open(&self) {
         self.queue.open.store(true, Ordering::Release);
     }
 
-    /// The component ends running: waiting callers get [`CallError::Unavailable`].
+    /// Refuses requests from now on; waiting callers get [`CallError::Unavailable`].
     pub(crate) fn close(&mut self, effects: &mut ComponentEffects<'_>) {
         self.queue.open.store(false, Ordering::Release);
         self.refuse(effects);
     }
 
-    /// Answers everything with [`CallError::Unavailable`].
+    /// Replies [`CallError::Unavailable`] to all waiting and open requests.
     pub(crate) fn refuse(&mut self, effects: &mut ComponentEffects<'_>) {
         self.freeze(effects.now);
         for operation in 0..self.declaration.operations.len() {

@@ -1,4 +1,4 @@
-//! A reference at run time: which services it is joined to, and how.
+//! A reference at run time: the services it is wired to, and how.
 
 use std::sync::Arc;
 
@@ -12,24 +12,24 @@ use crate::effects::ComponentEffects;
 /// A reference at run time.
 pub(crate) struct RequiredReference {
     pub declaration: ReferenceDeclaration,
-    /// One service, or several that get one-way calls only.
+    /// One service, or several that receive one-way calls only.
     pub wirings: Vec<Wiring>,
 }
 
-/// What a reference is joined to.
+/// The wire between a reference and one service.
 pub(crate) struct Wiring {
     pub queue: Arc<RequestQueue>,
-    /// The service: `TrajectoryPlanner.planning`.
+    /// Full name of the service, for example `TrajectoryPlanner.planning`.
     pub to: String,
-    /// The provider's place in the system, if it is there.
+    /// Position of the provider in the system; `None` for a remote provider.
     pub provider: Option<usize>,
-    /// The service's position of each of the reference's operations.
+    /// Position of each of the reference's operations in the service.
     pub operations: Vec<usize>,
     pub wire: Wire,
 }
 
 impl Wiring {
-    /// Leaves a request with the provider.
+    /// Queues a request at the provider and triggers it.
     pub(super) fn ask(
         &self,
         request: ServiceRequest,
@@ -41,7 +41,7 @@ impl Wiring {
         Ok(())
     }
 
-    /// Something is in the provider's queue. A remote provider's queue has a notifier instead.
+    /// Signals a new message to the provider. A remote provider's queue has a notifier instead.
     pub(super) fn trigger(&self, effects: &mut ComponentEffects<'_>) {
         if let Some(provider) = self.provider {
             effects.effects.trigger(provider);
@@ -49,7 +49,7 @@ impl Wiring {
     }
 }
 
-/// The wiring whose service answers.
+/// The wiring whose service replies: the first.
 pub(super) fn wiring(references: &[RequiredReference], slot: OperationSlot) -> Option<&Wiring> {
     references.get(slot.port)?.wirings.first()
 }

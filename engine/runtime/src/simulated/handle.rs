@@ -1,5 +1,5 @@
-//! What threads outside share with a simulation: they write when they like, the simulation learns of it before its next
-//! step.
+//! State that threads outside share with a simulation: they write at any time, and the simulation reads it before its
+//! next step.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
@@ -9,16 +9,17 @@ use crate::handle::RunHandle;
 
 /// Shared with readers, writers and callers on other threads.
 pub(super) struct SimulatedHandle {
-    /// Stored by the simulation, read by others.
+    /// Current virtual time. Stored by the simulation, read by others.
     now: AtomicI64,
-    /// Place of the last sample among all samples.
+    /// Order number of the newest sample of the run.
     order: AtomicU64,
-    /// Set after a flag of `triggered`, taken by the simulation before it looks at them. `Release` and `AcqRel`: a
-    /// simulation that takes it sees that flag and the sample put in before. A flag set while it looks sets this again.
+    /// Set after a flag in `triggered`, taken by the simulation before it reads them. With `Release` and `AcqRel`, a
+    /// simulation that takes it sees that flag and the sample put in before. A flag set during the scan sets this
+    /// again.
     any: AtomicBool,
-    /// For each component, whether something new is there. Set by others, taken by the simulation.
+    /// New data are waiting, by position of the component. Set by other threads, taken by the simulation.
     triggered: Box<[AtomicBool]>,
-    /// Set when the simulation is dropped.
+    /// Set when the simulation is dropped; read by other threads.
     ended: AtomicBool,
 }
 
@@ -41,7 +42,7 @@ impl SimulatedHandle {
         self.ended.store(true, Ordering::Release);
     }
 
-    /// Hands over the components that are to be triggered.
+    /// Passes the components to be triggered to `give`, and clears their flags.
     pub(super) fn take_triggered(&self, mut give: impl FnMut(usize)) {
         if !self.any.load(Ordering::Relaxed) || !self.any.swap(false, Ordering::AcqRel) {
             return;

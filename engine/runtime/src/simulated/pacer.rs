@@ -1,20 +1,21 @@
-//! The pacer: holds virtual time back to real time. The one place here that knows real time; it only sleeps.
+//! The pacer delays virtual time to keep it in step with real time. The only user of the real clock here; it only
+//! sleeps.
 
 use std::time::{Duration, Instant};
 
 use asmotion_port::Time;
 
-/// How fast virtual time passes.
+/// Speed of virtual time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Pace {
-    /// As fast as the machine can.
+    /// As fast as the machine allows.
     #[default]
     Unlimited,
-    /// So many virtual seconds in a real one.
+    /// Virtual seconds per real second.
     Factor(f64),
 }
 
-/// Holds virtual time back to a pace.
+/// Delays virtual time, counting from the moment the pace was set.
 pub(super) struct Pacer {
     from: Time,
     since: Instant,
@@ -30,7 +31,7 @@ impl Pacer {
         }
     }
 
-    /// Sleeps until virtual time may be `at`.
+    /// Sleeps until the real clock allows virtual time to be `at`.
     pub(super) fn wait(&self, at: Time) {
         let seconds = at.since(self.from).as_secs_f64() / self.factor;
         let Ok(after) = Duration::try_from_secs_f64(seconds) else {

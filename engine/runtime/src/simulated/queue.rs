@@ -1,4 +1,5 @@
-//! What is due, in order: by time; at one instant samples and deadlines before cycles, and these in declaration order.
+//! Due items, ordered by time; at the same instant samples and deadlines precede cycles, and cycles follow declaration
+//! order.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,26 +11,26 @@ use asmotion_port::Time;
 
 use crate::injection::InjectionTarget;
 
-/// Something due at a time.
+/// An item that is due at a time.
 pub(super) struct Due {
     pub at: Time,
-    /// Breaks ties: the order in which things were planned.
+    /// Order of planning; breaks ties.
     serial: u64,
     pub what: DueWork,
 }
 
-/// What is to be done.
+/// The kind of work that is due.
 pub(super) enum DueWork {
-    /// A sample from outside.
+    /// Inject a sample.
     Sample {
         target: InjectionTarget,
         sample: Arc<dyn Sample>,
     },
-    /// The end of a call, unless it has been answered.
+    /// End a call that has had no reply.
     Deadline { component: usize },
-    /// A cycle, because something new is there.
+    /// Run a cycle because new data have arrived.
     Trigger { component: usize, generation: u64 },
-    /// A cycle, because a period has passed.
+    /// Run a cycle because a period has passed.
     Period { component: usize, generation: u64 },
 }
 
@@ -66,7 +67,7 @@ impl Ord for Due {
     }
 }
 
-/// What is due, earliest first.
+/// All due items, earliest first.
 #[derive(Default)]
 pub(super) struct DueQueue {
     heap: BinaryHeap<Reverse<Due>>,
@@ -84,13 +85,13 @@ impl DueQueue {
         self.heap.pop().map(|Reverse(due)| due)
     }
 
-    /// What is due next, if it is due by then.
+    /// Removes and returns the next item if it is due by `until`.
     pub(super) fn pop_until(&mut self, until: Time) -> Option<Due> {
         let due = self.heap.peek_mut()?;
         (due.0.at <= until).then(|| PeekMut::pop(due).0)
     }
 
-    /// When something is due next.
+    /// Time of the next item.
     pub(super) fn next(&self) -> Option<Time> {
         self.heap.peek().map(|Reverse(due)| due.at)
     }

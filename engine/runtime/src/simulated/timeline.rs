@@ -1,4 +1,4 @@
-//! The timeline of a simulation: the clock, the queue of what is due, the observers.
+//! The timeline of a simulation: the clock, the queue of due items, and the observers.
 
 use std::sync::Arc;
 
@@ -13,30 +13,30 @@ use crate::handle::RunHandle;
 use crate::run::Watch;
 use crate::unit::ComponentUnit;
 
-/// Cycles of one component at one instant before that counts as a loop: more than any inbox holds events, of which a
-/// coordinator takes one a cycle.
+/// Limit on the cycles of one component at one instant; more are a loop. Larger than the capacity of any input queue,
+/// because a coordinator consumes one event a cycle.
 const CYCLES_AN_INSTANT: u32 = 1000;
 
-/// Everything around the units.
+/// The state of a simulation around its units.
 pub(super) struct Timeline {
     pub now: Time,
     pub queue: DueQueue,
     pub observers: Vec<Box<dyn Observer>>,
     pub each: Vec<UnitSchedule>,
-    /// All are to stop.
+    /// A component has failed whose activity stops all components.
     pub escalated: bool,
-    /// Shared with threads outside.
+    /// Shared with threads outside of the simulation.
     handle: Arc<SimulatedHandle>,
 }
 
-/// What the executor keeps of each unit.
+/// The schedule of one unit.
 pub(super) struct UnitSchedule {
     drive: Drive,
-    /// A cycle is already in the queue because of a trigger.
+    /// A triggered cycle is in the queue already.
     pub triggered: bool,
-    /// Grows when the schedule is set anew; older entries of the queue then mean nothing.
+    /// Incremented when the schedule is renewed, which invalidates older queue entries.
     pub generation: u64,
-    /// Cycles at the present instant.
+    /// Number of cycles at the current instant.
     pub cycles: u32,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct UnitSchedule {
 pub(super) struct SimulatedEffects<'a, 'w> {
     pub timeline: &'a mut Timeline,
     watch: Option<Watch<'w>>,
-    /// The event waited for has happened.
+    /// An event satisfied `watch`.
     pub seen: bool,
 }
 
@@ -106,12 +106,12 @@ impl Timeline {
         self.handle.set_now(now);
     }
 
-    /// The system, for threads outside.
+    /// The running system, for threads outside of the simulation.
     pub(super) fn run_handle(&self) -> Arc<dyn RunHandle> {
         Arc::clone(&self.handle) as Arc<dyn RunHandle>
     }
 
-    /// The system runs no more.
+    /// Marks the run as ended.
     pub(super) fn end(&self) {
         self.handle.end();
     }
@@ -127,7 +127,7 @@ impl Timeline {
 }
 
 impl UnitSchedule {
-    /// Sets the schedule anew.
+    /// Replaces the schedule and returns its generation.
     fn renew(&mut self, drive: Drive) -> u64 {
         self.drive = drive;
         self.triggered = false;
@@ -137,13 +137,13 @@ impl UnitSchedule {
 }
 
 impl SimulatedEffects<'_, '_> {
-    /// Triggers the components that threads outside have written to.
+    /// Triggers the components that other threads have written to.
     pub(super) fn take_outside_triggers(&mut self) {
         let handle = Arc::clone(&self.timeline.handle);
         handle.take_triggered(|component| self.trigger(component));
     }
 
-    /// One cycle of a unit, unless it has had too many at this instant.
+    /// Runs one cycle of a unit. If the unit exceeds `CYCLES_AN_INSTANT`, it fails instead.
     pub(super) fn cycle(&mut self, units: &mut [ComponentUnit], component: usize) {
         let now = self.timeline.now;
         let driven = &mut self.timeline.each[component];
@@ -168,7 +168,7 @@ impl SimulatedEffects<'_, '_> {
         }
     }
 
-    /// The slaves of a unit that has cycled do so, too, at the same instant.
+    /// Runs a cycle of each slave of a unit that has cycled, at the same instant.
     fn slaves(&mut self, units: &mut [ComponentUnit], master: usize) {
         for slave in 0..units.len() {
             if units[slave].master == Some(master) && units[slave].state().is_running() {
@@ -177,7 +177,7 @@ impl SimulatedEffects<'_, '_> {
         }
     }
 
-    /// Plans the next periodic cycle: at an absolute time, so that nothing drifts.
+    /// Plans the next periodic cycle, at an absolute time to avoid drift.
     pub(super) fn repeat(&mut self, unit: &ComponentUnit, last: Time, generation: u64) {
         let unchanged = self.timeline.each[unit.index].generation == generation;
         if let Drive::Period(period) = unit.activity.drive
@@ -197,7 +197,7 @@ impl SimulatedEffects<'_, '_> {
 }
 
 impl Timeline {
-    /// Plans the first cycle after a start; an event-driven component has one too (RTT triggers on start).
+    /// Plans the first cycle after a start. An event-driven component has one too: RTT triggers on start.
     pub(super) fn begin(&mut self, unit: &ComponentUnit) {
         let component = unit.index;
         let driven = &mut self.each[component];
@@ -216,7 +216,7 @@ impl Timeline {
         }
     }
 
-    /// Plans a cycle, unless one is planned already.
+    /// Plans a triggered cycle, unless one is planned already.
     pub(super) fn trigger(&mut self, component: usize, at: Time) {
         let driven = &mut self.each[component];
         if driven.triggered {
@@ -231,7 +231,7 @@ impl Timeline {
         self.queue.push(at, what);
     }
 
-    /// Notices that a unit's drive has changed, and plans anew from its last cycle: now.
+    /// If the unit's drive has changed, plans anew, counting from the cycle that has just ended.
     pub(super) fn follow(&mut self, unit: &ComponentUnit) {
         let driven = &mut self.each[unit.index];
         if driven.drive == unit.activity.drive {
@@ -247,7 +247,7 @@ impl Timeline {
         }
     }
 
-    /// The fault of those that trigger each other without end.
+    /// The fault of components that trigger each other endlessly.
     fn endless(&self, units: &[ComponentUnit]) -> Fault {
         let busy = |unit: &&ComponentUnit| self.each[unit.index].cycles > CYCLES_AN_INSTANT / 2;
         Fault::Loop {

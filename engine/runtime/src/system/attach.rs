@@ -1,4 +1,4 @@
-//! What adapters build on: the ends of a system, and how something outside is joined to them.
+//! The interface for adapters: finds the ends of a system and connects them to the outside.
 
 use std::sync::Arc;
 
@@ -17,23 +17,23 @@ use crate::service::{RequestQueue, Wiring};
 use crate::topic::SystemTopic;
 
 impl System {
-    /// Leaves it to adapters to join publishers and subscribers, also of components of this system. Must come before the
+    /// Lets adapters connect all publishers and subscribers, including those within this system. Call this before the
     /// first [`publish`](Self::publish) and [`subscribe`](Self::subscribe).
     pub fn leave_topics_to_adapters(&mut self) {
         self.topics_outside = true;
     }
 
-    /// Whether adapters join publishers and subscribers inside the system too.
+    /// Returns whether adapters connect publishers and subscribers within the system too.
     pub fn leaves_topics_to_adapters(&self) -> bool {
         self.topics_outside
     }
 
-    /// Adds an adapter. Adapters deliver in order of addition.
+    /// Adds an adapter. Adapters are called in order of addition.
     pub fn add_adapter(&mut self, adapter: Box<dyn Adapter>) {
         self.adapters.push(adapter);
     }
 
-    /// Notified by adapters when something has come or waits to go; wakes the thread that lets them deliver.
+    /// Wakes the thread that calls the adapters. An adapter notifies it when messages have arrived or wait to be sent.
     pub fn notifier(&self) -> &Arc<Notifier> {
         &self.notifier
     }
@@ -46,7 +46,7 @@ impl System {
     /// The output port at a path, `component.port`.
     ///
     /// # Errors
-    /// There is none.
+    /// [`BuildError::Unknown`] or [`BuildError::Direction`] if there is no such output.
     pub fn output(&self, path: &str) -> Result<ComponentEnd, BuildError> {
         self.end(path, outputs)
     }
@@ -54,7 +54,7 @@ impl System {
     /// The service at a path, `component.service`.
     ///
     /// # Errors
-    /// There is none.
+    /// [`BuildError::Unknown`] or [`BuildError::Direction`] if there is no such service.
     pub fn service(&self, path: &str) -> Result<ComponentEnd, BuildError> {
         self.end(path, services)
     }
@@ -62,7 +62,7 @@ impl System {
     /// The reference at a path, `component.reference`.
     ///
     /// # Errors
-    /// There is none.
+    /// [`BuildError::Unknown`] or [`BuildError::Direction`] if there is no such reference.
     pub fn reference(&self, path: &str) -> Result<ComponentEnd, BuildError> {
         self.end(path, references)
     }
@@ -72,7 +72,7 @@ impl System {
         Arc::clone(&self.units[end.unit].name)
     }
 
-    /// What the cycles of an end's component follow from.
+    /// The cause of the cycles of an end's component.
     pub fn cause_of(&self, end: &ComponentEnd) -> Arc<CycleCause> {
         Arc::clone(&self.units[end.unit].body.cause)
     }
@@ -87,13 +87,14 @@ impl System {
         self.units[input.unit].body.inputs[input.index].schema()
     }
 
-    /// Sends the samples of an output to something outside as well, whose name events show.
+    /// Sends the samples of an output to `sender` as well; events show it under the name `to`.
     pub fn join_output(&mut self, output: &ComponentEnd, sender: Box<dyn AnySender>, to: String) {
         let unit = &mut self.units[output.unit];
         unit.body.outputs[output.index].join(sender, OutputLink::to_outside(to));
     }
 
-    /// Opens a connection from outside into an input. `None` if the policy asks for zeros that the type does not have.
+    /// Opens a connection from outside into an input. Returns `None` if the policy asks for zeros that the type does
+    /// not have.
     pub fn injection_port(
         &mut self,
         input: &ComponentEnd,
@@ -108,17 +109,18 @@ impl System {
         InjectionPorts::of_topics(&mut self.units, topics, &mut self.connections)
     }
 
-    /// What a service declares, and the queue that its requests go into.
+    /// The declaration of a service, and its request queue.
     pub fn service_at(&self, service: &ComponentEnd) -> (&ServiceDeclaration, Arc<RequestQueue>) {
         let service = &self.units[service.unit].body.services[service.index];
         (&service.declaration, Arc::clone(&service.queue))
     }
 
-    /// Wires a reference to a remote service of this name: its requests go into the queue, which an adapter empties.
-    /// Returns the operations that the reference calls; their positions are those of the requests' operations.
+    /// Wires a reference to a remote service of this name: requests go into the queue, which an adapter empties.
+    /// Returns the operations that the reference calls; [`ServiceRequest::operation`](crate::ServiceRequest) is a
+    /// position in this list.
     ///
     /// # Errors
-    /// The reference has a service already.
+    /// [`BuildError::Joined`] if the reference has a service already.
     pub fn wire_remote(
         &mut self,
         from: &ComponentEnd,

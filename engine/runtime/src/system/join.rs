@@ -1,4 +1,4 @@
-//! Joining: port to port, port to topic, reference to service.
+//! Connects port to port and port to topic, and wires reference to service.
 
 use std::sync::Arc;
 
@@ -28,8 +28,8 @@ impl System {
         Ok(())
     }
 
-    /// Lets a component cycle in the thread of another one, right after it (RTT `SlaveActivity`). Its own period means
-    /// nothing then.
+    /// Runs a component in the thread of another one, right after it (RTT `SlaveActivity`). The slave's own period has
+    /// no effect.
     pub fn slave(&mut self, slave: &str, master: &str) -> Result<(), BuildError> {
         let [slave_index, master_index] = [self.component(slave)?.0, self.component(master)?.0];
         if self.thread(master_index) == slave_index {
@@ -44,7 +44,7 @@ impl System {
         Ok(())
     }
 
-    /// The component whose thread a component cycles in: its master's master, or itself.
+    /// Position of the component in whose thread a component cycles: its master's master, or itself.
     pub(super) fn thread(&self, unit: usize) -> usize {
         let mut unit = unit;
         while let Some(master) = self.units[unit].master {
@@ -53,7 +53,7 @@ impl System {
         unit
     }
 
-    /// Lets an output publish to a topic. An output has one topic; a topic may have several publishers.
+    /// Publishes an output on a topic. An output has one topic; a topic may have several publishers.
     pub fn publish(&mut self, from: &str, topic: &str) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         if topic == HEALTH_TOPIC {
@@ -77,7 +77,7 @@ impl System {
         Ok(())
     }
 
-    /// Lets an input read a topic, from each of its publishers with this policy.
+    /// Subscribes an input to a topic, with this policy for each of its publishers.
     pub fn subscribe(&mut self, topic: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let to = self.end(to, inputs)?;
         let index = self.topic(topic);
@@ -98,7 +98,7 @@ impl System {
         Ok(())
     }
 
-    /// Lets the samples of an output go to a sink, too; live, in its component's cycle.
+    /// Sends the samples of an output to a sink too. The sink is called in the component's cycle.
     pub fn stream_out(&mut self, from: &str, sink: Box<dyn Sink>) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         let link = OutputLink::to_outside(sink.name());
@@ -106,7 +106,8 @@ impl System {
         Ok(())
     }
 
-    /// Lets the samples of a source into an input; live, by a thread of its own. In simulated time nothing comes.
+    /// Feeds the samples of a source into an input, through a thread of its own in a live system. In simulated time a
+    /// source is never read.
     pub fn stream_in(
         &mut self,
         source: Box<dyn Source>,
@@ -124,8 +125,8 @@ impl System {
         Ok(())
     }
 
-    /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`. A reference
-    /// has one service, or several that are told and do not answer ([`Wire::one_way`]).
+    /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`. A
+    /// reference has one service, or several that receive one-way calls ([`Wire::one_way`]).
     pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
         let to = self.end(to, services)?;
@@ -143,7 +144,7 @@ impl System {
         Ok(())
     }
 
-    /// A reference that may have this service, too.
+    /// Returns the reference if it can have this service too.
     pub(super) fn open_reference(
         &self,
         from: &ComponentEnd,
@@ -162,7 +163,7 @@ impl System {
         }
     }
 
-    /// The place of a topic, made if need be.
+    /// Position of a topic, which is created if need be.
     fn topic(&mut self, name: &str) -> usize {
         let found = self.topics.iter().position(|topic| topic.name == name);
         found.unwrap_or_else(|| {
@@ -175,7 +176,7 @@ impl System {
         })
     }
 
-    /// Joins a publisher to a subscriber, unless an adapter does.
+    /// Connects a publisher to a subscriber, unless adapters do so.
     fn join_topic(
         &mut self,
         from: &ComponentEnd,
@@ -240,7 +241,7 @@ impl System {
     }
 }
 
-/// The service's position of each operation that a reference calls.
+/// Position in the service of each operation that a reference calls.
 pub(crate) fn fit(
     (reference, from): (&ReferenceDeclaration, &ComponentEnd),
     (service, to): (&ServiceDeclaration, &ComponentEnd),
@@ -259,7 +260,7 @@ pub(crate) fn fit(
         .collect()
 }
 
-/// The service's position of an operation that a reference calls.
+/// Position in the service of one operation that a reference calls.
 fn find_operation(
     called: &OperationDeclaration,
     served: &[OperationDeclaration],

@@ -1,4 +1,4 @@
-//! What the clock says of a cycle: which periods it has missed, and whether it kept its deadline.
+//! Measures cycles: counts missed periods and checks deadlines.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use crate::effects::Effects;
 use crate::event::Event;
 
 impl ComponentUnit {
-    /// After a periodic cycle: counts the periods it has missed, and says when the next one is due.
+    /// Called after a periodic cycle: counts the missed periods and returns when the next cycle is due.
     pub(crate) fn after_period(
         &mut self,
         due: Time,
@@ -32,7 +32,8 @@ impl ComponentUnit {
         next
     }
 
-    /// After a cycle that took so long: counts it, and holds it against its deadline, if it has one.
+    /// Called after a cycle: records its duration and, if it exceeded the deadline, reports it and takes the configured
+    /// action.
     pub(crate) fn hold_to_deadline(
         &mut self,
         took: Duration,
@@ -53,12 +54,12 @@ impl ComponentUnit {
         };
         effects.emit(now, &event);
         match held.on_deadline {
-            // It does not run any more, for another reason.
+            // stopped already, for another reason
             OnDeadline::Report | OnDeadline::Stop | OnDeadline::Fail
                 if !self.state.is_running() => {}
             OnDeadline::Report => {}
             OnDeadline::Stop => {
-                // What goes wrong in stopping is in its state, and told.
+                // a failure shows in the state and in events
                 let _ = self.transition(Transition::Stop, now, effects);
             }
             OnDeadline::Fail => self.fail(Fault::Late { took, deadline }, now, effects),

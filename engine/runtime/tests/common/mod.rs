@@ -1,23 +1,21 @@
-//! Messages, operations and a component made of closures, for the tests.
+//! Messages, operations and a component made of closures, for tests.
 #![allow(dead_code, missing_docs, clippy::unwrap_used, reason = "tests")]
 
 use asmotion_component::{Component, Cycle, Fault, Interface, Operation};
 
 asmotion_datum::message! {
-    /// A number.
     #[derive(Copy)]
     pub struct Number = "test/Number" {
         pub n: i64,
     }
 
-    /// A command.
+    /// A velocity command.
     #[derive(Copy)]
     pub struct Twist = "test/Twist" {
         pub linear: f64,
         pub angular: f64,
     }
 
-    /// Words.
     pub struct Words = "test/Words" {
         pub words: String,
     }
@@ -56,7 +54,7 @@ impl<F: FnMut(&mut Cycle<'_>) -> Result<(), Fault> + Send> Component for Behavio
     }
 }
 
-/// A constructor: declares, and returns the cycle.
+/// A constructor from a closure that declares ports and returns the cycle.
 pub fn behaviour<F>(
     declare: impl FnOnce(&mut Interface) -> F,
 ) -> impl FnOnce(&mut Interface) -> Box<dyn Component>
@@ -71,7 +69,7 @@ pub fn counter() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     burst(1)
 }
 
-/// Counts up, several a cycle, from 1, on output `n`.
+/// Counts up from 1 on output `n`, `size` samples a cycle.
 pub fn burst(size: i64) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(move |interface| {
         let out = interface.output::<Number>("n", "the count");
@@ -86,7 +84,7 @@ pub fn burst(size: i64) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     })
 }
 
-/// Serves `double` on service `sums`, in the cycle in which the request is seen.
+/// Provides `double` on service `sums`; replies in the cycle that sees the request.
 pub fn doubler() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         let double = interface.serve::<Double>("sums", "doubles");

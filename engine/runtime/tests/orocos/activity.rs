@@ -8,7 +8,7 @@ use asmotion_runtime::{BuildError, Log, Run, System};
 
 use crate::common::behaviour;
 
-/// Cycles, in order: who, in which thread.
+/// Cycles in order: name of the component, and its thread.
 type Cycles = Arc<Mutex<Vec<(&'static str, ThreadId)>>>;
 
 fn noting(
@@ -25,7 +25,7 @@ fn noting(
     })
 }
 
-/// A master, its slave, the slave's slave, and one of its own; the slaves stand before their master.
+/// A master, its slave, the slave's slave, and an independent component; the slaves are added before their master.
 fn household(cycles: &Cycles) -> System {
     let mut system = System::new();
     for (name, activity) in [
@@ -129,7 +129,7 @@ fn o3_nobody_is_his_own_master() {
     );
 }
 
-/// What `chrt -p` and `taskset -p` say of a thread.
+/// The output of `chrt -p` and `taskset -p` for a thread.
 fn asked(command: &str, thread: i32) -> Option<String> {
     let output = std::process::Command::new(command)
         .arg("-p")
@@ -139,7 +139,7 @@ fn asked(command: &str, thread: i32) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// A component that tells its thread's number, as the system knows it.
+/// A component that stores its kernel thread id.
 fn telling(number: &Arc<Mutex<i32>>) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     let number = Arc::clone(number);
     behaviour(move |_| {
@@ -191,7 +191,7 @@ fn o3_what_is_not_permitted_is_told_with_a_way_out_and_the_component_runs() {
     let log = Log::new();
     let mut system = System::new();
     system.observe(log.clone());
-    // No machine of ours has so many.
+    // no test machine has that many processors
     let activity = Activity::periodic(10.ms()).cpus([1023]);
     system.add("It", activity, telling(&number)).unwrap();
     let mut run = system.live();

@@ -1,4 +1,4 @@
-//! How long a cycle may take, and what follows when it takes longer.
+//! Deadlines of cycles and the actions when they are exceeded.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use asmotion_runtime::{Event, Log, Run, System};
 
 use crate::common::{Number, behaviour, number};
 
-/// A count a cycle, of which the third takes long; it really does, and says so to simulated time.
+/// Writes a count in each cycle. The third cycle sleeps, and reports its duration to simulated time.
 fn dawdler(long: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(move |interface| {
         let out = interface.output::<Number>("n", "the count");
@@ -24,7 +24,7 @@ fn dawdler(long: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> 
     })
 }
 
-/// Its system, in which a cycle of 20 ms may take 10.
+/// A system with one `dawdler`, whose period is 20 ms and deadline 10 ms.
 fn system(on_deadline: OnDeadline) -> System {
     let mut system = System::new();
     let activity = Activity::periodic(20.ms()).deadline(10.ms(), on_deadline);
@@ -32,7 +32,7 @@ fn system(on_deadline: OnDeadline) -> System {
     system
 }
 
-/// What happens to it within 100 ms of simulated time.
+/// The log of 100 ms in simulated time.
 fn lines(on_deadline: OnDeadline) -> Vec<String> {
     let log = Log::new();
     let mut system = system(on_deadline);

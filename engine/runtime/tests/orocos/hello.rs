@@ -1,4 +1,4 @@
-//! A component with everything that a TaskContext has: O1.
+//! O1: a component with everything that a TaskContext has.
 
 use asmotion_component::{Span, State};
 use asmotion_runtime::Run;
@@ -25,7 +25,7 @@ fn o1_hello_world_has_ports_properties_operations_services_and_peers() {
         let samples = log.samples::<Words>(port).into_iter();
         samples.map(|(_, greeting)| greeting.words).collect()
     };
-    // peers: each has been greeted by the other, by the other's property
+    // peers: each has been greeted by the other, with the other's property
     assert_eq!(said("Ann.greeting"), ["Hello, world!"]);
     assert_eq!(said("Ben.greeting"), ["Good morning, world!"]);
 
@@ -42,7 +42,7 @@ fn o1_hello_world_has_ports_properties_operations_services_and_peers() {
         .unwrap();
     assert_eq!(run.collect(sent).unwrap().words, "Hello, Dan!");
 
-    // all of it is seen from outside, the peers included
+    // everything is visible from outside, including the peers
     assert_eq!(run.components(), ["Ann", "Ben"]);
     assert_eq!(run.state("Ann"), Some(State::Running));
     let declared = run.declaration("Ann").unwrap();

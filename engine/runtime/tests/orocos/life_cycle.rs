@@ -1,4 +1,4 @@
-//! O2: the life cycle against Orocos RTT's table (rtt/base/TaskCore.cpp), and what becomes of components that fail.
+//! O2: the life cycle against Orocos RTT's table (rtt/base/TaskCore.cpp), and restarts after failures.
 
 use std::sync::{Arc, Mutex};
 
@@ -9,7 +9,7 @@ use asmotion_runtime::{Log, Run, Simulation, System};
 
 use crate::common::Behaviour;
 
-/// What a component's hooks are to do, and what was called.
+/// Tells a component's hooks what to do, and records the calls.
 #[derive(Clone, Default)]
 struct Script(Arc<Mutex<Plan>>);
 
@@ -17,7 +17,7 @@ struct Script(Arc<Mutex<Plan>>);
 struct Plan {
     fail: Option<&'static str>,
     panic: Option<&'static str>,
-    /// Report an error in the next cycle.
+    /// The next cycle reports an error.
     error: bool,
     calls: Vec<&'static str>,
 }
@@ -85,7 +85,7 @@ impl Component for Script {
     }
 }
 
-/// A component brought into a state.
+/// A component brought into this state.
 fn brought_to(state: State) -> (Simulation, Script) {
     let script = Script::default();
     let construct = script.clone();
@@ -100,7 +100,7 @@ fn brought_to(state: State) -> (Simulation, Script) {
         run.run_for(1.ms());
     };
     match state {
-        // Where it was before there was a run: see `o2_until_the_system_runs_it_is_in_init`.
+        // the state before there is a run: see `o2_until_the_system_runs_it_is_in_init`
         State::Init => {}
         State::PreOperational => run.transition("It", Transition::Cleanup).unwrap(),
         State::Stopped => {}
@@ -121,7 +121,7 @@ fn brought_to(state: State) -> (Simulation, Script) {
 fn o2_every_state_and_call_does_what_rtt_does() {
     use State::{Exception, FatalError, PreOperational, RunTimeError, Running, Stopped};
     use Transition::{Cleanup, Configure, Recover, ResetException, Start, Stop};
-    // Rows as in TaskCore.cpp; a transition that is not here is refused there.
+    // rows as in TaskCore.cpp; transitions that are not listed are refused there
     let lawful: &[(State, Transition, State, &[&str])] = &[
         (PreOperational, Configure, Stopped, &["configure"]),
         (Stopped, Configure, Stopped, &["configure"]),
@@ -295,14 +295,14 @@ fn o2_until_the_system_runs_it_is_in_init_and_nothing_can_be_asked() {
     for transition in Transition::ALL {
         assert_eq!(transition.target(State::Init), None, "{transition}");
     }
-    // Without RTT's `AutoConf` it waits where RTT's components begin.
+    // without RTT's `AutoConf`, a component waits in RTT's initial state
     let run = system.simulate();
     assert_eq!(run.state("It"), Some(State::PreOperational));
 }
 
 #[test]
 fn o2_while_a_hook_is_at_work_its_target_is_seen_of_outsider() {
-    /// Waits in its start hook until it is let go.
+    /// Blocks in its start hook until the test sends.
     struct Waiting(std::sync::mpsc::Receiver<()>);
     impl Component for Waiting {
         fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
@@ -333,7 +333,7 @@ fn o2_while_a_hook_is_at_work_its_target_is_seen_of_outsider() {
     assert_eq!(run.target_state("It"), Some(State::Running));
 }
 
-/// A component that fails in every third of its cycles, and its neighbour.
+/// A component that fails in every third cycle, and its neighbour.
 fn failing_often(on_exception: OnException, max_resets: Option<u32>) -> System {
     let mut system = System::new();
     let failing = |cycle: &mut Cycle<'_>| match cycle.number() % 3 {

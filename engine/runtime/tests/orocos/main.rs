@@ -1,5 +1,5 @@
-//! What Orocos RTT promises of ports, connections, components and activities, and JOrocos of those outside: each row of
-//! the inventory by its id.
+//! The guarantees of Orocos RTT for ports, connections, components and activities, and of JOrocos for outside programs.
+//! Tests are named after the rows of the inventory.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 #[path = "../common/mod.rs"]

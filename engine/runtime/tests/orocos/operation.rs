@@ -11,7 +11,7 @@ use asmotion_runtime::{Run, System};
 use crate::common::{Double, behaviour, doubler, number};
 use crate::support::{Seen, taken};
 
-/// Doubles in the thread of whoever asks; in its own cycles it is slow.
+/// Serves `double` in the caller's thread; its own cycles are slow.
 fn serving_in_callers(nap: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(move |interface| {
         interface.serve_in_caller::<Double>("sums", "doubles at once", |asked| match asked.n {
@@ -26,7 +26,7 @@ fn serving_in_callers(nap: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn C
     })
 }
 
-/// Sends a call in its first cycle, and asks in every one what has become of it.
+/// Sends a call in its first cycle, and records its status in every cycle.
 fn sender(seen: &Seen<String>) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     let seen = Arc::clone(seen);
     let mut call: Option<CallId> = None;
@@ -79,7 +79,7 @@ fn o11_what_is_sent_is_collected_when_it_is_done() {
 #[test]
 fn o11_in_the_callers_thread_it_is_done_at_once_whatever_the_provider_does() {
     let seen = Seen::default();
-    // It does not even run.
+    // it does not even run
     let provider = Activity::manual().run_on_startup(false);
     let mut run = calling(&seen, provider, serving_in_callers(Duration::ZERO)).simulate();
     run.run_for(20.ms());
@@ -111,7 +111,7 @@ fn provider(
 fn o11_call_and_send_of_outsider() {
     let mut run = provider(Activity::periodic(10.ms()), doubler()).simulate();
     run.run_for(5.ms());
-    // Send, ask, collect.
+    // send, ask, collect
     let mut sent = run
         .send::<Double>("Doubler.sums", number(4), 1.s())
         .unwrap();
@@ -119,7 +119,7 @@ fn o11_call_and_send_of_outsider() {
     run.run_for(10.ms());
     assert_eq!(sent.collect_if_done(), SendStatus::Success(number(8)));
     assert_eq!(sent.collect_if_done(), SendStatus::Unknown);
-    // Call: both at once.
+    // call: both at once
     let sent = run
         .send::<Double>("Doubler.sums", number(5), 1.s())
         .unwrap();

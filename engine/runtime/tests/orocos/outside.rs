@@ -1,4 +1,4 @@
-//! Those outside who write and read by connections of their own, as JOrocos does: J9 to J14.
+//! J9 to J14: outside programs write and read through connections of their own, as with JOrocos.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -88,7 +88,7 @@ fn j9_writers_write_from_threads_of_their_own_into_a_live_system() {
     }
 }
 
-/// What an observer that looks every so often sees of a counter, live, in half a second and more.
+/// The values that an observer with this period sees of a live counter in at least half a second.
 fn polled(policy: Policy, looks: Duration) -> Vec<i64> {
     let mut run = counting(20.ms()).live();
     let seen = Seen::default();
@@ -106,7 +106,7 @@ fn polled(policy: Policy, looks: Duration) -> Vec<i64> {
 fn j10_who_polls_five_times_too_seldom_sees_one_of_five() {
     let seen = polled(Policy::data(), 100.ms());
     assert!((4..=8).contains(&seen.len()), "{seen:?} of 33");
-    // Twice as often as is written, by the rule: every one.
+    // a period of half the writer's sees every sample
     let seen = polled(Policy::data(), 10.ms());
     assert!(seen.len() >= 26, "{seen:?} of 33");
 }
@@ -138,7 +138,7 @@ fn j11_ten_samples_between_two_looks_are_all_there_if_the_buffer_has_sixteen() {
         .reader::<Number>("Counter.n", Policy::buffer(16))
         .unwrap();
     let mut expected = 1..;
-    // The cycle at zero, then ten between every two looks.
+    // one cycle at zero, then ten between any two reads
     run.run_until(Time::ZERO);
     assert_eq!(reader.all().len(), expected.by_ref().take(1).count());
     for _ in 0..10 {
@@ -149,12 +149,12 @@ fn j11_ten_samples_between_two_looks_are_all_there_if_the_buffer_has_sixteen() {
     assert_eq!(reader.dropped(), 0);
 }
 
-/// The names of this process' threads that read for a subscription.
+/// Number of this process' threads that read for a subscription to a port.
 fn reading_threads(port: &str) -> usize {
     let tasks = std::fs::read_dir("/proc/self/task").unwrap();
     let names =
         tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok());
-    // The system keeps fifteen letters of a name.
+    // Linux keeps 15 characters of a thread's name
     let name: String = format!("reads {port}").chars().take(15).collect();
     names.filter(|found| found.trim_end() == name).count()
 }
@@ -162,7 +162,7 @@ fn reading_threads(port: &str) -> usize {
 #[test]
 fn j12_to_unsubscribe_really_stops_even_when_nothing_comes() {
     let mut system = System::new();
-    // Never driven: it is silent.
+    // never driven, so it never writes
     system
         .add("Silence", Activity::manual(), counter())
         .unwrap();
@@ -217,21 +217,21 @@ fn j13_each_way_in_which_writing_can_fail_has_its_error() {
     }
     let refused = run.writer::<Twist>("X.n", Policy::data());
     note(refused.err().unwrap().to_string());
-    // 5: a sample that says another type than the port's, by name only.
+    // 5: a sample of another type than the port's, whose type is known by name only
     let sample = Arc::new(Twist::default());
     note(
         run.inject_sample(Time::ZERO, "X.n", sample)
             .unwrap_err()
             .to_string(),
     );
-    // 6: nobody to read from.
+    // 6: an input cannot be read
     let refused = run.reader::<Number>("X.n", Policy::data());
     note(refused.err().unwrap().to_string());
-    // 7: full.
+    // 7: full
     let mut writer = run.writer("X.n", Policy::buffer(1).mandatory()).unwrap();
     writer.write(number(1)).unwrap();
     note(writer.write(number(2)).unwrap_err().to_string());
-    // 8: gone.
+    // 8: gone
     drop(run);
     note(writer.write(number(3)).unwrap_err().to_string());
     assert_eq!(
@@ -297,7 +297,7 @@ fn j13_errors_are_typed() {
 #[test]
 fn j14_what_is_read_has_a_status_by_every_policy() {
     for lock in [Lock::LockFree, Lock::Locked, Lock::Unsync] {
-        // Outside there is another thread, so `unsync` is lock-free there.
+        // outside there is another thread, so `unsync` is replaced by lock-free
         for policy in [Policy::data(), Policy::buffer(4), Policy::circular(4)] {
             let mut run = counting(10.ms()).simulate();
             let mut reader = run.reader("Counter.n", policy.lock(lock)).unwrap();

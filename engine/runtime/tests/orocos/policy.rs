@@ -117,7 +117,7 @@ fn o8_more_threads_than_allowed_are_refused() {
         refused.unwrap_err().to_string(),
         "3 threads would use the queue of `X.n`, which allows 2"
     );
-    // In the thread of one of them it is no third one.
+    // in the master's thread it is no third thread
     let mut bench = Bench::new();
     bench.system.slave("B", "A").unwrap();
     bench.system.connect("A.n", "X.n", policy.clone()).unwrap();
@@ -130,7 +130,7 @@ fn o8_mandatory_and_full_is_a_failure_of_the_writer_otherwise_it_is_a_counted_dr
         for (policy, state) in [
             (Policy::buffer(2), State::Running),
             (Policy::buffer(2).mandatory(), State::RunTimeError),
-            // There is room for the newest: an older one goes.
+            // the newest always fits: an older one is dropped
             (Policy::circular(2).mandatory(), State::Running),
         ] {
             let log = asmotion_runtime::Log::new();

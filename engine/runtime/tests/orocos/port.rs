@@ -1,4 +1,4 @@
-//! Ports and what their connections keep: O4 to O6, O10.
+//! O4 to O6, O10: ports and the guarantees of their connections.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ fn o4_an_event_port_makes_its_component_cycle_and_a_silent_one_does_not() {
         ready.lock().unwrap().push(1);
         run.trigger("A").unwrap();
         run.run_for(1.s());
-        // Once because it has started.
+        // one cycle because of the start
         assert_eq!(run.cycles("X"), cycles);
     }
 }
@@ -106,7 +106,7 @@ fn o10_a_remote_reader_that_sleeps_costs_a_local_one_nothing() {
 
 #[test]
 fn o8_a_reader_that_pulls_converts_for_itself_and_one_that_cannot_read_is_told() {
-    // The one by type, the other by name: their connection converts.
+    // one typed, the other by name: the connection converts
     let said: Seen<f64> = Seen::default();
     let mut system = System::new();
     let by_name = behaviour(|interface| {

@@ -1,4 +1,4 @@
-//! Components that read and write what a test says.
+//! Components that read and write as a test says.
 
 use std::sync::{Arc, Mutex};
 
@@ -7,14 +7,14 @@ use asmotion_runtime::{Run, Simulation, System};
 
 use crate::common::{Number, behaviour, number};
 
-/// What components have seen, for tests to look at.
+/// Values recorded by a component, shared with the test.
 pub type Seen<T> = Arc<Mutex<Vec<T>>>;
 
 pub fn taken<T>(seen: &Seen<T>) -> Vec<T> {
     std::mem::take(&mut seen.lock().unwrap())
 }
 
-/// Writes what lies ready, all of it, in each of its cycles.
+/// Writes all prepared values in its next cycle.
 pub fn writer(ready: &Seen<i64>) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     let ready = Arc::clone(ready);
     behaviour(move |interface| {
@@ -28,7 +28,7 @@ pub fn writer(ready: &Seen<i64>) -> impl FnOnce(&mut Interface) -> Box<dyn Compo
     })
 }
 
-/// Keeps all that it reads.
+/// Records all samples that it reads.
 pub fn reader(seen: &Seen<i64>) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     let seen = Arc::clone(seen);
     behaviour(move |interface| {
@@ -41,7 +41,7 @@ pub fn reader(seen: &Seen<i64>) -> impl FnOnce(&mut Interface) -> Box<dyn Compon
     })
 }
 
-/// Keeps what its port shows: `no data`, `old 1`, `new 2`.
+/// Records the flow of its port: `no data`, `old 1`, `new 2`.
 pub fn looker(seen: &Seen<String>) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     let seen = Arc::clone(seen);
     behaviour(move |interface| {
@@ -87,7 +87,7 @@ impl Bench {
         bench
     }
 
-    /// With connections of these ends: `A X`.
+    /// Connects the given ends, each written as `A X`.
     pub fn connected(ends: &[&str], policy: &Policy) -> Self {
         let mut bench = Self::new();
         for ends in ends {
@@ -107,7 +107,7 @@ impl Bench {
     }
 }
 
-/// The same, running.
+/// A running bench, driven by hand.
 pub struct Hands {
     pub run: Simulation,
     ready: [Seen<i64>; 2],

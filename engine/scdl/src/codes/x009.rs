@@ -55,7 +55,7 @@ impl Finding for AmbiguousAutowire {
     }
 }
 
-/// How many there are.
+/// The number of services, in words.
 fn found(services: &[String]) -> String {
     match services {
         [] => "no service".to_owned(),

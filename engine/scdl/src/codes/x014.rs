@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Service at another address
 ///
-/// A gateway serves at `/services/NAME` what a `uri` puts elsewhere.
+/// A gateway provides the service at `/services/NAME`, whatever address its `uri` specifies.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

@@ -1,4 +1,4 @@
-//! One component and what it is wired to.
+//! Exports a component and its wires.
 
 use asmotion_assembly::At;
 use asmotion_assembly::model::{self as here, Implementation as Made};
@@ -41,7 +41,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// What the ten properties say; an activity is a task without a broker.
+    /// Converts an activity to the ten TCA properties of a task without a broker.
     fn task(&mut self, component: &here::Component) -> TcaTask {
         let name = &component.name;
         let pace = component.pace();
@@ -69,7 +69,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// The address of a broker, as it is written; a password that stands in it is left out.
+    /// The address of a broker as it was written, without a literal password.
     fn address(&mut self, broker: &here::Broker) -> String {
         let address = written(&broker.url);
         if tca::has_password(&address) {
@@ -140,7 +140,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// Whatever of a component is the engine's alone.
+    /// Reports the parts of a component that have no meaning in SCA.
     fn only_here(&mut self, component: &here::Component) {
         let name = &component.name;
         self.profiles(&component.profiles, name);
@@ -189,7 +189,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// Puts the wires of a component to its references.
+    /// Exports the wires of a component as targets of its references.
     fn wires(&mut self, component: &here::Component, references: &mut Vec<ScdlContract>) {
         let composite = self.composite;
         let own = composite.wires.iter();
@@ -220,7 +220,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// What a wire goes over; what else it says, SCDL cannot.
+    /// Returns the binding of a wire, and reports the parts that SCDL cannot express.
     fn wire(&mut self, wire: &here::Wire) -> Option<crate::model::ScdlTransport> {
         let of = wire.reference.to_string();
         self.profiles(&wire.profiles, &of);
@@ -244,8 +244,8 @@ impl Exporter<'_> {
     }
 }
 
-/// Services and references with their interfaces; a reference that calls back is part of the interface of
-/// its service, and so on the other side.
+/// The services and references of a component with their interfaces. A reference for callbacks becomes part of its
+/// service's interface, and vice versa.
 fn contracts(component: &here::Component) -> (Vec<ScdlContract>, Vec<ScdlContract>) {
     let services = component.services.iter();
     let services: Vec<ScdlContract> = services
@@ -276,7 +276,7 @@ fn with_interface(name: &At<String>, interface: &At<String>, optional: bool) -> 
     }
 }
 
-/// These, with what is called back on the other side; those that are called back themselves left out.
+/// Adds callback interfaces to the contracts, and leaves out the contracts that are callbacks themselves.
 pub(super) fn called_back(these: &[ScdlContract], others: &[ScdlContract]) -> Vec<ScdlContract> {
     let is_callback = |it: &&ScdlContract| {
         let mut others = others.iter();

@@ -1,4 +1,4 @@
-//! Over what those outside reach what is promoted.
+//! Writes the bindings of promotions.
 
 use crate::codes::x014::MovedAddress;
 use asmotion_diagnostics::Finding;
@@ -9,7 +9,7 @@ use crate::model::{ScdlBinding, ScdlComposite, ScdlContract, ScdlTransport};
 use crate::{gateway, tca, value};
 
 impl TomlWriter<'_> {
-    /// The ways to what is promoted.
+    /// Writes the bindings of a promotion.
     pub(super) fn bind(&mut self, promotion: &ScdlContract, table: &mut Table) {
         let mut words: Vec<&str> = Vec::new();
         for bound in &promotion.bindings {
@@ -33,7 +33,7 @@ impl TomlWriter<'_> {
         }
     }
 
-    /// What goes over a broker names it, where there are several.
+    /// Names the broker of an `amqp` binding, which is needed if there are several.
     pub(super) fn over_broker(&mut self, word: &str, table: &mut Table) {
         if word != "amqp" {
             return;
@@ -46,7 +46,7 @@ impl TomlWriter<'_> {
         }
     }
 
-    /// What is called over HTTP names its gateway, where there are several.
+    /// Names the gateway of an `http` binding if there are several, and reports a different address.
     pub(super) fn gateway(&mut self, promotion: &ScdlContract, name: &str, table: &mut Table) {
         let Some(called) = called(promotion) else {
             return;
@@ -67,13 +67,13 @@ impl TomlWriter<'_> {
     }
 }
 
-/// How a service is called over HTTP, if it is.
+/// The HTTP binding of a service, if it has one.
 fn called(promotion: &ScdlContract) -> Option<&ScdlBinding> {
     let mut bindings = promotion.bindings.iter();
     bindings.find(|bound| bound.over == ScdlTransport::Http)
 }
 
-/// Where gateways listen through which services are called.
+/// Addresses of all gateways that the composite's services need.
 pub(super) fn listening(composite: &ScdlComposite) -> Vec<String> {
     let mut gateways = Vec::new();
     for called in composite.services.iter().filter_map(called) {
@@ -85,12 +85,12 @@ pub(super) fn listening(composite: &ScdlComposite) -> Vec<String> {
     gateways
 }
 
-/// The word of what messages go over; none for what every composite has.
+/// The transport's word in composite files; `None` for the local one, which needs none.
 pub(super) fn word(binding: ScdlTransport) -> Option<&'static str> {
     match binding {
         ScdlTransport::Sca => None,
         ScdlTransport::Http => Some("http"),
-        // calls of Java to Java go over the broker here, like messages
+        // calls between Java components use the broker here, like messages
         ScdlTransport::Jms | ScdlTransport::Rmi => Some("amqp"),
     }
 }

@@ -1,4 +1,4 @@
-//! What the tests of this room share.
+//! Helpers shared by the tests.
 #![allow(dead_code, reason = "not every test uses all of it")]
 
 use asmotion_assembly::{Context, Opened, Tables};
@@ -6,12 +6,12 @@ use asmotion_diagnostics::{Report, Sources};
 use asmotion_lang::{MemoryFiles, Style};
 use asmotion_scdl::Imported;
 
-/// The text of a file of `tests/scdl`.
+/// Reads a file of `tests/scdl`.
 pub fn text(file: &str) -> String {
     std::fs::read_to_string(format!("tests/scdl/{file}")).expect("a file")
 }
 
-/// Imports a file of `tests/scdl`, with others beside it.
+/// Imports a file of `tests/scdl`, together with others.
 pub fn import(files: &[&str]) -> Imported {
     let files: Vec<_> = files
         .iter()
@@ -20,7 +20,7 @@ pub fn import(files: &[&str]) -> Imported {
     asmotion_scdl::import(&files, &Tables::EMPTY)
 }
 
-/// The findings, as people see them.
+/// The findings as rendered text.
 pub fn rendered(report: &Report, sources: &Sources) -> String {
     let findings = report.diagnostics.iter();
     let findings = findings.map(|it| asmotion_lang::render(it, sources, Style::Plain));

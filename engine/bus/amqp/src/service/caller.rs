@@ -1,4 +1,4 @@
-//! The caller: one task with one channel for all calls of a bus.
+//! The caller's side: one task with one channel for all calls of a bus.
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
@@ -19,16 +19,16 @@ use crate::wire;
 const TICK: Duration = Duration::from_millis(25);
 /// Interval at which a provider is asked whether it still knows a call.
 const ENQUIRY: Duration = Duration::from_millis(250);
-/// Time that a provider has to return after the link broke.
+/// Time that a provider has to come back after the link broke.
 const GRACE: Duration = Duration::from_secs(5);
 /// Pause after the broker refused the channel.
 const REST: Duration = Duration::from_millis(200);
 
 /// Completion that a call waits for.
 pub(crate) enum AwaitedReply {
-    /// The answer to a request.
+    /// The reply to a request.
     Answer(IncomingCall),
-    /// The server's queue to have it.
+    /// The confirmation that the provider's queue has the request.
     Delivery(DeliveryReceipt),
 }
 
@@ -61,7 +61,7 @@ pub(crate) struct OpenCall {
     wait: AwaitedReply,
     /// Time of the last enquiry at its provider.
     enquired: Instant,
-    /// End of the period after a broken link in which a request without a server is sent again.
+    /// End of the period after a broken link in which a request without a provider is sent again.
     grace: Option<Instant>,
     /// Whether the request must be sent again.
     unsent: bool,
@@ -83,7 +83,7 @@ impl OpenCall {
     }
 }
 
-/// Task that sends all requests of a bus and receives their answers.
+/// Task that sends all requests of a bus and receives their replies.
 pub(crate) struct CallerTask {
     link: Arc<Link>,
     opened: UnboundedReceiver<OpenCall>,
@@ -94,7 +94,7 @@ pub(crate) struct CallerTask {
 struct CallerSession {
     channel: Channel,
     exchange: String,
-    /// The tag of the last publication.
+    /// Delivery tag of the last publication.
     tag: u64,
     /// Tags of one-way requests awaiting confirmation, in order, with their ids.
     tellings: VecDeque<(u64, String)>,
@@ -185,7 +185,7 @@ impl CallerTask {
 
     async fn begin(&mut self, open: OpenCall, session: &mut CallerSession) -> AmqpResult<()> {
         let end = session.send(&open).await;
-        // A one-way request whose sender no longer waits needs no entry.
+        // a one-way request whose sender no longer waits needs no entry
         if open.wait.is_awaited() {
             self.open.insert(open.message.id.clone(), open);
         }
@@ -206,7 +206,7 @@ impl CallerTask {
                     self.nobody(&id);
                 }
             }
-            // It comes before its acknowledgement.
+            // a returned message precedes its acknowledgement
             BrokerEvent::Returned { message } => {
                 let id = message.unwrap_or_default();
                 session.tellings.retain(|(_, telling)| *telling != id);
@@ -216,7 +216,7 @@ impl CallerTask {
         }
     }
 
-    /// Handles a request that reached no server.
+    /// Handles a request that reached no provider.
     fn nobody(&mut self, id: &str) {
         let Some(mut open) = self.open.remove(id) else {
             return;
@@ -232,14 +232,14 @@ impl CallerTask {
     fn answered(&mut self, message: ConsumerMessage) {
         let properties = message.basic_properties.unwrap_or_default();
         let id = properties.correlation_id();
-        // An answer that is no longer awaited is discarded.
+        // a reply that is no longer awaited is discarded
         if let Some(open) = id.and_then(|id| self.open.remove(id)) {
             let content = message.content.unwrap_or_default();
             open.end(message::read_answer(&properties, content));
         }
     }
 
-    /// Cancels calls that were abandoned, sends the unsent ones again, and enquires after the rest.
+    /// Cancels calls that were abandoned, resends the unsent ones, and asks providers about the rest.
     async fn look_after(&mut self, session: &mut CallerSession) -> AmqpResult<()> {
         let (awaited, given_up): (HashMap<_, _>, HashMap<_, _>) =
             (self.open.drain()).partition(|(_, open)| open.wait.is_awaited());
@@ -264,7 +264,8 @@ impl CallerTask {
     }
 }
 
-/// Confirms for tellings, and a consumer for answers: RabbitMQ wants it on the channel of the requests, before them.
+/// Enables confirms for one-way requests, and consumes replies: RabbitMQ requires the consumer on the channel of the
+/// requests, before them.
 async fn begin(channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
     channel::confirm(channel).await?;
     let mut consume = BasicConsumeArguments::new(REPLY_TO, "");
@@ -288,7 +289,7 @@ impl CallerSession {
         Ok(())
     }
 
-    /// Sends a message about a request.
+    /// Sends a message that refers to a request.
     async fn mention(
         &mut self,
         message: &OutgoingRequest,
@@ -314,7 +315,7 @@ impl CallerSession {
             .await
     }
 
-    /// The tellings that a confirmation settles.
+    /// The one-way requests that a confirm covers.
     fn settle(&mut self, tag: u64, multiple: bool) -> Vec<String> {
         let from = self.tellings.partition_point(|(telling, _)| *telling < tag);
         let first = if multiple { 0 } else { from };

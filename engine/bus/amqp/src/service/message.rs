@@ -1,4 +1,4 @@
-//! The messages of services.
+//! Messages of services: requests, replies, and messages about requests.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,9 +12,9 @@ use crate::wire::{self, Headers};
 /// RabbitMQ's pseudo-queue for replies on the requesting channel.
 pub(crate) const REPLY_TO: &str = "amq.rabbitmq.reply-to";
 
-/// A request as it is sent.
+/// A request, encoded for sending.
 pub(crate) struct OutgoingRequest {
-    /// Unique among all requests there are: executed once.
+    /// Unique among all requests, so that a provider can execute it once.
     pub id: String,
     pub key: String,
     pub codec: Codec,
@@ -22,21 +22,21 @@ pub(crate) struct OutgoingRequest {
     pub source: Arc<str>,
     pub incarnation: u64,
     pub timeout: Duration,
-    /// Nanoseconds of Unix time.
+    /// In nanoseconds since the Unix epoch.
     pub deadline: i64,
     pub callback: Option<Arc<str>>,
     pub trace: Option<TraceContext>,
     pub user: String,
 }
 
-/// The deadline of a request made now, in nanoseconds of Unix time.
+/// The deadline of a request made now, in nanoseconds since the Unix epoch.
 pub(crate) fn deadline(timeout: Duration) -> i64 {
     let timeout = i64::try_from(timeout.as_nanos()).unwrap_or(i64::MAX);
     wire::unix_now().saturating_add(timeout)
 }
 
 impl OutgoingRequest {
-    /// The request itself. The broker drops it when its time is over.
+    /// The properties of the request itself. The broker discards it when its time has expired.
     pub(crate) fn request(&self, kind: &str) -> BasicProperties {
         let nanos = u64::try_from(self.timeout.as_nanos()).unwrap_or(u64::MAX);
         let headers = Headers::default()
@@ -46,7 +46,7 @@ impl OutgoingRequest {
             .number(wire::DEADLINE, self.deadline)
             .maybe(wire::CALLBACK, self.callback.as_deref())
             .maybe(wire::TRACE, self.trace.map(|it| it.to_string()).as_deref());
-        // The broker's own limit of a TTL.
+        // the broker's limit on a TTL
         let milliseconds = self.timeout.as_millis().clamp(1, u32::MAX.into());
         self.about(kind)
             .with_content_type(self.codec.content_type())
@@ -55,7 +55,7 @@ impl OutgoingRequest {
             .finish()
     }
 
-    /// A message about the request.
+    /// The properties of a message that refers to the request.
     pub(crate) fn about(&self, kind: &str) -> BasicProperties {
         BasicProperties::default()
             .with_message_type(kind)
@@ -67,7 +67,7 @@ impl OutgoingRequest {
     }
 }
 
-/// Reads a request; none if its caller has given up, a word if it cannot be read.
+/// Decodes a request. Returns `None` if its deadline has passed.
 pub(crate) fn read_request(
     properties: &BasicProperties,
     content: Vec<u8>,
@@ -88,7 +88,7 @@ pub(crate) fn read_request(
     }))
 }
 
-/// A reply as it is sent. Kept, in case the request arrives again.
+/// A reply, encoded for sending. Kept in case the request arrives again.
 #[derive(Clone)]
 pub(crate) struct OutgoingReply {
     kind: &'static str,
@@ -98,7 +98,7 @@ pub(crate) struct OutgoingReply {
 }
 
 impl OutgoingReply {
-    /// The answer that ends a call like this; none where the caller knows it already.
+    /// The reply for this outcome; `None` if the caller knows it already.
     pub(crate) fn of(end: Result<Payload, CallFailure>) -> Option<Self> {
         let codec = Codec::Cbor;
         let answer = |kind, code, bytes| Self {
@@ -160,7 +160,7 @@ pub(crate) fn read_answer(
             let detail = String::from_utf8_lossy(&content).into_owned();
             Err(refusal(code, detail))
         }
-        // What a stranger answers without saying what it is, is a result.
+        // a reply without a type, from a foreign provider, is a result
         _ => wire::payload(properties, content).map_err(|reason| refusal("UNREADABLE", reason)),
     }
 }

@@ -1,4 +1,4 @@
-//! A provider: a task that reads the requests of one address and sends their answers.
+//! The provider's side: a task that reads the requests of one address and sends the replies.
 
 use std::collections::{HashMap, VecDeque};
 use std::pin::pin;
@@ -24,8 +24,7 @@ use crate::wire::{self, Headers};
 
 /// Limit of unacknowledged requests delivered to a provider.
 const PREFETCH: u16 = 256;
-/// Limit of remembered requests that have ended. A remembered request that arrives again is answered again, not
-/// executed again.
+/// Limit of remembered requests that have ended. If one arrives again, its reply is sent again without executing it.
 const REMEMBERED: usize = 4096;
 /// Interval at which expired requests are removed.
 const TICK: Duration = Duration::from_millis(500);
@@ -45,12 +44,12 @@ pub(crate) struct ProviderSetup {
 
 /// State of a request, stored by its id.
 enum RequestState {
-    /// Handed to the server; the answer goes to `reply_to`.
+    /// Passed to the provider; the reply goes to `reply_to`.
     Begun {
         pending: PendingCall,
         reply_to: String,
     },
-    /// Ended, with what was answered.
+    /// Ended, with the reply that was sent.
     Ended(Option<OutgoingReply>),
 }
 
@@ -58,9 +57,9 @@ enum RequestState {
 pub(crate) struct ProviderTask {
     post: ProviderSetup,
     known: HashMap<String, RequestState>,
-    /// The ended ones, oldest first.
+    /// Ids of ended requests, oldest first.
     ended: VecDeque<String>,
-    /// The ids of requests that have just been answered.
+    /// Ids of requests that have a reply to be sent.
     answered: UnboundedReceiver<String>,
     answering: UnboundedSender<String>,
 }
@@ -109,7 +108,7 @@ impl ProviderTask {
     ) -> Result<(), ChannelError> {
         let lost = |_| ChannelError::Lost;
         let (channel, mut words) = channel::open(&pair.consumers).await.map_err(lost)?;
-        // Answers are published, and publishers may be blocked where readers are not.
+        // replies are published, on a connection that may be blocked while the consumers' is not
         let (replies, mut refusals) = channel::open(&pair.publishers).await.map_err(lost)?;
         let begun = self.declare(&channel).await;
         let mut requests = begun.map_err(|_| channel::why(&mut words))?;
@@ -120,7 +119,7 @@ impl ProviderTask {
         let mut closing = pin!(link.closing());
         loop {
             let end = tokio::select! {
-                // Answers are sent first: a leaving server rejects the requests that still wait before it leaves.
+                // replies first: a leaving provider rejects the waiting requests before it leaves
                 biased;
                 id = self.answered.recv() => self.answer(id, &replies).await,
                 _ = &mut *leave => break,
@@ -142,7 +141,7 @@ impl ProviderTask {
         Ok(())
     }
 
-    /// Declares the address's queue as exclusive: an address has one server.
+    /// Declares the address's queue as exclusive, because an address has one provider.
     async fn declare(&self, channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
         let post = &self.post;
         let length = post.size.max(PREFETCH.into());
@@ -195,7 +194,7 @@ impl ProviderTask {
                     pending.cancel();
                     None
                 }
-                // The link was broken meanwhile: the answer goes where the caller is now.
+                // the link was broken in the meantime: the reply goes to the caller's new channel
                 (RequestState::Begun { reply_to, .. }, _) => {
                     *reply_to = properties.reply_to().cloned().unwrap_or_default();
                     None
@@ -212,7 +211,7 @@ impl ProviderTask {
                     self.begin(id, request, kind == wire::TELLING, properties.reply_to());
                     None
                 }
-                // Its caller has given up.
+                // the caller has stopped waiting
                 Ok(None) => None,
                 Err(reason) => {
                     let what = self.post.key.clone();
@@ -231,25 +230,25 @@ impl ProviderTask {
     fn begin(&mut self, id: String, request: Request, one_way: bool, reply_to: Option<&String>) {
         if one_way {
             let (_, call, _) = PendingCall::one_way(request, Arc::new(Notifier::new()));
-            // A rejected request is ended by the queue, and nobody waits for it.
+            // if the queue rejects the request, it ends it, and its caller does not wait
             let _ = self.post.desk.put(call);
             self.remember(id, None);
             return;
         }
         let (answering, answered) = (self.answering.clone(), id.clone());
         let notifier = Notifier::calling(move || {
-            // A task that has ended answers nothing any more.
+            // fails if the task has ended
             let _ = answering.send(answered.clone());
         });
         let (pending, call) = PendingCall::new(request, Arc::new(notifier));
         let reply_to = reply_to.cloned().unwrap_or_default();
         self.known
             .insert(id, RequestState::Begun { pending, reply_to });
-        // What the desk refuses it answers.
+        // if the queue rejects the request, it also replies
         let _ = self.post.desk.put(call);
     }
 
-    /// A request has been answered, or taken back.
+    /// Sends the reply to a request, or forgets a cancelled one.
     async fn answer(&mut self, id: Option<String>, replies: &Channel) -> AmqpResult<()> {
         let Some(id) = id else { return Ok(()) };
         let Some(RequestState::Begun { pending, reply_to }) = self.known.get(&id) else {
@@ -312,7 +311,7 @@ impl ProviderTask {
         }
     }
 
-    /// Deletes the queue and reports to the waiting callers that the server has left.
+    /// Deletes the queue, and tells waiting callers that the provider has left.
     async fn end(&mut self, channel: Channel, replies: &Channel) {
         channel::delete(channel.clone(), &self.post.queue).await;
         let known = std::mem::take(&mut self.known);
@@ -320,7 +319,7 @@ impl ProviderTask {
             if let RequestState::Begun { reply_to, .. } = known
                 && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable))
             {
-                // A caller that misses this message enquires after its call and finds no server.
+                // a caller that misses this message will ask, and find no provider
                 let _ = self.send(&answer, &id, &reply_to, replies).await;
             }
         }

@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Helpers shared by the tests.
 
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex};
@@ -11,7 +11,7 @@ use asmotion_bus::{
 };
 use asmotion_datum::{Datum, Schema};
 
-/// Long enough for anything on a loaded machine.
+/// Timeout of every wait, long enough for a loaded machine.
 pub const LONG: Duration = Duration::from_secs(30);
 
 pub fn settings(url: &str) -> AmqpSettings {
@@ -22,7 +22,7 @@ pub fn connect(settings: AmqpSettings) -> AmqpBus {
     AmqpBus::connect(settings, LONG).unwrap()
 }
 
-/// Settings that give a silent broker up soon.
+/// Settings with which a silent broker is given up after 3 s.
 pub fn quick(url: &str) -> AmqpSettings {
     let mut settings = settings(url);
     settings.timing.dead = Duration::from_secs(3);
@@ -33,7 +33,7 @@ pub fn is_down(bus: &AmqpBus) -> bool {
     matches!(bus.health().link, LinkState::Down { .. })
 }
 
-/// Settings whose notices are kept.
+/// Settings that collect the bus's notices.
 pub fn noted(url: &str) -> (AmqpSettings, Arc<Mutex<Vec<BusNotice>>>) {
     let notices = Arc::new(Mutex::new(Vec::new()));
     let kept = Arc::clone(&notices);
@@ -77,7 +77,7 @@ pub fn number(n: i64) -> Payload {
     Payload::of(Datum::Int(n))
 }
 
-/// The numbers that come until nothing has come for a while.
+/// All numbers received until there has been none for `silence`.
 pub fn numbers(subscription: &Subscription, silence: Duration) -> Vec<i64> {
     let next = || subscription.next_within(silence);
     std::iter::from_fn(next)
@@ -85,7 +85,7 @@ pub fn numbers(subscription: &Subscription, silence: Duration) -> Vec<i64> {
         .collect()
 }
 
-/// Waits until something is so.
+/// Waits until a condition holds.
 #[track_caller]
 pub fn eventually(what: &str, mut so: impl FnMut() -> bool) {
     let until = Instant::now() + LONG;

@@ -1,4 +1,4 @@
-//! It keeps the contract.
+//! The bus over RabbitMQ passes the contract suite.
 
 use std::sync::Arc;
 

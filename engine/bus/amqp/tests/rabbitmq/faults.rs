@@ -1,4 +1,4 @@
-//! What goes wrong with brokers, one thing a test.
+//! Faults of brokers, one per test.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use crate::common::{
     settings, subscribe,
 };
 
-/// A life with events before and after a fault: none is lost or repeated.
+/// Publishes events before and after a fault: none is lost or repeated.
 fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) {
     let Some(broker) = asmotion_broker::alone() else {
         return;
@@ -40,7 +40,7 @@ fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) {
         (sent.arrived, sent.dropped, sent.lost, sent.refused),
         (1000, 0, 0, 0)
     );
-    // The queue of a state is made again.
+    // the queue of a state topic is declared again
     eventually("the state comes", || {
         states.publish(0, number(7)).unwrap();
         state.next_within(Duration::from_millis(50)).is_some()
@@ -82,7 +82,7 @@ fn a_broker_frozen_for_a_moment() {
         let begun = Instant::now();
         broker.freeze().unwrap();
         eventually("it is noticed", || is_down(bus));
-        // Sooner than by heartbeats, which take twice their interval.
+        // sooner than by heartbeats, which take twice their interval
         assert!(
             begun.elapsed() < Duration::from_secs(4),
             "{:?}",
@@ -122,7 +122,7 @@ fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() 
     });
     let memory = memory();
     let big = asmotion_bus::Payload::of(asmotion_datum::Datum::Bytes(vec![0; 16 * 1024].into()));
-    // The client alone takes 8434 of these, 133 MiB, before it waits.
+    // the bare client takes 8434 of these, 133 MiB, before it waits
     for _ in 0..8000 {
         assert!(matches!(
             dropped.publish(0, big.clone()),
@@ -188,7 +188,7 @@ fn a_queue_that_overflows_while_its_reader_is_away_drops_as_declared_and_says_so
         return;
     };
     let vhost = broker.vhost().unwrap();
-    // A reader that holds a queue as ours do, and does not read.
+    // a reader that holds a queue like ours, and does not read
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
@@ -217,7 +217,7 @@ fn who_may_not_is_told_and_others_go_on() {
     let vhost = broker.vhost().unwrap();
     let user = vhost.name().to_owned();
     broker.add_user(&user, "p").unwrap();
-    // May read, and may not publish.
+    // may read but not publish
     let admin = connect(settings(&vhost.url()));
     vhost.permit(&user, "^asmotion", "^asmotion", ".*").unwrap();
     let (settings, notices) = noted(&vhost.url_of(&user, "p"));
@@ -359,7 +359,7 @@ fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
     let (settings, notices) = noted(&vhost.url());
     let bus = connect(settings);
     let subscription = subscribe(&bus, "t", all(10));
-    // A header whose text is not UTF-8, as clients in other languages can write it.
+    // a header whose text is not UTF-8, as clients in other languages can write it
     let undefined = ["undefined"; 11].join(", ");
     broker
         .evaluate(&format!(
@@ -385,7 +385,7 @@ fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
     assert!(bus.health().is_up());
 }
 
-/// The client without what we put around it.
+/// The bare client, without our additions.
 mod raw {
     use amqprs::channel::{
         BasicPublishArguments, Channel, QueueBindArguments, QueueDeclareArguments,
@@ -407,7 +407,7 @@ mod raw {
         (connection, channel)
     }
 
-    /// A queue that takes so many, and then refuses.
+    /// Declares a queue that holds `size` messages and rejects more.
     pub async fn full_queue(channel: &Channel, queue: &str, exchange: &str, key: &str, size: i64) {
         let mut declare = QueueDeclareArguments::new(queue);
         let mut arguments = FieldTable::new();
@@ -441,7 +441,7 @@ mod raw {
         connection.close().await.unwrap();
     }
 
-    /// Publishes under a name; whether the channel survived it.
+    /// Publishes with a given user id. Returns whether the channel survived.
     pub async fn publish_as(
         broker: &asmotion_broker::TestBroker,
         vhost: &str,
@@ -459,7 +459,7 @@ mod raw {
             .await)
             .unwrap();
         let alive = channel.flow(true).await.is_ok();
-        // Where the broker closed the channel, the client may be at odds with itself.
+        // the client may fail if the broker closed the channel
         let _ = connection.close().await;
         alive
     }

@@ -1,4 +1,4 @@
-//! The link: it comes, goes, comes back, and says so. Each defect of the client has its guard here.
+//! The link: connecting, losing and restoring the connection, with reports. Each gap of the client has a test here.
 
 use std::net::TcpListener;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ fn a_wrong_password_is_known_at_once_and_in_words() {
     };
     assert!(reason.contains("ACCESS_REFUSED"), "{reason}");
     assert!(!reason.contains("wrong"), "{reason}");
-    // The client alone needs 3 s, for a reset connection.
+    // the bare client needs 3 s, and reports a reset connection
     assert!(
         begun.elapsed() < Duration::from_secs(2),
         "{:?}",
@@ -186,7 +186,7 @@ fn without_a_broker_a_bus_waits_for_it_and_keeps_what_it_is_told_to() {
         notifier.wait(LONG);
     }
     assert!(bus.drain(LONG));
-    // Its queue may be declared after the first were published; what follows comes in any case.
+    // the queue may be declared after the first messages were published; later ones arrive in any case
     eventually("what follows comes", || {
         kept.publish(0, number(99)).unwrap();
         subscription
@@ -312,7 +312,7 @@ fn an_encrypted_link_is_refused_where_the_certificates_do_not_fit() {
 
 #[test]
 fn an_idle_bus_uses_next_to_nothing() {
-    // Alone, so that the other tests are not counted.
+    // exclusive, so that other tests do not count
     let Some(broker) = asmotion_broker::alone() else {
         return;
     };
@@ -333,7 +333,7 @@ fn an_idle_bus_uses_next_to_nothing() {
     assert!(share < 0.02, "{share}");
 }
 
-/// What this process has used so far, in the kernel's ticks of 10 ms.
+/// CPU time of this process so far; the kernel counts in ticks of 10 ms.
 fn processor_time() -> Duration {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields = stat.rsplit_once(')').map_or("", |(_, fields)| fields);

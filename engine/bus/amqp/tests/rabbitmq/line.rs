@@ -1,4 +1,4 @@
-//! A line between us and the broker that goes silent without closing: half-open TCP.
+//! A connection to the broker that goes silent without being closed: half-open TCP.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -13,7 +13,7 @@ use crate::common::{
     LONG, all, connect, events, eventually, is_down, number, numbers, publisher, quick, subscribe,
 };
 
-/// Passes on what comes from either end, except while it is cut; neither end hears of that.
+/// A proxy that forwards in both directions, except while it is cut; neither end notices.
 struct Line {
     port: u16,
     cut: Arc<AtomicBool>,
@@ -55,7 +55,7 @@ fn pass_on(mut from: TcpStream, mut to: TcpStream, cut: &AtomicBool) {
             break;
         }
     }
-    // An end that has gone already needs not be told.
+    // fails if the other end has closed already
     let _ = to.shutdown(Shutdown::Both);
 }
 
@@ -86,12 +86,12 @@ fn a_line_that_goes_silent_is_given_up_and_taken_up_again_without_a_loss() {
     assert!(begun.elapsed() < Duration::from_secs(5), "{begun:?}");
     for n in 100..200 {
         events.publish(0, number(n)).unwrap();
-        // The newest is kept, and that it took the place of another is no failure.
+        // the newest message is kept, and replacing another one is no error
         states.publish(0, number(n)).unwrap();
         assert!(dropped.publish(0, number(n)).is_err());
     }
     assert_eq!((events.sent().open(), dropped.sent().dropped), (100, 100));
-    // Long enough to give the connection up, and to fail with others.
+    // long enough to give up the connection, and to fail to open others
     thread::sleep(Duration::from_secs(6));
     assert!(is_down(&writer));
 

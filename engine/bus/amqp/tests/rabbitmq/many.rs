@@ -12,10 +12,10 @@ use asmotion_runtime::{Event, Run, System};
 use crate::common::{LONG, connect, settings};
 use crate::systems::Count;
 
-/// So many on one connection.
+/// Number of components on one connection.
 const MANY: usize = 200;
 
-/// Says its number to its neighbour, and reports the neighbour's.
+/// Publishes its number to its neighbour, and reports the number it receives.
 struct Neighbour {
     number: i64,
     from: In<Count>,

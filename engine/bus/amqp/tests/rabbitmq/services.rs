@@ -1,4 +1,4 @@
-//! Services over a broker: answered by the deadline, executed once, known to be gone when they are.
+//! Services over a broker: replies before the deadline, at most one execution, detection of lost providers.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ use asmotion_datum::Datum;
 
 use crate::common::{LONG, connect, eventually, number, settings};
 
-/// The buses of two processes.
+/// Two buses, as of two processes.
 fn two(vhost: &Vhost<'_>) -> (AmqpBus, AmqpBus) {
     let one = || connect(settings(&vhost.url()));
     (one(), one())
@@ -71,7 +71,7 @@ fn a_provider_killed_in_the_middle_of_a_call_is_missed_before_the_deadline() {
     let serving = serve(&there, 8);
     let pending = call(&here, 1, 2 * LONG);
     let begun = next(&serving);
-    // As good as killed: its connection is cut, and it does not come back under this name.
+    // equivalent to killing it: its connection is cut, and it does not come back under this name
     std::mem::forget(begun);
     let at = Instant::now();
     drop(there);
@@ -108,10 +108,10 @@ fn a_request_is_executed_once_though_the_link_breaks_and_its_answer_comes() {
     let pending = call(&here, 20, 2 * LONG);
     let request = next(&serving);
     broker.close_connections().unwrap();
-    // One is answered while the link is away,
+    // one reply is sent while the link is down,
     request.reply(Ok(number(21)));
     assert_eq!(int(&pending.wait().unwrap()), 21);
-    // another after it.
+    // and another one after it is restored
     let up = |bus: &AmqpBus| bus.health().is_up();
     eventually("both are back", || up(&here) && up(&there));
     let pending = call(&here, 30, 2 * LONG);
@@ -160,7 +160,7 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
     broker.revive().unwrap();
     let up = |bus: &AmqpBus| bus.health().is_up();
     eventually("both are back", || up(&here) && up(&there));
-    // Until whoever is called back serves again, nobody is there: it is told again.
+    // until the caller serves its callback address again, one-way requests fail and are repeated
     let mut told = 0;
     eventually("it is told", || {
         told += 1;
@@ -188,7 +188,7 @@ fn a_frozen_broker_ends_a_call_at_its_deadline() {
     assert_eq!(pending.wait().unwrap_err(), CallFailure::Timeout);
     assert!(at.elapsed() < Duration::from_secs(2));
     broker.thaw().unwrap();
-    // The request arrives now, and its caller has given up.
+    // the request arrives now, but its caller has stopped waiting
     assert!(serving.next_within(Duration::from_secs(1)).is_none());
 }
 

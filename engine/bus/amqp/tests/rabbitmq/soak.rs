@@ -1,4 +1,4 @@
-//! Confirmed events through broker restarts: none lost, none twice, in order.
+//! Confirmed events through broker restarts: none lost, none duplicated, in order.
 
 use std::time::{Duration, Instant};
 
@@ -6,7 +6,7 @@ use asmotion_bus::Bus;
 
 use crate::common::{LONG, connect, events, number, publisher, settings, subscribe};
 
-/// Publishes so many events while the broker is killed so many times.
+/// Publishes `count` events while the broker is killed `restarts` times.
 fn soak(count: i64, restarts: i64) {
     let Some(broker) = asmotion_broker::alone() else {
         return;
@@ -25,7 +25,7 @@ fn soak(count: i64, restarts: i64) {
     let share = count / (restarts + 1);
     for n in 0..count {
         events.publish(0, number(n)).unwrap();
-        // A few at a time, so that each restart hits messages on their way.
+        // a few at a time, so that each restart hits messages in flight
         if n % 100 == 99 {
             std::thread::sleep(Duration::from_millis(2));
         }

@@ -1,4 +1,4 @@
-//! Two systems, as two processes would be: their topics meet on a broker.
+//! Two systems, as in two processes, whose topics are connected through a broker.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,7 +22,7 @@ asmotion_datum::message! {
     }
 }
 
-/// Counts, one a cycle.
+/// Writes a count in each cycle.
 struct Counter {
     count: i64,
     out: Out<Count>,
@@ -36,7 +36,7 @@ impl Component for Counter {
     }
 }
 
-/// Reports what it reads.
+/// Reports each count it reads.
 struct Teller(In<Count>);
 
 impl Component for Teller {
@@ -49,7 +49,7 @@ impl Component for Teller {
     }
 }
 
-/// A system that counts, on a bus of its own.
+/// A system with a counter, on its own bus.
 fn counting(url: &str, sending: PublishOptions) -> System {
     let mut system = System::new();
     let counter = |interface: &mut asmotion_component::Interface| {
@@ -65,7 +65,7 @@ fn counting(url: &str, sending: PublishOptions) -> System {
     system
 }
 
-/// A system of components that tell what the other counts, on a bus of its own.
+/// A system of components that report the other system's count, on its own bus.
 fn telling(url: &str, names: &[&str]) -> System {
     let mut system = System::new();
     for name in names {
@@ -81,7 +81,7 @@ fn telling(url: &str, names: &[&str]) -> System {
     system
 }
 
-/// Gives a number back.
+/// Replies with the request.
 struct Echo;
 
 impl Operation for Echo {
@@ -91,7 +91,7 @@ impl Operation for Echo {
     const NAME: &'static str = "echo";
 }
 
-/// Calls once, and reports how it ended.
+/// Calls once, and reports the outcome.
 struct Asker {
     echo: Required<Echo>,
     asked: bool,
@@ -113,7 +113,7 @@ impl Component for Asker {
     }
 }
 
-/// Answers the third request of all, and forgets those before.
+/// Replies to the third request, and ignores those before.
 struct Sleepy {
     echo: Provided<Echo>,
     requests: i64,
@@ -182,7 +182,7 @@ fn a_call_is_tried_again_over_the_broker() {
             .run_until_event(Time::ZERO + LONG, &mut replied)
     );
     assert_eq!(said, Some(Datum::Int(7)));
-    // The first may have been made before anybody looked.
+    // the first attempts may precede the observer
     assert_eq!(attempts.last(), Some(&3));
 }
 

@@ -1,4 +1,4 @@
-//! A datum of a shape, read. What is announced is believed only as far as there are bytes.
+//! Reads a datum according to a schema. An announced length is trusted only as far as there are bytes.
 
 use super::{BIG, DEPTH, LITTLE, deeper, malformed, shapeless};
 use crate::error::{DatumError, DatumProblem};
@@ -6,15 +6,15 @@ use crate::numbers::Numbers;
 use crate::schema::{OutlineKey, Schema, Shape};
 use crate::value::Datum;
 
-/// What some writers add, so that a message ends at a multiple of four.
+/// Longest padding at the end: some writers pad messages to a multiple of four bytes.
 const PADDING: usize = 3;
 
-/// One datum from CDR, and nothing after it but padding.
+/// Decodes one datum; nothing but padding may follow.
 pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
     let Some((header, body)) = bytes.split_at_checked(LITTLE.len()) else {
         return Err(malformed("it ends too early"));
     };
-    // The last two bytes are options, which mean nothing to a reader of plain CDR.
+    // the last two header bytes are options, without meaning for plain CDR
     let big_first = match [header[0], header[1]] {
         kind if kind == LITTLE[..2] => false,
         kind if kind == BIG[..2] => true,
@@ -97,7 +97,7 @@ impl<'b> CdrReader<'b> {
         Ok(taken)
     }
 
-    /// A number at a multiple of its own size, the little end first.
+    /// Reads an aligned number and returns its bytes in little-endian order.
     fn number<const N: usize>(&mut self) -> Result<[u8; N], DatumError> {
         self.align(N);
         let mut bytes = [0; N];
@@ -113,7 +113,8 @@ impl<'b> CdrReader<'b> {
         usize::try_from(count).map_err(malformed)
     }
 
-    /// Its length counts the zero at its end; some writers give empty text none.
+    /// Reads a string, whose length includes the terminating zero. Some writers encode an empty string with length 0
+    /// and no terminator.
     fn text(&mut self) -> Result<String, DatumError> {
         let length = self.count()?;
         match self.take(length)? {
@@ -123,7 +124,7 @@ impl<'b> CdrReader<'b> {
         }
     }
 
-    /// A run. Numbers of one kind are taken in one piece.
+    /// Reads the elements of a sequence or array. Primitive numbers are read in one block.
     fn many(&mut self, element: &Schema, count: usize, depth: usize) -> Result<Datum, DatumError> {
         if element.shape == Shape::U8 {
             return Ok(Datum::Bytes(self.take(count)?.into()));
@@ -131,7 +132,7 @@ impl<'b> CdrReader<'b> {
         if let Some(size) = Numbers::size_of(&element.shape) {
             return self.numbers(&element.shape, size, count);
         }
-        // Each has a byte at least.
+        // each element has at least one byte
         if count > self.left() {
             return Err(malformed("it ends too early"));
         }

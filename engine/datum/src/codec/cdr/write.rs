@@ -1,4 +1,4 @@
-//! A datum of a shape, written.
+//! Writes a datum according to a schema.
 
 use std::borrow::Cow;
 
@@ -8,14 +8,14 @@ use crate::error::{DatumError, DatumProblem};
 use crate::schema::{OutlineKey, Schema, Shape};
 use crate::value::{Datum, FieldName};
 
-/// A datum as CDR.
+/// Encodes a datum, with the encapsulation header.
 pub(crate) fn write_whole(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
     let mut writer = CdrWriter(LITTLE.to_vec());
     writer.one(datum, schema, DEPTH)?;
     Ok(writer.0)
 }
 
-/// What is written so far.
+/// The bytes written so far, including the header.
 struct CdrWriter(Vec<u8>);
 
 impl CdrWriter {
@@ -69,7 +69,7 @@ impl CdrWriter {
         Ok(())
     }
 
-    /// At a multiple of its own size.
+    /// Writes the bytes of a number, aligned to its size.
     fn put<const N: usize>(&mut self, bytes: [u8; N]) {
         self.align(N);
         self.0.extend(bytes);
@@ -88,7 +88,7 @@ impl CdrWriter {
         Ok(())
     }
 
-    /// Its length counts the zero at its end.
+    /// Writes a string; its length includes the terminating zero.
     fn text(&mut self, text: &str) -> Result<(), DatumError> {
         self.count(text.len() + 1)?;
         self.0.extend(text.as_bytes());
@@ -96,7 +96,7 @@ impl CdrWriter {
         Ok(())
     }
 
-    /// A run. Packed numbers of the wanted kind go in one piece.
+    /// Writes the elements of a sequence or array. Packed numbers of the right type are written in one block.
     fn many(
         &mut self,
         run: &Datum,
@@ -111,7 +111,7 @@ impl CdrWriter {
         if let Datum::Numbers(numbers) = run
             && element.shape == numbers.shape()
         {
-            // Where there is none, nothing stands at a multiple of anything.
+            // an empty sequence adds no alignment
             if !numbers.is_empty() {
                 self.align(numbers.size());
             }
@@ -131,11 +131,11 @@ impl CdrWriter {
         depth: usize,
     ) -> Result<(), DatumError> {
         if fields.is_empty() {
-            // ROS 2 gives a message without fields a byte, because IDL has none.
+            // ROS 2 gives a message without fields one byte, because IDL has no empty structures
             self.put([0]);
         }
         for (index, field) in fields.iter().enumerate() {
-            // Nearly always they stand in the schema's order.
+            // usually the entries are in the schema's order
             let named = |entry: &&(FieldName, Datum)| entry.0 == field.name;
             let there = entries.get(index).filter(named);
             let there = there.or_else(|| entries.iter().find(named));
@@ -155,7 +155,7 @@ impl CdrWriter {
     }
 }
 
-/// How many elements a run has.
+/// The number of elements of a list, of packed numbers or of bytes; `None` for anything else.
 fn elements(datum: &Datum) -> Option<usize> {
     match datum {
         Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => datum.count(),
@@ -176,7 +176,7 @@ fn integer<N: TryFrom<i64>>(datum: &Datum, schema: &Schema) -> Result<N, DatumEr
     })
 }
 
-/// Text may stand for a number that JSON cannot write.
+/// A float from a number, or from a text such as `"NaN"` that stands for one.
 fn float(datum: &Datum, schema: &Schema) -> Result<f64, DatumError> {
     let special = || datum.as_text().and_then(special_float);
     (datum.as_float().or_else(special)).ok_or_else(|| misfit(datum, schema))
