@@ -167,7 +167,7 @@ impl History {
         self.session.count()
     }
 
-    /// Executes a step.
+    /// Executes a step of the main rule and records it as an event.
     ///
     /// # Errors
     /// The step has no next state. Nothing has changed, except after a violated invariant of the

@@ -41,7 +41,6 @@ pub(crate) enum Item {
     Rule(RuleDeclaration),
     /// An invariant, constraint or temporal property.
     Property(Property),
-    /// The main rule.
     Main(RuleDeclaration),
     /// `init x:`
     Init { default: bool, name: NameText },
