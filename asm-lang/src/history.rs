@@ -58,7 +58,7 @@ pub struct LastWrite {
     pub event: usize,
     /// Number of steps completed before it.
     pub steps: u64,
-    /// Place of the update; `None` for an assignment from outside.
+    /// Place of the update; `None` for a fired rule and for an assignment from outside.
     pub origin: Option<Origin>,
     /// Previous value of the location.
     pub before: Value,

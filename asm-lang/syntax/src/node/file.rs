@@ -41,6 +41,7 @@ pub(crate) enum Item {
     Rule(RuleDeclaration),
     /// An invariant, constraint or temporal property.
     Property(Property),
+    /// A rule with the keyword `main`.
     Main(RuleDeclaration),
     /// `init x:`
     Init { default: bool, name: NameText },
