@@ -27,7 +27,7 @@ pub struct FileCoverage {
 /// Coverage of a rule.
 #[derive(Clone, Debug)]
 pub struct RuleCoverage {
-    /// Declared name.
+    /// Declared name, with its prefix `r_`.
     pub name: String,
     /// Line of its declaration, from 1.
     pub line: usize,

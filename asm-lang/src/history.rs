@@ -58,7 +58,7 @@ pub struct LastWrite {
     pub event: usize,
     /// Number of steps completed before it.
     pub steps: u64,
-    /// Place of the update; `None` for an assignment from outside.
+    /// Place of the update; `None` for a fired rule and for an assignment from outside.
     pub origin: Option<Origin>,
     /// Previous value of the location.
     pub before: Value,
@@ -167,7 +167,7 @@ impl History {
         self.session.count()
     }
 
-    /// Executes a step.
+    /// Executes a step of the main rule and records it as an event.
     ///
     /// # Errors
     /// The step has no next state. Nothing has changed, except after a violated invariant of the

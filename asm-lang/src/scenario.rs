@@ -33,7 +33,7 @@ pub struct ScenarioResult {
 pub struct ScenarioSettings {
     /// Options for reading the specification and the scenario.
     pub reading: asmotion_hir::ReadOptions,
-    /// Limits and seed.
+    /// Seed of the choices, step limit and clock period.
     pub options: ScenarioOptions,
     /// `true` to compute the coverage. Default: `false`.
     pub covers: bool,

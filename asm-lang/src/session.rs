@@ -18,8 +18,7 @@
 //! let specification = asmotion_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
 //! let mut session = Session::new(specification).map_err(|failure| failure.to_string())?;
 //! let next = session.watch("n + 1").map_err(|report| format!("{report:?}"))?;
-//! |session.fire("n := 41", &mut NoInputs, &mut FirstChoice, 0).map_err(|report|
-//! format!("{report:?}"))?;
+//! session.fire("n := 41", &mut NoInputs, &mut FirstChoice, 0).map_err(|report| format!("{report:?}"))?;
 //! let value = session.value(next, &mut NoInputs, 0).map_err(|report| format!("{report:?}"))?;
 //! assert_eq!(value, Value::Int(42));
 //! # Ok::<(), String>(())

@@ -27,7 +27,7 @@ pub struct Specification {
 pub struct OpenFailure {
     /// The source texts, for rendering the report.
     pub sources: Sources,
-    /// Errors and warnings.
+    /// Errors, at least one, and warnings.
     pub report: Report,
 }
 

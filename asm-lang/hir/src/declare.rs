@@ -31,8 +31,7 @@ pub(crate) struct SignatureTables {
     pub chooses: bool,
     /// Pairs of a unit and a library that it needs but does not import; each is reported once.
     pub missed: BTreeSet<(usize, &'static str)>,
-    /// `true` if library functions follow the reference implementation where it deviates from its
-    /// documentation.
+    /// `true` to use the variants of library functions for `--compat asmeta`.
     pub compatible: bool,
 }
 

@@ -68,7 +68,7 @@ pub struct Reserved {
 /// A declared domain, the ASM book's *universe*.
 #[derive(Debug)]
 pub struct Domain {
-    /// Declared name.
+    /// Declared name, for output; references use ids.
     pub name: Arc<str>,
     /// Form of the declaration.
     pub kind: DomainKind,
@@ -92,9 +92,9 @@ pub enum DomainKind {
     Abstract,
     /// `enum domain`: its literals are atoms with consecutive numbers.
     Enum {
-        /// The first literal.
+        /// Atom of the first literal in source order.
         first: Atom,
-        /// Number of literals.
+        /// Number of literals, at least 1.
         count: u32,
     },
     /// `subsetof`: a concrete domain.
@@ -115,7 +115,7 @@ pub struct AtomInfo {
     pub span: Span,
 }
 
-/// A declared function.
+/// A declared function: its signature and the source of its values.
 #[derive(Debug)]
 pub struct Function {
     /// Declared name; overloads share it.
@@ -164,7 +164,7 @@ pub enum Meaning {
 /// A term or rule with the variables bound in it. The first variables are the parameters.
 #[derive(Debug)]
 pub struct Body<T> {
-    /// Number of parameters.
+    /// Number of parameters, at most the number of variables.
     pub parameters: usize,
     /// All variables bound anywhere in it, indexed by [`VarId`].
     pub variables: Vec<Variable>,
@@ -186,7 +186,7 @@ pub struct Variable {
     pub span: Span,
 }
 
-/// A declared rule.
+/// A declared rule, macro or turbo.
 #[derive(Debug)]
 pub struct Rule {
     /// Declared name, with its prefix `r_`.
@@ -259,7 +259,7 @@ pub enum PropertyLogic {
     Compassion,
 }
 
-/// A typed term.
+/// A resolved term with its type.
 #[derive(Clone, Debug)]
 pub struct Term {
     /// Form of the term, with its subterms.
@@ -275,7 +275,7 @@ pub struct Term {
 pub enum TermKind {
     /// A constant value.
     Value(Value),
-    /// A bound variable.
+    /// The value of a variable.
     Variable(VarId),
     /// A function applied to one argument for each parameter.
     Apply(FunctionId, Vec<Term>),
@@ -322,7 +322,7 @@ pub struct Binder {
     pub range: Term,
 }
 
-/// A resolved rule.
+/// A resolved rule, the counterpart of a typed term.
 #[derive(Clone, Debug)]
 pub struct RuleTerm {
     /// Form of the rule, with its parts.

@@ -24,7 +24,6 @@ use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 
 impl Resolver<'_> {
-    /// Resolves a rule.
     pub fn rule(&mut self, rule: &ast::Rule) -> RuleTerm {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
             let kind = self.rule_kind(rule);

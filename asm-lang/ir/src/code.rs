@@ -118,7 +118,7 @@ pub enum TermNode {
     Named(DomainId, Term),
 }
 
-/// The binary connectives.
+/// The binary connectives of strong Kleene logic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connective {
     /// `and`
@@ -133,7 +133,7 @@ pub enum Connective {
     Iff,
 }
 
-/// The order relations.
+/// The order relations, evaluated without a library call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Comparison {
     /// `<`
@@ -253,7 +253,7 @@ pub enum RuleNode {
     While {
         /// Condition for another iteration; `None` for `iterate`.
         guard: Option<Term>,
-        /// The repeated rule.
+        /// Rule executed in each iteration.
         body: Rule,
         /// `true` if the loop also ends when the body yields no update.
         until_idle: bool,

@@ -5,9 +5,9 @@ use crate::code::Arithmetic;
 /// An interval of integers, both bounds included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerInterval {
-    /// Least value.
+    /// Least possible value.
     pub low: i64,
-    /// Greatest value.
+    /// Greatest possible value, at least `low`.
     pub high: i64,
 }
 

@@ -38,7 +38,7 @@ const MAX_DENSE: u32 = 1 << 16;
 /// A program with the source spans of its parts.
 #[derive(Debug)]
 pub struct Lowered {
-    /// The executable program.
+    /// The program, ready for a machine.
     pub program: Program,
     /// The span of each [`Origin`], indexed by its number.
     pub origins: Vec<Span>,

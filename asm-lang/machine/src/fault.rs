@@ -51,7 +51,7 @@ pub enum FaultKind {
     OutsideArgument {
         /// Slot of the location.
         slot: Slot,
-        /// The offending argument.
+        /// The offending part of an argument.
         misfit: DomainMisfit,
     },
     /// The guard of a rule is undef.

@@ -98,7 +98,7 @@ pub struct Machine {
     /// Messages that were sent and not yet consumed.
     pub(crate) post: MessagesInTransit,
     pub(crate) steps: u64,
-    /// Number of attempted steps. Inputs are valid within one attempt.
+    /// Number of steps and evaluations begun, failed ones included. Inputs are valid within one.
     pub(crate) rounds: u64,
     /// `true` once the initial state contains the values that depend on inputs.
     pub(crate) is_complete: bool,

@@ -88,7 +88,8 @@ fn outsider<'v>(
     }
 }
 
-/// Returns `true` if a value is in the extent of a domain; infinite domains contain every value.
+/// Returns `true` if a value is in the extent of a domain; basic domains and anydomains contain
+/// every value.
 #[inline]
 pub(crate) fn is_listed(
     program: &Program,

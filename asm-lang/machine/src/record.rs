@@ -20,7 +20,7 @@ pub struct StepChoice {
     pub origin: Origin,
     /// Index of the chosen candidate, from 0.
     pub index: usize,
-    /// Number of candidates.
+    /// Number of candidates, at least 1.
     pub count: usize,
 }
 

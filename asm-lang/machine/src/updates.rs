@@ -58,7 +58,7 @@ pub struct CoveredMark {
 #[derive(Debug)]
 #[repr(C)]
 pub struct SavedValue {
-    /// The previous value.
+    /// The previous value, moved out of the slot.
     pub value: Value,
     /// The slot that was changed.
     pub slot: Slot,
@@ -118,7 +118,6 @@ pub(crate) struct WritableState<'a> {
     pub extents: &'a mut [Arc<Vec<Value>>],
     /// Round in which each slot was last asked of the environment.
     pub asked: &'a mut [u64],
-    /// The current round.
     pub round: u64,
     /// For each domain, the domain itself and all domains it is a subset of.
     pub supers: &'a [Vec<DomainId>],

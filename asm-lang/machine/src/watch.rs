@@ -3,13 +3,11 @@
 
 use asmotion_ir::{Rule, RuleNode, Term, TermNode};
 
-/// Instruments a term.
 pub(crate) fn watched_term(mut term: Term) -> Term {
     watch_term(&mut term);
     term
 }
 
-/// Instruments a rule.
 pub(crate) fn watched_rule(mut rule: Rule) -> Rule {
     watch_rule(&mut rule);
     rule

@@ -5,7 +5,7 @@ use std::fmt;
 /// The clock of a run. Real time is passed in from outside, because the language reads no clock.
 #[derive(Default)]
 pub enum SimulationClock {
-    /// The time is 0, except in the steps of scripts and recordings that set it.
+    /// The time is always 0. Recordings replace it, and scripts may set clock functions.
     #[default]
     Virtual,
     /// Each step is this number of nanoseconds later than the one before; the first is at 0.

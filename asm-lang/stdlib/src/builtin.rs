@@ -28,7 +28,7 @@ pub struct Builtin {
     /// `true` if the result is `undef` whenever an argument is. The caller checks this before it
     /// calls the body.
     pub strict: bool,
-    /// The implementation.
+    /// Computes the value; arguments are in the order of the domain.
     pub body: BuiltinBody,
 }
 

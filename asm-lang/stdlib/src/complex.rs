@@ -9,9 +9,9 @@ use std::sync::Arc;
 /// A complex number in Cartesian form.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Complex {
-    /// Real part.
+    /// The real part `a` of `a + bi`.
     pub re: f64,
-    /// Imaginary part.
+    /// The imaginary part `b` of `a + bi`.
     pub im: f64,
 }
 
@@ -33,17 +33,17 @@ impl From<(Real, Real)> for Complex {
     }
 }
 
-/// Addition.
+/// Addition, component by component.
 pub fn plus(left: Complex, right: Complex) -> Complex {
     Complex::new(left.re + right.re, left.im + right.im)
 }
 
-/// Subtraction.
+/// Subtraction, component by component.
 pub fn minus(left: Complex, right: Complex) -> Complex {
     Complex::new(left.re - right.re, left.im - right.im)
 }
 
-/// Multiplication.
+/// Multiplication: `(a + bi)(c + di) = (ac - bd) + (ad + bc)i`.
 pub fn mult(left: Complex, right: Complex) -> Complex {
     Complex::new(
         left.re * right.re - left.im * right.im,
@@ -63,7 +63,7 @@ pub fn scale(factor: f64, operand: Complex) -> Complex {
     Complex::new(factor * operand.re, factor * operand.im)
 }
 
-/// Negation.
+/// Negation of both parts.
 pub fn negate(operand: Complex) -> Complex {
     Complex::new(-operand.re, -operand.im)
 }

@@ -26,7 +26,7 @@ pub enum BuiltinFault {
     OverflowOf {
         /// Name of the function.
         function: &'static str,
-        /// The argument.
+        /// The argument whose result does not fit.
         operand: i64,
     },
     /// Integer division by zero.
@@ -50,7 +50,7 @@ pub enum BuiltinFault {
     Negative {
         /// Name of the function.
         function: &'static str,
-        /// The negative number.
+        /// The number, less than 0.
         number: i64,
     },
     /// A position outside a sequence, a tuple or a string.
@@ -60,7 +60,7 @@ pub enum BuiltinFault {
         function: &'static str,
         /// The position, counted from 0.
         position: i64,
-        /// Number of elements.
+        /// Number of elements, or of characters of a string.
         length: usize,
     },
     /// A range of positions outside a sequence or string.
@@ -72,7 +72,7 @@ pub enum BuiltinFault {
         from: i64,
         /// Position after the last one of the range.
         to: i64,
-        /// Number of elements.
+        /// Number of elements, or of characters of a string.
         length: usize,
     },
     /// Access to an element of an empty sequence or string.
@@ -86,7 +86,7 @@ pub enum BuiltinFault {
     Unreadable {
         /// Name of the function.
         function: &'static str,
-        /// The string.
+        /// The string, unabridged.
         text: Arc<str>,
         /// Description of the required value, as in "an integer".
         expected: &'static str,

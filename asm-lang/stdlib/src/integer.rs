@@ -5,7 +5,7 @@ use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::fault::BuiltinFault;
 
-/// Addition.
+/// Checked addition.
 ///
 /// # Errors
 /// [`BuiltinFault::Overflow`] if the result does not fit in 64 bits.
@@ -18,7 +18,7 @@ pub fn plus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// Subtraction.
+/// Checked subtraction.
 ///
 /// # Errors
 /// [`BuiltinFault::Overflow`] if the result does not fit in 64 bits.
@@ -31,7 +31,7 @@ pub fn minus(left: i64, right: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// Multiplication.
+/// Checked multiplication.
 ///
 /// # Errors
 /// [`BuiltinFault::Overflow`] if the result does not fit in 64 bits.
@@ -93,7 +93,7 @@ pub fn plus_sign(operand: i64) -> i64 {
     operand
 }
 
-/// Negation.
+/// Checked negation.
 ///
 /// # Errors
 /// [`BuiltinFault::OverflowOf`] for the least integer.
@@ -105,7 +105,7 @@ pub fn negate(operand: i64) -> Result<i64, BuiltinFault> {
     })
 }
 
-/// Absolute value.
+/// Checked absolute value.
 ///
 /// # Errors
 /// [`BuiltinFault::OverflowOf`] for the least integer.

@@ -26,19 +26,19 @@ pub fn text(number: f64) -> String {
     }
 }
 
-/// Addition.
+/// Addition according to IEEE 754; overflow is infinite.
 #[inline]
 pub fn plus(left: f64, right: f64) -> f64 {
     left + right
 }
 
-/// Subtraction.
+/// Subtraction according to IEEE 754; overflow is infinite.
 #[inline]
 pub fn minus(left: f64, right: f64) -> f64 {
     left - right
 }
 
-/// Multiplication.
+/// Multiplication according to IEEE 754; overflow is infinite.
 #[inline]
 pub fn mult(left: f64, right: f64) -> f64 {
     left * right
@@ -62,13 +62,13 @@ pub fn plus_sign(operand: f64) -> f64 {
     operand
 }
 
-/// Negation.
+/// Negation, also of infinities and zeros.
 #[inline]
 pub fn negate(operand: f64) -> f64 {
     -operand
 }
 
-/// Absolute value.
+/// Absolute value; NaN for NaN.
 #[inline]
 pub fn abs(operand: f64) -> f64 {
     operand.abs()

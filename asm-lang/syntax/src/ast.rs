@@ -177,7 +177,7 @@ pub enum FunctionKind {
     Derived,
     /// Updated by the environment.
     Monitored,
-    /// Updated by rules.
+    /// Updated by rules only, and hidden from the environment.
     Controlled,
     /// Updated by rules and by the environment.
     Shared,

@@ -43,7 +43,6 @@ pub(crate) struct Explainer<'input, 'run> {
     text: &'input str,
     findings: &'run SyntaxFindings,
     lexer: Lexer<'input, 'run>,
-    /// The current token.
     found: Option<SpannedToken<'input>>,
     /// The constructs that are open before it.
     nesting: Nesting<'input>,

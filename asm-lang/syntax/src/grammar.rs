@@ -1,5 +1,5 @@
 // auto-generated: "lalrpop 0.23.2"
-// sha3: 8b651fdd2c9096c212ba9b80a6a55d0aa9e6842c1d0ba52bb92506e92c7e887a
+// sha3: dc173782244859f14ef59818a435f9ed524831891c1fcf4c7e11e01411d62b1f
 // features: 
 use crate::ast::*;
 use crate::lexer::{Keyword, Sign, TextKind, Token};

@@ -33,7 +33,6 @@ pub(crate) struct Nesting<'input> {
     text: &'input str,
     /// Open constructs, outermost first; the first one is the declaration.
     open: Vec<OpenConstruct<'input>>,
-    /// The last token.
     pub(crate) previous: Option<SpannedToken<'input>>,
     /// The first closing token that is indented differently from its opening token, with that
     /// token.

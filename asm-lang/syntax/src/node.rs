@@ -31,11 +31,8 @@ pub(crate) type Caught<'input> = ErrorRecovery<usize, Token<'input>, Infallible>
     reason = "one value exists for each parse, and it is taken apart at once"
 )]
 pub(crate) enum ParsedText {
-    /// A specification.
     File(File),
-    /// A single rule.
     Rule(Rule),
-    /// A single term.
     Term(Term),
 }
 
@@ -137,7 +134,6 @@ impl<'input, 'run> Nodes<'input, 'run> {
         }
     }
 
-    /// Builds a property.
     pub(crate) fn property(
         &self,
         start: usize,
@@ -169,7 +165,6 @@ impl<'input, 'run> Nodes<'input, 'run> {
 
     // ── names and spans ──
 
-    /// Builds a name.
     pub(crate) fn name(&self, start: usize, text: &str, end: usize) -> NameText {
         NameText {
             text: Arc::from(text),

@@ -9,7 +9,6 @@ use asmotion_hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
 use asmotion_value::{RuleId, Value};
 
 impl Lowering<'_> {
-    /// Lowers a rule.
     pub(super) fn rule(&mut self, rule: &RuleTerm, frame: &mut LoweringFrame) -> Rule {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
             let node = self.rule_node(rule, frame);

@@ -76,7 +76,6 @@ impl Lowering<'_> {
         term.map(|term| self.term(term, frame))
     }
 
-    /// Lowers a term.
     pub(super) fn term(&mut self, term: &asmotion_hir::Term, frame: &mut LoweringFrame) -> Term {
         self.nesting += 1;
         let lowered = stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, frame));

@@ -14,7 +14,7 @@ pub struct SentMessage {
     pub id: MessageId,
     /// The sending agent; undef in a specification without agents.
     pub from: Value,
-    /// The receiving agent.
+    /// The receiving agent, in this specification or outside.
     pub to: Value,
     /// The operation as written in the specification, for example `r_plan(Agent,Goal)`.
     pub operation: Value,
@@ -30,19 +30,19 @@ pub struct SentMessage {
 pub enum SentKind {
     /// A one-way message, or a request whose sender does not wait for the reply.
     Message {
-        /// Its data.
+        /// The data, in the domain of the operation.
         data: Value,
     },
     /// A request whose sender waits for the reply.
     Call {
-        /// Its data.
+        /// The data, in the domain of the operation.
         data: Value,
         /// Time at which the call fails, in nanoseconds; `None` for no limit.
         deadline_ns: Option<i64>,
     },
     /// A reply to a request.
     Reply {
-        /// Its data.
+        /// The data, in the codomain of the operation.
         data: Value,
         /// Id of the request; `None` if the agent had received none from this partner.
         to: Option<MessageId>,

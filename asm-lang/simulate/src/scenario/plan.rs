@@ -234,7 +234,6 @@ impl ScenarioPlanner<'_> {
             .extend(kind.map(|kind| ScenarioAction { kind, span }));
     }
 
-    /// Expands a block.
     fn block(&mut self, scenario: &Scenario, name: &NameText, from: Option<&str>) {
         let Some(block) = scenario.block(&name.text) else {
             let blocks = scenario.blocks();

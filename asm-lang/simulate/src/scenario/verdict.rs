@@ -10,7 +10,7 @@ use asmotion_machine::{FaultKind, StepFault};
 /// The verdict on a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// All checks hold.
+    /// All checks and invariants hold.
     Pass,
     /// A check failed, a `step until` reached its limit, or a picked value is no candidate.
     Fail,

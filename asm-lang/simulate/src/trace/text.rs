@@ -32,7 +32,6 @@ const BAG: CollectionStyle = CollectionStyle {
     sorted: true,
 };
 
-/// Formats a location.
 pub(super) fn applied(naming: Naming<'_>, function: FunctionId, arguments: &[Value]) -> String {
     let name = &naming.program.symbols.functions[function.0 as usize];
     match arguments {
@@ -41,7 +40,6 @@ pub(super) fn applied(naming: Naming<'_>, function: FunctionId, arguments: &[Val
     }
 }
 
-/// Formats a value.
 pub(super) fn text(naming: Naming<'_>, value: &Value) -> String {
     match value {
         Value::Tuple(tuple) => items(naming, tuple.iter(), &TUPLE),

@@ -51,7 +51,7 @@ pub enum RuleKind {
     },
     /// A term whose value is a rule: `program($a)`, `$r[t…]`.
     Term {
-        /// The term.
+        /// Term for the rule: a location, variable or function application.
         term: Term,
         /// Arguments in brackets; empty without brackets.
         arguments: Vec<Term>,
@@ -62,7 +62,7 @@ pub enum RuleKind {
     Seq(Vec<Rule>),
     /// `if g then R else S endif`
     If {
-        /// Condition.
+        /// Guard, a Boolean term.
         guard: Term,
         /// Rule for a true guard.
         then: Rule,
@@ -111,14 +111,14 @@ pub enum RuleKind {
     While {
         /// Condition for another iteration.
         guard: Term,
-        /// Repeated rule.
+        /// Rule executed in each iteration.
         body: Rule,
     },
     /// `whilerec g do R`
     WhileRec {
         /// Condition for another iteration.
         guard: Term,
-        /// Repeated rule.
+        /// Rule executed in each iteration.
         body: Rule,
     },
     /// `iterate R enditerate`

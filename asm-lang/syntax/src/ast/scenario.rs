@@ -21,7 +21,7 @@ pub struct Scenario {
 pub struct ScenarioInvariant {
     /// Name of the invariant.
     pub name: NameText,
-    /// The condition.
+    /// Boolean term, resolved in the scope of the specification.
     pub condition: Term,
 }
 

@@ -18,7 +18,7 @@ pub struct Term {
 /// The forms of a term.
 #[derive(Clone, Debug)]
 pub enum TermKind {
-    /// A constant.
+    /// A number, string, character, truth value or `undef`.
     Literal(Literal),
     /// `$x`.
     Variable(NameText),
@@ -42,25 +42,25 @@ pub enum TermKind {
     },
     /// Binary operators of equal precedence, applied from left to right: `a op b op c …`.
     Chain {
-        /// First operand.
+        /// Leftmost operand.
         first: Term,
         /// The operators with their right operands; at least one.
         links: Vec<ChainLink>,
     },
     /// A unary operator with its operand: `+`, `-`, `not`.
     Unary {
-        /// The operator.
+        /// Operator as written; it stands for a standard function.
         operator: Operator,
         /// Span of the operator.
         at: Span,
-        /// The operand.
+        /// Operand to the right of the operator.
         operand: Term,
     },
     /// `(t1, t2, …)` with at least two components; `(t)` is `t` itself.
     Tuple(Vec<Term>),
     /// `if g then t else e endif`.
     If {
-        /// Condition.
+        /// Guard, a Boolean term.
         guard: Term,
         /// Value for a true guard.
         then: Term,
@@ -103,7 +103,7 @@ pub enum TermKind {
     Interval {
         /// Set, sequence or bag.
         collection: Collection,
-        /// Bounds and step.
+        /// First element, bound and step.
         interval: Interval,
     },
     /// A collection by comprehension: `{$x in D | g : t}`, also in `[ ]` and `< >`.
@@ -135,7 +135,7 @@ pub enum TermKind {
     Invalid,
 }
 
-/// A literal.
+/// A literal as written in the source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Literal {
     /// `undef`.
@@ -200,11 +200,11 @@ pub enum Operator {
 /// An operator and its right operand in a chain: `op b`.
 #[derive(Clone, Debug)]
 pub struct ChainLink {
-    /// The operator.
+    /// Operator as written; it stands for a standard function.
     pub operator: Operator,
     /// Span of the operator.
     pub at: Span,
-    /// The right operand.
+    /// Operand to the right of the operator.
     pub operand: Term,
 }
 

@@ -5,9 +5,7 @@ use std::fmt;
 /// A token of the language.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Token<'input> {
-    /// A reserved word.
     Keyword(Keyword),
-    /// A sign.
     Sign(Sign),
     /// A lower-case word: a function, an agent or a property.
     Name(&'input str),
@@ -41,11 +39,8 @@ pub(crate) enum Token<'input> {
 /// The start symbol for a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextKind {
-    /// A specification.
     File,
-    /// A single rule.
     Rule,
-    /// A single term.
     Term,
 }
 
@@ -109,7 +104,6 @@ spelled! {
 }
 
 spelled! {
-    /// The signs.
     Sign {
         Open "(", Close ")", OpenBrace "{", CloseBrace "}", OpenBracket "[", CloseBracket "]",
         OpenRule "<<", CloseRule ">>",

@@ -41,7 +41,7 @@ pub(crate) enum Item {
     Rule(RuleDeclaration),
     /// An invariant, constraint or temporal property.
     Property(Property),
-    /// The main rule.
+    /// A rule with the keyword `main`.
     Main(RuleDeclaration),
     /// `init x:`
     Init { default: bool, name: NameText },

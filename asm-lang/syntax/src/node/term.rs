@@ -115,7 +115,6 @@ impl Nodes<'_, '_> {
         self.spanned_term(TermKind::Chain { first: left, links }, span)
     }
 
-    /// Builds `op operand`.
     pub(crate) fn unary(&self, (operator, at): (Operator, Span), operand: Term) -> Term {
         let span = at.to(operand.span);
         self.spanned_term(
@@ -190,7 +189,6 @@ impl Nodes<'_, '_> {
         number
     }
 
-    /// Parses a real.
     pub(crate) fn real(&self, digits: &str) -> Literal {
         Literal::Real(digits.parse().unwrap_or(f64::NAN))
     }

@@ -7,13 +7,11 @@ use asmotion_diagnostics::Span;
 
 /// A branch of `if` or `switch`: a rule or a term.
 pub(super) trait PrintBranch: Sized {
-    /// Returns the span of the branch.
     fn span(&self) -> Span;
 
     /// Returns its parts if it is an `if` itself.
     fn as_if(&self) -> Option<If<'_, Self>>;
 
-    /// Prints the branch.
     fn print(&self, layout: &mut TokenLayout<'_>);
 }
 

@@ -7,7 +7,6 @@ use crate::ast::*;
 use crate::lexer::Sign;
 
 impl TokenLayout<'_> {
-    /// Prints a rule.
     pub(super) fn rule(&mut self, rule: &Rule) {
         let lines = self.in_lines(rule.span);
         self.group(|it| it.rule_kind(&rule.kind, lines));
