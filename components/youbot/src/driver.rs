@@ -1,4 +1,4 @@
-//! The dummy driver of the case study: a data-flow component, commands in, status out.
+//! The dummy driver of the case study: a data-flow component that reads commands and writes status.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use asmotion_messages::{Text, Time};
 
 use crate::joints::{Joints, Manner};
 
-/// `youbot::DummyDriver`: commands in, status out, and two operations of its own.
+/// `youbot::DummyDriver`: reads commands, writes status, and provides two operations.
 pub struct DummyDriver {
     ports: DriverPorts,
     properties: PropertySet<DriverProperties>,
@@ -89,7 +89,7 @@ impl Component for DummyDriver {
     }
 }
 
-/// Takes a period (s) from the next cycle on; returns whether it is between 0.001 s and 10 s.
+/// Sets the period (s) from the next cycle on. Returns whether it is between 0.001 s and 10 s.
 fn follow(period: f64, cycle: &mut Cycle<'_>) -> bool {
     let lawful = (0.001..=10.0).contains(&period);
     if lawful {
