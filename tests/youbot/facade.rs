@@ -128,7 +128,7 @@ properties = { joints = 6 }
 fn j4_data_flow_components_stand_in_a_hierarchy_of_composites() {
     let inner = Bench::default().driver;
     let must = r#"notifying = "youbot/Notifying""#;
-    // nobody listens to the right arm
+    // the right arm has no listener
     let may = r#"notifying = { interface = "youbot/Notifying", optional = true }"#;
     assert!(inner.contains(must));
     let (mut simulation, log) = Bench {

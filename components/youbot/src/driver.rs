@@ -27,8 +27,8 @@ struct DriverPorts {
     /// Position, velocity, current, temperature and error bits of each joint, every cycle.
     #[port(name = "jointStatus")]
     status: Out<JointStatus>,
-    /// Operations of the driver: `setPeriod` does what the port `period` does and says whether the period was taken;
-    /// `state` is `resting` or `moving`.
+    /// Operations of the driver: `setPeriod` sets the period like the port `period` and returns whether it was
+    /// accepted; `state` is `resting` or `moving`.
     #[port(name = "driver")]
     set_period: Provided<DriverSetPeriod>,
     /// The driver's state.

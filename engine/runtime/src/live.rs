@@ -199,7 +199,7 @@ impl Thread {
     }
 
     fn send(&self, command: WorkerCommand) {
-        // fails only if the thread has ended, and then there is nobody to command
+        // fails if the thread has ended, in which case there is nothing left to do
         let _ = self.commands.send(command);
         self.waker.unpark();
     }

@@ -217,7 +217,7 @@ impl Executor for Simulation {
         self.timeline.trigger(component, now);
     }
 
-    /// Unlimited: no cycle is ever under way when this is asked.
+    /// Unlimited: no cycle is ever under way between two steps.
     fn patience(&self) -> Duration {
         Duration::MAX
     }
