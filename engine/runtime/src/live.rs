@@ -64,7 +64,7 @@ impl System {
     /// Starts the system in real time, with a thread for each component that is no slave.
     ///
     /// Configures every component, then starts those with `run_on_startup`. A component that fails is left as it is;
-    /// its state and an [`Event::Fault`] show it.
+    /// its state and an [`Event::Fault`](crate::Event::Fault) show it.
     pub fn live(self) -> Live {
         Live::new(self)
     }

@@ -42,7 +42,7 @@ pub struct Simulation {
 
 impl System {
     /// Starts the system in simulated time: at time zero, configures every component, then starts those with
-    /// `run_on_startup`. A component that fails is left as it is; its state and an [`Event::Fault`] show it.
+    /// `run_on_startup`. A component that fails is left as it is; its state and an [`Event::Fault`](crate::Event::Fault) show it.
     pub fn simulate(self) -> Simulation {
         Simulation::new(self)
     }
