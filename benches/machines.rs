@@ -1,8 +1,7 @@
-//! How much slower than hand-written Rust a machine is, both run in turns; and how long it takes to
-//! read a specification.
+//! Compares machines with hand-written Rust, run alternately, and measures how long it takes to read a specification.
 //!
-//! `cargo bench --bench machines` prints the tables of `docs/benchmarks.md`; with names behind `--`
-//! only those machines. Every final state is compared with that of the hand-written machine first.
+//! `cargo bench --bench machines` prints the tables of `docs/benchmarks.md`; with names after `--`, only those
+//! machines. Every final state is compared with that of the hand-written machine first.
 
 #![allow(
     clippy::unwrap_used,
@@ -21,7 +20,7 @@ use hand::{Hand, Shifts};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-/// A machine, how much slower than by hand it may be, and how much slower AsmetaS is.
+/// A machine, with the permitted ratio of its time to hand-written code, and that of AsmetaS.
 struct Case {
     name: &'static str,
     text: &'static str,
@@ -40,8 +39,8 @@ macro_rules! cases {
     };
 }
 
-/// Everywhere five hundred times as fast as AsmetaS at least; its factors were measured once, against
-/// the same hand-written machines.
+/// Each machine must be at least five hundred times as fast as AsmetaS. The factors of AsmetaS were measured once,
+/// against the same hand-written machines.
 const CASES: &[Case] = cases! {
     "counter" 8.0 6425.0;
     "gcd" 12.0 9192.0;
@@ -57,10 +56,10 @@ const CASES: &[Case] = cases! {
     "bfs1000" 1104.0 552073.0;
 };
 
-/// How often each side has its turn.
+/// Number of turns for each side.
 const TURNS: usize = 60;
 
-/// About how long a turn takes.
+/// Approximate duration of a turn.
 const TURN: Duration = Duration::from_millis(5);
 
 impl Chooser for Shifts {
@@ -83,7 +82,7 @@ fn run(machine: &mut Machine, shifts: &mut Shifts, steps: u64) {
     }
 }
 
-/// What every location that was met holds.
+/// The values of all locations that were accessed.
 fn state(machine: &Machine) -> Vec<String> {
     let naming = machine.naming();
     let line = |(function, arguments, slot)| {
@@ -104,7 +103,7 @@ fn state(machine: &Machine) -> Vec<String> {
     locations.into_iter().map(line).collect()
 }
 
-/// Every location of the machine is as it is by hand.
+/// Checks that all locations of the machine have the same values as in the hand-written one.
 fn agree(case: &Case, hand: Hand, steps: u64) {
     let mut machine = machine(case);
     run(&mut machine, &mut Shifts(Shifts::SEED), steps);
@@ -117,7 +116,7 @@ fn agree(case: &Case, hand: Hand, steps: u64) {
     }
 }
 
-/// How many steps take about a turn.
+/// The number of steps that take about one turn.
 fn steps_for(mut run: impl FnMut(u64)) -> u64 {
     let mut steps = 1;
     loop {
@@ -131,7 +130,7 @@ fn steps_for(mut run: impl FnMut(u64)) -> u64 {
     }
 }
 
-/// Nanoseconds a step: the least of all turns, which other work on the machine disturbed least.
+/// Nanoseconds per step: the minimum over all turns, which was least disturbed by other processes.
 fn compare(case: &Case, hand: Hand) -> (f64, f64) {
     let mut machine = machine(case);
     let mut shifts = Shifts(Shifts::SEED);

@@ -1,7 +1,7 @@
-//! How long a step takes: the machines of `benches/machines`, without input or output.
+//! Measures the duration of a step of the machines in `benches/machines`, without input or output.
 //!
-//! `S1_navigate` is the coordinator of a robot and has to stay below two microseconds; the others are
-//! loads of one kind each. Choices are drawn from a cheap generator.
+//! `S1_navigate` is the coordinator of a robot and must stay below two microseconds; each of the others has one kind of
+//! load. Choices are drawn from a cheap generator.
 
 #![allow(
     clippy::unwrap_used,
@@ -17,7 +17,7 @@ use asmotion_lang::{Chooser, Machine, MemoryFiles};
 use criterion::{Criterion, criterion_group, criterion_main};
 use mission::Mission;
 
-/// The machines, and after how many steps they are in full swing.
+/// The machines, with the number of steps after which their load is typical.
 const MACHINES: &[(&str, &str, u64)] = &[
     ("S1_navigate", include_str!("machines/S1_navigate.asm"), 100),
     ("agents100", include_str!("machines/agents100.asm"), 100),
@@ -34,7 +34,7 @@ const MACHINES: &[(&str, &str, u64)] = &[
     ("sort64", include_str!("machines/sort64.asm"), 1_000),
 ];
 
-/// Chooses by a generator of three shifts.
+/// Chooses with a xorshift generator.
 struct Shifts(u64);
 
 impl Chooser for Shifts {

@@ -1,8 +1,8 @@
-//! A value in a few characters: for the story, and for the monitor's tables.
+//! Formats values in a few characters, for the story and the monitor's tables.
 
 use asmotion_datum::Datum;
 
-/// Elements of a list that are shown; longer ones are maps and scans.
+/// Length of the longest list that is shown in full; longer lists are maps and scans.
 pub const MOST: usize = 32;
 
 /// Formats a value briefly: numbers with four decimals.

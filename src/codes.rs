@@ -1,4 +1,4 @@
-//! The diagnostic codes of the whole program, and the findings of the command line itself, one file a code.
+//! The diagnostic codes of the whole program, and the findings of the command line itself, one file per code.
 
 pub(crate) mod s000;
 pub(crate) mod v030;
@@ -6,16 +6,16 @@ pub(crate) mod v031;
 
 use asmotion_diagnostics::Code;
 
-/// The first letters of the codes in the order in which they are listed.
+/// The first letters of the codes, in the order of the list.
 const FAMILIES: &str = "LAWRSVCX";
 
-/// The codes of SCDL, if this build reads it.
+/// The codes of SCDL, if this build includes it.
 #[cfg(feature = "scdl")]
 const OF_SCDL: &[&Code] = asmotion_scdl::CODES;
 #[cfg(not(feature = "scdl"))]
 const OF_SCDL: &[&Code] = &[];
 
-/// Every code of this build, by family and number.
+/// All codes of this build, by family and number.
 pub fn all() -> impl Iterator<Item = &'static Code> {
     let language = asmotion_lang::codes::all();
     let others = [asmotion_assembly::CODES, OF_SCDL, CODES];

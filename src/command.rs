@@ -37,7 +37,7 @@ pub use demo::BLOCKED_CORRIDOR;
 #[cfg(any(not(feature = "amqp"), not(feature = "scdl"), not(feature = "tui")))]
 use crate::feature::{self, Without};
 
-/// The commands on a running system.
+/// The commands for a running system.
 #[cfg(feature = "amqp")]
 mod live {
     pub use super::call::Call;
@@ -48,7 +48,7 @@ mod live {
     pub use super::shell::Shell;
     pub use super::topic::Topic;
 }
-/// What stands for them.
+/// Replacements in a build without the feature `amqp`.
 #[cfg(not(feature = "amqp"))]
 mod live {
     use crate::feature::{Amqp, Without};

@@ -1,5 +1,5 @@
-//! Cargo features of this build: the one place that knows which there are, what they bring, and how to get one that
-//! was left out.
+//! Cargo features of this build: the only place that knows which features there are, what each adds, and how to get one
+//! that was left out.
 
 use std::ffi::OsString;
 use std::fmt;
@@ -14,11 +14,11 @@ use crate::terminal::TerminalOutput;
 pub trait Feature {
     /// Name in `Cargo.toml`.
     const NAME: &'static str;
-    /// Subject of the sentence "… is not in this build".
+    /// The subject of the sentence "… is not in this build".
     const BRINGS: &'static str;
 }
 
-/// Systems on RabbitMQ: `run --bus`, and the commands that see and drive a running system.
+/// Systems on RabbitMQ: `run --bus`, and the commands that inspect and control a running system.
 pub struct Amqp;
 
 /// Services over HTTP: gateways of composites.
@@ -27,7 +27,7 @@ pub struct Http;
 /// Composites of the Service Component Architecture, and RTT's property files.
 pub struct Scdl;
 
-/// Drawing on the terminal: `top` and `run --top`.
+/// Terminal user interface: `top` and `run --top`.
 pub struct Tui;
 
 impl Feature for Amqp {
@@ -50,7 +50,7 @@ impl Feature for Tui {
     const BRINGS: &'static str = "the terminal monitor";
 }
 
-/// Something was asked for that this build has no feature for. Its text says how to get it.
+/// The error for a request that needs a feature this build does not have. Its text explains how to get it.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{brings} is not in this build: it needs the feature `{feature}`\n  \
@@ -62,25 +62,25 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    /// The feature `F` is missing.
+    /// The error for the missing feature `F`.
     pub fn new<F: Feature>() -> Self {
         let (brings, feature) = (F::BRINGS, F::NAME);
         Self { brings, feature }
     }
 }
 
-/// Stands for a command that needs the feature `F`: takes any arguments, and says how to get it.
+/// Replaces a command that needs the feature `F`: accepts any arguments, and explains how to get the feature.
 pub struct Without<F>(PhantomData<F>);
 
 impl<F: Feature> Without<F> {
-    /// Refuses.
+    /// Prints the error.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         terminal.error(LeftOut::new::<F>());
         Exit::Usage
     }
 }
 
-/// The argument by which [`mark`] knows a stand-in; its help is the feature's name.
+/// Name of the argument by which [`mark`] recognises a replaced command; its help text is the feature's name.
 const ANYTHING: &str = "anything";
 
 impl<F: Feature> Args for Without<F> {
@@ -110,7 +110,7 @@ impl<F> FromArgMatches for Without<F> {
     }
 }
 
-/// Marks the commands that need a feature in the list of `--help`.
+/// Marks the commands whose feature is missing in the list of `--help`.
 pub fn mark(mut command: Command) -> Command {
     for subcommand in command.get_subcommands_mut() {
         let stands_in = |argument: &&Arg| argument.get_id() == ANYTHING;

@@ -139,7 +139,7 @@ impl Loader for SentFiles {
     }
 }
 
-/// Reason of an I/O error, for people.
+/// Reason of an I/O error, for the user.
 pub fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),

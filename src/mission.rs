@@ -43,7 +43,7 @@ pub struct Mission {
     pub properties: Vec<(String, String, Datum)>,
     /// Seed for the choices of specifications.
     pub seed: u64,
-    /// Whether the seed also sets the property `seed` of the composite, if there is one.
+    /// `true` if the seed also sets the composite's property `seed`, if there is one.
     pub seeds_composite: bool,
     /// Clock of the run.
     pub clock: MissionClock,
@@ -127,8 +127,8 @@ impl Mission {
         }
     }
 
-    /// Runs the mission. `hear` receives every event, and its line of the story if it has one; setting `stop` ends the run
-    /// early.
+    /// Runs the mission. `hear` receives every event, with its line of the story if it has one; setting `stop` ends the
+    /// run early.
     ///
     /// # Errors
     /// Fails if the composite has errors or cannot be assembled in this binary.

@@ -1,4 +1,4 @@
-//! A prompt: lines from a person, with completion and a memory where the build has the feature `tui`; or from a pipe.
+//! Reads lines from the user, with completion and history if the build has the feature `tui`, or from a pipe.
 
 #[cfg(feature = "tui")]
 mod editor;

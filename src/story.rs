@@ -1,8 +1,8 @@
-//! The story of a mission: what happens, told as it happens.
+//! The story of a mission: reports what happens while it happens.
 //!
-//! [`Story`] turns the events of a run into lines; [`Summary`] is what is left of it in the end. What is worth telling
-//! comes from the composite: what its specifications hear, which services are called, whether anything moves. Maps, paths,
-//! goals and odometry are recognised by their standard ROS messages; no component, topic or robot is named here.
+//! [`Story`] turns the events of a run into lines; [`Summary`] condenses them at the end. The composite determines
+//! which events are worth reporting: inputs of its specifications, calls of services, motion. Maps, paths, goals and
+//! odometry are recognised by their standard ROS messages; no component, topic or robot is named here.
 
 mod driven_path;
 mod input;
@@ -24,20 +24,20 @@ use self::input::StoryInput;
 use self::repeats::RepeatedEntries;
 use crate::terminal::{BAD, FAINT, NAME, NOTE};
 
-/// Tells the events of a run.
+/// Turns the events of a run into lines.
 #[derive(Debug, Default)]
 pub struct Story {
-    /// What the specifications hear.
+    /// The inputs of specifications, whose messages are reported.
     ears: Vec<StoryInput>,
     repeats: RepeatedEntries,
     summary: Summary,
 }
 
-/// Something to tell.
+/// An entry of the story.
 struct StoryEntry {
-    /// In words.
+    /// Text of the entry.
     line: String,
-    /// What it is called where it happens again and again; what has no name is told each time.
+    /// Name under which repetitions are counted; `None` if each occurrence is reported.
     again: Option<String>,
 }
 
@@ -53,7 +53,7 @@ impl StoryEntry {
 }
 
 impl Story {
-    /// Of this plan nothing happened yet.
+    /// Creates the story of a plan that has not started yet.
     pub fn of(plan: &Plan) -> Self {
         Self {
             ears: input::of(plan),
@@ -61,12 +61,12 @@ impl Story {
         }
     }
 
-    /// What is left of it so far.
+    /// The summary of all events so far.
     pub fn summary(&self) -> &Summary {
         &self.summary
     }
 
-    /// Takes in an event; the lines to tell about it, mostly none.
+    /// Handles an event. Returns the lines to print, which are usually none.
     pub fn tell(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
         self.summary.ended = Some(at);
         let told = self.happened(at, event);
@@ -224,7 +224,7 @@ impl Story {
     }
 }
 
-/// A specification hears something.
+/// The entry for a message to a specification, if it is worth reporting.
 fn heard(
     ear: &mut StoryInput,
     summary: &mut Summary,
@@ -239,7 +239,7 @@ fn heard(
     let what = what.map_or_else(String::new, |what| format!(" {what}"));
     let topic = &ear.name;
     let line = format!("{NAME}{topic}{NAME:#} {what}   {FAINT}{speaker}{FAINT:#}");
-    // numbers that flow are told now and then, words each time
+    // streams of numbers are reported from time to time, words each time
     let flows = ear.is_state() && !what.contains(char::is_alphabetic);
     Some(match flows {
         true => StoryEntry::often(line, name),

@@ -1,4 +1,4 @@
-//! Trace of a run, one event a line; equal runs give equal bytes.
+//! Trace of a run, one event per line; equal runs give equal bytes.
 //!
 //! Steps of coordinators are written in full. Of a message, the trace contains the CRC-32 of its CBOR encoding, so that a map
 //! takes one line like any other message. Cycles without effect are omitted.

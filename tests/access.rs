@@ -1,12 +1,12 @@
-//! How a broker lets us in: passwords from the environment and from a file, certificates on both sides; and that
-//! nothing of it is told.
+//! Access to a broker: passwords from the environment and from a file, certificates on both sides; secrets are never
+//! printed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use asmotion_broker::{TestBroker, Vhost};
 
-/// An `asmotion` that finds no password by itself.
+/// An `asmotion` command without a password in its environment.
 fn asmotion(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.args(arguments).env_remove("ASMOTION_PASSWORD");
@@ -14,7 +14,7 @@ fn asmotion(arguments: &[&str]) -> Command {
     command
 }
 
-/// A short mission that is written down.
+/// A short mission that writes a trace.
 fn mission(bus: &str, trace: &Path) -> Command {
     let composite =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation/navigation.composite.toml");
@@ -23,7 +23,7 @@ fn mission(bus: &str, trace: &Path) -> Command {
     command
 }
 
-/// A user with a password of its own, who may do everything.
+/// Creates a user with its own password and all permissions.
 fn user(broker: &TestBroker, vhost: &Vhost<'_>) -> (String, &'static str) {
     let (user, password) = (format!("{}-ann", vhost.name()), "correct-horse-battery");
     broker.add_user(&user, password).unwrap();

@@ -1,4 +1,4 @@
-//! A step of the coordinator asks for no memory: its own binary, for it counts all of them.
+//! A step of the coordinator allocates no memory. A separate binary, because the counting allocator is global.
 
 #![allow(unsafe_code, reason = "a global allocator is unsafe to write")]
 #![allow(
@@ -16,29 +16,29 @@ use mission::Mission;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// The system's allocator, counted by each thread for itself: the test harness has threads, too.
+/// The system's allocator with a counter per thread, because the test harness has threads too.
 struct Counted;
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
 }
 
-// SAFETY: every call is handed to the system's allocator as it is.
+// SAFETY: every call is passed unchanged to the system's allocator.
 unsafe impl GlobalAlloc for Counted {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);
-        // SAFETY: the caller's contract is the system allocator's.
+        // SAFETY: the caller upholds the contract, which is the system allocator's.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's contract is the system allocator's.
+        // SAFETY: the caller upholds the contract, which is the system allocator's.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);
-        // SAFETY: the caller's contract is the system allocator's.
+        // SAFETY: the caller upholds the contract, which is the system allocator's.
         unsafe { System.realloc(pointer, layout, size) }
     }
 }

@@ -1,4 +1,4 @@
-//! Composites through the front door: opened up, drawn, as SCDL, as a schema.
+//! Composites on the command line: expanded, drawn, converted to SCDL, described by a schema.
 
 use std::path::Path;
 use std::process::Command;
@@ -119,7 +119,7 @@ fn schemas_are_json() {
     }
 }
 
-/// The navigation composite with one line changed, in a folder of its own.
+/// A copy of the navigation composite with one line changed.
 fn changed(line: &str, other: &str) -> tempfile::TempDir {
     let folder = copy("navigation");
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation");
@@ -137,7 +137,7 @@ fn changed(line: &str, other: &str) -> tempfile::TempDir {
     folder
 }
 
-/// Exit code and standard error of a command on a composite.
+/// Exit code and standard error of a command applied to a composite.
 fn on(folder: &tempfile::TempDir, command: &str, arguments: &[&str]) -> (i32, String) {
     let file = folder.path().join("navigation.composite.toml");
     let mut asmotion = Command::new(env!("CARGO_BIN_EXE_asmotion"));
@@ -147,7 +147,7 @@ fn on(folder: &tempfile::TempDir, command: &str, arguments: &[&str]) -> (i32, St
     (output.status.code().unwrap(), said)
 }
 
-/// Another implementation of `nav/PlanService`: one that keeps further away from walls.
+/// Another implementation of `nav/PlanService`, which keeps a larger distance from walls.
 const CAREFUL: &str = r#"
 schema = "composite/1"
 [composite]
@@ -166,7 +166,7 @@ port = "Planner.obstacles"
 as   = "obstacles"
 "#;
 
-/// What happened, without the line that names the file.
+/// The lines of a story without the first one, which names the file.
 fn story(said: &str) -> Vec<&str> {
     said.lines().skip(1).collect()
 }
@@ -187,7 +187,7 @@ fn c1_the_planner_is_another_by_one_line() {
     std::fs::write(other.path().join("careful.toml"), CAREFUL).unwrap();
     let [ours, other] = [ours, other].map(|folder| on(&folder, "run", &["--goal", "26.4,4.2"]));
     assert_eq!((ours.0, other.0), (0, 0), "{}\n{}", ours.1, other.1);
-    // both arrive, on ways of their own
+    // both arrive, on different paths
     assert_ne!(story(&ours.1), story(&other.1));
 }
 
@@ -234,7 +234,7 @@ fn c16_one_command_runs_both_case_studies() {
     }
 }
 
-/// A map server for each of two profiles, and who asks it.
+/// A map server for each of two profiles, and its client.
 const LINE: &str = r#"
 schema = "composite/1"
 [composite]

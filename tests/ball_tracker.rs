@@ -1,4 +1,4 @@
-//! The ball tracker of rFSM as a specification: states in states, completion, guards, timeouts, priorities.
+//! rFSM's ball tracker as a specification: hierarchical states, completion, guards, timeouts, priorities.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -14,7 +14,7 @@ fn composite() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/ball_tracker/ball_tracker.composite.toml")
 }
 
-/// The states that the coordinator goes through until one of these is reached, the inner ones behind a slash.
+/// The states of the coordinator until one of these is reached; inner states follow a slash.
 fn states(mut mission: Mission, until: &str) -> (Vec<String>, MissionOutcome, Duration) {
     mission.until = Some(vec![("mode".to_owned(), until.to_owned())]);
     mission.unless = Some(Vec::new());
@@ -71,13 +71,13 @@ fn o16_the_ball_is_searched_followed_and_held_until_the_work_is_complete() {
     let (states, outcome, time) = states(shipped(), "DONE");
     assert_eq!(states, ["OPERATE", "/SEARCH", "/FOLLOW", "/HOLD", "DONE"]);
     assert_eq!(outcome, MissionOutcome::Reached);
-    // it warms up for a second, and holds for one
+    // one second of warming up, and one of holding
     assert!(time > Duration::from_secs(2), "{time:?}");
 }
 
 #[test]
 fn o16_a_ball_that_hides_is_searched_again() {
-    // held for so long that it rolls behind something
+    // held long enough for the ball to roll behind something
     let (mission, _folder) = changed("ball_tracker.asm", "then 1000", "then 8000");
     let (states, ..) = states(mission, "DONE");
     let begin = ["OPERATE", "/SEARCH", "/FOLLOW", "/HOLD", "/SEARCH"];

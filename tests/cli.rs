@@ -1,4 +1,4 @@
-//! The command line: what a person types, what comes back, and the exit code.
+//! The command line: arguments, output and exit codes.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -25,7 +25,7 @@ fn run(arguments: &[&str]) -> (i32, String, String) {
     )
 }
 
-/// Writes a file into a new folder; the folder and the path.
+/// Writes a file into a new folder. Returns the folder and the path.
 fn file(name: &str, text: impl AsRef<[u8]>) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -128,7 +128,7 @@ fn what_ships_has_no_findings() {
     assert!(!out.contains("error["), "{out}");
 }
 
-/// Two old spellings, a foreign sign, and a name that only a person can mend.
+/// Two outdated spellings, a foreign symbol, and a name that cannot be fixed automatically.
 const OLD: &str = "asm old\nimport StandardLibrary\nsignature:\n  controlled ok: Boolean\ndefinitions:\n  \
                    main rule r_Main = par ok := (exist $x in {1..3} with $x == 2) oc := true endpar\n";
 
@@ -384,7 +384,7 @@ fn bad_input_gets_a_diagnostic_and_no_panic() {
 
 const PATROL: &str = "specs/patrol/patrol.asm";
 
-/// The table of `docs/diagnostics.md`, row by row; what an argument names and is not there is said.
+/// The table in `docs/diagnostics.md`, row by row: an unknown name in an argument is a usage error.
 #[test]
 fn an_argument_that_names_what_is_not_there_is_a_wrong_usage() {
     let run_with = |option: &'static str, value: &'static str| {
@@ -721,7 +721,7 @@ fn fmt_takes_scenarios_too() {
     assert!(err.contains("did you mean `check`?"), "{err}");
 }
 
-/// What people read first is in the layout we ask for.
+/// The specifications in this repository are formatted.
 #[test]
 fn our_specifications_are_formatted() {
     let (code, out, err) = run(&["fmt", "--check", "specs", "benches", "asm-lang/stdlib/asm"]);

@@ -1,4 +1,4 @@
-//! The pages of the codes of composites: what their wrong example earns, the mended one does not.
+//! The pages of the composite codes: the wrong example produces the code, the corrected one does not.
 
 use asmotion_assembly::{AsmFiles, CODES, Context, EmptyEnvironment, Tables};
 use asmotion_diagnostics::Code;
@@ -12,7 +12,7 @@ const BUILD: Tables = Tables {
     builtins: &[],
 };
 
-/// Codes that no example of a page earns: they need many files, or large ones.
+/// Codes without an example on their page, because they need many or large files.
 const WITHOUT_EXAMPLE: &[&str] = &["C081", "C082", "C112", "C116"];
 
 #[test]
@@ -44,7 +44,7 @@ fn pages_have_examples_that_are_true() {
     assert!(wrong.is_empty(), "\n{wrong}");
 }
 
-/// What is found in an example: a composite, or a file of types.
+/// The findings about an example: a composite or a file of message types.
 fn found(code: &Code, info: &str) -> Option<Report> {
     let mut files = MemoryFiles::new();
     files.add("example.toml", code.example(info)?);

@@ -1,4 +1,4 @@
-//! `asmotion describe`: tables for people, AsyncAPI for their tools.
+//! `asmotion describe`: tables for users, AsyncAPI documents for tools.
 
 use serde_json::Value;
 use std::io::Write;
@@ -17,7 +17,7 @@ fn asyncapi(composite: &str) -> Value {
     serde_json::from_str(&describe(&[composite, "--asyncapi"])).unwrap()
 }
 
-/// The navigation's composite with more of it, as a file of its own.
+/// The navigation composite with additional text, in a separate file.
 fn navigation_with(more: &str) -> (tempfile::TempDir, String) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = tempfile::tempdir().unwrap();
@@ -35,7 +35,7 @@ fn navigation_with(more: &str) -> (tempfile::TempDir, String) {
     (folder, composite.to_str().unwrap().to_owned())
 }
 
-/// Every `$ref` in a document.
+/// All `$ref`s in a document.
 fn references<'v>(value: &'v Value, found: &mut Vec<&'v str>) {
     match value {
         Value::Object(members) => {
@@ -47,7 +47,7 @@ fn references<'v>(value: &'v Value, found: &mut Vec<&'v str>) {
     }
 }
 
-/// What AsyncAPI 3.0.0 asks of every document.
+/// Checks the requirements of AsyncAPI 3.0.0.
 fn check(document: &Value) {
     assert_eq!(document["asyncapi"], "3.0.0");
     assert!(document["info"]["title"].is_string() && document["info"]["version"].is_string());
@@ -127,8 +127,8 @@ fn documents_are_whole() {
     }
 }
 
-/// A folder with the published schema of AsyncAPI and a validator, installed once; none where no index of packages can be
-/// reached, which is said aloud.
+/// A folder with the published schema of AsyncAPI and a validator, installed once. Prints a notice and returns `None`
+/// if the packages cannot be downloaded.
 fn published() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asyncapi");
     if folder.join("node_modules/ajv").is_dir() {

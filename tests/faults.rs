@@ -1,5 +1,4 @@
-//! Missions through faults of a real broker and of processes: what the robot does meanwhile, and that nothing is lost
-//! or done twice.
+//! Missions during faults of a real broker and of processes: the robot stays safe, and nothing is lost or done twice.
 
 use std::io::{BufRead, BufReader, Lines};
 use std::path::Path;
@@ -19,11 +18,11 @@ use crate::processes::{
     Running, expected, navigation, over, queues, run_any, there, three_processes,
 };
 
-/// The limit of the connection from topic `permit`: how long the rover drives on when nobody says that it may.
+/// Age limit of the connection from topic `permit`, in s: the time for which the rover drives without a new permission.
 const LIMIT: f64 = 0.5;
-/// The rover brakes with 0.5 m/s² at least from 0.5 m/s at most, and a loaded machine is late.
+/// Time in s for braking at 0.5 m/s² or more from at most 0.5 m/s, with a margin for a loaded machine.
 const BRAKING: f64 = 1.5;
-/// A rover slower than this stands, m/s.
+/// Speed in m/s below which the rover counts as standing.
 const STANDS: f64 = 0.01;
 
 /// A process whose standard output is read while it runs.
@@ -39,7 +38,7 @@ impl Heard {
         Self { child, lines }
     }
 
-    /// Reads on, up to a line that is wanted, and gives it; none at the end.
+    /// Reads lines until one satisfies the predicate. Returns `None` at the end of the output.
     pub(super) fn until(
         &mut self,
         told: &mut Vec<Value>,
@@ -63,7 +62,7 @@ impl Drop for Heard {
     }
 }
 
-/// The modes that a line of a run tells to be entered.
+/// The modes entered according to a line of the run's output.
 pub(super) fn entered(line: &Value) -> Vec<String> {
     let updates = line["step"]["updates"].as_array().into_iter().flatten();
     let modes = updates.filter(|update| update["location"] == "mode");
@@ -76,22 +75,22 @@ pub(super) fn enters(mode: &'static str) -> impl Fn(&Value) -> bool {
     move |line| entered(line).iter().any(|entered| entered == mode)
 }
 
-/// How often a service was called.
+/// The number of calls of a service.
 fn calls(told: &[Value], operation: &str) -> usize {
     let called = |line: &&Value| line["type"] == "call" && line["operation"] == operation;
     told.iter().filter(called).count()
 }
 
-/// What the process on board has recorded, in its own time, s.
+/// The record of the process on board; times are in s of its own clock.
 #[derive(Default)]
 struct Record {
-    /// When a permission to drive came.
+    /// Times at which a permission to drive arrived.
     permits: Vec<f64>,
-    /// When the rover measured which speed.
+    /// Times and measured speeds of the rover.
     speeds: Vec<(f64, f64)>,
-    /// Orders of the coordinator.
+    /// Number of paths ordered by the coordinator.
     plans: usize,
-    /// What the follower said.
+    /// Events published by the follower.
     events: Vec<String>,
 }
 
@@ -125,7 +124,7 @@ impl Record {
         }
     }
 
-    /// The longest time without a permission: from when, until when.
+    /// The longest interval without a permission: start and end.
     fn silence(&self) -> (f64, f64) {
         let pairs = self.permits.windows(2).map(|pair| (pair[0], pair[1]));
         pairs
@@ -144,7 +143,7 @@ impl Record {
     }
 }
 
-/// The process on board, in a thread of the test, which so sees what it does.
+/// The process on board, run in a thread of the test, which can observe it.
 struct Onboard {
     record: Arc<Mutex<Record>>,
     stop: Arc<AtomicBool>,
@@ -183,15 +182,15 @@ impl Onboard {
     }
 }
 
-/// A mission in two processes; on the way something happens to the broker. What was recorded on board, after it was
-/// seen that the coordinator went through the same as undisturbed, and nothing was done twice.
+/// Runs a mission in two processes, in the middle of which `harm` is done to the broker. Checks that the coordinator
+/// goes through the same modes as without it and that nothing is done twice; returns the record on board.
 fn through(broker: &TestBroker, vhost: &Vhost<'_>, harm: impl FnOnce(&TestBroker)) -> Record {
     let composite = navigation().join("navigation.composite.toml");
     let onboard = Onboard::start(vhost);
     let mut supervisor = Heard::start(&mut over(&composite, broker, vhost, Some("supervisor")));
     let mut told = Vec::new();
     assert!(supervisor.until(&mut told, enters("FOLLOWING")).is_some());
-    // under way, and far from the goal
+    // driving, and far from the goal
     std::thread::sleep(Duration::from_millis(1500));
     harm(broker);
     supervisor.until(&mut told, |_| false);
@@ -200,7 +199,7 @@ fn through(broker: &TestBroker, vhost: &Vhost<'_>, harm: impl FnOnce(&TestBroker
     assert_eq!((modes, code), expected());
     assert_eq!((calls(&told, "getMap"), calls(&told, "plan")), (1, 1));
     let record = onboard.end();
-    // one order to drive, one to stand
+    // one order to drive, one to stop
     assert_eq!(record.plans, 2);
     assert_eq!(record.events, ["REACHED", "HALTED"]);
     record
@@ -214,7 +213,7 @@ fn the_rover_stops_while_the_broker_is_dead_and_arrives_when_it_is_back() {
     let vhost = broker.vhost().unwrap();
     let record = through(&broker, &vhost, |broker| {
         broker.kill().unwrap();
-        // longer than it may go on
+        // longer than the rover may go on driving
         std::thread::sleep(Duration::from_secs(3));
         broker.revive().unwrap();
     });
@@ -240,7 +239,7 @@ fn the_mission_goes_on_when_an_operator_has_closed_the_connections() {
     });
 }
 
-/// Sends a signal to a process of ours.
+/// Sends a signal to a child process.
 fn signal(process: &Child, signal: &str) {
     let mut kill = Command::new("kill");
     let told = kill.args([signal, &process.id().to_string()]).status();
@@ -256,7 +255,7 @@ fn a_provider_killed_in_a_call_is_unavailable_before_the_deadline_and_serves_aga
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let composite = three_processes(folder.path());
-    // a deadline that is not what ends the call
+    // a long deadline, so that it does not end the call
     let text = std::fs::read_to_string(&composite).unwrap();
     let patient = text.replace("timeout_ms = 1000", "timeout_ms = 20000");
     assert_ne!(text, patient);
@@ -268,7 +267,7 @@ fn a_provider_killed_in_a_call_is_unavailable_before_the_deadline_and_serves_aga
     let mut planning = Heard::start(&mut command("planning"));
     serves();
     there(&vhost, "onboard");
-    // it takes the request, and does nothing any more
+    // it takes the request, and then stops responding
     signal(&planning.child, "-STOP");
     let mut supervisor = command("supervisor");
     let supervisor = supervisor.args(["--until", "mode=ARRIVED", "--unless", "mode=STOPPING"]);
@@ -398,7 +397,7 @@ fn who_starts_late_gets_what_was_published_once() {
     };
     let mut early = Heard::start(&mut command("early"));
     assert!(early.until(&mut Vec::new(), enters("SAID")).is_some());
-    // heard once, and again by who has it already: the second reader is no cause for a second message
+    // read once, and a second reader does not cause a second message to the first
     for _ in 0..2 {
         let late = command("late").args(["--until", "read=\"once\""]).output();
         let late = late.unwrap();

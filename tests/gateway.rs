@@ -1,4 +1,4 @@
-//! Services over HTTP: what a composite promotes is called by those who are on no bus.
+//! Services over HTTP: promoted operations are called by clients without access to the bus.
 
 use serde_json::{Value, json};
 use std::io::{Read, Write};
@@ -25,7 +25,7 @@ as      = "maps"
 binding = "http"
 "#;
 
-/// A composite in a folder of its own.
+/// Writes a composite into a new folder.
 fn composite(text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("main.composite.toml");
@@ -42,7 +42,7 @@ fn run(composite: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Calls over HTTP: the status, and what was said. With `curl`, where there is one.
+/// Calls an operation over HTTP, with `curl` if it is installed. Returns the status and the body.
 pub(super) fn post(url: &str, argument: &str) -> (u16, Value) {
     let mut command = Command::new("curl");
     command.args([
@@ -62,7 +62,7 @@ pub(super) fn post(url: &str, argument: &str) -> (u16, Value) {
     (status.parse().unwrap(), body)
 }
 
-/// What `curl` would show.
+/// The output that `curl` would print.
 fn said(url: &str, argument: &str) -> String {
     let (address, path) = url
         .strip_prefix("http://")
@@ -96,7 +96,7 @@ fn c5_curl_calls_a_promoted_service() {
             * map["info"]["height"].as_u64().unwrap() as usize,
         cells
     );
-    // both clients hear the same
+    // both clients get the same
     let own = said(&format!("{services}/maps/getMap"), r#"{"name": "office"}"#);
     let (own, _) = own.rsplit_once('\n').unwrap();
     assert_eq!(serde_json::from_str::<Value>(own).unwrap(), map);
@@ -129,7 +129,7 @@ fn c5_curl_calls_a_promoted_service() {
     assert!(said.is_empty() || !said.contains("panicked"), "{said}");
 }
 
-/// The code with which a map that is not there is refused; it is the operation's own.
+/// The fault code for an unknown map, which is the operation's own.
 fn map_fault(services: &str) -> Value {
     let (_, said) = post(
         &format!("{services}/maps/getMap"),

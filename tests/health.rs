@@ -1,5 +1,5 @@
-//! A specification that knows how the bus is: it commands a safe stop when the broker is gone, and goes on when it is
-//! back.
+//! A specification that reacts to the state of the bus: it orders a safe stop when the broker is gone, and continues
+//! when it is back.
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
@@ -73,7 +73,7 @@ fn run(composite: &Path, until: &str) -> Command {
     command
 }
 
-/// What a line of the run says was written: location and value.
+/// The updates in a line of the run's output: location and value.
 fn updates(line: &str) -> Vec<(String, String)> {
     let line: Value = serde_json::from_str(line).unwrap();
     let updates = line["step"]["updates"].as_array().into_iter().flatten();

@@ -1,4 +1,4 @@
-//! The floor plan: which crate may use which. Arrows fall, none climbs.
+//! The architecture: which crate may depend on which. Dependencies point downwards only.
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 use std::collections::BTreeSet;
@@ -9,7 +9,7 @@ use xtask::checkout::Checkout;
 use xtask::debts::{self, HouseDebts};
 use xtask::{printing, type_names};
 
-/// The rooms from the ground up; a room uses only rooms below it.
+/// The crates by layer, lowest first; a crate depends only on lower layers.
 const FLOORS: &[&[&str]] = &[
     // macros
     &["asmotion-derive", "asmotion-diagnostics-derive"],
@@ -45,11 +45,11 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-components"],
     // the front door
     &["asmotion"],
-    // tests of all wings, and chores
+    // tests of all wings, and maintenance tasks
     &["asmotion-robustness", "xtask"],
 ];
 
-/// Stands for every crate of `components/` that no floor names: a new component needs no row.
+/// Stands for every crate of `components/` that is not listed, so that a new component needs no row.
 const COMPONENTS: &str = "components/*";
 
 fn floor(package: &str) -> Option<usize> {
@@ -67,7 +67,7 @@ fn workspace() -> &'static Metadata {
     &WORKSPACE
 }
 
-/// The folder at the top of the repository in which a crate lives: `asm-lang`, `engine`, `components`.
+/// The top-level folder of a crate: `asm-lang`, `engine`, `components`.
 fn wing(package: &str) -> String {
     let metadata = workspace();
     let found = metadata.packages.iter().find(|it| it.name == package);
@@ -79,7 +79,7 @@ fn wing(package: &str) -> String {
     first.to_string()
 }
 
-/// Every arrow between two of our crates, development ones left out.
+/// The dependencies between our crates, without development dependencies.
 fn arrows() -> Vec<(String, String)> {
     let metadata = workspace();
     let mut arrows = Vec::new();
@@ -138,7 +138,7 @@ fn the_engine_knows_no_robot_and_the_language_knows_no_engine() {
     }
 }
 
-/// Every crate that a crate is built from, as `cargo tree` says.
+/// All crates that a crate is built from, according to `cargo tree`.
 fn built_from(package: &str) -> BTreeSet<String> {
     let tree = Command::new(env!("CARGO"))
         .args(["tree", "-e", "normal", "--prefix", "none", "--offline"])
@@ -169,7 +169,7 @@ fn a_component_is_built_without_runtime_and_bus() {
 
 #[test]
 fn j5_the_core_is_built_without_any_transport() {
-    // begins of words in the names of crates
+    // prefixes of words in the names of crates
     const TRANSPORTS: [&str; 8] = [
         "amqp", "lapin", "rabbit", "ros", "rcl", "corba", "tokio", "hyper",
     ];
@@ -200,7 +200,7 @@ fn j5_the_core_is_built_without_any_transport() {
     assert!(amqp.iter().any(|name| is_transport(name)), "{amqp:?}");
 }
 
-/// Another back end is another crate beside `asmotion-amqp`: who joins systems names it, and nobody below.
+/// A new back end is a new crate beside `asmotion-amqp`: only the crates that assemble systems name it, no lower one.
 #[test]
 fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
     let arrows = arrows();
@@ -217,8 +217,8 @@ fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
     }
 }
 
-/// Names used through `lib.rs`, arrows that climb between first-level modules, cycles of more than five
-/// files, type names with several meanings, `_ =>` beside variants of our own, and errors without a word.
+/// Names used through `lib.rs`, upward dependencies between first-level modules, cycles of more than five files, type
+/// names with several meanings, `_ =>` beside our own variants, and errors without a message.
 #[test]
 fn debts_only_shrink() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

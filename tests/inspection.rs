@@ -1,4 +1,4 @@
-//! What can be seen of a running system over a broker, and done to it: ports, shapes, the life cycle, the monitor.
+//! Inspection and control of a running system over a broker: ports, schemas, life cycle, monitor.
 
 use crate::person::person;
 use crate::processes::{Running, navigation, over, there, tool};
@@ -22,12 +22,12 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
         assert!(err.contains(reason), "{arguments:?}: {err}");
     };
 
-    // J15: what is introspected is stable
+    // J15: introspection has a stable format
     let (code, out, err) = tool(&["component", "info", "RoverDriver", "--json"]);
     assert_eq!(code, Some(0), "{err}");
     insta::assert_snapshot!("j15_a_component_as_json", out);
 
-    // J13, J18: every way to be wrong has its words, and harms nobody
+    // J13, J18: every mistake has its message, and does no harm
     let read = |port: &str| tool(&["port", "read", port]);
     let (code, out, err) = read("RoverDriver.odom");
     assert_eq!(code, Some(0), "{err}");
@@ -92,7 +92,7 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
     monitor(broker.password(), &url);
 }
 
-/// The end of a command, what it put out, what it said.
+/// Exit code, standard output and standard error.
 type Said = (Option<i32>, String, String);
 
 /// O12: properties are saved, compared and loaded.
@@ -139,7 +139,7 @@ fn properties(all: &dyn Fn(&[&str]) -> Said) {
     assert!(!tool("diff").1.contains("noise_m"), "nothing was set");
 }
 
-/// In a real terminal: it draws on a screen of its own, sees the system, and gives the terminal back at Ctrl-C.
+/// In a real terminal: the monitor uses the alternate screen, shows the system, and restores the terminal on Ctrl-C.
 fn monitor(password: &str, url: &str) {
     let keys = [("RoverDriver", "\u{3}")];
     let Some((code, screen)) = person((password, url), &["top"], &keys) else {
@@ -167,7 +167,7 @@ fn the_monitor_wants_a_terminal() {
     assert!(said.contains("draws on a terminal"), "{said}");
 }
 
-/// In one process, on a bus inside of it: what is seen ends with the run.
+/// In one process, on an internal bus: the monitor ends with the run.
 #[test]
 fn the_monitor_stands_beside_a_run_without_a_broker() {
     let composite = navigation().join("navigation.composite.toml");
@@ -191,7 +191,7 @@ fn a_run_that_is_looked_at_wants_a_terminal() {
     assert!(said.contains("`--top` draws on a terminal"), "{said}");
 }
 
-/// The library on RabbitMQ: the same handle as on the bus inside a process.
+/// The library over RabbitMQ: the same handle as on the in-process bus.
 #[test]
 fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
     let Some(broker) = asmotion_broker::calm() else {

@@ -1,5 +1,4 @@
-//! Programs of the language: what they do, what is said about their mistakes, and that nothing
-//! brings the pipeline down.
+//! Programs of the language: their behaviour, the diagnostics of their errors, and the robustness of the pipeline.
 
 #[cfg(feature = "native")]
 mod back_ends;
@@ -16,7 +15,7 @@ mod specifications;
 use asmotion_lang::{MemoryFiles, OpenFailure, Specification};
 use std::path::{Path, PathBuf};
 
-/// The folder of this subject.
+/// The folder of these tests.
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/language")
 }
@@ -39,7 +38,7 @@ fn programs(folder: &Path) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Opens a text. A line `//--- name.asm` in it begins the text of another file.
+/// Opens a specification. A line `//--- name.asm` in the text begins another file.
 fn open(name: &str, text: &str) -> Result<Specification, OpenFailure> {
     let mut files = MemoryFiles::new();
     let mut parts = text.split("//--- ");
@@ -52,7 +51,7 @@ fn open(name: &str, text: &str) -> Result<Specification, OpenFailure> {
     asmotion_lang::open(&main, &files)
 }
 
-/// Opens a text that has no errors.
+/// Opens a specification without errors.
 fn opened(name: &str, text: &str) -> Specification {
     open(name, text).unwrap_or_else(|failure| panic!("{name}.asm:\n{failure}"))
 }

@@ -1,5 +1,4 @@
-//! Everything that is tested through the front door: programs of the language, missions of the
-//! robot, the command line, and the plan of the house itself. One module a subject.
+//! Tests of the whole program: the language, missions, the command line, and the architecture. One module per subject.
 
 #![allow(
     clippy::unwrap_used,

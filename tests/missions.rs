@@ -1,4 +1,4 @@
-//! Missions of the rover, in virtual time: the story of each is a snapshot that a person has read.
+//! Missions of the rover in virtual time, with reviewed snapshots of their stories.
 
 use asmotion::mission::{Mission, MissionEnd, MissionOutcome};
 use asmotion::trace::MissionTrace;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
-/// Where the rover goes in most missions: the lobby.
+/// The goal of most missions: the lobby.
 const TO_LOBBY: &str = "1 goal 26.4 4.2";
 
 fn navigation() -> PathBuf {
@@ -35,7 +35,7 @@ fn seeded(mut mission: Mission, seed: u64) -> Mission {
     mission
 }
 
-/// Runs a mission; its story without the lines that only tell progress, and how it ended.
+/// Runs a mission. Returns its story without reports of progress, and its end.
 fn tell(mission: &Mission) -> (String, MissionEnd) {
     let story = Arc::new(Mutex::new(String::new()));
     let teller = story.clone();
@@ -66,7 +66,7 @@ fn tell(mission: &Mission) -> (String, MissionEnd) {
     (story, ended)
 }
 
-/// The trace of a mission, byte for byte.
+/// The trace of a mission.
 fn trace(mission: &Mission) -> String {
     let trace = Arc::new(Mutex::new(MissionTrace::new()));
     let writer = trace.clone();
@@ -141,7 +141,7 @@ fn it_gives_up_where_there_is_no_path() {
 
 #[test]
 fn it_asks_a_late_planner_again_until_the_bound() {
-    // a planner that looks at its requests once a minute, and a wire that waits for a second
+    // a planner with a period of one minute, and a wire with a timeout of one second
     let folder = tempfile::tempdir().unwrap();
     let composite =
         std::fs::read_to_string(navigation().join("navigation.composite.toml")).unwrap();
@@ -162,7 +162,7 @@ fn it_asks_a_late_planner_again_until_the_bound() {
     }
     let (story, ended) = tell(&Mission::new(path.display().to_string()));
     assert_eq!(ended.outcome, MissionOutcome::Failed);
-    // once, and again three times: maxTries
+    // one call and three retries: maxTries
     assert_eq!(
         ended.summary.calls.to_string(),
         "maps.getMap ×1, planner.plan ×4"

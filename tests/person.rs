@@ -1,9 +1,9 @@
-//! A person at a terminal: looks until something is there, presses keys, looks again.
+//! A user at a terminal, simulated in a pseudo-terminal: waits for text, presses keys, and repeats.
 
 use std::process::Command;
 
-/// In a terminal of 24 lines: after each text has been seen, its keys are pressed. Exits as the program does, or with 99
-/// if something was never seen.
+/// In a terminal of 24 lines: waits for each text, then presses its keys. Exits with the program's exit code, or with
+/// 99 if a text never appeared.
 const PERSON: &str = r#"
 import fcntl, json, os, pty, select, struct, sys, termios, time
 steps, program = json.loads(sys.argv[1]), sys.argv[2:]
@@ -29,7 +29,7 @@ sys.stdout.buffer.write(seen)
 sys.exit(99 if steps else os.waitstatus_to_exitcode(status))
 "#;
 
-/// What the person saw, and how `asmotion` ended; nothing where there is no python3.
+/// The text on the screen, and the exit code of `asmotion`; `None` without Python.
 pub(super) fn person(
     (password, url): (&str, &str),
     arguments: &[&str],

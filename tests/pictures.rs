@@ -1,5 +1,5 @@
-//! The README's pictures are drawn from real runs, and stay true: where a run has changed, its picture
-//! must be drawn anew (`UPDATE_PICTURES=1 ./test pictures`) and looked at.
+//! The pictures in the README are drawn from real runs. If a run has changed, its picture must be redrawn
+//! (`UPDATE_PICTURES=1 ./test pictures`) and reviewed.
 
 use asmotion::mission::{Mission, MissionOutcome};
 use asmotion_messages::{OccupancyGrid, Odometry, Path as Route, Point, Scene};
@@ -31,7 +31,7 @@ fn the_terminal_is_what_the_demo_prints() {
         .unwrap();
     let story = String::from_utf8(output.stderr).unwrap();
     let result = String::from_utf8(output.stdout).unwrap();
-    // how long it took is another figure every time
+    // the duration differs each time
     let story = story.lines().filter(|line| !line.contains("on the wall"));
     let text = format!(
         "$ asmotion demo --speed 0\n{}{result}",
@@ -41,7 +41,7 @@ fn the_terminal_is_what_the_demo_prints() {
     picture("demo.svg", &terminal);
 }
 
-/// What is drawn of a mission.
+/// The parts of a mission that are drawn.
 #[derive(Default)]
 struct Seen {
     map: Option<OccupancyGrid>,
@@ -102,7 +102,7 @@ impl Seen {
     }
 }
 
-/// Pixels for a metre.
+/// Pixels per metre.
 const SCALE: f64 = 30.0;
 
 fn draw(seen: &Seen) -> String {
@@ -168,7 +168,7 @@ fn draw(seen: &Seen) -> String {
         let dashes = "fill=\"none\" stroke=\"#88c0d0\" stroke-width=\"3\" stroke-dasharray=\"8 6\"";
         writeln!(svg, "<polyline points=\"{}\" {dashes}/>", line(&mut poses)).unwrap();
     }
-    // ten times a second is enough for the eye
+    // ten points per second suffice
     let mut track = seen.track.iter().step_by(5).copied();
     let solid = "fill=\"none\" stroke=\"#bf616a\" stroke-width=\"4\" stroke-linejoin=\"round\"";
     writeln!(svg, "<polyline points=\"{}\" {solid}/>", line(&mut track)).unwrap();

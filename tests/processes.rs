@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Where the rover goes: not far.
+/// A goal near the start of the rover.
 const GOAL: &str = "3.4,4.7";
-/// Long enough for anything on a loaded machine.
+/// Timeout for a loaded machine.
 const LONG: Duration = Duration::from_secs(30);
 
 pub(super) fn navigation() -> PathBuf {
@@ -32,7 +32,7 @@ fn run(composite: &Path) -> Command {
     command
 }
 
-/// The same over the broker of a test, as the process of this name or as all in one.
+/// The same over the broker of a test, as the process with this name or all in one.
 pub(super) fn over(
     composite: &Path,
     broker: &TestBroker,
@@ -42,7 +42,7 @@ pub(super) fn over(
     through(run(composite), broker, vhost, process)
 }
 
-/// A command over the broker of a test.
+/// Adds the broker of a test to a command.
 pub(super) fn through(
     mut command: Command,
     broker: &TestBroker,
@@ -57,7 +57,7 @@ pub(super) fn through(
     command
 }
 
-/// A process that is ended with the test.
+/// A process that is killed at the end of the test.
 pub(super) struct Running(Option<Child>);
 
 impl Running {
@@ -65,7 +65,7 @@ impl Running {
         Self(Some(command.spawn().unwrap()))
     }
 
-    /// Waits until its gateway is open, and says where: `http://127.0.0.1:40123/services`.
+    /// Waits until its gateway is open. Returns its address: `http://127.0.0.1:40123/services`.
     pub(super) fn listening(&mut self) -> String {
         let child = self.0.as_mut().unwrap();
         let lines = BufReader::new(child.stderr.as_mut().unwrap()).lines();
@@ -82,7 +82,7 @@ impl Running {
         self.0.take().unwrap().wait_with_output().unwrap()
     }
 
-    /// Ends it as Ctrl-C does.
+    /// Interrupts it like Ctrl-C.
     pub(super) fn interrupt(self) -> Output {
         self.signal("-INT");
         self.end()
@@ -104,7 +104,7 @@ impl Drop for Running {
     }
 }
 
-/// The control states that a run went through, and its exit code.
+/// The control states of a run, and its exit code.
 pub(super) fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
     let text = String::from_utf8(output.stdout.clone()).unwrap();
     let mut modes = Vec::new();
@@ -122,7 +122,7 @@ pub(super) fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
     (modes, output.status.code())
 }
 
-/// Waits until a process of the navigation has its queues; that of its orders is the last.
+/// Waits until a process of the navigation has declared its queues; the queue of orders is the last.
 #[track_caller]
 pub(super) fn there(vhost: &Vhost<'_>, process: &str) {
     queues(
@@ -131,7 +131,7 @@ pub(super) fn there(vhost: &Vhost<'_>, process: &str) {
     );
 }
 
-/// Waits until there are queues whose names begin so.
+/// Waits until there are queues with this prefix.
 #[track_caller]
 pub(super) fn queues(vhost: &Vhost<'_>, prefix: &str) {
     let until = Instant::now() + LONG;
@@ -150,7 +150,7 @@ pub(super) fn queues(vhost: &Vhost<'_>, prefix: &str) {
     }
 }
 
-/// What the local bus does, in virtual time.
+/// The result with the local bus in virtual time.
 pub(super) fn expected() -> (Vec<String>, Option<i32>) {
     let output = run(&navigation().join("navigation.composite.toml"))
         .output()
@@ -188,7 +188,7 @@ fn in_two_processes_of_which_the_one_on_board_runs_until_it_is_told_to_end() {
     assert_eq!(vhost.connections().unwrap(), 0);
 }
 
-/// Copies what the composite needs, and gives its text.
+/// Copies the files that the composite needs. Returns its text.
 fn copied(folder: &Path) -> String {
     for name in ["navigate.asm", "maps/office.geojson"] {
         let to = folder.join(name);
@@ -199,7 +199,7 @@ fn copied(folder: &Path) -> String {
     std::fs::read_to_string(composite).unwrap()
 }
 
-/// The composite with its planner in a process of its own.
+/// The composite with its planner in a separate process.
 pub(super) fn three_processes(folder: &Path) -> PathBuf {
     let text = copied(folder);
     let apart = text.replace(
@@ -212,12 +212,12 @@ pub(super) fn three_processes(folder: &Path) -> PathBuf {
     composite
 }
 
-/// The composite with a broker of its own, whose address the environment has.
+/// The composite with a broker whose address is in the environment.
 fn with_broker(folder: &Path, url: &str) -> Command {
     with_broker_and(folder, url, "")
 }
 
-/// The same, with more said of the broker and after it.
+/// The same with additional settings of the broker and text after it.
 fn with_broker_and(folder: &Path, url: &str, more: &str) -> Command {
     let broker = format!("[brokers.main]\nurl = \"${{NAVIGATION_BROKER}}\"\n{more}");
     let composite = folder.join("named.composite.toml");
@@ -373,7 +373,7 @@ fn without_its_partner_a_process_goes_on_and_its_calls_fail() {
     assert!(onboard.interrupt().status.success());
 }
 
-/// What a tool says: exit code, standard output, standard error.
+/// Runs a tool. Returns exit code, standard output and standard error.
 pub(super) fn tool(
     broker: &SharedBroker,
     url: &str,
@@ -488,7 +488,7 @@ fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
         let (code, out, err) = tool(&broker, url, &["doctor"]);
         let hidden = out.replace(&address.to_string(), "HOST");
         let hidden = hidden.replace(vhost.name(), "VHOST");
-        // a queue's name has which life of the process it is
+        // the queue's name contains the id of the process' run
         let words = hidden
             .split(' ')
             .map(|word| match word.contains(".asmotion.doctor.") {
@@ -558,7 +558,7 @@ fn a_process_of_several_needs_a_broker_and_a_name_that_exists() {
     assert!(clock.contains("time is the wall's"), "{clock}");
 }
 
-/// What one specification sends is a request to the other, wherever that runs.
+/// A message of one specification is a request to the other, in whichever process that runs.
 #[test]
 fn two_specifications_talk_over_a_broker() {
     let Some(broker) = asmotion_broker::calm() else {

@@ -1,4 +1,4 @@
-//! C18: a running composite becomes its next version without a new start, or stays what it is.
+//! C18: a running composite changes to its next version without a restart, or does not change at all.
 
 use crate::processes::{Running, over, there, three_processes, tool};
 
@@ -34,7 +34,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     assert_eq!(code, Some(0), "{err}");
     assert_eq!(out, "onboard: nothing changes\nplanning: nothing changes\n");
 
-    // what is wrong is shown at its place, and nobody hears of it
+    // the error is shown at its place, and no process is affected
     becomes(&[(
         "to     = \"RoverDriver.twist\"",
         "to     = \"RoverDriver.twits\"",
@@ -43,7 +43,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     assert_eq!(code, Some(1), "{err}");
     assert!(err.contains("twits"), "{err}");
 
-    // one process cannot, so none does
+    // one process cannot change, so none does
     let faster = (
         "rust = \"nav::sim::RoverDriver\" }\nactivity  = { period_ms = 20 }",
         "rust = \"nav::sim::RoverDriver\" }\nactivity  = { period_ms = 10 }",

@@ -1,8 +1,8 @@
-//! `asmotion repl`, as a person types it.
+//! Sessions of `asmotion repl`.
 
 use std::path::Path;
 
-/// What is answered to these lines, on standard output.
+/// The output for these input lines.
 fn talk(arguments: &[&str], lines: &str) -> String {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("repl");
@@ -13,7 +13,7 @@ fn talk(arguments: &[&str], lines: &str) -> String {
 
 const NAVIGATE: &str = "specs/navigation/navigate.asm";
 
-/// Inputs with which the first step goes off.
+/// Inputs with which the first step succeeds.
 const INPUTS: &str = "set goalArrived := true\nset estop := false\nset cancelArrived := false\nset event := NOTHING\n";
 
 #[test]

@@ -1,5 +1,5 @@
-//! Over which broker what goes: components on brokers of their own, wires that go out and come in again, doors of a
-//! service, and callbacks to several listeners.
+//! Routing over several brokers: components on their own brokers, wires that leave and re-enter a process, several
+//! promotions of a service, and callbacks to several listeners.
 
 use asmotion_amqp::{AmqpBus, AmqpSettings};
 use asmotion_broker::{SharedBroker, Vhost};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use crate::gateway::post;
 use crate::processes::{Running, queues};
 
-/// Long enough for anything on a loaded machine.
+/// Timeout for a loaded machine.
 const LONG: Duration = Duration::from_secs(30);
 
 fn write(folder: &Path, files: &[(&str, &str)]) -> PathBuf {
@@ -32,7 +32,7 @@ fn run(composite: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// What a run wrote to a location, with the component that did.
+/// The values that a run wrote to a location, each with its component.
 fn written(output: &[u8], location: &str) -> BTreeSet<(String, String)> {
     let mut found = BTreeSet::new();
     for line in std::str::from_utf8(output).unwrap().lines() {
@@ -71,7 +71,7 @@ default init s0:
 	function mode = WAITING
 ";
 
-/// Speakers on two brokers and on none, and one who hears all three.
+/// Publishers on two brokers and on none, and a component that subscribes to all three.
 const SPEAKERS: &str = r#"
 schema = "composite/1"
 [composite]
@@ -109,7 +109,7 @@ bind.monitored.right = { topic = "right", receive = "last", none = "" }
 bind.monitored.quiet = { topic = "quiet", receive = "last", none = "" }
 "#;
 
-/// The topics of the composite that are heard at a broker until a run has ended.
+/// Subscribes to the topics of the composite on a broker until a run has ended.
 struct Ear(asmotion_bus::Subscription, AmqpBus);
 
 impl Ear {
@@ -162,7 +162,7 @@ fn t20_each_component_speaks_on_its_own_broker_and_one_without_stays_inside() {
     assert_eq!(spoken(&["--bus", &one]), ["", all]);
 }
 
-/// The courier's composite with a second courier who goes over the broker, and a door of its own for the service.
+/// The courier composite with a second courier on the broker, and an additional promotion of the service.
 fn three_doors(folder: &Path) -> PathBuf {
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/courier");
     for file in std::fs::read_dir(&specs).unwrap() {
@@ -197,7 +197,7 @@ binding = ["amqp", "http"]
     write(folder, &[("main.composite.toml", &format!("{text}{more}"))])
 }
 
-/// Calls an operation as a tool does, until somebody is there.
+/// Calls an operation until it has a provider.
 fn call(broker: &SharedBroker, vhost: &Vhost<'_>, operation: &str, argument: &str) -> String {
     let url = format!(
         "amqp://{}@{}/{}",
@@ -229,11 +229,11 @@ fn c4_a_service_is_called_through_three_doors() {
     let mut command = run(&composite, &[]);
     let mut running = Running::start(command.env("CELL", vhost.url()));
     let services = running.listening();
-    // by the name it is promoted under, and by its own
+    // by its promoted name, and by its own
     assert_eq!(call(&broker, &vhost, "courier.jobs.job", "4"), "7");
     let own = "courier.Dispatcher.dispatch.job";
     assert_eq!(call(&broker, &vhost, own, "5"), "8");
-    // from outside of every bus: the same answer, and none where there is none
+    // from outside of all buses: the same reply, and none if there is no provider
     let job = format!("{services}/jobs/job");
     assert_eq!(post(&job, "4"), (200, json!(7)));
     assert_eq!(post(&job, "\"four\"").0, 400);
@@ -251,7 +251,7 @@ fn c4_a_service_is_called_through_three_doors() {
         2,
         "who asks inside, and who asks over the broker: {output:?}"
     );
-    // what goes over the broker alone needs it: without, all is direct
+    // only the traffic between processes needs the broker: without it, all connections are direct
     let inside = ["--bus", "local", "--http", "off", "--until", "jobs=3"];
     let mut command = run(&composite, &inside);
     let output = command.env("CELL", vhost.url()).output().unwrap();

@@ -1,11 +1,11 @@
-//! `asmotion test`: what scenarios come to, and what is said of those that fail.
+//! `asmotion test`: the results of scenarios, and the diagnostics of failures.
 
 mod corpus;
 
 use assert_cmd::Command;
 use std::path::Path;
 
-/// A specification of one page, and scenarios about it.
+/// A small specification, and scenarios about it.
 const DOOR: &str = "asm door
 import StandardLibrary
 signature:
@@ -81,13 +81,13 @@ fn verdict_as(commands: &str, arguments: &[&str]) -> String {
     word.map_or(error, str::to_owned)
 }
 
-/// What is said of a scenario about the door, without the line that counts.
+/// The output for a scenario about the door, without the summary.
 fn said(commands: &str) -> String {
     let (_, out, error) = test(&[("s.avalla", &about(commands))], &[]);
     format!("{out}{}", uncounted(&error))
 }
 
-/// Without the line that counts, and says how long it took.
+/// Removes the summary line, which contains the duration.
 fn uncounted(error: &str) -> String {
     let lines = error.lines();
     let lines: Vec<&str> = lines
@@ -382,7 +382,7 @@ fn a_build_server_accepts_nothing() {
     assert!(!folder.path().join("door.twice.snap").exists());
 }
 
-/// Orders come by `extend`; the third one does not fit.
+/// Orders are added by `extend`; the third one does not fit.
 const ORDERS: &str = "asm orders
 import StandardLibrary
 signature:

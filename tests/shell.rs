@@ -1,4 +1,4 @@
-//! `asmotion shell`: a person, or a pipe, in a running system.
+//! `asmotion shell`: sessions of a user or from a pipe, in a running system.
 
 use std::path::Path;
 use std::process::Command;
@@ -25,7 +25,7 @@ fn url(broker: &SharedBroker, vhost: &Vhost<'_>) -> String {
     format!("amqp://{user}@{address}/{}", vhost.name())
 }
 
-/// What is answered to these lines: standard output, standard error.
+/// The output for these input lines: standard output, standard error.
 fn talk(broker: &SharedBroker, url: &str, lines: &str) -> (String, String) {
     let mut shell = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
     shell.args(["shell", "--bus", url]);
@@ -109,7 +109,7 @@ fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
     }
 }
 
-/// In a real terminal: Tab completes what is there, and the arrow brings back a line.
+/// In a real terminal: Tab completes names, and the arrow key recalls a line.
 #[test]
 fn o14_the_shell_completes_and_remembers() {
     let Some(broker) = asmotion_broker::calm() else {

@@ -1,4 +1,4 @@
-//! Who joins with a program of their own: a component in Python, which knows the wire and nothing else.
+//! A foreign program joins a system: a component in Python that relies on the wire format alone.
 
 use asmotion_bus::{Bus, CallFailure, Notifier, Payload, Request, SenderId};
 use asmotion_messages::{OccupancyGrid, Path as Way, PlanRequest, Pose};
@@ -12,13 +12,13 @@ use crate::processes::{Running, expected, modes, over, there, three_processes};
 
 const ADDRESS: &str = "TrajectoryPlanner.planning.plan";
 
-/// The folder of the stranger.
+/// The folder of the foreign program.
 fn home() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/stranger")
 }
 
-/// A Python that has what the stranger needs, installed once; none where no index of packages can be reached, which
-/// is said aloud, and fails where `CI` is set.
+/// A Python interpreter with the required packages, installed once. If they cannot be downloaded, prints a notice and
+/// returns `None`, or fails if `CI` is set.
 fn python() -> Option<&'static Path> {
     static PYTHON: OnceLock<Option<PathBuf>> = OnceLock::new();
     PYTHON.get_or_init(install).as_deref()
@@ -51,7 +51,7 @@ fn install() -> Option<PathBuf> {
     let words = String::from_utf8_lossy(&installed.stderr);
     let unreached = words.contains("No matching distribution") || words.contains("onnection");
     if !installed.status.success() && unreached && std::env::var_os("CI").is_none() {
-        // past the harness, which keeps what passing tests print
+        // writes to the stream directly: the test harness captures what passing tests print
         let notice = format!(
             "\n*** SKIPPED: the stranger in Python, whose packages cannot be had.\n{words}\n"
         );
@@ -62,7 +62,7 @@ fn install() -> Option<PathBuf> {
     Some(python)
 }
 
-/// The stranger, serving; it is ended with the test.
+/// The foreign program, running; killed at the end of the test.
 struct Stranger(Child);
 
 impl Stranger {
@@ -87,7 +87,7 @@ impl Drop for Stranger {
     }
 }
 
-/// A room of 4 m with a wall across it, open at its upper end where there is a door.
+/// A room of 4 m with a wall across it, open at its upper end if there is a door.
 fn room(door: bool) -> OccupancyGrid {
     let side = 80;
     let mut grid = OccupancyGrid::default();

@@ -43,7 +43,7 @@ fn every_dependency_comes_from_an_accepted_registry() {
     let lock: toml::Table = toml::from_str(&text).expect("TOML");
     let packages = lock["package"].as_array().expect("a list");
     assert!(packages.len() > 100);
-    // the ones without a source are ours
+    // packages without a source are our own
     for source in packages.iter().filter_map(|package| package.get("source")) {
         let source = source.as_str().expect("a text");
         let registry = source.strip_prefix("registry+").unwrap_or(source);

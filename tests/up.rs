@@ -1,4 +1,4 @@
-//! All processes of a composite on one machine: what dies is started again, as often as the composite says.
+//! `asmotion up`: all processes of a composite on one machine are restarted as often as the composite says.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// Long enough for anything on a loaded machine.
+/// Timeout for a loaded machine.
 const LONG: Duration = Duration::from_secs(30);
 
 const WORKER: &str = "asm worker
@@ -19,7 +19,7 @@ default init s0:
 	function n = 0
 ";
 
-/// One process here, one elsewhere.
+/// One process on this machine, one on another.
 const COMPOSITE: &str = r#"
 schema = "composite/1"
 [composite]
@@ -48,7 +48,7 @@ fn up(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// The next line with these words.
+/// The next line that contains these words.
 #[track_caller]
 fn said(lines: &Receiver<String>, words: &str) -> String {
     let mut before = Vec::new();

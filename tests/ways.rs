@@ -1,8 +1,8 @@
-//! `asmotion check --connections`: what joins components, and what that promises.
+//! `asmotion check --connections`: the connections between components and their guarantees.
 
 use std::collections::BTreeMap;
 
-/// What is said of each way of a composite, by `from → to`: where it goes, and its promise.
+/// The output for each connection of a composite, by `from → to`: its transport and its guarantee.
 fn ways(composite: &str) -> BTreeMap<String, (String, String)> {
     let mut check = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
     check.current_dir(env!("CARGO_MANIFEST_DIR"));
@@ -30,7 +30,7 @@ fn j21_the_real_time_path_of_the_navigation_and_of_the_youbot_has_no_broker_hop(
     let navigation = ways("specs/navigation/navigation.composite.toml");
     let youbot = ways("specs/youbot/youbot.composite.toml");
     let inside = ("inside, lock-free".to_owned(), "real time".to_owned());
-    // from what is measured to what is commanded
+    // from measurements to commands
     for hop in [
         "World.encoders → RoverDriver.encoders",
         "RoverDriver.odom → TrajectoryFollower.odom",
@@ -47,7 +47,7 @@ fn j21_the_real_time_path_of_the_navigation_and_of_the_youbot_has_no_broker_hop(
     ] {
         assert_eq!(youbot.get(hop), Some(&inside), "{hop}: {youbot:#?}");
     }
-    // what is not in real time is not said to be
+    // connections that are not real-time capable are listed as such
     let broker = ("over the broker".to_owned(), "not real time".to_owned());
     let plan = "ASMCoordinator.plan → TrajectoryAdapter.path";
     assert_eq!(navigation.get(plan), Some(&broker), "{navigation:#?}");

@@ -1,5 +1,5 @@
-//! The case study of the JOrocos paper: the youBot's driver, its proxy without code, and the locomotor. Tests are
-//! named after the rows of the inventory that they accept.
+//! The case study of the JOrocos paper: the youBot's driver, its proxy without code, and the locomotor. Tests are named
+//! after the rows of the inventory.
 
 mod bench;
 mod facade;

@@ -1,16 +1,16 @@
-//! A large specification, generated: how long reading and checking it takes.
+//! Measures reading and checking of a large, generated specification.
 
 use asmotion_lang::MemoryFiles;
 use std::fmt::Write;
 use std::time::Instant;
 
-/// How many lines it has at least.
+/// Minimum number of lines.
 const LINES: usize = 1_000;
 
-/// How often it is read.
+/// Number of times it is read.
 const TURNS: usize = 50;
 
-/// A coordinator of many stations, each with a mode, a counter, a rule of its own.
+/// A coordinator of many stations, each with a mode, a counter and a rule.
 fn text() -> String {
     let mut domains = String::new();
     let mut signature = String::new();
@@ -97,7 +97,7 @@ default init s0:
     }
 }
 
-/// Prints the least and the median time of reading and checking, and of the program besides.
+/// Prints the minimum and the median time of reading and checking, and of building the program.
 pub fn print() {
     let text = text();
     let mut files = MemoryFiles::new();

@@ -1,17 +1,17 @@
-//! The inputs of a mission that never ends, at next to no cost.
+//! Inputs of an endless mission, generated at almost no cost.
 
 use asmotion_lang::value::{Atom, Value};
 use asmotion_lang::{Environment, Machine, ir};
 use std::sync::Arc;
 
-/// One event after the other, now and then a goal, a cancellation or the red button.
+/// A sequence of events, with occasional goals, cancellations and emergency stops.
 pub struct Mission {
     program: Arc<ir::Program>,
     reads: u32,
 }
 
 impl Mission {
-    /// For this machine.
+    /// Creates the inputs for this machine.
     pub fn of(machine: &Machine) -> Self {
         Self {
             program: machine.program().clone(),

@@ -1,5 +1,5 @@
-//! The catalogue: what a composite may name. Component name to constructor, message name to schema, interface name to
-//! operations. A checker reads these tables; nothing here runs.
+//! The catalogue for composites: component names with constructors, message names with schemas, interface names with
+//! operations. The checker of composites reads these tables too; nothing is run here.
 //!
 //! ```
 //! let make = asmotion_components::component("nav::TrajectoryFollower").ok_or("no such component")?;
@@ -19,17 +19,17 @@ use asmotion_messages::{
 
 pub use asmotion_messages::MESSAGES;
 
-/// Makes a component: declares it on the interface.
+/// Creates a component and declares it on the interface.
 pub type MakeComponent = fn(&mut Interface) -> Box<dyn Component>;
 
-/// The rows of the catalogue: the type's constructor is called `new`.
+/// The rows of the catalogue; each component has a constructor `new`.
 macro_rules! catalogue {
     ($($name:literal => $component:ty;)+) => {
         &[$(($name, |interface| Box::new(<$component>::new(interface)))),+]
     };
 }
 
-/// Every component by the name a composite gives it.
+/// All components by their names in composites.
 pub const COMPONENTS: &[(&str, MakeComponent)] = catalogue! {
     "nav::MapServer" => asmotion_map::MapServer;
     "nav::TrajectoryPlanner" => asmotion_planner::TrajectoryPlanner;
@@ -44,10 +44,10 @@ pub const COMPONENTS: &[(&str, MakeComponent)] = catalogue! {
     "youbot::Operator" => asmotion_youbot::YoubotOperator;
 };
 
-/// The operations of an interface.
+/// Returns the operations of an interface.
 pub type Operations = fn() -> Vec<OperationDeclaration>;
 
-/// Every service interface by its name.
+/// All service interfaces by name.
 pub const INTERFACES: &[(&str, Operations)] = &[
     (GetMap::INTERFACE, || vec![operation::<GetMap>()]),
     (Plan::INTERFACE, || vec![operation::<Plan>()]),
@@ -66,17 +66,17 @@ pub const INTERFACES: &[(&str, Operations)] = &[
     (SetPeriod::INTERFACE, || vec![operation::<SetPeriod>()]),
 ];
 
-/// The constructor of a component.
+/// The constructor of the component with this name.
 pub fn component(name: &str) -> Option<MakeComponent> {
     row(COMPONENTS, name)
 }
 
-/// The operations of an interface.
+/// The operations of the interface with this name.
 pub fn interface(name: &str) -> Option<Vec<OperationDeclaration>> {
     row(INTERFACES, name).map(|operations| operations())
 }
 
-/// The schema of a message.
+/// The schema of the message with this name.
 pub fn message(name: &str) -> Option<&'static Schema> {
     row(MESSAGES, name).map(|schema| schema())
 }

@@ -1,4 +1,4 @@
-//! The reactive layer in the simulated world, without a coordinator: paths are drawn by hand.
+//! The reactive layer in the simulated world without a coordinator: the paths are given by the tests.
 
 #![allow(
     clippy::unwrap_used,
@@ -15,14 +15,14 @@ use asmotion_runtime::Run;
 use asmotion_world::Obstacle;
 use course::{Course, GO, block, disc, nanos};
 
-/// m, of the robot.
+/// Radius of the robot, m.
 const RADIUS: f64 = 0.2;
 
 fn goal() -> Point {
     Point::new(10.0, 5.0)
 }
 
-/// Drives with 20 seeds; says the largest distance from the goal and the smallest between the robot and anything.
+/// Drives with 20 seeds, and prints the largest distance from the goal and the smallest clearance.
 fn arrives_with_every_seed(course: &Course) {
     let (mut farthest, mut nearest): (f64, f64) = (0.0, f64::INFINITY);
     for seed in 0..20 {
@@ -101,7 +101,7 @@ fn it_is_blocked_by_a_closed_corridor_and_stands_still_before_it() {
         let drive = course.drive(20.0);
         assert_eq!(drive.codes(), ["BLOCKED", "HALTED"], "{:?}", drive.events);
         assert!(drive.nearest > RADIUS + 0.3);
-        // the adapter says where, so that a planner can go another way
+        // the adapter reports the place, so that a planner can avoid it
         let wall = drive
             .obstacles
             .iter()
@@ -113,7 +113,7 @@ fn it_is_blocked_by_a_closed_corridor_and_stands_still_before_it() {
             )
         });
         assert!(low < -0.9 && high > 0.9, "told from {low} to {high}");
-        // and standing means standing
+        // the robot really stands still
         let (halted, end) = (drive.place(drive.at("HALTED")), drive.end());
         assert!((halted - end).norm() < 0.005);
         assert!(drive.paths.last().unwrap().1.poses.is_empty());
@@ -175,7 +175,7 @@ fn an_empty_path_stops_it_and_it_says_so_once() {
     assert_eq!(drive.codes(), ["HALTED"]);
     assert!(drive.at("HALTED") < 6.5);
     assert!((drive.place(drive.at("HALTED")) - drive.end()).norm() < 0.005);
-    // the follower then leaves the wheels to others
+    // afterwards the follower leaves the wheels to others
     assert!(drive.twists.last().unwrap().0 < 7.0);
 }
 
@@ -251,7 +251,7 @@ fn with_a_map_its_walls_are_no_news() {
     }
 }
 
-/// Two corridors side by side, joined at both ends.
+/// Two parallel corridors, connected at both ends.
 fn ring() -> Course {
     let walls = [
         [-1.0, -1.0, 11.0, -1.0],

@@ -1,4 +1,4 @@
-//! The tables of ports and properties in the READMEs are those of the declarations.
+//! The tables of ports and properties in the READMEs equal the declarations.
 //!
 //! `UPDATE_REFERENCE=1 cargo test -p asmotion-components --test reference` writes them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 use asmotion_component::Interface;
 use asmotion_components::COMPONENTS;
 
-/// The end of every generated section.
+/// End marker of a generated section.
 const END: &str = "<!-- end -->";
 
 fn begin(subject: &str) -> String {
     format!("<!-- reference: {subject} -->\n")
 }
 
-/// The folder of this crate, in which each component has its own.
+/// The folder of this crate, with a folder for each component.
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -31,7 +31,7 @@ fn readmes() -> Vec<PathBuf> {
     readmes
 }
 
-/// Compares the section of a subject in a README with what it should be, or writes it.
+/// Compares a generated section of a README with the expected text, or writes it.
 fn keep(readme: &Path, subject: &str, section: &str) {
     let text = fs::read_to_string(readme).unwrap();
     let begin = begin(subject);

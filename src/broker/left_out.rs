@@ -1,4 +1,5 @@
-//! What stands for RabbitMQ in a build without it: there are no settings, so nothing is ever connected.
+//! Replacement for RabbitMQ in a build without the feature `amqp`: there are no settings, so no connection is ever
+//! made.
 
 use std::sync::Arc;
 

@@ -71,8 +71,7 @@ pub fn remote(mut settings: AmqpSettings) -> Result<Remote, String> {
     Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
 }
 
-/// Completes the settings of a run: the robot whose topics these are, and whether the person at the terminal hears what
-/// becomes of the link.
+/// Completes the settings of a run: sets the robot name, and reports changes of the link to the user unless `quiet`.
 pub fn prepare(settings: &mut AmqpSettings, robot: Option<String>, quiet: bool) {
     settings.robot = robot;
     if !quiet {
@@ -82,10 +81,10 @@ pub fn prepare(settings: &mut AmqpSettings, robot: Option<String>, quiet: bool) 
     }
 }
 
-/// The place of a broker, and the bus over it for a process of a robot, unless the settings name another robot.
+/// Connects to a broker for a process of a robot. Returns the broker's address and the bus.
 ///
 /// # Errors
-/// The broker is not there, or refuses the credentials.
+/// Fails if the broker is unreachable or refuses the credentials.
 pub fn connect(
     settings: &AmqpSettings,
     robot: &str,
@@ -101,10 +100,10 @@ pub fn connect(
     (place, bus.map(|bus| Arc::new(bus) as Arc<dyn Bus>))
 }
 
-/// The place of a broker, and all systems on it, for the monitor beside a run.
+/// Connects to all systems on a broker, for the monitor beside a run. Returns the broker's address too.
 ///
 /// # Errors
-/// The broker is not there, or refuses the credentials.
+/// Fails if the broker is unreachable or refuses the credentials.
 #[cfg(feature = "tui")]
 pub fn watch(settings: &AmqpSettings) -> (String, Result<Remote, String>) {
     let mut settings = settings.clone();

@@ -8,7 +8,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, LoadError};
 #[error("{error}")]
 pub struct UnreadableScript {
     pub error: LoadError,
-    /// How the script was named: "the path of the script".
+    /// Description of the argument, for example "the path of the script".
     pub named: String,
 }
 

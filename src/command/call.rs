@@ -45,7 +45,7 @@ impl Call {
         }
     }
 
-    /// Makes the call. The outer error says why the call could not be made, the inner one why it failed.
+    /// Makes the call. The outer error explains why the call could not be made, the inner one why it failed.
     fn call(&self) -> Result<Result<String, RemoteError>, String> {
         let argument: Datum = asmotion_datum::json::decode(&self.argument)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.argument))?;

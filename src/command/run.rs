@@ -322,7 +322,7 @@ impl MissionArguments {
         }
         match ended.outcome {
             MissionOutcome::Reached => Exit::Ok,
-            // one process of several runs until it is told to stop
+            // one process of several runs until it is stopped
             MissionOutcome::Stopped if mission.process.is_some() => Exit::Ok,
             MissionOutcome::Failed | MissionOutcome::TimeUp | MissionOutcome::Stopped => {
                 Exit::Findings

@@ -16,7 +16,7 @@ pub enum MissionError {
         sources: Sources,
         /// Errors of the composite.
         report: Report,
-        /// Whether a value from the command line is among the causes.
+        /// `true` if a value from the command line is among the causes.
         outside: bool,
     },
     /// The profile does not exist, or one must be chosen.

@@ -29,7 +29,7 @@ pub struct CompositeVersion {
     pub files: Vec<(String, String)>,
     /// Path of the composite among the files.
     pub composite: String,
-    /// Whether to report the changes without applying them.
+    /// Report the changes without applying them.
     pub only_try: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Lines that are edited where they are typed, completed and remembered.
+//! A line editor with completion and history.
 
 use std::path::PathBuf;
 

@@ -1,29 +1,29 @@
-//! Lines as the terminal edits them, without completion and memory.
+//! Reads lines from standard input, without completion or history.
 
 use std::io::{self, BufRead, IsTerminal, Write};
 
 use super::{PromptLine, Verb};
 
-/// Asks for lines.
+/// Reads lines.
 pub struct Prompt;
 
 impl Prompt {
-    /// Knows nothing: without an editor there is nothing to complete, and nothing is remembered.
+    /// Creates a prompt. Without an editor, verbs and history are not used.
     ///
     /// # Errors
-    /// None, as standard input is always there.
+    /// Never fails; the signature is that of the editor.
     pub fn new(_: &'static [Verb], _: &'static str, _: &str) -> io::Result<Self> {
         Ok(Self)
     }
 
-    /// Forgets the names: there is no completion.
+    /// Does nothing: there is no completion.
     pub fn know(&mut self, _: Vec<String>) {}
 
-    /// The next line. The prompt is shown to a person only.
+    /// Reads the next line. The prompt is printed only on a terminal.
     pub fn read(&mut self, prompt: &str) -> PromptLine {
         if io::stdin().is_terminal() {
             let mut out = anstream::stdout();
-            // a person who does not see it may still type
+            // without a visible prompt the user can still type
             let _ = write!(out, "{prompt}").and_then(|()| out.flush());
         }
         let mut line = String::new();
@@ -33,6 +33,6 @@ impl Prompt {
         }
     }
 
-    /// Remembers nothing.
+    /// Does nothing: there is no history.
     pub fn keep(&mut self) {}
 }

@@ -1,4 +1,4 @@
-//! The way of what moves, by odometry.
+//! The path that something drives, by its odometry.
 
 use asmotion_component::Time;
 use asmotion_datum::Sample;
@@ -7,44 +7,44 @@ use asmotion_messages::{Odometry, Point, PoseStamped};
 use super::StoryEntry;
 use crate::terminal::FAINT;
 
-/// How often progress is told, in seconds of the run.
+/// Interval between reports of progress, in seconds of the run.
 const PROGRESS_S: f64 = 5.0;
 
-/// What has come no farther since progress was told last stands, m.
+/// Progress in m since the last report below which it counts as standing.
 const STANDS: f64 = 0.1;
 
-/// A way, and where it shall lead.
+/// A driven path and its goal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrivenPath {
-    /// Metres driven.
+    /// Distance driven, m.
     pub driven_m: f64,
-    /// The last goal.
+    /// The newest goal.
     pub(super) goal: Option<Point>,
     at: Option<Point>,
-    /// When progress was told last, and how far it was then.
+    /// Time of the last report of progress, and the distance driven by then.
     told: (f64, f64),
 }
 
 impl DrivenPath {
-    /// Where something is, if a message says it.
+    /// The position in an odometry message; `None` for other messages.
     pub(super) fn place(sample: &dyn Sample) -> Option<Point> {
         let odometry = sample.downcast_ref::<Odometry>()?;
         Some(odometry.pose.pose.position)
     }
 
-    /// Where something shall be, if a message says it.
+    /// The position in a goal message; `None` for other messages.
     pub(super) fn goal(sample: &dyn Sample) -> Option<Point> {
         let goal = sample.to_shared().read::<PoseStamped>().ok()?;
         let is_pose = sample.type_name() == <PoseStamped as asmotion_datum::Message>::NAME;
         is_pose.then_some(goal.pose.position)
     }
 
-    /// Metres from the last goal.
+    /// Distance to the newest goal, m; `None` without a goal or a position.
     pub fn to_goal_m(&self) -> Option<f64> {
         Some(distance(&self.goal?, &self.at?))
     }
 
-    /// It is there now; progress, from time to time.
+    /// Adds a position. Returns a report of progress from time to time.
     pub(super) fn moved(&mut self, at: Time, to: Point) -> Option<StoryEntry> {
         if let Some(from) = self.at.replace(to) {
             self.driven_m += distance(&from, &to);

@@ -1,4 +1,4 @@
-//! What the specifications of a composite hear: the messages that are worth telling.
+//! The inputs of specifications in a composite, and their messages worth reporting.
 
 use asmotion_assembly::Plan;
 use asmotion_assembly::plan::{Component, End, Terminal};
@@ -7,31 +7,31 @@ use asmotion_datum::Sample;
 
 use super::message;
 
-/// An input of a specification that a monitored function is bound to.
+/// An input of a specification to which a monitored function is bound.
 #[derive(Debug)]
 pub(super) struct StoryInput {
-    /// The input, `Component.port`.
+    /// Full name of the input, `Component.port`.
     place: String,
-    /// What it is called: its topic, or its port.
+    /// Displayed name: the topic or, without one, the port.
     pub(super) name: String,
     topic: Option<String>,
-    /// Who is joined to it directly: component, port.
+    /// Outputs that are connected directly: component, port.
     writers: Vec<(String, String)>,
-    /// The field that tells messages apart, where it does.
+    /// The field that distinguishes messages, if there is one.
     field: Option<String>,
     hears: StoryTrigger,
 }
 
-/// What an ear hears.
+/// The messages of an input that are worth reporting.
 #[derive(Debug)]
 enum StoryTrigger {
-    /// Events, each of which is news.
+    /// Events: every message.
     Events,
-    /// A state, which is news when it changes, and its last word.
+    /// A state: messages that differ from the last reported one, which is stored here.
     State(Option<String>),
 }
 
-/// The ears of all specifications; what several hear is told once.
+/// The inputs of all specifications; an input with several readers is listed once.
 pub(super) fn of(plan: &Plan) -> Vec<StoryInput> {
     let mut ears: Vec<StoryInput> = Vec::new();
     for component in &plan.components {
@@ -78,23 +78,23 @@ impl StoryInput {
         }
     }
 
-    /// Whether what it hears is a state, of which the last word counts.
+    /// Returns whether the messages are a state, of which only the newest is relevant.
     pub(super) fn is_state(&self) -> bool {
         matches!(self.hears, StoryTrigger::State(_))
     }
 
-    /// Whether it hears what leaves this port.
+    /// Returns whether the input is connected to this output, directly or through a topic.
     pub(super) fn hears(&self, component: &str, port: &str, topic: Option<&str>) -> bool {
         let is = |(writer, output): &(String, String)| writer == component && output == port;
         (topic.is_some() && self.topic.as_deref() == topic) || self.writers.iter().any(is)
     }
 
-    /// Whether it hears what comes in there.
+    /// Returns whether this is the input with the given name or topic.
     pub(super) fn is_at(&self, place: &str) -> bool {
         self.place == place || self.topic.as_deref() == Some(place)
     }
 
-    /// What a message is called and says, if it is news.
+    /// The name and the content of a message, if it is worth reporting.
     pub(super) fn news(&mut self, sample: &dyn Sample) -> Option<(String, Option<String>)> {
         let what = message::brief(sample);
         if let StoryTrigger::State(last) = &mut self.hears {

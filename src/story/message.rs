@@ -1,17 +1,17 @@
-//! A message in a few words, by what is in it.
+//! Formats a message in a few words, depending on its content.
 
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_messages::{OccupancyGrid, Path};
 
 use crate::brief::brief as number;
 
-/// More numbers than these are data, not words.
+/// Largest number of numbers that are shown; more of them are data.
 const FEW: usize = 8;
 
-/// A message in a few words; none where it says nothing, or too much.
+/// Formats a message in a few words; `None` if it is empty or too long.
 pub(super) fn brief(sample: &dyn Sample) -> Option<String> {
     let untyped = sample.downcast_ref::<Datum>();
-    // what a message lacks gets its initial value: any data could be read as a path
+    // omitted fields have initial values, so any data could be decoded as a path
     let is = |name: &str, field: &str| match untyped {
         Some(datum) => datum.get(field).is_some(),
         None => sample.type_name() == name,
@@ -31,7 +31,7 @@ pub(super) fn brief(sample: &dyn Sample) -> Option<String> {
     said.filter(|words| !words.is_empty())
 }
 
-/// What stands in a field of a message.
+/// The content of one field of a message.
 pub(super) fn field(sample: &dyn Sample, field: &str) -> Option<String> {
     let datum = sample.to_datum().ok()?;
     Some(number(&*datum.get(field)?))
@@ -52,7 +52,7 @@ fn in_a_path(path: &Path) -> String {
     format!("a path of {metres:.1} m in {} poses", path.poses.len())
 }
 
-/// Text, a few numbers, a place, or several of these.
+/// Formats a text, a few numbers, a position, or several of these.
 fn words(datum: &Datum) -> Option<String> {
     match datum {
         Datum::Record(fields) => {
@@ -73,7 +73,7 @@ fn words(datum: &Datum) -> Option<String> {
     }
 }
 
-/// A point, or where a pose is: z only where it is above the ground.
+/// Formats a point, or the position of a pose; z only if it is above the ground.
 fn place(datum: &Datum) -> Option<String> {
     let at = |path: &str| datum.get(path)?.as_float();
     let of = |prefix: &str| {

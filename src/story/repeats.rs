@@ -1,4 +1,4 @@
-//! What happens again and again: told the first time, counted afterwards.
+//! Repeated entries: reported the first time, counted afterwards.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -8,30 +8,30 @@ use asmotion_component::Time;
 use super::StoryEntry;
 use crate::terminal::FAINT;
 
-/// What happens again sooner than this is only counted.
+/// An entry that repeats sooner than this is only counted.
 const SOON: Duration = Duration::from_secs(1);
 
-/// How often the counts are told while nothing else happens.
+/// Interval between reports of the counts while nothing else happens.
 const EVERY: Duration = Duration::from_secs(5);
 
-/// With so many names those that did not happen lately are forgotten.
+/// Limit on the number of names, beyond which those that have not occurred recently are forgotten.
 const MOST: usize = 256;
 
-/// So few are not worth a line before something else is told.
+/// Counts up to this number are not reported before another entry.
 const FEW: u64 = 3;
 
-/// What happened lately, by name.
+/// Recent entries by name.
 #[derive(Debug, Default)]
 pub(super) struct RepeatedEntries {
     last: BTreeMap<String, Time>,
-    /// How often it happened again, in the order in which it first did.
+    /// Number of repetitions, in order of the first one.
     counts: Vec<(String, u64)>,
-    /// Since when is counted.
+    /// Start of counting; `None` if nothing has been counted.
     since: Option<Time>,
 }
 
 impl RepeatedEntries {
-    /// Whether something is to be told; it is counted otherwise.
+    /// Returns whether an entry must be reported; otherwise it is counted.
     pub(super) fn is_new(&mut self, at: Time, name: &str) -> bool {
         let soon = self.happened_soon(at, name);
         if self.last.len() >= MOST {
@@ -48,7 +48,7 @@ impl RepeatedEntries {
         !soon
     }
 
-    /// What has been counted, before something else is told, or after a while.
+    /// The report of the counts, if it is due: before another entry, or after a while.
     pub(super) fn due(&mut self, at: Time, told: Option<&StoryEntry>) -> Option<String> {
         let since = self.since?;
         let interrupted = told.is_some_and(|told| match &told.again {

@@ -1,4 +1,4 @@
-//! A step of a specification in words.
+//! Formats a step of a specification.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use super::StoryEntry;
 use super::summary::control;
 use crate::terminal::{FAINT, GOOD};
 
-/// A change of the control state with all updates; another step on one line.
+/// The entry for a step: with all updates if the control state changes, otherwise on one line.
 pub(super) fn told(component: &str, record: &StepRecord) -> StoryEntry {
     let number = record.number;
     let Some(control) = control(record) else {
@@ -27,7 +27,7 @@ pub(super) fn told(component: &str, record: &StepRecord) -> StoryEntry {
     StoryEntry::once(head + &updates.collect::<String>())
 }
 
-/// The updates that changed something, and their locations.
+/// The effective updates of a step as text, and their locations.
 fn changed(record: &StepRecord) -> (String, String) {
     let updates = record.updates.iter();
     let changed = updates.filter(|update| update.before != update.after);
@@ -40,7 +40,7 @@ fn changed(record: &StepRecord) -> (String, String) {
     }
 }
 
-/// An update as the language writes it, with what was there before.
+/// Displays an update in the syntax of the language, with the previous value.
 struct DisplayUpdate<'a>(&'a UpdateRecord);
 
 impl fmt::Display for DisplayUpdate<'_> {

@@ -1,4 +1,4 @@
-//! What is left of a mission in the end.
+//! The summary of a mission.
 
 use std::fmt;
 
@@ -8,38 +8,38 @@ use asmotion_datum::Sample;
 
 use super::{DrivenPath, StoryEntry};
 
-/// The functions that hold a control state, by custom.
+/// Usual names of functions that contain a control state.
 const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
 
-/// What is left of a mission in the end.
+/// The summary of a mission.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// Steps that wrote something.
+    /// Number of steps that wrote something.
     pub steps: u64,
-    /// Changes of the control state.
+    /// Number of changes of the control state.
     pub transitions: u64,
-    /// Events that the specifications heard.
+    /// Number of messages received by specifications, by name.
     pub heard: EventCounts,
-    /// Service calls begun.
+    /// Number of service calls, by operation.
     pub calls: EventCounts,
-    /// Calls that failed or came too late.
+    /// Number of calls that failed or timed out.
     pub failed_calls: u64,
-    /// The way of what moves, if anything does.
+    /// The driven path; `None` if nothing moved.
     pub way: Option<DrivenPath>,
-    /// The control state.
+    /// The last control state; `None` if no specification has one.
     pub control_state: Option<String>,
     /// Faults of components, as "component: fault".
     pub faults: Vec<String>,
-    /// The last time anything was seen at.
+    /// Time of the last event; `None` before the first.
     pub ended: Option<Time>,
 }
 
-/// How often what happened, by name and in the order in which it first did.
+/// Counts of events by name, in order of first occurrence.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EventCounts(pub Vec<(String, u64)>);
 
 impl EventCounts {
-    /// It happened once more.
+    /// Adds one to the count of a name.
     pub(super) fn count(&mut self, name: &str) {
         match self.0.iter_mut().find(|(known, _)| known == name) {
             Some((_, count)) => *count += 1,
@@ -47,7 +47,7 @@ impl EventCounts {
         }
     }
 
-    /// How often it happened.
+    /// The count of a name; 0 if it has not occurred.
     pub fn of(&self, name: &str) -> u64 {
         let mut all = self.0.iter();
         all.find(|(known, _)| known == name)
@@ -66,7 +66,7 @@ impl fmt::Display for EventCounts {
 }
 
 impl Summary {
-    /// A step was made.
+    /// Adds a step.
     pub(super) fn step(&mut self, record: &StepRecord) {
         self.steps += 1;
         if let Some(control) = control(record) {
@@ -75,13 +75,13 @@ impl Summary {
         }
     }
 
-    /// A message, which may say where something is.
+    /// Handles a message, which may contain a position. Returns a report of progress, if due.
     pub(super) fn moved(&mut self, at: Time, sample: &dyn Sample) -> Option<StoryEntry> {
         let place = DrivenPath::place(sample)?;
         self.way.get_or_insert_default().moved(at, place)
     }
 
-    /// An event that a specification heard, which may say where something shall be.
+    /// Handles a message to a specification, which may contain a goal.
     pub(super) fn wanted(&mut self, sample: &dyn Sample) {
         if let Some(goal) = DrivenPath::goal(sample) {
             self.way.get_or_insert_default().goal = Some(goal);
@@ -89,7 +89,7 @@ impl Summary {
     }
 }
 
-/// The update that changes the control state.
+/// The update that changes the control state, if any.
 pub(super) fn control(record: &StepRecord) -> Option<&UpdateRecord> {
     let mut updates = record.updates.iter();
     let control = updates.find(|update| CONTROL_STATES.contains(&&*update.location));

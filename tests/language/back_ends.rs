@@ -1,15 +1,15 @@
-//! Closures and native code do the same steps: same inputs in the same order, same choices, same
-//! updates with the same origins, same faults.
+//! Closures and native code do the same steps: equal inputs in the same order, equal choices, equal updates with the
+//! same origins, equal faults.
 
 use asmotion::DiskLoader;
 use asmotion_lang::simulate::{Random, Seeded};
 use asmotion_lang::{BackEnd, Machine, Specification};
 use std::path::{Path, PathBuf};
 
-/// How many steps are compared.
+/// Number of steps to compare.
 const STEPS: u64 = 40;
 
-/// A machine gets no further after so many faults.
+/// Number of consecutive faults after which a machine is considered stuck.
 const FAULTS: usize = 3;
 
 #[test]
@@ -45,7 +45,7 @@ fn agree_on_the_corpus() {
     assert!(compared > 1_000, "only {compared} specifications ran");
 }
 
-/// All `.asm` files in a folder and those within, sorted.
+/// All `.asm` files in a folder and its subfolders, sorted.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<PathBuf> = std::fs::read_dir(folder)
         .unwrap()
@@ -61,7 +61,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// Compares the steps of both back ends; whether there were any.
+/// Compares the steps of both back ends. Returns whether there were any.
 fn agree(name: &str, specification: &Specification) -> bool {
     if specification.program.main.is_none() {
         return false;
@@ -81,7 +81,7 @@ fn agree(name: &str, specification: &Specification) -> bool {
     true
 }
 
-/// What each step did, with inputs and choices drawn from the same seed.
+/// The effects of each step, with inputs and choices drawn from the same seed.
 fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
     let mut random = Random::new(specification.program.clone(), &machine, 7);
     let mut seeded = Seeded::new(7);

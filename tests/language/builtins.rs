@@ -1,5 +1,5 @@
-//! What every function of the libraries is: a table with a section for each signature, and rows of a
-//! term and its value, or the code with which it fails.
+//! The functions of the libraries: a table with a section for each signature, and rows of a term and its value or the
+//! code of its failure.
 
 use asmotion_lang::diagnostics::FileId;
 use asmotion_lang::hir::{Meaning, TermKind};
@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 const TABLE: &str = include_str!("builtins.txt");
 
-/// What the rows speak of.
+/// A specification with the names used in the rows.
 const SPECIFICATION: &str = "asm builtins
 import StandardLibrary
 import TimeLibrary
@@ -56,7 +56,7 @@ default init s0:
   agent Worker: r_work[]
 ";
 
-/// A term and what it is.
+/// A term and its expected value.
 struct Row {
     signature: &'static str,
     term: &'static str,
@@ -121,7 +121,7 @@ fn are_what_the_table_says() {
     assert!(wrong.is_empty(), "\n{wrong}");
 }
 
-/// No function is left out, and none with arguments without a row about undef.
+/// Every function has rows, and every function with arguments a row about undef.
 #[test]
 fn have_rows_each() {
     let specification = super::opened("builtins", SPECIFICATION);
@@ -156,7 +156,7 @@ fn have_rows_each() {
     }
 }
 
-/// The signature of the function that the term applies which was added last.
+/// The signature of the function applied by the most recently added term.
 fn applied(model: &Model) -> String {
     let term = &model.added.terms.last().unwrap().root;
     match &*term.kind {
@@ -167,7 +167,7 @@ fn applied(model: &Model) -> String {
     }
 }
 
-/// As in `plus: Prod(Integer,Integer) -> Integer`.
+/// Formats a signature as in `plus: Prod(Integer,Integer) -> Integer`.
 fn signature(model: &Model, function: &asmotion_lang::hir::Function) -> String {
     let parameters: Vec<String> = function
         .parameters

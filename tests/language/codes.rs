@@ -1,5 +1,5 @@
-//! The pages of the codes: every code has one, its wrong example earns the code, the mended one does
-//! not, and some snapshot shows the finding as a reader sees it.
+//! The pages of the codes: every code has one, its wrong example produces the code, the corrected one does not, and a
+//! snapshot shows the rendered finding.
 
 use super::messages::said;
 use asmotion::codes::all;
@@ -11,13 +11,12 @@ use asmotion_lang::{MemoryFiles, OpenFailure, Report, Sources, Style, render_all
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Codes that no example earns by itself: they are about files, limits and what stands outside of
-/// specifications.
+/// Codes without a self-contained example: they concern files, limits and inputs outside of specifications.
 const WITHOUT_EXAMPLE: &[&str] = &[
     "A012", "A013", "L063", "S000", "V010", "V017", "V018", "V019", "V022", "V023", "V030", "V031",
 ];
 
-/// A file that nothing lists is not compiled, and what is listed twice has two meanings.
+/// A file that is not listed is not compiled, and a code that is listed twice has two meanings.
 #[test]
 fn have_a_file_each() {
     let mut files = Vec::new();
@@ -64,7 +63,7 @@ fn have_examples_that_are_true() {
                 code.name
             ));
         }
-        // a module that is well formed has nothing to run
+        // a well-formed module has nothing to run
         let is_wrong = |code: &String| !code.starts_with('W') && code != "R015";
         if after.contains(code.name) || after.iter().any(is_wrong) {
             wrong.push_str(&format!(
@@ -76,7 +75,7 @@ fn have_examples_that_are_true() {
     assert!(wrong.is_empty(), "\n{wrong}");
 }
 
-/// The codes an example earns. What stands outside of specifications has no snapshots elsewhere.
+/// The codes found in an example, which may be a script or a trace that has no snapshots elsewhere.
 fn example(code: &Code, which: &str) -> Option<BTreeSet<String>> {
     let (found, rendered) = if let Some(text) = code.example(&format!("asm {which}")) {
         let (found, _) = said("example", text);
@@ -128,7 +127,7 @@ fn shown(report: &Report, sources: &Sources) -> (BTreeSet<String>, String) {
     (codes.collect(), render_all(report, sources, Style::Plain))
 }
 
-/// What takes too much text for a page, or no text at all.
+/// Findings about texts that are too large for a page, or missing.
 #[test]
 fn are_rendered_for_limits_and_missing_files() {
     let block = |index: usize, inside: &str| format!("begin b{index}\n{inside}end\n");
@@ -181,7 +180,7 @@ fn snapshot(code: &str, rendered: &str) {
     }, { insta::assert_snapshot!(code, rendered); });
 }
 
-/// Every code of the sources is rendered in a snapshot.
+/// Every code in the sources is rendered in a snapshot.
 #[test]
 fn are_seen_in_a_snapshot_each() {
     let mut shown = String::new();

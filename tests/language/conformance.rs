@@ -1,7 +1,7 @@
-//! Against the reference implementation: its traces of small programs and of its whole corpus.
+//! Compares with the reference implementation: its traces of small programs and of its whole corpus.
 //!
-//! The traces lie in `../shared/conformance`, the corpus (a checkout of asmeta/asmeta) where the
-//! environment variable `ASMETA_CORPUS` says. Where they are missing, the tests say so and pass.
+//! The traces are in `../shared/conformance`, the corpus (a checkout of asmeta/asmeta) at the path in the environment
+//! variable `ASMETA_CORPUS`. Without them, the tests print a notice and pass.
 
 mod compare;
 mod reference;
@@ -13,8 +13,8 @@ use reference::ours;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Programs of which the reference does something else, and why that is right. Those marked so do the
-/// same with `--compat asmeta`.
+/// Programs for which the reference behaves differently, with the reason that our behaviour is right. All of them agree
+/// with `--compat asmeta`.
 const DIFFERENT: &[(&str, &str)] = &[
     ("se07_lazy_init", INITIAL),
     ("sf01_lazy_init", INITIAL),
@@ -37,7 +37,7 @@ const DIFFERENT: &[(&str, &str)] = &[
     ),
 ];
 
-/// Programs of which it does something else, whatever it is asked to be compatible with.
+/// Programs for which the reference behaves differently in any mode.
 const ALWAYS_DIFFERENT: &[(&str, &str)] = &[
     ("se36_choose_enum", "the first candidate is the least one"),
     ("se89_tuple_arg", "a tuple stands for all arguments"),
@@ -66,7 +66,7 @@ fn agrees_on_small_programs() {
     }
 }
 
-/// How many small programs there are, and of which we do something else.
+/// The number of small programs, and the names of those with differences.
 fn small_programs(compatible: bool) -> Option<(usize, BTreeSet<String>)> {
     let folder = unpacked("micro.tar.xz")?;
     let options = ReadOptions {
@@ -90,14 +90,14 @@ fn small_programs(compatible: bool) -> Option<(usize, BTreeSet<String>)> {
     Some((count, different))
 }
 
-/// Files of the corpus that the reference accepts: all of them.
+/// Number of files in the corpus that the reference accepts, which is all of them.
 const ACCEPTED: usize = 1663;
 
-/// Runs of it without choices: those that the reference completes without inputs, and all with the
-/// inputs of two seeds.
+/// Numbers of runs without choices: those that the reference completes without inputs, and those with the inputs of two
+/// seeds.
 const RUNS: [(&str, usize); 3] = [("none", 452), ("seed1", 519), ("seed2", 520)];
 
-/// The runs that differ: why, which, of which file. `docs/conformance.md` explains the reasons.
+/// Runs with differences: reason, run, file. `docs/conformance.md` explains the reasons.
 const EXCEPTIONS: &str = include_str!("conformance/exceptions.tsv");
 
 #[test]
@@ -153,7 +153,7 @@ fn agrees_on_the_corpus() {
     assert_eq!(different, explained);
 }
 
-/// The page for people lists what the test allows, and gives every reason.
+/// The documentation lists the differences that the test allows, with all reasons.
 #[test]
 fn explains_every_exception() {
     let page =
@@ -183,7 +183,7 @@ fn shared() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/conformance")
 }
 
-/// An archive of the shared folder, unpacked for the test; none where it is missing.
+/// Unpacks an archive of the shared folder. Returns `None` if it is missing.
 fn unpacked(archive: &str) -> Option<tempfile::TempDir> {
     let archive = shared().join(archive);
     let folder = tempfile::tempdir().unwrap();

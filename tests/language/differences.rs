@@ -1,4 +1,4 @@
-//! The page for people who come from ASMETA: its examples are run both ways, so that it cannot lie.
+//! The examples in the documentation for users of ASMETA, run in both modes to check the page.
 
 use asmotion_lang::simulate::{Recording, Trace};
 use asmotion_lang::{FirstChoice, MemoryFiles, ReadOptions};
@@ -22,7 +22,7 @@ fn does_what_the_page_says() {
     assert!(count > 10);
 }
 
-/// A section with an example: three lines, and what the first step writes here and there.
+/// A section with an example: three lines, and the effects of the first step in both modes.
 struct Example<'a> {
     title: &'a str,
     text: String,
@@ -54,7 +54,7 @@ impl<'a> Example<'a> {
         })
     }
 
-    /// What the first step writes, or the code with which it fails.
+    /// The updates of the first step, or the code of its failure.
     fn run(&self, compatible: bool) -> Vec<String> {
         let mut files = MemoryFiles::new();
         files.add("example.asm", self.text.as_str());
@@ -82,7 +82,7 @@ impl<'a> Example<'a> {
 }
 
 fn sorted(all: &str) -> Vec<String> {
-    // blanks after a comma inside quotes separate nothing
+    // a comma within quotes is no separator
     let mut parts: Vec<String> = Vec::new();
     for part in all.split(", ") {
         match parts.last_mut() {

@@ -1,4 +1,4 @@
-//! Whatever the text: a report, no panic, no overflow of the stack, and in bounded time.
+//! For any text: a report, no panic, no stack overflow, bounded time.
 
 use asmotion_lang::diagnostics::{FileId, LoadError};
 use asmotion_lang::value::Value;
@@ -8,10 +8,10 @@ use asmotion_lang::{
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// The most that any text of this module may take, in a build without optimisation.
+/// Time limit for any text here, in an unoptimised build.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// The codes of what is wrong with a text; it does not take long to find out.
+/// The codes of the findings in a text, determined within the time limit.
 fn codes(text: &str) -> Vec<&'static str> {
     let begin = Instant::now();
     let report = match super::open("limits", text) {
@@ -32,7 +32,7 @@ fn main_rule(signature: &str, rule: &str) -> String {
     )
 }
 
-/// Numbers without end, always the same.
+/// An endless sequence of pseudo-random numbers, always the same.
 fn numbers() -> impl FnMut(usize) -> usize {
     let mut state = 0x2545_F491_4F6C_DD1D_u64;
     move |below| {
@@ -82,7 +82,7 @@ fn survives_deep_nests() {
     }
 }
 
-/// What the parser lets through, the other stages can carry, also on a small stack.
+/// All stages can process any nesting that the parser accepts, also on a small stack.
 #[test]
 fn runs_nests_as_deep_as_they_may_be() {
     let nest = |open: &str, inner: &str, close: &str, depth: usize| {
@@ -114,8 +114,7 @@ fn runs_nests_as_deep_as_they_may_be() {
     }
 }
 
-/// What stands side by side is not deep: a chain of operators may have any length, in every stage and
-/// for both back ends, also on a small stack.
+/// A chain of operators may have any length, in all stages and both back ends, also on a small stack.
 #[test]
 fn runs_chains_of_any_length() {
     const LENGTH: usize = 10_000;
@@ -165,7 +164,7 @@ fn survives_long_blocks() {
     assert_eq!(codes(&text), Vec::<&str>::new());
 }
 
-/// What a text of a hundred thousand parts is: answered, or refused with the limit by name.
+/// A text of a hundred thousand parts is processed, or refused with the name of the limit.
 #[test]
 fn answers_large_texts() {
     let numbers = (0..100_000).map(|number| number.to_string());
@@ -215,7 +214,7 @@ fn refuses_what_is_larger_than_it_can_carry() {
     assert_eq!(codes(&main_rule(" controlled r: Real", &real)), [""; 0]);
 }
 
-/// What runs too deep, too long or too large stops with a fault.
+/// A run that is too deep, too long or too large stops with a fault.
 #[test]
 fn stops_runs_without_end() {
     let endless = [
@@ -331,7 +330,7 @@ fn refuses_a_long_chain_of_imports() {
     ");
 }
 
-/// A file that is there, but cannot be read.
+/// A file that exists but cannot be read.
 struct Locked;
 
 impl Loader for Locked {
@@ -374,7 +373,7 @@ fn first(failure: &OpenFailure) -> String {
     render_all(&report, &failure.sources, Style::Plain)
 }
 
-/// Terms that are passed by name from macro to macro stay of a size that can be built and run.
+/// Terms passed by name from macro to macro keep a size that can be built and run.
 #[test]
 fn bounds_what_is_passed_by_name() {
     let macros = |count: usize, term: &str| {
@@ -417,7 +416,7 @@ fn bounds_what_is_passed_by_name() {
         .unwrap();
 }
 
-/// Domains may be made of domains, as far as one likes.
+/// Domains may be nested to any depth.
 #[test]
 fn survives_domains_of_domains() {
     let chain = |name: char, of: &str| {

@@ -1,8 +1,7 @@
-//! What is said about a mistake: a file for each code, the code beside the line, and what a reader
-//! sees as a snapshot. Read a snapshot before you accept it: does it say what is wrong, where, and
-//! what to do?
+//! Diagnostics: a file for each code, with the code beside the line, and a snapshot of the rendered message. Read a
+//! snapshot before you accept it: does it explain what is wrong, where, and what to do?
 //!
-//! What opens is run with an environment that answers nothing, until it fails.
+//! A program without errors is run without inputs until it fails.
 
 use asmotion_lang::diagnostics::FileId;
 use asmotion_lang::simulate::Script;
@@ -31,7 +30,7 @@ fn says_what_is_wrong() {
     assert!(wrong.is_empty(), "\n{wrong}");
 }
 
-/// Every code of the analysis and of the run has a file that earns it.
+/// Every code of the analysis and of the run has a file that produces it.
 #[test]
 fn has_an_example_of_every_code() {
     let codes: BTreeSet<&str> = asmotion_lang::codes::all()
@@ -44,7 +43,7 @@ fn has_an_example_of_every_code() {
         .flat_map(|(_, text)| expected(text))
         .map(|(_, code)| code)
         .collect();
-    // what a file cannot do by itself: see `limits`, and `codes` for what is picked or set
+    // not possible in a file alone: see `limits`, and `codes` for picked and set values
     examples.extend(["A012", "A013", "R020", "R022"]);
     assert_eq!(
         codes.difference(&examples).collect::<Vec<_>>(),
@@ -53,7 +52,7 @@ fn has_an_example_of_every_code() {
     );
 }
 
-/// The codes found with their lines, and what a reader sees.
+/// The codes found with their lines, and the rendered text.
 pub(super) fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, String) {
     match super::open(name, text) {
         Err(failure) => (
@@ -78,7 +77,7 @@ pub(super) fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, Strin
     }
 }
 
-/// Runs a program for ten steps at most; what stopped it, if anything did.
+/// Runs a program for at most ten steps. Returns the fault that stopped it, if any.
 fn run(specification: &Specification) -> Option<Diagnostic> {
     let mut machine = match specification.machine() {
         Ok(machine) => machine,
@@ -108,7 +107,7 @@ fn line(finding: &Diagnostic, sources: &Sources) -> (usize, &'static str) {
     (at, finding.code.name)
 }
 
-/// The codes that a text asks for, with their lines in their files.
+/// The codes that a text expects, with their lines in their files.
 fn expected(text: &str) -> Vec<(usize, &str)> {
     let mut expected = Vec::new();
     let mut line = 0;

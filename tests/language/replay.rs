@@ -1,9 +1,9 @@
-//! The same program, inputs and choices: the same run, byte for byte.
+//! Equal programs, inputs and choices give equal runs, byte for byte.
 
 use asmotion_lang::simulate::{Random, Recording, Seeded, Trace};
 use asmotion_lang::{Chooser, Environment, Machine, Specification, StepFault};
 
-/// The programs that begin.
+/// The programs whose initial state can be computed.
 fn programs() -> impl Iterator<Item = (String, Specification)> {
     let programs = super::programs(&super::folder().join("semantics")).into_iter();
     let opened = programs.map(|(name, text)| {
@@ -13,7 +13,7 @@ fn programs() -> impl Iterator<Item = (String, Specification)> {
     opened.filter(|(_, specification)| specification.machine().is_ok())
 }
 
-/// A machine and what it did, until it stops.
+/// A machine with the record of its run.
 struct Run {
     machine: Machine,
     trace: Trace,
@@ -49,7 +49,7 @@ impl Run {
     }
 }
 
-/// The trace of a run with inputs and choices by chance.
+/// The trace of a run with random inputs and choices.
 fn by_chance(specification: &Specification, seed: u64) -> String {
     let mut run = Run::of(specification);
     let mut random = Random::new(specification.program.clone(), &run.machine, seed);
@@ -85,7 +85,7 @@ fn replays_a_trace() {
     }
 }
 
-/// A trace of another tool says nothing of choices. A replay takes the first candidates, and says so.
+/// A trace of another tool contains no choices. A replay takes the first candidates and reports it.
 #[test]
 fn writes_down_choices_that_no_trace_has() {
     let mut made = 0;

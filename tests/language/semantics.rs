@@ -1,7 +1,6 @@
-//! What each rule and each term does: one construct a file.
+//! The semantics of rules and terms: one construct per file.
 //!
-//! A program says in comments what its steps read and what they write; everything else of a step's
-//! update set is a surprise.
+//! Comments in a program specify the inputs and the complete update set of each step.
 //!
 //! ```asm
 //! //? step 1: m = 3, choose 1      what the environment answers; which candidate is chosen
@@ -77,7 +76,7 @@ fn does_the_same_as_native_code() {
     }
 }
 
-/// Runs a program as long as its comments say; gives the update set of each step, or its code.
+/// Runs a program as long as its comments say. Returns the update set of each step, or its code.
 fn steps(
     specification: &Specification,
     mut machine: Machine,
@@ -100,7 +99,7 @@ fn steps(
     done
 }
 
-/// The update set of a trace of one step, as the comments write it.
+/// The update set in a trace of one step, in the notation of the comments.
 pub(super) fn updates(trace: &str) -> Vec<String> {
     let updates = trace.lines().filter_map(|line| {
         let (word, fact) = line.split_once(' ')?;
@@ -145,7 +144,7 @@ fn expected(text: &str) -> BTreeMap<u64, Vec<String>> {
     expected.collect()
 }
 
-/// What the environment says and what is chosen, as a trace has it.
+/// The inputs and choices in the comments, as a trace.
 fn causes(text: &str) -> String {
     let last = marked(text, "//=").map(|(step, _)| step).max().unwrap_or(0);
     let mut trace = String::new();

@@ -1,4 +1,4 @@
-//! The specifications of missions: no errors, and they run.
+//! The specifications of missions have no errors, and run.
 
 use asmotion::DiskLoader;
 use asmotion_lang::simulate::{Random, Seeded};
@@ -37,7 +37,7 @@ fn have_no_errors() {
                 .map(|_| ())
             {
                 Ok(()) => {}
-                // inputs by chance may break what a specification assumes of them, nothing else
+                // random inputs may violate assumptions of a specification, but cause no other fault
                 Err(fault)
                     if matches!(
                         fault.kind,

@@ -1,7 +1,7 @@
-//! Against the reference implementation: its verdicts on the scenarios of its whole corpus.
+//! Compares with the reference implementation: its verdicts on the scenarios of its whole corpus.
 //!
-//! The verdicts lie in `../shared/conformance`, the corpus (a checkout of asmeta/asmeta) where the
-//! environment variable `ASMETA_CORPUS` says. Where they are missing, the test says so and passes.
+//! The verdicts are in `../shared/conformance`, the corpus (a checkout of asmeta/asmeta) at the path in the environment
+//! variable `ASMETA_CORPUS`. Without them, the test prints a notice and passes.
 
 use asmotion::DiskLoader;
 use asmotion_lang::scenario::{ScenarioSettings, test};
@@ -9,7 +9,7 @@ use asmotion_lang::simulate::scenario::Verdict;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Scenarios on which the verdict differs, by the end of their paths, and why that is right.
+/// Scenarios with different verdicts, by the end of their paths, with the reason that ours is right.
 const DIFFERENT: &[(&str, &str)] = &[
     ("tutorial_FM26/S3_InvariantViolation", CHANCE),
     ("tutorial_FM26/S8_RandomScenario", CHANCE),
@@ -35,7 +35,7 @@ const DIFFERENT: &[(&str, &str)] = &[
 const CHANCE: &str = "what is not picked is drawn otherwise";
 const ENDLESS: &str = "its `step until` never ends";
 
-/// The verdicts that agree, of the 219 on scenarios that the reference runs.
+/// Number of equal verdicts, of the 219 scenarios that the reference runs.
 const AGREED: usize = 209;
 
 #[test]
@@ -77,14 +77,14 @@ fn agrees_on_the_corpus() {
     assert!(agreed >= AGREED, "{agreed}");
 }
 
-/// The verdict that the reference comes to, if it does.
+/// The reference's verdict, if it has one.
 fn wanted(verdict: &str) -> Option<Verdict> {
     match verdict.split(':').next()? {
         "PASS" => Some(Verdict::Pass),
         "FAIL" => Some(Verdict::Fail),
         "FAIL_INV" => Some(Verdict::Invariant),
         "EXC" => Some(Verdict::Fault),
-        // it cannot be loaded, translated or parsed after that
+        // a scenario that cannot be loaded, translated or parsed
         _ => None,
     }
 }

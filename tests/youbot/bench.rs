@@ -1,4 +1,4 @@
-//! A bench: the driver's composite, a client that calls what its script says, and a log of all that happens.
+//! A test bench: the driver's composite, a client that carries out a script of calls, and a log of all events.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
@@ -17,7 +17,7 @@ use asmotion_messages::{
 };
 use asmotion_runtime::{Event, Run, Simulation};
 
-/// Calls what its script says: `"1.0 move 0.5 0.2"` (s, rad), `"2 period 0.05"`, `"3 read"`.
+/// Makes the calls in its script: `"1.0 move 0.5 0.2"` (s, rad), `"2 period 0.05"`, `"3 read"`.
 struct Client {
     script: Property<Vec<String>>,
     send: Required<SetJointsPositions>,
@@ -74,7 +74,7 @@ impl Component for Client {
     }
 }
 
-/// The components of the build, and the client.
+/// The built-in components and the client.
 const COMPONENTS: &[(&str, Constructor)] = &[
     made("youbot::DummyDriver", |interface| {
         of_build("youbot::DummyDriver", interface)
@@ -103,7 +103,8 @@ const BUILD: Tables = Tables {
     builtins: &[BuiltinComponent::PortProxy],
 };
 
-/// The client around the driver's composite. `driver` is added to its properties, `wire` to the wire of its commands.
+/// The client with the driver's composite nested in it. `driver` is appended to its properties, `wire` to the wire of
+/// its commands.
 const APPLICATION: &str = r#"
 schema = "composite/1"
 wires = [
@@ -124,15 +125,15 @@ references = { send = "youbot/SendingCommands", period = "youbot/SettingPeriod",
 properties = { script = SCRIPT }
 "#;
 
-/// What is put on the bench.
+/// The configuration of the bench.
 pub(super) struct Bench {
-    /// The driver's composite.
+    /// Text of the driver's composite.
     pub driver: String,
-    /// The driver's composite, where another one stands around it.
+    /// Text of the driver's composite if `driver` is another one around it.
     pub inner: Option<String>,
-    /// Properties of it: `joints = 6`.
+    /// Properties of the driver's composite, for example `joints = 6`.
     pub properties: &'static str,
-    /// What is said of the wire of the commands: `, oneway = true`.
+    /// Additional settings of the wire for commands, for example `, oneway = true`.
     pub wire: &'static str,
     pub script: &'static [&'static str],
 }
@@ -149,20 +150,20 @@ impl Default for Bench {
     }
 }
 
-/// What happened.
+/// The events of a run.
 #[derive(Default)]
 pub(super) struct Log {
-    /// Every status that left the driver, and when.
+    /// Every status published by the driver, with its time.
     pub statuses: Vec<(Time, JointStatus)>,
-    /// Every notice that left the proxy, and when.
+    /// Every notice sent by the proxy, with its time.
     pub notices: Vec<(Time, String)>,
-    /// What the locomotor said, and when.
+    /// Every note of the locomotor, with its time.
     pub notes: Vec<(Time, String)>,
-    /// The end of every call: operation, when, how.
+    /// The outcome of every call: operation, time, result.
     pub replies: Vec<(String, Time, Result<Datum, String>)>,
-    /// The number of each component's present cycle.
+    /// Number of each component's current cycle.
     cycles: BTreeMap<String, u64>,
-    /// Cycles of the driver in which the client called, and in which it first read what was commanded.
+    /// Cycles of the driver in which the client called, and in which the driver first read the command.
     pub called_in: Vec<u64>,
     pub turned_in: Vec<u64>,
 }
@@ -223,13 +224,13 @@ impl Log {
         }
     }
 
-    /// The number of the driver's present cycle; 0 before the first.
+    /// Number of the driver's current cycle; 0 before the first.
     fn cycle_of_driver(&self) -> u64 {
         let known = self.cycles.get("Driver/youBotDriver");
         known.copied().unwrap_or_default()
     }
 
-    /// When an event was told first.
+    /// Time of the first notice of an event.
     pub(super) fn first(&self, event: &str) -> Option<Time> {
         let mut notices = self.notices.iter();
         notices.find(|(_, told)| told == event).map(|(at, _)| *at)
@@ -246,7 +247,7 @@ fn datum_of(sample: &dyn Sample) -> Datum {
     sample.to_datum().unwrap()
 }
 
-/// The composite that ships, with these goals, in virtual time.
+/// The composite in `specs` with these goals, in virtual time.
 pub(super) fn shipped(goals: &[[f64; 5]]) -> (Simulation, Arc<Mutex<Log>>) {
     let application = include_str!("../../specs/youbot/youbot.composite.toml");
     let begin = application.find("goals = ").unwrap();
@@ -313,7 +314,7 @@ impl Bench {
         files
     }
 
-    /// The codes of what the checker finds.
+    /// The codes found by the checker.
     pub(super) fn findings(&self) -> Vec<&'static str> {
         let opened = open(&self.files());
         opened
@@ -324,13 +325,13 @@ impl Bench {
             .collect()
     }
 
-    /// Everything in virtual time, with a log.
+    /// Starts everything in virtual time, with a log.
     pub(super) fn simulate(&self) -> (Simulation, Arc<Mutex<Log>>) {
         let files = self.files();
         simulate(&open(&files), &files)
     }
 
-    /// The log of so many seconds.
+    /// The log of a run of that many seconds.
     pub(super) fn run(&self, seconds: u64) -> Log {
         let (mut simulation, log) = self.simulate();
         simulation.run_for(Duration::from_secs(seconds));

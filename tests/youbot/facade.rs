@@ -1,11 +1,11 @@
-//! Data-flow components, and the composites that hide them behind services.
+//! Data-flow components, and composites that provide them as services.
 
 use super::bench::Bench;
 use asmotion_messages::{JointCommand, JointStatus};
 use asmotion_runtime::{Run, Simulation};
 use std::time::Duration;
 
-/// The names of a component's ports, and of its services and references.
+/// The names of a component's inputs, outputs, services and references.
 fn face(simulation: &Simulation, component: &str) -> [Vec<String>; 4] {
     let declared = simulation.declaration(component).unwrap();
     [
@@ -35,7 +35,7 @@ fn y2_the_driver_reads_commands_and_writes_what_the_joints_do() {
     let log = log.lock().unwrap();
     let (_, status): &(_, JointStatus) = log.statuses.last().unwrap();
     assert_eq!(status.position, command.position);
-    // the proxy commanded nothing, so there is nothing that it waits for
+    // the proxy commanded nothing, so it waits for nothing
     assert_eq!(log.events(), [""; 0]);
 }
 
@@ -60,7 +60,7 @@ fn y3_the_proxy_is_declared_and_offers_services_for_ports() {
     assert_eq!(position, [0.5, 0.2, -0.3, 0.4, 0.1]);
 }
 
-/// The driver's composite with a gripper of two joints beside the arm, which has a proxy of its own.
+/// The driver's composite with a gripper of two joints beside the arm, which has its own proxy.
 fn with_gripper() -> String {
     let arm = Bench::default().driver;
     let service = r#"{ service = "SCAyouBotDriver.retrievingStatus""#;
@@ -100,13 +100,13 @@ fn c13_one_facade_hides_several_data_flow_components() {
         ..Bench::default()
     };
     let log = bench.run(4);
-    // to its client it is one: the arm obeys, the gripper tells
+    // the client sees a single service: the arm obeys, the gripper reports
     assert_eq!(log.events(), ["busy", "idle"]);
     let read = log.replies[1].2.as_ref().unwrap();
     assert_eq!(read.get("position").unwrap().count(), Some(2));
 }
 
-/// Two arms, each a composite of its own, in one that has no component of its own.
+/// Two arms, each a nested composite, in a composite without components of its own.
 const PAIR: &str = r#"
 schema = "composite/1"
 promote = [
@@ -128,7 +128,7 @@ properties = { joints = 6 }
 fn j4_data_flow_components_stand_in_a_hierarchy_of_composites() {
     let inner = Bench::default().driver;
     let must = r#"notifying = "youbot/Notifying""#;
-    // nobody hears of the right arm
+    // the right arm has no listener
     let may = r#"notifying = { interface = "youbot/Notifying", optional = true }"#;
     assert!(inner.contains(must));
     let (mut simulation, log) = Bench {

@@ -1,11 +1,11 @@
-//! The locomotor: the specification, live in the composite that ships.
+//! The locomotor: the specification, running in the composite in `specs`.
 
 use super::bench::{Log, shipped};
 use asmotion_component::{Time, Transition};
 use asmotion_runtime::Run;
 use std::time::Duration;
 
-/// Goals around the arm, all within reach: x, y, z in m, lean and roll in rad.
+/// Reachable goals around the arm: x, y, z in m, lean and roll in rad.
 fn around(count: u32) -> Vec<[f64; 5]> {
     let goal = |k: u32| {
         let (turn, far) = (-2.4 + 0.24 * f64::from(k), 0.33 + 0.02 * f64::from(k % 3));
@@ -15,7 +15,7 @@ fn around(count: u32) -> Vec<[f64; 5]> {
     (0..count).map(goal).collect()
 }
 
-/// Where the hand is, by the lengths of the data sheet.
+/// Position of the hand, computed with the lengths in the data sheet.
 fn hand(joints: &[f64]) -> [f64; 3] {
     let leans = [
         joints[1],
@@ -35,7 +35,7 @@ fn hand(joints: &[f64]) -> [f64; 3] {
     [far * joints[0].cos(), far * joints[0].sin(), up]
 }
 
-/// Where the hand was when the locomotor said that the arm was idle.
+/// Positions of the hand when the locomotor reported that the arm was idle.
 fn arrivals(log: &Log) -> Vec<[f64; 3]> {
     let idle = log.notes.iter().filter(|(_, note)| note == "NOTE_IDLE");
     let at = |at: &Time| {
@@ -84,7 +84,7 @@ fn y10_both_listeners_hear_of_the_arrival() {
     let (mut simulation, log) = shipped(&around(2));
     simulation.run_for(Duration::from_secs(15));
     let log = log.lock().unwrap();
-    // the locomotor says so, and the operator has sent the next goal
+    // the locomotor reports it, and the operator has sent the next goal
     let said: Vec<&str> = log.notes.iter().map(|(_, note)| note.as_str()).collect();
     let motions: Vec<_> = said
         .iter()

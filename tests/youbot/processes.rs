@@ -1,5 +1,5 @@
 //! The case study in several processes over a real broker: the locomotor goes through the same control states, and
-//! where the link is cut nothing old is shown as if it were new.
+//! outdated data are never shown as current when the link is cut.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -19,14 +19,15 @@ fn shipped() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/youbot/youbot.composite.toml")
 }
 
-/// `asmotion run` of it as one process of several.
+/// A command that runs one of its processes.
 fn process(composite: &Path, vhost: &Vhost<'_>, name: &str) -> Command {
     let mut command = run_any(composite);
     command.args(["--bus", &vhost.url(), "--process", name]);
     command
 }
 
-/// Starts a process to which nobody listens, and waits until it takes orders, and so has all of its queues.
+/// Starts a process that may lack listeners, and waits until it takes orders, which means that all its queues are
+/// declared.
 fn started(composite: &Path, vhost: &Vhost<'_>, name: &str) -> Running {
     let mut process = process(composite, vhost, name);
     let running = Running::start(process.stdout(Stdio::null()));
@@ -43,7 +44,7 @@ fn expected() -> Vec<String> {
     [&first[..2], &first[..2]].concat()
 }
 
-/// The control states of the process that has the locomotor, up to so many.
+/// The first `count` control states of the process with the locomotor.
 fn first_modes(locomotor: &mut Command, count: usize) -> Vec<String> {
     let mut heard = Heard::start(locomotor);
     let (mut told, mut modes) = (Vec::new(), Vec::new());
@@ -55,7 +56,7 @@ fn first_modes(locomotor: &mut Command, count: usize) -> Vec<String> {
     modes
 }
 
-/// The composite opened up, with its components in these processes, and patient: the machine may be loaded.
+/// The expanded composite, with its components assigned to these processes and long timeouts for a loaded machine.
 fn placed(folder: &Path, processes: &[(&str, &[&str])]) -> PathBuf {
     let mut expand = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     let opened = expand.arg("expand").arg(shipped()).output().unwrap();
@@ -116,7 +117,7 @@ fn c17_in_four_processes_with_the_driver_and_its_proxy_apart() {
     }
 }
 
-/// What the monitor knows, as `asmotion top` comes to know it.
+/// The state of `asmotion top`.
 struct Monitor {
     bus: AmqpBus,
     everything: Subscription,
@@ -142,7 +143,7 @@ impl Monitor {
         }
     }
 
-    /// Waits until the board shows what is wanted.
+    /// Waits until the board satisfies a predicate.
     #[track_caller]
     fn shows(&mut self, what: &str, wanted: impl Fn(&Board, Duration) -> bool) {
         let until = Instant::now() + Duration::from_secs(30);
@@ -161,7 +162,7 @@ impl Monitor {
     }
 }
 
-/// Whether a component is shown as silent.
+/// Whether a component is shown as silent; `None` if it is unknown.
 fn silent(board: &Board, now: Duration, component: &str) -> Option<bool> {
     let mut components = board.components(now);
     let found = components.find(|it| it.present.name == component)?;
@@ -173,7 +174,7 @@ fn is_stale(board: &Board, now: Duration, topic: &str) -> Option<bool> {
     (found.count > 10).then(|| found.is_stale(now))
 }
 
-/// The robot, so slow that there is time to cut its link in the middle of a motion.
+/// Starts the robot with a low speed, so that its link can be cut in the middle of a motion.
 fn slow_robot(vhost: &Vhost<'_>) -> Running {
     let mut robot = process(&shipped(), vhost, "robot");
     robot.args(["--set", "Driver/youBotDriver.speed=0.2"]);
@@ -231,7 +232,7 @@ fn y11_a_robot_that_is_out_of_reach_is_stale_to_all() {
     monitor.shows("a robot that moves", |board, now| {
         is_stale(board, now, joints) == Some(false)
     });
-    // its cable is pulled: its connections are there, and nothing comes
+    // as if its cable were pulled: the connections exist, and nothing arrives
     robot.signal("-STOP");
     assert!(station.until(&mut told, enters("FAULT")).is_some());
     monitor.shows(

@@ -57,7 +57,7 @@ fn j3_one_proxy_is_called_synchronously_over_one_wire_and_one_way_over_another()
     assert_eq!((reply(""), reply(", oneway = true")), (1, 0));
 }
 
-/// When the reply to the first command came, in ms, with this mode in the map.
+/// Time in ms and result of the reply to the first command, with this mode in the map.
 fn replied(mode: &str, script: &'static [&'static str]) -> (u128, Result<Datum, String>) {
     let oneway = "youBotDriver.commands\", mode = \"oneway\"";
     let driver = Bench::default().driver;
@@ -275,7 +275,7 @@ fn y7_y8_a_period_set_through_the_service_is_the_drivers_within_five_cycles() {
     let settled = &measured[1..6];
     let mean_ms = settled.iter().sum::<i64>() as f64 / 5e6;
     assert!((mean_ms - 50.0).abs() <= 1.0, "{mean_ms} ms: {measured:?}");
-    // what is no period is left alone
+    // an invalid period has no effect
     let log = Bench {
         script: &["1 period -1", "2 period 0"],
         ..Bench::default()

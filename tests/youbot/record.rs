@@ -1,4 +1,4 @@
-//! What the arm did, as a table.
+//! The recorded table of the arm's motion.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,7 +12,7 @@ use asmotion_runtime::Event;
 
 const COMPOSITE: &str = "specs/youbot/youbot.composite.toml";
 
-/// What the driver published in two seconds, and when.
+/// The status published by the driver in two seconds, with its times.
 fn published() -> Vec<(i64, JointStatus)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut mission = Mission::new(root.join(COMPOSITE).display().to_string());
@@ -72,7 +72,7 @@ fn o15_csv_columns_equal_published_values() {
     }
     assert_eq!(rows, published.len());
     assert!(rows > 15, "{rows}");
-    // nothing but what was asked for: the time, a stamp of two numbers, five lists of five
+    // only the requested columns: the time, a stamp of two numbers, five lists of five
     assert_eq!(names.len(), 1 + 2 + 5 * 5);
 }
 

@@ -1,4 +1,4 @@
-//! `coord` by hand.
+//! The machine `coord`, written by hand.
 
 use std::hint::black_box;
 

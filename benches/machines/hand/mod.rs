@@ -1,17 +1,17 @@
-//! The machines written directly in Rust: plain variables, no general state, no update set. The limit
-//! to compare with.
+//! The machines written directly in Rust, with plain variables instead of a general state and update sets: a lower
+//! bound for comparison.
 //!
-//! Each runs so many steps from the initial state, and shows what every location holds then.
+//! Each runs a number of steps from the initial state, and returns the values of all locations.
 
 mod coord;
 
 use std::collections::VecDeque;
 use std::hint::black_box;
 
-/// Runs a machine for so many steps; if it is to be shown, one line a location.
+/// Runs a machine for a number of steps. Returns one line for each location if the flag is set.
 pub type Hand = fn(u64, bool) -> Vec<String>;
 
-/// The machines by name.
+/// All machines by name.
 pub const MACHINES: &[(&str, Hand)] = &[
     ("counter", counter),
     ("gcd", gcd),
@@ -37,7 +37,7 @@ pub const MACHINES: &[(&str, Hand)] = &[
     }),
 ];
 
-/// A generator of three shifts, for choices.
+/// A xorshift generator, for choices.
 pub struct Shifts(pub u64);
 
 impl Shifts {

@@ -231,7 +231,7 @@ impl Adviser {
         let before: Vec<f64> = route.offsets().to_vec();
         route.bend(from, offsets);
         if before != route.offsets() && self.told != LastAdvice::Nothing {
-            self.told = LastAdvice::Hold; // whatever it was told, it is to be told anew
+            self.told = LastAdvice::Hold; // the new order must be sent even if the follower has one
         }
         self.go_on()
     }

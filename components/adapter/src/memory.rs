@@ -82,7 +82,7 @@ fn sees_through(scan: &LaserScan, point: Point) -> bool {
     let (before, after) = (beam.floor(), beam.ceil());
     let in_view = before >= 0.0 && after < scan.ranges.len() as f64;
     if !in_view {
-        return false; // nor is a bearing that is no number
+        return false; // a bearing that is not finite shows nothing either
     }
     let distance = point.coords.norm();
     // NaN compares false, and a beam that ended too near is -Inf: neither shows that the way is free

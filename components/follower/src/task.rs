@@ -111,7 +111,7 @@ impl FollowTask {
                 .iter()
                 .all(|number| number.is_finite())
         {
-            *self = Self::Stop; // a path to nowhere is no path
+            *self = Self::Stop; // a path without a usable pose is an order to stop
             return;
         }
         let identity = PathIdentity {

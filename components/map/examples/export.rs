@@ -1,4 +1,4 @@
-//! Saves a map in ROS' format, as map_saver would: `cargo run -p asmotion-map --example export -- plan.geojson folder`.
+//! Saves a map in ROS's format, like map_saver: `cargo run -p asmotion-map --example export -- plan.geojson folder`.
 
 use std::error::Error;
 use std::path::Path;

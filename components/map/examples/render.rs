@@ -1,4 +1,4 @@
-//! Draws a map, its named points, and if wanted a path, as a PNG to look at.
+//! Draws a map, its named points, and optionally a path as a PNG.
 //!
 //! `cargo run -p asmotion-map --example render -- map.geojson out.png [x,y x,y | name name]…`
 

@@ -1,4 +1,4 @@
-//! Common ground of the vector formats: shapes in metres, drawn layer by layer on a grid.
+//! Common base of the vector formats: shapes in metres, drawn on a grid layer by layer.
 
 use asmotion_geometry::{Grid, GridLayout, Occupancy, Point, Pose, Vector, heading};
 
@@ -6,21 +6,21 @@ use crate::error::MapFault;
 use crate::format::MapSettings;
 use crate::rules::FeatureRule;
 
-/// Shapes in the map frame, and in which order they are drawn.
+/// Shapes in the map frame, with their layers.
 #[derive(Default)]
 pub struct Drawing {
     shapes: Vec<DrawnShape>,
 }
 
-/// How the drawing lies in the map.
+/// Extent and resolution of a drawing in the map frame.
 pub struct DrawingFrame {
     /// The smallest x and y, m.
     pub low: Point,
     /// The largest x and y, m.
     pub high: Point,
-    /// Side of a cell, m.
+    /// Side length of a cell, m.
     pub resolution: f64,
-    /// Occupancy of places no shape covers.
+    /// Occupancy of places that no shape covers.
     pub ground: Occupancy,
 }
 
@@ -31,26 +31,26 @@ struct DrawnShape {
 }
 
 enum Outline {
-    /// Points, and how wide the line through them is.
+    /// Points, and the width of the line through them.
     Line(Vec<Point>, f64),
-    /// A polygon's rings; holes are rings too.
+    /// The rings of a polygon; holes are rings too.
     Area(Vec<Vec<Point>>),
-    /// A place and its diameter.
+    /// Centre and diameter.
     Spot(Point, f64),
 }
 
 impl Drawing {
-    /// A line, as wide as said.
+    /// Adds a line of this width in m.
     pub fn line(&mut self, points: Vec<Point>, width: f64, rule: &FeatureRule) {
         self.add(rule, Outline::Line(points, width));
     }
 
-    /// An area: rings, those within others are holes.
+    /// Adds an area; rings within others are holes.
     pub fn area(&mut self, rings: Vec<Vec<Point>>, rule: &FeatureRule) {
         self.add(rule, Outline::Area(rings));
     }
 
-    /// A place, as large across as said; of no size it is not drawn.
+    /// Adds a disc of this diameter in m; without a diameter, nothing is drawn.
     pub fn spot(&mut self, at: Point, diameter: Option<f64>, rule: &FeatureRule) {
         if let Some(diameter) = diameter {
             self.add(rule, Outline::Spot(at, diameter));
@@ -67,7 +67,7 @@ impl Drawing {
         }
     }
 
-    /// The smallest and largest x and y of everything; none if there is nothing.
+    /// The smallest and largest x and y of all shapes; `None` without shapes.
     pub fn bounds(&self) -> Option<(Point, Point)> {
         let mut points = self.shapes.iter().flat_map(|shape| shape.outline.points());
         let first = *points.next()?;
@@ -76,7 +76,7 @@ impl Drawing {
         }))
     }
 
-    /// The drawing on a grid. Within a layer, what came later covers what came before.
+    /// Draws the shapes on a grid. Within a layer, later shapes cover earlier ones.
     pub fn grid(mut self, frame: &DrawingFrame, settings: &MapSettings) -> Result<Grid, MapFault> {
         let mut grid = Grid::new(frame.layout(settings.max_cells)?, frame.ground.value());
         self.shapes.sort_by_key(|shape| shape.layer);
@@ -112,7 +112,8 @@ impl DrawnShape {
         }
     }
 
-    /// What blocks also blocks the cells its border only touches, so that thin things are not lost between centres.
+    /// Draws the border of an occupied area on all cells that it touches, so that thin shapes are not lost between cell
+    /// centres.
     fn draw_border(&self, grid: &mut Grid, rings: &[Vec<Point>]) {
         for ring in rings {
             grid.stroke(ring, 0.0, self.value);
@@ -124,7 +125,7 @@ impl DrawnShape {
 }
 
 impl DrawingFrame {
-    /// The frame with `margin` metres more on each side.
+    /// The frame extended by `margin` metres on each side.
     pub fn widened(self, margin: f64) -> Self {
         let margin = Vector::repeat(margin);
         Self {
@@ -134,7 +135,7 @@ impl DrawingFrame {
         }
     }
 
-    /// The grid that covers the frame; the map's origin lies on a corner of its cells.
+    /// The grid that covers the frame. The map's origin is a corner of one of its cells.
     fn layout(&self, max_cells: u64) -> Result<GridLayout, MapFault> {
         let resolution = self.resolution;
         if !(resolution.is_finite() && resolution > 0.0) {
@@ -142,7 +143,7 @@ impl DrawingFrame {
                 asmotion_geometry::GridLayoutError::Resolution { resolution },
             ));
         }
-        // a hair of rounding must not cost a row of cells
+        // rounding errors must not add a row of cells
         let steps = |value: f64, round: fn(f64) -> f64, hair: f64| round(value / resolution + hair);
         let first = Vector::new(
             steps(self.low.x, f64::floor, 1e-6),
@@ -171,10 +172,10 @@ impl DrawingFrame {
     }
 }
 
-/// A resolution at which `width` × `height` metres take at most `limit` cells, rounded up to two digits.
+/// A resolution at which `width` × `height` metres need at most `limit` cells, rounded up to two digits.
 pub fn fitting(width: f64, height: f64, limit: u64) -> f64 {
     let limit = limit.max(4) as f64;
-    // each side may take one cell more than its length says
+    // each side may need one cell more than its length implies
     let exact = (width * height / limit)
         .sqrt()
         .max(width.max(height) / limit)

@@ -1,4 +1,4 @@
-//! Errors of maps: the file, the place in it, the cause, and the way out.
+//! Errors of maps: the file, the place in it, the cause, and a remedy.
 
 use std::fmt;
 
@@ -8,41 +8,41 @@ use asmotion_geometry::GridLayoutError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}{at}: {fault}")]
 pub struct MapError {
-    /// The file that is wrong: the image, for instance, not the YAML file that names it.
+    /// Name of the faulty file: the image, for example, and not the YAML file that refers to it.
     pub file: String,
     /// Place in the file.
     pub at: Where,
-    /// Cause, with the way out.
+    /// Cause, with a remedy.
     pub fault: MapFault,
 }
 
-/// A place in a file, as its readers count.
+/// A place in a file, counted as usual for its format.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Where {
     /// The file as a whole.
     File,
-    /// A character; both from 1.
+    /// A character in a text file.
     Line {
-        /// From 1.
+        /// Line, from 1.
         line: u64,
-        /// From 1.
+        /// Column, from 1.
         column: u64,
     },
-    /// A byte, from 0.
+    /// Offset of a byte, from 0.
     Byte(u64),
-    /// A GeoJSON feature, from 0.
+    /// Index of a GeoJSON feature, from 0.
     Feature(usize),
     /// An OSM element.
     Element {
-        /// `node`, `way`, `relation`.
+        /// Kind of the element: `node`, `way` or `relation`.
         kind: &'static str,
-        /// Its id.
+        /// Id of the element.
         id: i64,
     },
 }
 
 impl Where {
-    /// The line and column of a byte of a text.
+    /// The line and column of a byte in a text.
     pub fn in_text(text: &str, byte: usize) -> Self {
         let before = text.as_bytes().get(..byte).unwrap_or(text.as_bytes());
         let start = before
@@ -71,62 +71,62 @@ impl fmt::Display for Where {
 /// Cause of an error.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapFault {
-    /// No such file.
+    /// The file does not exist.
     #[error("there is no such file")]
     Missing,
-    /// The system would not give it.
+    /// The operating system cannot read the file.
     #[error("cannot be read: {reason}")]
     Unreadable {
-        /// The system's words.
+        /// The operating system's message.
         reason: String,
     },
-    /// More bytes than may be read.
+    /// The file exceeds the limit on its size.
     #[error("has more than {limit} bytes; cut a smaller extract, or raise `max_bytes`")]
     TooManyBytes {
-        /// Bytes, unpacked.
+        /// Limit in bytes, after decompression.
         limit: u64,
     },
-    /// No row of the table of formats claims the file.
+    /// No format has the file's ending.
     #[error("no map format has this ending; known are {known}")]
     UnknownFormat {
-        /// Their endings.
+        /// All known endings.
         known: String,
     },
-    /// This build leaves the reader of the format out.
+    /// This build does not include the reader of the format.
     #[error(
         "maps of this format need the feature `{feature}`, which is not in this build: build it with `--features {feature}`"
     )]
     LeftOut {
-        /// The Cargo feature that adds it.
+        /// Cargo feature that includes it.
         feature: &'static str,
     },
-    /// The file is not what its ending says.
+    /// The content does not have the format that the ending implies.
     #[error("{what}")]
     Syntax {
-        /// The parser's words.
+        /// The parser's message.
         what: String,
     },
-    /// A value that cannot be.
+    /// A value that is not allowed.
     #[error("`{key}` is {found}; it must be {expected}")]
     Value {
-        /// Its name.
+        /// Name of the value.
         key: String,
         /// The value found.
         found: String,
         /// The values allowed.
         expected: &'static str,
     },
-    /// The coordinates are no degrees.
+    /// Coordinates that are no degrees.
     #[error(
         "({x}, {y}) is no longitude and latitude; if the coordinates are metres, say so: \"map\": {{\"units\": \"metres\"}}"
     )]
     NotDegrees {
-        /// The first number.
+        /// First coordinate.
         x: f64,
-        /// The second.
+        /// Second coordinate.
         y: f64,
     },
-    /// A place on the other side of the Earth.
+    /// A place too far from the map's centre for the projection.
     #[error(
         "({longitude}, {latitude}) lies too far from the middle of the map; cut a smaller extract"
     )]
@@ -136,15 +136,15 @@ pub enum MapFault {
         /// Degrees north.
         latitude: f64,
     },
-    /// Another coordinate reference system.
+    /// A coordinate reference system other than WGS 84.
     #[error(
         "the coordinate reference system {name} is not supported; convert the file to WGS 84 (EPSG:4326)"
     )]
     ReferenceSystem {
-        /// As the file says it.
+        /// Name of the system, as in the file.
         name: String,
     },
-    /// There is nothing on the map.
+    /// The file contains nothing that can be drawn.
     #[error("nothing in it can be drawn, so the map has no extent; does a rule name its tags?")]
     Nothing,
     /// The grid would be too large.
@@ -152,24 +152,24 @@ pub enum MapFault {
         "{width} × {height} cells of {resolution} m are more than `max_cells` = {limit}; set `resolution_m` to {fits} or more"
     )]
     TooLarge {
-        /// Cells along x.
+        /// Number of cells along x.
         width: f64,
-        /// Cells along y.
+        /// Number of cells along y.
         height: f64,
-        /// Side of a cell, m.
+        /// Side length of a cell, m.
         resolution: f64,
-        /// The largest number of cells.
+        /// Limit on the number of cells.
         limit: u64,
-        /// A resolution at which the map fits, m.
+        /// The finest resolution at which the map fits, m.
         fits: f64,
     },
-    /// More things than may be held in memory.
+    /// The file contains more elements than the limit.
     #[error("has more than {limit} elements; cut a smaller extract")]
     TooManyElements {
-        /// The largest number.
+        /// Limit on the number of elements.
         limit: usize,
     },
-    /// The grid's numbers are none.
+    /// Invalid size or resolution of the grid.
     #[error(transparent)]
     Layout(#[from] GridLayoutError),
 }

@@ -5,31 +5,31 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-/// Gives the bytes of named files. Names are paths with `/`. Maps are loaded beside the server's cycle, hence `Sync`.
+/// A source of files. Names are paths with `/`. `Sync`, because maps are loaded in background work.
 pub trait FileSource: Send + Sync {
-    /// The whole file, but never more than `limit` bytes.
+    /// Reads a whole file; fails if it has more than `limit` bytes.
     fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault>;
 
-    /// The names of the files in a folder, without the folder's, sorted.
+    /// The names of the files in a folder, without the folder's name, sorted.
     fn list(&self, folder: &str) -> Result<Vec<String>, FileFault>;
 
     /// Returns whether `name` is a folder.
     fn is_folder(&self, name: &str) -> bool;
 
-    /// Something that is another value once the file has changed; none if there is no such file.
+    /// A value that differs after the file has changed; `None` if there is no such file.
     fn version(&self, name: &str) -> Option<u128>;
 }
 
 /// Reason why a file cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FileFault {
-    /// No such file.
+    /// The file does not exist.
     #[error("there is no such file")]
     Missing,
-    /// More bytes than the limit.
+    /// The file is longer than the limit.
     #[error("is too long")]
     TooLong,
-    /// Anything else, in the system's words.
+    /// Any other error, with the operating system's message.
     #[error("{0}")]
     Other(String),
 }
@@ -43,7 +43,7 @@ impl From<std::io::Error> for FileFault {
     }
 }
 
-/// The files of this machine.
+/// The files of the local disk.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DiskFiles;
 
@@ -73,12 +73,12 @@ impl FileSource for DiskFiles {
     }
 }
 
-/// Files that exist in memory only: tests, and maps that came by message.
+/// Files in memory, for tests and for maps received in messages.
 #[derive(Clone, Debug, Default)]
 pub struct FilesInMemory(BTreeMap<String, Vec<u8>>);
 
 impl FilesInMemory {
-    /// These files.
+    /// A source with these files.
     pub fn new<Name: Into<String>, Bytes: Into<Vec<u8>>>(
         files: impl IntoIterator<Item = (Name, Bytes)>,
     ) -> Self {
@@ -112,7 +112,7 @@ impl FileSource for FilesInMemory {
     }
 }
 
-/// All bytes of a stream, unless they are more than `limit`.
+/// Reads a stream to its end; fails if it has more than `limit` bytes.
 pub fn read_at_most(stream: impl Read, limit: u64) -> Result<Vec<u8>, FileFault> {
     let mut bytes = Vec::new();
     stream

@@ -1,4 +1,4 @@
-//! The seam: the trait of map formats (bytes in, a map out), their settings, and the table of formats.
+//! The trait of map formats, their settings, and the table of formats.
 
 use asmotion_geometry::Occupancy;
 
@@ -13,16 +13,16 @@ use crate::osm::OsmXml;
 use crate::ros::RosMap;
 use crate::rules::Rules;
 
-/// Reads one kind of map file. Never panics, whatever the bytes are, and holds no more memory than the settings allow.
+/// Reads a map file of one format. Never panics, whatever the content, and uses no more memory than the settings allow.
 pub trait MapFormat: Sync {
-    /// The endings of its files, with the dot; `.gz` may follow any of them.
+    /// The endings of its files, with the dot; each may be followed by `.gz`.
     fn endings(&self) -> &'static [&'static str];
 
-    /// The map in the file. The same bytes give the same map.
+    /// Reads the map. Equal content gives equal maps.
     fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError>;
 }
 
-/// Every format by its name. Where a place has files of several formats, the first row wins.
+/// All formats by name. If a place has files of several formats, the first row wins.
 pub const FORMATS: &[(&str, &dyn MapFormat)] = &[
     ("geojson", &GeoJson),
     #[cfg(feature = "maps")]
@@ -32,7 +32,7 @@ pub const FORMATS: &[(&str, &dyn MapFormat)] = &[
     ("osm.pbf", &OsmPbf),
 ];
 
-/// The endings of formats that a build without the feature `maps` leaves out.
+/// Endings of the formats that a build without the feature `maps` does not include.
 const LEFT_OUT: &[&str] = match cfg!(feature = "maps") {
     true => &[],
     false => &[".yaml", ".yml", ".osm", ".osm.xml"],
@@ -41,16 +41,16 @@ const LEFT_OUT: &[&str] = match cfg!(feature = "maps") {
 /// Settings of loading, common to all formats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapSettings {
-    /// Side of a cell, m; none takes what the file says, or what suits its kind. A ROS map is made coarser if need be,
-    /// never finer.
+    /// Side length of a cell, m; `None` uses the file's value or the format's default. The resolution of a ROS map can
+    /// only be reduced.
     pub resolution: Option<f64>,
-    /// No grid has more cells; a byte each.
+    /// Limit on the number of cells of a grid; each uses one byte.
     pub max_cells: u64,
-    /// No file has more bytes, unpacked.
+    /// Limit on the size of a file in bytes, after decompression.
     pub max_bytes: u64,
-    /// Occupancy of places no feature covers; none takes the file's, or free.
+    /// Occupancy of places that no feature covers; `None` uses the file's value or free.
     pub ground: Option<Occupancy>,
-    /// Which features block and which are free (GeoJSON and OSM).
+    /// The rules that determine the occupancy of features (GeoJSON and OSM).
     pub rules: Rules,
 }
 
@@ -66,7 +66,7 @@ impl Default for MapSettings {
     }
 }
 
-/// Loads the map in file `name`, whose ending decides the format.
+/// Loads the map in file `name`, whose ending determines the format.
 pub fn load(files: &dyn FileSource, name: &str, settings: &MapSettings) -> Result<Map, MapError> {
     let source = MapSource::new(files, name, settings);
     match format_of(name) {
@@ -80,7 +80,7 @@ pub fn load(files: &dyn FileSource, name: &str, settings: &MapSettings) -> Resul
     }
 }
 
-/// The format whose ending the file has.
+/// The format that matches the file's ending.
 pub fn format_of(name: &str) -> Option<&'static dyn MapFormat> {
     FORMATS.iter().map(|(_, format)| *format).find(|format| {
         format
@@ -90,21 +90,21 @@ pub fn format_of(name: &str) -> Option<&'static dyn MapFormat> {
     })
 }
 
-/// Every ending in the order of the table.
+/// All endings, in the order of the table.
 pub fn endings() -> impl Iterator<Item = &'static str> {
     FORMATS
         .iter()
         .flat_map(|(_, format)| format.endings().iter().copied())
 }
 
-/// The name without the ending, packed or not; none if it ends otherwise.
+/// The name without the ending and an optional `.gz`; `None` if it has another ending.
 pub fn stem<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
     name.strip_suffix(".gz")
         .unwrap_or(name)
         .strip_suffix(ending)
 }
 
-/// A file and how to get it.
+/// A map file, and the source to read it from.
 pub struct MapSource<'a> {
     files: &'a dyn FileSource,
     name: String,
@@ -112,7 +112,7 @@ pub struct MapSource<'a> {
 }
 
 impl<'a> MapSource<'a> {
-    /// The file called `name`.
+    /// The file with this name.
     pub fn new(files: &'a dyn FileSource, name: &str, settings: &MapSettings) -> Self {
         Self {
             files,
@@ -126,7 +126,7 @@ impl<'a> MapSource<'a> {
         &self.name
     }
 
-    /// The file's bytes, unpacked if its name ends in `.gz`.
+    /// Reads the file, and decompresses it if its name ends in `.gz`.
     pub fn bytes(&self) -> Result<Vec<u8>, MapError> {
         let bytes = self.files.read(&self.name, self.limit);
         let bytes = bytes.map_err(|fault| self.unread(fault))?;
@@ -142,7 +142,7 @@ impl<'a> MapSource<'a> {
         })
     }
 
-    /// The file's text.
+    /// Reads the file as UTF-8 text.
     pub fn text(&self) -> Result<String, MapError> {
         String::from_utf8(self.bytes()?).map_err(|error| {
             let byte = error.utf8_error().valid_up_to() as u64;
@@ -151,7 +151,7 @@ impl<'a> MapSource<'a> {
         })
     }
 
-    /// Another file, named as this one names it: relative to this one's folder.
+    /// A file with a name relative to the folder of this one.
     pub fn beside(&self, name: &str) -> MapSource<'_> {
         let folder = self.name.rfind('/').map_or("", |at| &self.name[..=at]);
         let absolute = name.starts_with('/');
@@ -166,7 +166,7 @@ impl<'a> MapSource<'a> {
         }
     }
 
-    /// An error of this file.
+    /// An error concerning this file as a whole.
     pub fn error(&self, fault: MapFault) -> MapError {
         self.error_at(Where::File, fault)
     }

@@ -1,7 +1,7 @@
-//! GeoJSON (RFC 7946): floor plans and GIS features, drawn as their properties say.
+//! GeoJSON (RFC 7946): floor plans and GIS features, drawn according to their properties.
 //!
-//! Coordinates are WGS 84 degrees, unless the collection has the foreign member
-//! `"map": {"units": "metres"}`; the same member may hold `resolution_m`, `margin_m` and `ground`.
+//! Coordinates are WGS 84 degrees, unless the collection has the foreign member `"map": {"units": "metres"}`; the same
+//! member may contain `resolution_m`, `margin_m` and `ground`.
 
 use asmotion_geometry::{Occupancy, Point, heading};
 use geojson::{Feature, GeoJson as Document, GeometryValue, JsonObject, JsonValue, Position};
@@ -13,10 +13,10 @@ use crate::map::{LonLat, Map, NamedPoint};
 use crate::projection::{Projection, centre, checked};
 use crate::rules::{FeatureRule, Tags};
 
-/// The format.
+/// The reader of GeoJSON files.
 pub struct GeoJson;
 
-/// Default side of a cell, m, for an indoor robot.
+/// Default side length of a cell in m, for indoor robots.
 const RESOLUTION: f64 = 0.05;
 
 impl MapFormat for GeoJson {
@@ -79,7 +79,7 @@ fn syntax(source: &MapSource<'_>, error: geojson::Error) -> MapError {
     source.error_at(at, MapFault::Syntax { what })
 }
 
-/// The foreign member `map`.
+/// The contents of the foreign member `map`.
 struct GeoJsonMapMember {
     metres: bool,
     resolution: Option<f64>,
@@ -124,7 +124,7 @@ impl GeoJsonMapMember {
         })
     }
 
-    /// Position of the map's origin on Earth: the middle of the features; none if they are in metres.
+    /// Position of the map's origin on Earth, the centre of the features; `None` if they are in metres.
     fn origin<E>(
         &self,
         features: &[Feature],
@@ -151,7 +151,7 @@ impl GeoJsonMapMember {
     }
 }
 
-/// The name of a reference system that is not WGS 84 (GeoJSON of 2008 could say so).
+/// The name of a reference system other than WGS 84, which GeoJSON 2008 allowed.
 fn foreign_crs(crs: &JsonValue) -> Option<String> {
     let name = crs.get("properties")?.get("name")?.as_str()?;
     let same = ["CRS84", "EPSG::4326", "EPSG:4326"]
@@ -176,7 +176,7 @@ fn wrong(key: &str, found: &JsonValue, expected: &'static str) -> MapFault {
     }
 }
 
-/// Every position of a geometry.
+/// Visits every position of a geometry.
 fn positions<'a>(
     geometry: &'a GeometryValue,
     visit: &mut impl FnMut(&'a Position) -> Result<(), MapFault>,
@@ -214,13 +214,13 @@ fn numbers(position: &Position) -> Result<(f64, f64), MapFault> {
     }
 }
 
-/// The map in the making.
+/// The map under construction.
 struct GeoJsonReader<'a> {
     projection: Option<Projection>,
     settings: &'a MapSettings,
     drawing: Drawing,
     points: Vec<NamedPoint>,
-    /// Features with an extent that no rule names.
+    /// Number of features with an extent that match no rule.
     ignored: usize,
 }
 
@@ -289,7 +289,7 @@ impl GeoJsonReader<'_> {
         Ok(())
     }
 
-    /// A point with a name is a place; `yaw_deg` is the heading there.
+    /// Adds a point with a name as a named place; `yaw_deg` is its heading.
     fn name(&mut self, geometry: &GeometryValue, tags: &Tags) -> Result<(), MapFault> {
         if let (GeometryValue::Point { coordinates }, Some(name)) = (geometry, tags.get("name")) {
             let yaw: f64 = tags
@@ -344,7 +344,7 @@ impl GeoJsonReader<'_> {
     }
 }
 
-/// A feature's properties as tags: texts, numbers and truth values.
+/// Converts a feature's properties to tags: texts, numbers and Booleans.
 fn tags(properties: Option<&JsonObject>) -> Tags {
     let text = |value: &JsonValue| match value {
         JsonValue::String(text) => Some(text.clone()),

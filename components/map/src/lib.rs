@@ -1,4 +1,4 @@
-//! Maps: floor plans, city extracts and ROS maps become occupancy grids, and a server hands them out by name.
+//! Maps: converts floor plans, OpenStreetMap extracts and ROS maps to occupancy grids, which a server provides by name.
 //!
 //! Metres in the map frame, x forward (east), y left (north), angles counter-clockwise (REP-103, REP-105).
 

@@ -1,4 +1,4 @@
-//! Maps by the name of their place: which file it is, loaded once, the same revision for everybody.
+//! Maps by the names of their places; each is loaded once, and all clients get the same revision.
 
 use std::collections::{BTreeMap, btree_map};
 use std::sync::Arc;
@@ -18,16 +18,16 @@ const LIST: &str = "places.toml";
 /// The frame of every map (REP-105).
 const FRAME: &str = "map";
 
-/// Which file each place has.
+/// The map file of each place.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Places(BTreeMap<String, PlaceEntry>);
 
 /// The map of a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceEntry {
-    /// Its file.
+    /// Name of the map file.
     pub file: String,
-    /// Side of a cell, m; none leaves it to the settings.
+    /// Side length of a cell, m; `None` uses the settings.
     pub resolution: Option<f64>,
 }
 
@@ -53,8 +53,8 @@ struct More {
 }
 
 impl Places {
-    /// The places of a source: a list (`places.toml`), a folder (its own list, else every map in it, called as its
-    /// file without the ending), or a single map.
+    /// Finds the places of a source: a list (`places.toml`), a folder (with its own list, or else every map in it under
+    /// its name without the ending), or a single map.
     pub fn find(
         files: &dyn FileSource,
         source: &str,
@@ -139,7 +139,7 @@ impl Places {
         ))
     }
 
-    /// The place called `name`; without a name, the only one there is.
+    /// The place with this name; for an empty name, the only place.
     pub fn get(&self, name: &str) -> Option<(&str, &PlaceEntry)> {
         let (place, entry) = match (name, self.0.len()) {
             ("", 1) => self.0.first_key_value()?,
@@ -148,13 +148,13 @@ impl Places {
         Some((place, entry))
     }
 
-    /// Every name, sorted.
+    /// All names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.0.keys().map(String::as_str)
     }
 }
 
-/// A map's name without its ending.
+/// The name of a map file without its ending.
 fn named(file: &str) -> Option<&str> {
     let endings = FORMATS.iter().flat_map(|(_, format)| format.endings());
     endings
@@ -162,10 +162,10 @@ fn named(file: &str) -> Option<&str> {
         .min_by_key(|stem| stem.len())
 }
 
-/// The maps of some places, each loaded when first requested and kept.
+/// The maps of places, each loaded at its first request and then kept.
 ///
-/// Looking up and keeping maps takes no time; reading and parsing files is in [`Load::run`] and [`Refresh::run`], which
-/// need no library and may run elsewhere.
+/// Looking up and storing maps is fast. Reading and parsing files happens in [`Load::run`] and [`Refresh::run`], which
+/// do not need the library and can run on another thread.
 pub struct MapLibrary {
     files: Arc<dyn FileSource>,
     places: Places,
@@ -177,62 +177,62 @@ pub struct MapLibrary {
 struct LoadedMap {
     place: String,
     grid: OccupancyGrid,
-    /// Version of the file the grid was made of.
+    /// Version of the file from which the grid was made.
     version: Option<u128>,
     notes: Vec<String>,
 }
 
 /// A map of the library.
 pub struct ServedMap<'a> {
-    /// The name of its place.
+    /// Name of the place.
     pub place: &'a str,
     /// The map; its `map_load_time` is its revision.
     pub grid: &'a OccupancyGrid,
-    /// Features that were left out, for people.
+    /// Notes for the user about features that were left out.
     pub notes: &'a [String],
 }
 
-/// Result of looking up a name.
+/// The result of looking up a place.
 pub enum Lookup<'a> {
-    /// The map of the place.
+    /// The map, which was loaded before.
     Kept(ServedMap<'a>),
-    /// The work that makes it.
+    /// The work that loads the map.
     Missing(Load),
 }
 
-/// The loading of one place: slow, and independent of the library.
+/// Loads the map of one place; slow, and independent of the library.
 pub struct Load {
-    /// The name of the place.
+    /// Name of the place.
     pub place: String,
     files: Arc<dyn FileSource>,
     entry: PlaceEntry,
     settings: MapSettings,
 }
 
-/// The outcome of a [`Load`].
+/// The result of a [`Load`].
 pub struct LoadedPlace {
-    /// The name of the place.
+    /// Name of the place.
     pub place: String,
-    /// Version of the file before it was read.
+    /// Version of the file before it was read, so that a change in between is noticed.
     version: Option<u128>,
     result: Result<Map, MapError>,
 }
 
-/// The search for files that have changed since they were loaded: slow, and independent of the library.
+/// Checks for files that have changed since they were loaded; slow, and independent of the library.
 pub struct Refresh {
-    /// Each place with the version of its file at the time of loading.
+    /// Each place with the version of its file when it was loaded.
     kept: Vec<(Load, Option<u128>)>,
 }
 
-/// Reason why a map cannot be served.
+/// The reason that a map cannot be provided.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ServeError {
-    /// No such place.
+    /// A name that no place has.
     #[error("no place is called `{place}`; known are {known}")]
     UnknownPlace {
         /// The name in the request.
         place: String,
-        /// Every name, separated by commas.
+        /// All known names, separated by commas.
         known: String,
     },
     /// The map of the place cannot be loaded.
@@ -241,7 +241,7 @@ pub enum ServeError {
 }
 
 impl ServeError {
-    /// The fault code of the map service.
+    /// The fault code in the map service.
     pub fn code(&self) -> &'static str {
         match self {
             Self::UnknownPlace { .. } => "UNKNOWN_PLACE",
@@ -251,10 +251,10 @@ impl ServeError {
 }
 
 impl MapLibrary {
-    /// The maps of a source, as [`Places::find`] understands it. Only names are read now.
+    /// Opens a source as described at [`Places::find`]. No map is loaded yet.
     ///
     /// # Errors
-    /// If the source is a folder or a list that cannot be read.
+    /// An error if a folder or a list cannot be read.
     pub fn open(
         files: Arc<dyn FileSource>,
         source: &str,
@@ -269,20 +269,20 @@ impl MapLibrary {
         })
     }
 
-    /// The places.
+    /// All places.
     pub fn places(&self) -> &Places {
         &self.places
     }
 
-    /// Files loaded so far, those included that could not be parsed.
+    /// Number of files loaded so far, including those that could not be parsed.
     pub fn loads(&self) -> u64 {
         self.loads
     }
 
-    /// The map of a place, or the work that loads it.
+    /// Looks up the map of a place. Returns the work that loads it if it has not been loaded yet.
     ///
     /// # Errors
-    /// If there is no such place.
+    /// [`ServeError::UnknownPlace`] if there is no such place.
     pub fn find(&self, name: &str) -> Result<Lookup<'_>, ServeError> {
         let Some((place, entry)) = self.places.get(name) else {
             return Err(ServeError::UnknownPlace {
@@ -308,11 +308,11 @@ impl MapLibrary {
         }
     }
 
-    /// Keeps a map that was loaded, `nanos` nanoseconds after the clock's zero. Where it could not be loaded, the map
-    /// that was kept before, if any, stays.
+    /// Stores a loaded map. `nanos`, the time in nanoseconds since the clock's zero, becomes its revision. If loading
+    /// failed, the previous map of the place is kept.
     ///
     /// # Errors
-    /// The error of the loading.
+    /// The error that occurred in loading.
     pub fn keep(&mut self, loaded: LoadedPlace, nanos: i64) -> Result<ServedMap<'_>, MapError> {
         let LoadedPlace {
             place,
@@ -346,7 +346,7 @@ impl MapLibrary {
         .served())
     }
 
-    /// The work that looks for changed files, and loads them again.
+    /// The work that finds changed files and loads them again.
     pub fn refresh(&self) -> Refresh {
         let kept = self.maps.iter().filter_map(|(place, kept)| {
             let (_, entry) = self.places.get(place)?;
@@ -371,7 +371,7 @@ impl Load {
 }
 
 impl Refresh {
-    /// Loads the files that have changed, in the order of their places.
+    /// Loads the changed files, in the order of their places.
     pub fn run(self) -> Vec<LoadedPlace> {
         let changed = self
             .kept
@@ -403,7 +403,7 @@ mod tests {
         MapLibrary::open(Arc::new(files), source, MapSettings::default())
     }
 
-    /// The map of a place, loaded here if need be, and whether it was.
+    /// The map of a place, and whether it was loaded by this call.
     fn get<'a>(library: &'a mut MapLibrary, name: &str, nanos: i64) -> (&'a OccupancyGrid, bool) {
         let load = match library.find(name).unwrap() {
             Lookup::Kept(_) => None,
@@ -419,7 +419,7 @@ mod tests {
         }
     }
 
-    /// Loads again what has changed; the places, and whether each could be loaded.
+    /// Loads changed maps again. Returns their places, and whether each could be loaded.
     fn refresh(library: &mut MapLibrary, nanos: i64) -> Vec<(String, bool)> {
         let changed = library.refresh().run().into_iter();
         changed

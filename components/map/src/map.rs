@@ -2,39 +2,39 @@
 
 use asmotion_geometry::{Grid, ObstacleScene, Pose};
 
-/// A map: the grid, and what else its file contains.
+/// A map: the grid, and further contents of its file.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// Occupancy, map frame.
+    /// Occupancy grid, map frame.
     pub grid: Grid,
-    /// Places with a name, in the order of the file.
+    /// Named places, in the order of the file.
     pub points: Vec<NamedPoint>,
-    /// Position of the map frame's origin on Earth; none for maps in metres.
+    /// Position of the map frame's origin on Earth; `None` for maps in metres.
     pub origin: Option<LonLat>,
-    /// Features that were left out, for people.
+    /// Notes for the user about features that were left out.
     pub notes: Vec<String>,
 }
 
-/// A place with a name: a dock, a kitchen.
+/// A named place, such as a dock or a kitchen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedPoint {
-    /// Its name.
+    /// Name as in the file.
     pub name: String,
-    /// Where, and where to look, map frame; along x if the file does not say.
+    /// Position and heading, map frame; the heading is 0 unless the file specifies one.
     pub pose: Pose,
 }
 
-/// A place on Earth, WGS 84.
+/// A position on Earth, WGS 84.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LonLat {
-    /// Degrees east.
+    /// Longitude, degrees east.
     pub longitude: f64,
-    /// Degrees north.
+    /// Latitude, degrees north.
     pub latitude: f64,
 }
 
 impl Map {
-    /// A map that is nothing but a grid.
+    /// A map that consists of a grid only.
     pub fn of(grid: Grid) -> Self {
         Self {
             grid,
@@ -44,12 +44,12 @@ impl Map {
         }
     }
 
-    /// The place called `name`.
+    /// The place with this name.
     pub fn point(&self, name: &str) -> Option<&NamedPoint> {
         self.points.iter().find(|point| point.name == name)
     }
 
-    /// Scene of the map: the borders of its occupied cells.
+    /// The borders of the occupied cells, as a scene.
     pub fn scene(&self) -> ObstacleScene {
         ObstacleScene::around(&self.grid)
     }

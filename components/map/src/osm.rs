@@ -1,5 +1,5 @@
-//! OpenStreetMap extracts (<https://wiki.openstreetmap.org/wiki/Elements>): buildings, barriers and water block, ways
-//! are free, as the rules say. One drawing for both file formats.
+//! OpenStreetMap extracts (<https://wiki.openstreetmap.org/wiki/Elements>): the rules determine what is drawn; by
+//! default buildings, barriers and water are occupied, and ways are free. Both file formats share this code.
 
 mod extract;
 mod pbf;
@@ -18,14 +18,14 @@ use crate::projection::{Projection, bounds};
 use crate::rules::{FeatureRule, Tags};
 use extract::Extract;
 
-/// OSM XML.
+/// The reader of OSM XML files.
 #[cfg(feature = "maps")]
 pub struct OsmXml;
 
-/// The binary format.
+/// The reader of OSM PBF files.
 pub struct OsmPbf;
 
-/// Side of a cell where nobody says, m: streets and yards.
+/// Default side length of a cell in m, for streets and yards.
 const RESOLUTION: f64 = 0.5;
 
 #[cfg(feature = "maps")]
@@ -51,7 +51,7 @@ impl MapFormat for OsmPbf {
     }
 }
 
-/// The map of an extract: as large as the extract says it is, or as what is drawn.
+/// Draws the map of an extract, with the extract's own bounds or else those of the drawing.
 fn draw(extract: &Extract, settings: &MapSettings) -> Result<Map, MapFault> {
     let corners = extract
         .bounds
@@ -92,14 +92,14 @@ fn draw(extract: &Extract, settings: &MapSettings) -> Result<Map, MapFault> {
     })
 }
 
-/// The map in the making.
+/// The map under construction.
 struct City<'a> {
     projection: Projection,
     extract: &'a Extract,
     settings: &'a MapSettings,
     drawing: Drawing,
     points: Vec<NamedPoint>,
-    /// Elements with members that the extract does not have.
+    /// Number of elements with members that the extract does not contain.
     broken: usize,
 }
 
@@ -122,7 +122,7 @@ impl City<'_> {
         Ok(())
     }
 
-    /// Areas with holes, or in several parts (<https://wiki.openstreetmap.org/wiki/Relation:multipolygon>).
+    /// Adds areas with holes or several parts (<https://wiki.openstreetmap.org/wiki/Relation:multipolygon>).
     fn add_relations(&mut self) -> Result<(), MapFault> {
         let extract = self.extract;
         let areas = extract.relations.iter().filter(|relation| {
@@ -150,7 +150,7 @@ impl City<'_> {
         Ok(())
     }
 
-    /// Of an area that blocks and does not close, at least the border that is known blocks.
+    /// Draws the known border of an occupied area that is not closed.
     fn add_banks(&mut self, banks: &[Vec<i64>], rule: &FeatureRule) -> Result<(), MapFault> {
         if rule.occupancy != Some(Occupancy::Occupied) {
             return Ok(());
@@ -182,7 +182,7 @@ impl City<'_> {
         Ok(())
     }
 
-    /// The points of a way, in pieces where the extract lacks nodes.
+    /// The points of a way, split where the extract lacks nodes.
     fn known(&mut self, nodes: &[i64]) -> Result<Vec<Vec<Point>>, MapFault> {
         let mut pieces = Vec::new();
         for known in nodes.split(|id| !self.extract.nodes.contains_key(id)) {
@@ -199,7 +199,7 @@ impl City<'_> {
         Ok(pieces)
     }
 
-    /// The box of the map: the projected corners of the extract's own; else of what is drawn.
+    /// The bounds of the map: the projected corners of the extract, or the bounds of the drawing.
     fn frame(&self, low: LonLat, high: LonLat) -> Result<(Point, Point), MapFault> {
         if self.extract.bounds.is_none() {
             return self.drawing.bounds().ok_or(MapFault::Nothing);
@@ -225,7 +225,7 @@ impl City<'_> {
     }
 }
 
-/// Whether a closed way means what it encloses.
+/// Returns whether a closed way stands for the area within.
 fn is_area(rule: &FeatureRule, tags: &Tags) -> bool {
     match tags.get("area").map(String::as_str) {
         Some("yes") => true,

@@ -1,4 +1,4 @@
-//! From longitude and latitude to metres: a transverse Mercator projection around the map's own centre (proj4rs).
+//! Projects longitude and latitude to metres by a transverse Mercator projection around the map's own centre (proj4rs).
 //!
 //! Within 10 km of the centre it agrees with the local tangent plane (ENU, REP-105's `map`) to a few centimetres.
 
@@ -8,14 +8,14 @@ use proj4rs::Proj;
 use crate::error::MapFault;
 use crate::map::LonLat;
 
-/// The way from degrees to the map frame.
+/// Projects positions on Earth to the map frame.
 pub struct Projection {
     degrees: Proj,
     metres: Proj,
 }
 
 impl Projection {
-    /// Metres east and north of `centre`.
+    /// The projection to metres east and north of `centre`.
     pub fn around(centre: LonLat) -> Result<Self, MapFault> {
         let LonLat {
             longitude,
@@ -35,7 +35,7 @@ impl Projection {
         })
     }
 
-    /// The map point of a place on Earth.
+    /// Projects a position on Earth to the map frame, m.
     pub fn project(&self, place: LonLat) -> Result<Point, MapFault> {
         let LonLat {
             longitude,
@@ -55,7 +55,7 @@ impl Projection {
     }
 }
 
-/// Two numbers as a place on Earth, if they can be one.
+/// Checks that two numbers are a longitude and a latitude in degrees.
 pub fn checked(longitude: f64, latitude: f64) -> Result<LonLat, MapFault> {
     if !(-180.0..=180.0).contains(&longitude) || !(-90.0..=90.0).contains(&latitude) {
         return Err(MapFault::NotDegrees {
@@ -69,7 +69,7 @@ pub fn checked(longitude: f64, latitude: f64) -> Result<LonLat, MapFault> {
     })
 }
 
-/// The middle of the smallest box around places; none without any.
+/// The centre of the bounding box of positions; `None` without any.
 pub fn centre(places: impl Iterator<Item = LonLat>) -> Option<LonLat> {
     let (low, high) = bounds(places)?;
     Some(LonLat {
@@ -78,7 +78,7 @@ pub fn centre(places: impl Iterator<Item = LonLat>) -> Option<LonLat> {
     })
 }
 
-/// The south-west and the north-east corner of the smallest box around places; none without any.
+/// The south-west and north-east corner of the bounding box of positions; `None` without any.
 pub fn bounds(mut places: impl Iterator<Item = LonLat>) -> Option<(LonLat, LonLat)> {
     let first = places.next()?;
     Some(places.fold((first, first), |(low, high), place| {
@@ -94,7 +94,7 @@ pub fn bounds(mut places: impl Iterator<Item = LonLat>) -> Option<(LonLat, LonLa
 mod tests {
     use super::*;
 
-    /// Radii of curvature of WGS 84 at a latitude: east-west and north-south.
+    /// Radii of curvature of WGS 84 at a latitude, east-west and north-south, m.
     fn radii(latitude: f64) -> (f64, f64) {
         let (a, e2) = (6_378_137.0, 0.006_694_379_990_141_32_f64);
         let w = (1.0 - e2 * latitude.to_radians().sin().powi(2)).sqrt();

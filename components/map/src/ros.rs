@@ -1,6 +1,7 @@
-//! ROS maps: a YAML file that names an image (map_server's format, <https://docs.nav2.org/configuration/packages/map_server/configuring-map-server.html>).
+//! ROS maps: a YAML file that refers to an image (map_server's format,
+//! <https://docs.nav2.org/configuration/packages/map_server/configuring-map-server.html>).
 //!
-//! The image's lower left corner is the origin; darker is more occupied unless `negate` says otherwise.
+//! The image's lower left corner is the origin; darker pixels are more occupied unless `negate` is set.
 
 mod netpbm;
 mod picture;
@@ -14,7 +15,7 @@ use crate::error::{MapError, MapFault, Where};
 use crate::format::{MapFormat, MapSettings, MapSource};
 use crate::map::Map;
 
-/// The format.
+/// The reader of ROS maps.
 pub struct RosMap;
 
 impl MapFormat for RosMap {
@@ -34,7 +35,7 @@ impl MapFormat for RosMap {
     }
 }
 
-/// What the YAML file says; keys map_server does not know are none of our business either.
+/// The contents of the YAML file; unknown keys are ignored, as in map_server.
 #[derive(Debug, Deserialize)]
 struct RosMapFile {
     image: String,
@@ -47,7 +48,7 @@ struct RosMapFile {
     mode: ThresholdMode,
 }
 
-/// map_server takes a number or a truth value.
+/// A flag; map_server accepts a number or a Boolean.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 enum Flag {
@@ -61,7 +62,7 @@ enum ThresholdMode {
     /// Occupied, free, and unknown between the thresholds.
     #[default]
     Trinary,
-    /// Between the thresholds the probability; transparent is unknown.
+    /// The probability between the thresholds; transparent pixels are unknown.
     Scale,
     /// The pixel's value is the cell's.
     Raw,
@@ -122,7 +123,7 @@ fn grid(about: &RosMapFile, image: &MapPicture) -> Result<Grid, GridLayoutError>
 }
 
 impl Pixel {
-    /// How bright, 0 to 1: the mean of the channels.
+    /// Brightness from 0 to 1, the mean of the channels.
     fn shade(&self, with_alpha: bool) -> f64 {
         let colour: u32 = self.colour.iter().copied().map(u32::from).sum();
         match self.alpha {
@@ -140,7 +141,7 @@ impl RosMapFile {
         }
     }
 
-    /// A pixel's cell value, as nav2's map_server computes it (map_io.cpp, `loadMapFromFile`).
+    /// The cell value of a pixel, computed as in nav2's map_server (map_io.cpp, `loadMapFromFile`).
     fn cell(&self, pixel: &Pixel) -> i8 {
         let trinary = matches!(self.mode, ThresholdMode::Trinary);
         let shade = pixel.shade(trinary);
@@ -167,7 +168,7 @@ impl RosMapFile {
         }
     }
 
-    /// Percent of the way from the free to the occupied threshold.
+    /// Position between the free and the occupied threshold, in percent.
     fn between(&self, occupied: f64) -> i8 {
         let way = (self.occupied_thresh - self.free_thresh).max(f64::MIN_POSITIVE);
         let percent = (occupied - self.free_thresh) / way * 100.0;
@@ -175,7 +176,7 @@ impl RosMapFile {
     }
 }
 
-/// The grid as coarse as the settings want it, and no larger than they allow.
+/// Reduces the grid's resolution to that of the settings, and checks its size.
 fn fit(grid: Grid, settings: &MapSettings) -> Result<Grid, MapFault> {
     let fine = *grid.layout();
     let wanted = settings.resolution.unwrap_or(0.0);
@@ -212,8 +213,8 @@ fn note(grid: Grid, fine: (u32, u32)) -> Map {
     map
 }
 
-/// A grid as map_saver writes it: the text of the YAML file that names `image`, and the bytes of that image (PNG).
-/// Cells become occupied, free or unknown.
+/// Saves a grid like map_saver. Returns the text of the YAML file, which refers to `image`, and the image as PNG. Cells
+/// become occupied, free or unknown.
 pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), MapFault> {
     let layout = grid.layout();
     let origin = layout.origin();
@@ -226,7 +227,7 @@ pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), MapFault> {
     );
     let width = layout.width().max(1) as usize;
     let rows = grid.cells().chunks(width).rev().flatten();
-    // map_server's shades: with the thresholds above they read back as what they were
+    // map_server's grey values, which the thresholds above map back to the same occupancy
     let shades = rows.map(|value| match Occupancy::of(*value) {
         Occupancy::Occupied => 0,
         Occupancy::Unknown => 205,
@@ -243,7 +244,7 @@ mod tests {
     use crate::files::FilesInMemory;
     use crate::format::load;
 
-    /// A map of one row of pixels, each of one brightness.
+    /// Reads a map with one row of pixels of the given brightness.
     fn cells(shades: &[u8], more: &str) -> Vec<i8> {
         let mut pgm = format!("P5 {} 1 255\n", shades.len()).into_bytes();
         pgm.extend_from_slice(shades);
@@ -303,7 +304,7 @@ mod tests {
         let pgm = b"P2 2 2 255\n0 254\n254 254\n".to_vec();
         let files = FilesInMemory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.pgm", pgm)]);
         let map = load(&files, "a.yaml", &MapSettings::default()).unwrap();
-        // the upper left pixel is cell (0, 1), a quarter turned about the origin
+        // the upper left pixel is cell (0, 1), turned about the origin by 90°
         assert_eq!(
             map.grid.occupancy(Point::new(-1.75, 2.25)),
             Occupancy::Occupied

@@ -1,5 +1,5 @@
-//! Which features block, and which are free: a table over tags, for OSM and for GeoJSON whose properties are tags
-//! (indoor plans: OpenStreetMap's Simple Indoor Tagging).
+//! Rules that map tags to occupancy, for OSM and for GeoJSON whose properties are tags (indoor plans: OpenStreetMap's
+//! Simple Indoor Tagging).
 
 use std::collections::BTreeMap;
 
@@ -8,10 +8,10 @@ use asmotion_geometry::Occupancy;
 /// The tags of a feature.
 pub type Tags = BTreeMap<String, String>;
 
-/// The built-in rules, one a line; the first that matches wins:
-/// `key=value|value` or `key=*` (anything but `no`), then what the feature means (`occupied`, `free`, `unknown`,
-/// `ignore`), then `layer=` (higher ones are drawn over lower ones), `width=` of lines and `spot=` (diameter) of points
-/// in metres, unless the feature tells its own, and `area` if a closed line means what it encloses.
+/// The built-in rules, one per line; the first match wins. A rule is `key=value|value` or `key=*` (any value except
+/// `no`), followed by the occupancy of the feature (`occupied`, `free`, `unknown`, `ignore`), and by options: `layer=`
+/// (higher layers are drawn over lower ones), `width=` of lines and `spot=` (diameter) of points in metres, unless the
+/// feature has tags for them, and `area` if a closed line stands for the area within.
 pub const DEFAULT_RULES: &str = "
 # said outright
 occupancy=occupied  occupied layer=3 area width=0.1 spot=0.1
@@ -66,47 +66,47 @@ power=tower|pole    occupied layer=4 spot=0.5
 advertising=column  occupied layer=4 spot=1.4
 ";
 
-/// One row: which features, and what they mean.
+/// One rule: selects features by a tag, and defines how they are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureRule {
     key: String,
-    /// Empty: any but `no`.
+    /// Matching values; empty for any value except `no`.
     values: Vec<String>,
-    /// Occupancy of the feature; none if it is not drawn.
+    /// Occupancy of the feature; `None` if it is not drawn.
     pub occupancy: Option<Occupancy>,
-    /// Higher layers are drawn over lower ones.
+    /// Layer of the feature; higher layers are drawn over lower ones.
     pub layer: u8,
     /// Width of lines without a width tag, m.
     pub width: f64,
-    /// Diameter of points, m; none: points are not drawn.
+    /// Diameter of points, m; `None` if points are not drawn.
     pub spot: Option<f64>,
-    /// Whether a closed line stands for the area within.
+    /// `true` if a closed line stands for the area within.
     pub area: bool,
 }
 
-/// Rules in the order in which they are asked.
+/// A list of rules, of which the first match wins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rules(Vec<FeatureRule>);
 
-/// A rule that cannot be read.
+/// A rule with invalid syntax.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("rule `{rule}`: {why}")]
 pub struct RuleError {
-    /// Text of the rule.
+    /// The rule as written.
     pub rule: String,
-    /// The violated rule of the syntax.
+    /// The violated requirement.
     pub why: String,
 }
 
 impl Default for Rules {
     fn default() -> Self {
-        // a test holds that the text parses
+        // never fails: a test parses the text
         Self::parse(DEFAULT_RULES).unwrap_or(Self(Vec::new()))
     }
 }
 
 impl Rules {
-    /// Reads rules, one a line or separated by `;`. Empty lines and `#` comments are skipped.
+    /// Parses rules, one per line or separated by `;`. Empty lines and `#` comments are skipped.
     pub fn parse(text: &str) -> Result<Self, RuleError> {
         let lines = text
             .lines()
@@ -118,18 +118,18 @@ impl Rules {
         rules.collect::<Result<_, _>>().map(Self)
     }
 
-    /// These rules, and where none of them matches, `others`.
+    /// These rules, followed by `others`.
     pub fn before(mut self, others: Self) -> Self {
         self.0.extend(others.0);
         self
     }
 
-    /// The first rule that matches a feature's tags.
+    /// The first rule that matches the tags.
     pub fn of(&self, tags: &Tags) -> Option<&FeatureRule> {
         self.0.iter().find(|rule| rule.matches(tags))
     }
 
-    /// Returns whether a key occurs in any rule.
+    /// Returns whether any rule uses this key.
     pub fn know(&self, key: &str) -> bool {
         self.0.iter().any(|rule| rule.key == key)
     }
@@ -193,20 +193,20 @@ impl FeatureRule {
             })
     }
 
-    /// Width of a line with these tags, m: its `width_m` or `width`, else the rule's.
+    /// Width of a line with these tags, m: its tag `width_m` or `width`, otherwise the rule's width.
     pub fn width_of(&self, tags: &Tags) -> f64 {
         told(tags, ["width_m", "width"]).unwrap_or(self.width)
     }
 
-    /// How large a point with these tags is across, m: what its `diameter_m` or `diameter` says, else what the rule
-    /// does; none: it is not drawn.
+    /// Diameter of a point with these tags, m: its tag `diameter_m` or `diameter`, otherwise the rule's; `None` if
+    /// points are not drawn.
     pub fn spot_of(&self, tags: &Tags) -> Option<f64> {
         let spot = self.spot?;
         Some(told(tags, ["diameter_m", "diameter"]).unwrap_or(spot))
     }
 }
 
-/// Value of the first of two tags that is present, if it is a length.
+/// The value of the first tag of two that is present, if it is a length between 0 and 200 m.
 fn told(tags: &Tags, keys: [&str; 2]) -> Option<f64> {
     let text = keys.iter().find_map(|key| tags.get(*key))?;
     let metres = text.trim_end_matches(['m', ' ']).parse().ok();

@@ -1,9 +1,9 @@
-//! The component: maps by name for every component that asks.
+//! The component: provides maps by the names of their places.
 //!
 //! A map takes milliseconds to seconds to load, and a cycle neither blocks nor waits: files are read and parsed by
-//! background work ([`Cycle::spawn`]), one for each place, and whoever asked for the place is answered in the cycle that
-//! finds the work done. Only `configure`, which may take its time, reads a folder or a list itself. In simulated time
-//! the work is done at once, so the answer comes in the cycle of the request.
+//! background work ([`Cycle::spawn`]), one for each place, and the waiting requests get their replies in the cycle that
+//! finds the work done. Only `configure`, which may block, reads a folder or a list itself. In simulated time the work
+//! is done at once, so the reply is sent in the cycle of the request.
 
 use std::sync::Arc;
 
@@ -19,20 +19,21 @@ use crate::format::MapSettings;
 use crate::library::{Load, LoadedPlace, Lookup, MapLibrary, ServeError, ServedMap};
 use crate::rules::Rules;
 
-/// `nav::MapServer`: serves `getMap`, each place loaded once; publishes a map when it was loaded and when it changed.
+/// `nav::MapServer`: provides `getMap`, loads each place once, and publishes maps when they have been loaded or have
+/// changed.
 pub struct MapServer {
     ports: MapServerPorts,
     /// Read when configured.
     properties: PropertySet<MapServerProperties>,
 
     files: Arc<dyn FileSource>,
-    /// None until configured.
+    /// `None` until configured.
     library: Option<MapLibrary>,
-    /// Whether the place to publish unasked is still to be looked up.
+    /// `true` until the place to publish at the start has been looked up.
     is_first: bool,
-    /// Places on their way into the library.
+    /// Places being loaded.
     loading: Vec<MapLoading>,
-    /// The search for changed files that is under way.
+    /// The search for changed files in progress, if any.
     refreshing: Option<BackgroundWork<Vec<LoadedPlace>>>,
 }
 
@@ -40,9 +41,9 @@ pub struct MapServer {
 struct MapLoading {
     place: String,
     work: BackgroundWork<LoadedPlace>,
-    /// Requests to answer with the map.
+    /// Requests that wait for the map.
     requests: Vec<RequestId>,
-    /// Whether it is the place to publish unasked; the server fails without it.
+    /// `true` for the place to publish at the start, without which the server fails.
     is_first: bool,
 }
 
@@ -90,12 +91,12 @@ impl MapServerProperties {
 }
 
 impl MapServer {
-    /// Declares ports and properties; serves maps from disk.
+    /// Declares ports and properties; reads maps from disk.
     pub fn new(interface: &mut Interface) -> Self {
         Self::with_files(interface, DiskFiles)
     }
 
-    /// Declares ports and properties; serves maps from other files.
+    /// Declares ports and properties; reads maps from another source.
     pub fn with_files(interface: &mut Interface, files: impl FileSource + 'static) -> Self {
         Self {
             ports: interface.ports(),
@@ -108,7 +109,7 @@ impl MapServer {
         }
     }
 
-    /// Answers a request, now or when the map has been loaded.
+    /// Replies to a request, at once or when the map has been loaded.
     fn answer(&mut self, cycle: &mut Cycle<'_>, request: RequestId, name: &str) {
         let place = match name {
             "" => &self.properties.place,
@@ -127,7 +128,7 @@ impl MapServer {
         }
     }
 
-    /// Starts to load a place, unless that is under way.
+    /// Starts to load a place, unless it is being loaded.
     fn load(&mut self, cycle: &mut Cycle<'_>, load: Load) -> &mut MapLoading {
         let known = self.loading.iter().position(|it| it.place == load.place);
         let index = known.unwrap_or(self.loading.len());
@@ -142,7 +143,7 @@ impl MapServer {
         &mut self.loading[index]
     }
 
-    /// Starts to load the place to publish unasked.
+    /// Starts to load the place to publish at the start.
     fn load_first(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let place = &self.properties.place;
         let found = self.library.as_ref().map(|library| library.find(place));
@@ -156,7 +157,7 @@ impl MapServer {
         Ok(())
     }
 
-    /// Publishes what has been loaded, and answers who waits for it.
+    /// Publishes the maps that have been loaded, and replies to the requests that wait for them.
     fn finish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let mut index = 0;
         while let Some(loading) = self.loading.get_mut(index) {
@@ -178,7 +179,7 @@ impl MapServer {
         Ok(())
     }
 
-    /// Keeps a map, and publishes it.
+    /// Stores a map and publishes it.
     fn keep(
         &mut self,
         cycle: &mut Cycle<'_>,
@@ -193,8 +194,8 @@ impl MapServer {
         Ok(served.grid.clone())
     }
 
-    /// Looks for changed files: a cycle starts the search, and the first one that finds it done publishes what has
-    /// changed. A cycle that comes because of the search does not start the next.
+    /// Watches for changed files: a cycle starts the search, and the first cycle that finds it done publishes the
+    /// changed maps. A cycle triggered by the end of a search does not start the next one.
     fn watch(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let Some(library) = &self.library else {
             return Ok(());
@@ -225,7 +226,7 @@ fn fault(error: &ServeError) -> ServiceFault {
     ServiceFault::new(error.code(), error.to_string())
 }
 
-/// Place, size and notes of a map that was just loaded.
+/// Place, size and notes of a map, for the log.
 fn summary(served: &ServedMap<'_>) -> String {
     let info = &served.grid.info;
     let size = format!(
@@ -254,7 +255,7 @@ impl Component for MapServer {
         Ok(())
     }
 
-    /// Whoever waits for a map learns from its call that the server has stopped.
+    /// Forgets waiting requests; the runtime ends their calls as unavailable.
     fn stop(&mut self) {
         for loading in &mut self.loading {
             loading.requests.clear();

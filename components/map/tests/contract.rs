@@ -1,4 +1,4 @@
-//! What every map format promises, asked of every row of `FORMATS`.
+//! The guarantees of map formats, tested for every row of `FORMATS`.
 
 #![allow(
     clippy::unwrap_used,
@@ -113,7 +113,7 @@ fn it_refuses_a_file_that_is_too_long() {
         };
         let plain = read(&fixture, &settings).unwrap_err();
         assert_eq!(plain.fault, MapFault::TooManyBytes { limit: 100 });
-        // unpacked it is too long, packed it is not
+        // decompressed it is too long, compressed it is not
         let files = fixture::packed(&fixture);
         let limit = files[0].1.len() as u64;
         if limit >= fixture.files[0].1.len() as u64 {
@@ -171,7 +171,7 @@ fn a_format_that_was_left_out_says_how_to_get_it() {
     }
 }
 
-/// Loads damaged files; that it returns is the test, and that an error names a file.
+/// Loads damaged files without panicking; an error must name a file.
 fn read_damaged(fixture: &Fixture, which: usize, bytes: Vec<u8>) -> Result<Map, MapError> {
     let mut files = fixture.files.clone();
     files[which].1 = bytes;
@@ -195,7 +195,7 @@ fn it_survives_every_truncation() {
             let whole = bytes.trim_ascii_end().len();
             for length in 0..whole {
                 let map = read_damaged(&fixture, which, bytes[..length].to_vec());
-                // a YAML or PBF file may be cut where a lawful file ends; then it is another map, not an error
+                // a cut YAML or PBF file may be valid, and then contains another map
                 let cut_between =
                     map.is_ok() && fixture.format != "ros" && fixture.format != "osm.pbf";
                 assert!(
@@ -256,7 +256,7 @@ proptest! {
     }
 }
 
-/// The yard as libosmium 2.20 wrote it, with a bench that has a name, and a relation that is no area.
+/// The yard as written by libosmium 2.20, with a named bench, and a relation that is no area.
 #[test]
 fn it_reads_what_another_program_wrote() {
     let fixture = fixture::all().pop().unwrap();

@@ -1,6 +1,6 @@
-//! Real extracts of OpenStreetMap: each is read, and a robot finds its way across.
+//! Real extracts of OpenStreetMap: each is read, and a path across it is planned.
 //!
-//! The data lies outside the project (© OpenStreetMap contributors, ODbL 1.0); where it is missing the tests say so
+//! The data are not part of the project (© OpenStreetMap contributors, ODbL 1.0); without them the tests print a notice
 //! and pass.
 
 #![allow(
@@ -20,11 +20,11 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/
 
 struct Expected {
     file: &'static str,
-    /// The map's origin on Earth, degrees east and north.
+    /// Position of the map's origin, degrees east and north.
     origin: (f64, f64),
-    /// Cells along x and y.
+    /// Number of cells along x and y.
     size: (u32, u32),
-    /// Percent of cells that are occupied, at least and at most.
+    /// Minimum and maximum percentage of occupied cells.
     occupied: (usize, usize),
     /// Two places in the open, map frame, m.
     ends: [(f64, f64); 2],

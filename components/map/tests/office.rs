@@ -1,4 +1,4 @@
-//! The demo's floor plan: every place can be reached from every other, also when a corridor is blocked.
+//! The demo's floor plan: every place can be reached from every other, even if a corridor is blocked.
 
 #![allow(
     clippy::unwrap_used,
@@ -22,7 +22,7 @@ fn office() -> Map {
     .unwrap()
 }
 
-/// Something as wide as a corridor stands at a place.
+/// The map with an obstacle as wide as a corridor at a place.
 fn blocked(map: &Map, place: &str) -> Grid {
     let mut grid = map.grid.clone();
     let at = map.point(place).unwrap().pose.translation.vector;
@@ -36,7 +36,7 @@ fn length(map: &Map, grid: &Grid, from: &str, to: &str) -> Option<f64> {
     plan.ok().map(|plan| plan.length)
 }
 
-/// Every place that is in a room.
+/// All places in rooms.
 fn rooms(map: &Map) -> Vec<String> {
     let names = map.points.iter().map(|point| point.name.clone());
     names.filter(|name| !name.starts_with("corridor")).collect()

@@ -20,7 +20,7 @@ const WALL: &str = r#"{"type":"FeatureCollection","map":{"units":"metres"},"feat
 
 type Answers = Arc<Mutex<Vec<Result<OccupancyGrid, CallError>>>>;
 
-/// Asks for one place, once.
+/// Requests one map once.
 struct Client {
     maps: Required<GetMap>,
     place: Option<&'static str>,
@@ -42,7 +42,7 @@ impl Component for Client {
     }
 }
 
-/// A server on two maps, and a client for each place.
+/// A server with two maps, and a client for each place.
 fn system(source: &str, places: &[&'static str]) -> (System, Answers, Log) {
     let files = FilesInMemory::new([("maps/hall.geojson", WALL), ("maps/bad.geojson", "{")]);
     system_on(files, source, places)
@@ -146,10 +146,10 @@ fn it_is_not_configured_without_a_source() {
     );
 }
 
-/// Files of which one takes as long to read as the test wants.
+/// A source of which one file takes as long to read as the test wants.
 struct Slow {
     files: FilesInMemory,
-    /// Blocks while it is locked.
+    /// Reading blocks while this is locked.
     gate: Arc<Mutex<()>>,
 }
 

@@ -84,7 +84,7 @@ impl DriveLimits {
 
     fn on_the_same_curve(&self, drive: &DifferentialDrive, wanted: Velocity) -> Velocity {
         if !(wanted.speed.is_finite() && wanted.turn.is_finite()) {
-            return Velocity::default(); // a command that is no number is no command
+            return Velocity::default(); // ignores a command that is not finite
         }
         let wheels = drive.wheels(wanted);
         let scale = [

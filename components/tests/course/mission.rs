@@ -1,9 +1,10 @@
-//! A coordinator of twenty lines, in place of the ASM: a goal, a plan, and another plan when the way is blocked.
+//! A coordinator of twenty lines instead of the specification: requests a plan for a goal, and another one when the
+//! path is blocked.
 
 use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Required};
 use asmotion_messages::{Event, OccupancyGrid, Odometry, Path, Plan, PlanRequest, PoseStamped};
 
-/// Asks for a path to the goal, hands it on, and asks again on `BLOCKED`.
+/// Requests a path to the goal, passes it on, and requests another one on `BLOCKED`.
 pub struct Mission {
     planner: Required<Plan>,
     event: In<Event>,

@@ -1,4 +1,4 @@
-//! A course: walls, obstacles and a path drawn by hand; the robot's reactive layer drives it in simulated time.
+//! A course: walls, obstacles and a given path, which the robot's reactive layer drives in simulated time.
 
 pub mod mission;
 
@@ -15,60 +15,60 @@ use asmotion_rover::RoverDriver;
 use asmotion_runtime::{Event, Run, Simulation, System};
 use asmotion_world::{Obstacle, World};
 
-/// Where the robot drives.
+/// The surroundings and the task of the robot.
 #[derive(Clone, Default)]
 pub struct Course {
-    /// A file of walls; none without.
+    /// Map file with walls; empty for none.
     pub floor_plan: String,
-    /// x1, y1, x2, y2 of each wall more, m.
+    /// Additional walls: x1, y1, x2, y2 of each, m.
     pub walls: Vec<f64>,
-    /// What stands in the way, and when.
+    /// Obstacles with their times.
     pub obstacles: Vec<Obstacle>,
-    /// x m, y m, yaw rad.
+    /// Pose at the start: x m, y m, yaw rad.
     pub start: [f64; 3],
     /// Corners of the path, m.
     pub path: Vec<(f64, f64)>,
-    /// The map, if there is one.
+    /// The map; `None` for a robot without one.
     pub map: Option<OccupancyGrid>,
-    /// Whether the adapter does without the map.
+    /// `true` if the adapter does not get the map.
     pub adapter_without_map: bool,
-    /// Of laser and world.
+    /// Seed of laser and world.
     pub seed: u64,
 }
 
-/// What happened.
+/// The record of a drive.
 #[derive(Clone, Default)]
 pub struct Drive {
-    /// s and true pose, every 20 ms.
+    /// Time in s and true pose, every 20 ms.
     pub track: Vec<(f64, Pose)>,
-    /// s, code and detail.
+    /// Time in s, code and detail of each event.
     pub events: Vec<(f64, String, String)>,
-    /// s and path, as the adapter told them.
+    /// Time in s and path, as published by the adapter.
     pub paths: Vec<(f64, Path)>,
-    /// s and command.
+    /// Time in s and commanded twist.
     pub twists: Vec<(f64, Twist)>,
-    /// s and command.
+    /// Time in s and commanded wheel speeds.
     pub wheels: Vec<(f64, WheelSpeeds)>,
-    /// What the adapter told last about obstacles.
+    /// The obstacles last published by the adapter.
     pub obstacles: Vec<asmotion_messages::Disc>,
-    /// m, the smallest distance between the robot's middle and anything.
+    /// Smallest distance between the robot's centre and any obstacle, m.
     pub nearest: f64,
-    /// Faults of components.
+    /// Faults of components, as text.
     pub faults: Vec<String>,
     scene: ObstacleScene,
 }
 
-/// A running course and what was seen of it.
+/// A running course and its record.
 pub struct Running {
     pub run: Simulation,
     pub drive: Arc<Mutex<Drive>>,
 }
 
-/// s, when the path is given.
+/// Time at which the path is given, s.
 pub const GO: f64 = 0.3;
 
 impl Course {
-    /// A corridor two metres wide: ten metres ahead, then five to the left.
+    /// A corridor of two metres width: ten metres straight, then five to the left.
     pub fn corridor() -> Self {
         let corners = [
             [-1.0, 1.0, 9.0, 1.0],
@@ -87,7 +87,7 @@ impl Course {
         }
     }
 
-    /// The office of the demo, its map known; the robot stands at the dock.
+    /// The demo's office with its map; the robot is at the dock.
     pub fn office() -> Self {
         let file = concat!(
             env!("CARGO_MANIFEST_DIR"),
@@ -108,24 +108,24 @@ impl Course {
         }
     }
 
-    /// With a thing in the way.
+    /// Adds an obstacle.
     pub fn with(mut self, obstacle: Obstacle) -> Self {
         self.obstacles.push(obstacle);
         self
     }
 
-    /// With another seed.
+    /// Sets the seed.
     pub fn seed(self, seed: u64) -> Self {
         Self { seed, ..self }
     }
 
-    /// The path as a message, stamped when it is given.
+    /// The path as a message, stamped with the time at which it is given.
     pub fn message(&self) -> Path {
         let line = Polyline::new(self.path.iter().map(|(x, y)| Point::new(*x, *y)));
         message::path(&line.resampled(0.1), nanos(GO), "map")
     }
 
-    /// The system, started; the path waits for its time.
+    /// Starts the system; the path is given at its time.
     pub fn run(&self) -> Running {
         let (system, drive) = self.system();
         let mut run = system.simulate();
@@ -137,7 +137,7 @@ impl Course {
         Running { run, drive }
     }
 
-    /// The system with a planner and a mission to a goal.
+    /// Starts the system with a planner and a mission to a goal.
     pub fn mission(&self, goal: (f64, f64)) -> Running {
         let (mut system, drive) = self.system();
         let map = self.map.clone().unwrap();
@@ -224,7 +224,7 @@ impl Course {
         (system, drive)
     }
 
-    /// The map of the walls, cells of 5 cm; obstacles are not on it.
+    /// Adds a map of the walls with cells of 5 cm, without the obstacles.
     pub fn with_map(mut self) -> Self {
         let layout = GridLayout::new(
             0.05,
@@ -246,7 +246,7 @@ impl Course {
         self
     }
 
-    /// The whole drive: until a second after the robot is there, at most `seconds`.
+    /// Runs until one second after the robot has reached the goal, at most `seconds`.
     pub fn drive(&self, seconds: f64) -> Drive {
         let mut running = self.run();
         let end = Time::from_nanos(nanos(seconds));
@@ -306,7 +306,7 @@ impl Drive {
         }
     }
 
-    /// The events' codes, in order.
+    /// The codes of the events, in order.
     pub fn codes(&self) -> Vec<&str> {
         self.events
             .iter()
@@ -314,25 +314,25 @@ impl Drive {
             .collect()
     }
 
-    /// Where the robot ended.
+    /// The robot's position at the end.
     pub fn end(&self) -> Point {
         let (_, pose) = self.track.last().unwrap();
         pose.translation.vector.into()
     }
 
-    /// When an event came.
+    /// The time of an event, s.
     pub fn at(&self, code: &str) -> f64 {
         self.events.iter().find(|event| event.1 == code).unwrap().0
     }
 
-    /// Where the robot was at a time.
+    /// The robot's position at a time.
     pub fn place(&self, seconds: f64) -> Point {
         let after = self.track.partition_point(|(at, _)| *at < seconds);
         self.track[after].1.translation.vector.into()
     }
 }
 
-/// A disc that appears at some time and stays.
+/// A disc that appears at time `at` and stays.
 pub fn disc(at: f64, x: f64, y: f64, radius: f64) -> Obstacle {
     Obstacle {
         at_s: at,
@@ -341,7 +341,7 @@ pub fn disc(at: f64, x: f64, y: f64, radius: f64) -> Obstacle {
     }
 }
 
-/// A block that appears at some time and stays.
+/// A block that appears at time `at` and stays.
 pub fn block(at: f64, x: f64, y: f64, length: f64, width: f64) -> Obstacle {
     Obstacle {
         at_s: at,
@@ -350,7 +350,7 @@ pub fn block(at: f64, x: f64, y: f64, length: f64, width: f64) -> Obstacle {
     }
 }
 
-/// s to ns.
+/// Converts seconds to nanoseconds.
 pub fn nanos(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }

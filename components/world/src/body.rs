@@ -1,4 +1,4 @@
-//! The robot's body in the world: wheels that turn, a disc that moves, and what it bumps into.
+//! The robot's body in the world: a disc on two wheels that moves until it touches an obstacle.
 
 use asmotion_geometry::{ObstacleScene, Point, Pose};
 use asmotion_messages::WheelSpeeds;
@@ -9,27 +9,27 @@ use asmotion_rover::{DifferentialDrive, roll};
 pub struct Body {
     /// Geometry of the drive.
     pub drive: DifferentialDrive,
-    /// m, of the disc that covers it, about the midpoint between the wheels.
+    /// Radius in m of the disc that covers the body, about the midpoint between the wheels.
     pub radius: f64,
     /// True pose, map frame.
     pub pose: Pose,
-    /// rad, how far the left wheel has turned.
+    /// Angle of the left wheel, rad, cumulative.
     pub left: f64,
-    /// rad, how far the right wheel has turned.
+    /// Angle of the right wheel, rad, cumulative.
     pub right: f64,
 }
 
-/// Excess of the distance a wheel rolls over what its angle implies, as a share: 0 without slip.
+/// Relative excess of the distance that a wheel rolls over the distance its angle implies; 0 without slip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Slip {
-    /// Of the left wheel.
+    /// Slip of the left wheel.
     pub left: f64,
-    /// Of the right wheel.
+    /// Slip of the right wheel.
     pub right: f64,
 }
 
 impl Body {
-    /// A body at `pose` whose wheels have not turned yet.
+    /// A body at `pose` with both wheels at angle 0.
     pub fn new(drive: DifferentialDrive, radius: f64, pose: Pose) -> Self {
         Self {
             drive,
@@ -40,8 +40,8 @@ impl Body {
         }
     }
 
-    /// Moves for `dt` seconds. Where the body would touch something it does not roll on: the wheels stall as far as
-    /// they push against it, and only the turn on the spot is left. Says whether it touched.
+    /// Moves for `dt` seconds. If the body would touch an obstacle, it does not roll on: the wheels stall as far as
+    /// they push against it, and only the turn on the spot remains. Returns whether it touched.
     pub fn step(
         &mut self,
         wheels: WheelSpeeds,
@@ -63,7 +63,7 @@ impl Body {
         true
     }
 
-    /// m between the body and the nearest thing; 0 if it touches or overlaps.
+    /// Distance in m between the body and the nearest obstacle; 0 if they touch or overlap.
     pub fn clearance(&self, scene: &ObstacleScene) -> f64 {
         (scene.clearance(place(&self.pose)) - self.radius).max(0.0)
     }
@@ -75,7 +75,7 @@ impl Body {
         roll(&self.pose, rolled.speed, rolled.turn)
     }
 
-    /// A body that something was put upon may leave, but not go deeper.
+    /// Returns whether the body may be at a pose. A body that overlaps an obstacle may leave, but not move deeper.
     fn may_stand(&self, pose: &Pose, scene: &ObstacleScene) -> bool {
         let there = scene.clearance_within(place(pose), self.radius);
         there >= self.radius || there >= scene.clearance_within(place(&self.pose), self.radius)

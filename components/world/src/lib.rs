@@ -1,6 +1,6 @@
-//! The two-dimensional world the robot acts in.
+//! The simulated two-dimensional world.
 //!
-//! [`Body`] moves and bumps, [`Schedule`] lets obstacles come and go, [`World`] is the component.
+//! [`Body`] is the robot's body, [`Schedule`] determines when obstacles are present, [`World`] is the component.
 
 mod body;
 mod schedule;

@@ -1,61 +1,61 @@
-//! Obstacles that no map shows, and when they are there.
+//! Obstacles that no map shows, with the times at which they are present.
 
 use asmotion_geometry::{ObstacleScene, Point, Pose, RoundObstacle, heading};
 
 asmotion_datum::message! {
     /// One obstacle, as the property `obstacles` lists it: `{ at_s = 8.0, until_s = 60.0, disc = [4.0, 0.0, 0.3] }`.
     pub struct Obstacle = "world/Obstacle" {
-        /// s after the world's first cycle: it appears.
+        /// Time at which it appears, s after the world's first cycle.
         pub at_s: f64,
-        /// s after the world's first cycle: it vanishes; never, if left out.
+        /// Time at which it disappears, s after the world's first cycle; never if omitted.
         pub until_s: Option<f64>,
-        /// x, y, radius; m.
+        /// A disc: x, y, radius; m.
         pub disc: Option<[f64; 3]>,
-        /// x, y of the middle, length, width, yaw; m and rad.
+        /// A rectangle: x and y of the centre, length, width, yaw; m and rad.
         pub block: Option<[f64; 5]>,
-        /// Frame of x, y and yaw: `map`, or `robot` for the robot's true pose when the obstacle appears;
-        /// `[2.0, 0.0, 0.3]` then stands two metres in front of it.
+        /// Frame of x, y and yaw: `map`, or `robot` for the robot's true pose when the obstacle appears; then
+        /// `[2.0, 0.0, 0.3]` is two metres in front of it.
         pub frame: String = "map".to_owned(),
     }
 }
 
-/// An entry of the schedule that cannot be read.
+/// An invalid entry of the schedule.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("obstacle {number}: {problem}")]
 pub struct ObstacleError {
-    /// Which, from 1.
+    /// Number of the entry, from 1.
     pub number: usize,
-    /// The violated rule.
+    /// The violated requirement.
     pub problem: ObstacleProblem,
 }
 
-/// Rules an obstacle can violate.
+/// A requirement that an obstacle violates.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ObstacleProblem {
-    /// No shape, or two.
+    /// No shape, or two shapes.
     #[error("needs either `disc = [x, y, radius]` or `block = [x, y, length, width, yaw]`")]
     Shape,
-    /// A number that is none.
+    /// A number that is not finite.
     #[error("its numbers must be finite")]
     NotFinite,
-    /// No size.
+    /// A size that is not positive.
     #[error("its sizes must be above zero")]
     Size,
-    /// Neither map nor robot.
+    /// A frame other than `map` and `robot`.
     #[error("its frame must be `map` or `robot`, not `{0}`")]
     Frame(String),
 }
 
-/// An obstacle that is there, map frame.
+/// The shape of a present obstacle, map frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Solid {
-    /// A round one.
+    /// A disc.
     Disc(RoundObstacle),
-    /// One with corners.
+    /// A polygon, given by its corners.
     Polygon(Vec<Point>),
 }
 
-/// The obstacles of a run, and which of them are there.
+/// The obstacles of a run and their states.
 #[derive(Debug, Clone, Default)]
 pub struct Schedule {
     entries: Vec<ScheduleEntry>,
@@ -63,12 +63,12 @@ pub struct Schedule {
 
 #[derive(Debug, Clone)]
 struct ScheduleEntry {
-    /// s.
+    /// Time at which it appears, s.
     from: f64,
-    /// s.
+    /// Time at which it disappears, s; infinite if it stays.
     until: f64,
     frame: ScheduleFrame,
-    /// In that frame.
+    /// Shape in `frame`.
     solid: Solid,
     state: ScheduleState,
 }
@@ -82,13 +82,13 @@ enum ScheduleFrame {
 #[derive(Debug, Clone, PartialEq)]
 enum ScheduleState {
     Waiting,
-    /// Map frame.
+    /// Present, with its shape in the map frame.
     There(Solid),
     Gone,
 }
 
 impl Schedule {
-    /// The schedule of these obstacles; none of them is there yet.
+    /// Creates the schedule of these obstacles, none of which is present yet.
     pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, ObstacleError> {
         let numbered = (1..).zip(obstacles);
         let entries = numbered.map(|(number, obstacle)| {
@@ -100,8 +100,8 @@ impl Schedule {
         })
     }
 
-    /// Lets obstacles appear and vanish at `seconds` after the start, with the robot at `robot`. None appears within
-    /// `radius` metres of the robot: nothing can be put where the robot is, so it waits. Says whether any did.
+    /// Lets obstacles appear and disappear at `seconds` after the start. An obstacle within `radius` metres of the
+    /// robot's pose waits until the robot has left. Returns whether the set of present obstacles has changed.
     pub fn advance(&mut self, seconds: f64, robot: &Pose, radius: f64) -> bool {
         let mut changed = false;
         for entry in &mut self.entries {
@@ -124,7 +124,7 @@ impl Schedule {
         changed
     }
 
-    /// The obstacles that are there.
+    /// The obstacles that are present.
     pub fn there(&self) -> impl Iterator<Item = &Solid> {
         self.entries.iter().filter_map(|entry| match &entry.state {
             ScheduleState::There(solid) => Some(solid),
@@ -134,7 +134,7 @@ impl Schedule {
 }
 
 impl Solid {
-    /// m from a point; 0 within.
+    /// Distance from a point, m; 0 within the obstacle.
     fn distance(&self, point: Point) -> f64 {
         let scene = match self {
             Self::Disc(disc) => ObstacleScene::new(Vec::new(), Vec::new(), vec![*disc]),
@@ -185,7 +185,7 @@ impl ScheduleEntry {
         })
     }
 
-    /// The obstacle put into the world of a robot at `robot`.
+    /// The obstacle's shape in the map frame, for a robot at this pose.
     fn put(&self, robot: &Pose) -> Solid {
         match (self.frame, &self.solid) {
             (ScheduleFrame::Map, solid) => solid.clone(),

@@ -1,4 +1,4 @@
-//! The component: wheel speeds in; encoders, the true pose and the scene out.
+//! The component: reads wheel speeds; writes encoders, the true pose and the scene.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::body::{Body, Slip};
 use crate::schedule::{Obstacle, Schedule, Solid};
 
-/// `nav::sim::World`: one robot among walls and obstacles that come and go.
+/// `nav::sim::World`: one robot among walls and scheduled obstacles.
 pub struct World {
     ports: WorldPorts,
     /// Read when configured.
@@ -24,11 +24,11 @@ pub struct World {
 
     truth: Truth,
     chance: ChaCha8Rng,
-    /// The newest wheel speeds, and when they came.
+    /// The newest wheel speeds, and the time at which they arrived.
     told: Option<(WheelSpeeds, Time)>,
-    /// When the first cycle was: the schedule counts from there.
+    /// Time of the first cycle, from which the schedule counts.
     began: Option<Time>,
-    /// When the last cycle was.
+    /// Time of the last cycle.
     last: Time,
 }
 
@@ -40,7 +40,7 @@ struct Truth {
     schedule: Schedule,
     scene: ObstacleScene,
     revision: u64,
-    /// Whether the body touches something; reported once until it is free again.
+    /// `true` while the body touches an obstacle; the collision is reported once until it is free again.
     touches: bool,
 }
 
@@ -88,13 +88,13 @@ struct WorldProperties {
     frame: String,
 }
 
-/// The stream of random numbers that is the world's: a laser with the same seed draws others.
+/// Random number stream of the world; a laser with the same seed uses another one.
 const STREAM: u64 = 0;
 
-/// s, the longest time that is computed in one go: the body then moves less than its own size.
+/// Largest time step in s, in which the body moves less than its own size.
 const STEP: f64 = 0.02;
 
-/// m, the body counts as free of a thing again from this far.
+/// Distance in m from which the body counts as free of an obstacle again.
 const FREE: f64 = 0.01;
 
 impl World {
@@ -261,7 +261,7 @@ impl Truth {
 }
 
 impl WorldProperties {
-    /// The world at the beginning.
+    /// The initial state of the world.
     fn truth(&self) -> Result<Truth, Fault> {
         let [x, y, yaw] = self.start;
         let body = Body::new(

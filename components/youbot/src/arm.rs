@@ -1,7 +1,7 @@
-//! The KUKA youBot's arm: its lengths, its ranges, and where its hand is.
+//! The KUKA youBot's arm: lengths, ranges and forward kinematics.
 //!
-//! Lengths and ranges are those of KUKA's data sheet, as `youbot_description` has them: axis 2 stands 33 mm before and
-//! 147 mm above the foot of axis 1, upper arm 155 mm, forearm 135 mm, hand 217.5 mm; ranges ±169°, −65°…90°,
+//! Lengths and ranges are those of KUKA's data sheet, as `youbot_description` has them: axis 2 is 33 mm in front of and
+//! 147 mm above the base of axis 1, upper arm 155 mm, forearm 135 mm, hand 217.5 mm; ranges ±169°, −65°…90°,
 //! −151°…146°, ±102.5°, ±167.5°. All joints at zero, the arm stands upright; joint 1 turns counter-clockwise seen from
 //! above, joints 2 to 4 lean forward.
 
@@ -10,25 +10,25 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 /// Positions of the five joints, rad.
 pub type ArmJoints = [f64; 5];
 
-/// An arm of this build.
+/// The dimensions of an arm of this type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arm {
-    /// From axis 1 forward to axis 2, m.
+    /// Horizontal distance from axis 1 to axis 2, m.
     pub offset: f64,
-    /// From the foot up to axis 2, m.
+    /// Height of axis 2 above the base, m.
     pub height: f64,
-    /// From axis 2 to axis 3, m.
+    /// Length of the upper arm, from axis 2 to axis 3, m.
     pub upper: f64,
-    /// From axis 3 to axis 4, m.
+    /// Length of the forearm, from axis 3 to axis 4, m.
     pub fore: f64,
-    /// From axis 4 to the end of the hand, m.
+    /// Length of the hand, from axis 4 to its end, m.
     pub hand: f64,
     /// Smallest and largest position of each joint, rad.
     pub ranges: [(f64, f64); 5],
 }
 
 impl Default for Arm {
-    /// KUKA's youBot.
+    /// The dimensions of KUKA's youBot.
     fn default() -> Self {
         let range = |least: f64, greatest: f64| (least.to_radians(), greatest.to_radians());
         Self {
@@ -49,7 +49,7 @@ impl Default for Arm {
 }
 
 impl Arm {
-    /// Pose of the hand in a posture (rad), in the frame of the foot, m; z points out of the hand.
+    /// Pose of the hand in a posture (rad), in the frame of the base, m; z points out of the hand.
     pub fn forward(&self, [turn, shoulder, elbow, wrist, roll]: ArmJoints) -> Isometry3<f64> {
         let about_z = |angle| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
         let lean = |angle| UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);

@@ -1,4 +1,4 @@
-//! The dummy driver of the case study: a data-flow component, commands in, status out.
+//! The dummy driver of the case study: a data-flow component that reads commands and writes status.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use asmotion_messages::{Text, Time};
 
 use crate::joints::{Joints, Manner};
 
-/// `youbot::DummyDriver`: commands in, status out, and two operations of its own.
+/// `youbot::DummyDriver`: reads commands, writes status, and provides two operations.
 pub struct DummyDriver {
     ports: DriverPorts,
     properties: PropertySet<DriverProperties>,
@@ -27,8 +27,8 @@ struct DriverPorts {
     /// Position, velocity, current, temperature and error bits of each joint, every cycle.
     #[port(name = "jointStatus")]
     status: Out<JointStatus>,
-    /// Operations of the driver: `setPeriod` does what the port `period` does and says whether the period was taken;
-    /// `state` is `resting` or `moving`.
+    /// Operations of the driver: `setPeriod` sets the period like the port `period` and returns whether it was
+    /// accepted; `state` is `resting` or `moving`.
     #[port(name = "driver")]
     set_period: Provided<DriverSetPeriod>,
     /// The driver's state.
@@ -89,7 +89,7 @@ impl Component for DummyDriver {
     }
 }
 
-/// Takes a period (s) from the next cycle on; returns whether it is between 0.001 s and 10 s.
+/// Sets the period (s) from the next cycle on. Returns whether it is between 0.001 s and 10 s.
 fn follow(period: f64, cycle: &mut Cycle<'_>) -> bool {
     let lawful = (0.001..=10.0).contains(&period);
     if lawful {

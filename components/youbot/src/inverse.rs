@@ -1,7 +1,7 @@
-//! From a pose of the hand to a posture, in closed form.
+//! Inverse kinematics: the posture for a pose of the hand, in closed form.
 //!
-//! The arm is a turning plane with three parallel joints in it, so the hand can point only along that plane: five
-//! joints reach five of the six dimensions of a pose.
+//! The arm moves in a plane that joint 1 turns, with three parallel joints, so the hand can point only along that
+//! plane: five joints reach five of the six dimensions of a pose.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,29 +10,29 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use crate::arm::{Arm, ArmJoints};
 use crate::unreachable::Unreachable;
 
-/// Largest angle between a goal and the arm's plane that counts as none, rad.
+/// Largest angle in rad between a goal and the arm's plane that is tolerated.
 const OUT_OF_PLANE: f64 = 1e-3;
 
-/// Tolerance of comparisons: m, and sines.
+/// Tolerance of comparisons, in m and for sines.
 const NOTHING: f64 = 1e-9;
 
-/// A goal in the plane of the arm: the wrist seen from the shoulder, and where the hand points.
+/// A goal in the plane of the arm: the wrist relative to the shoulder, and the direction of the hand.
 struct Planar {
-    /// Joint 1.
+    /// Angle of joint 1, rad.
     turn: f64,
     forward: f64,
     up: f64,
-    /// From upright, forward.
+    /// Direction of the hand, rad forward from upright.
     pitch: f64,
-    /// Joint 5.
+    /// Angle of joint 5, rad.
     roll: f64,
 }
 
 impl Arm {
-    /// The posture that brings the hand there; of several the one nearest to `near`.
+    /// The posture in which the hand reaches a goal; of several, the one nearest to `near`.
     ///
     /// # Errors
-    /// Reason of the refusal: that of the posture that comes closest with the arm turned to the goal.
+    /// The reason that the goal cannot be reached, for the posture that comes closest with the arm turned to the goal.
     pub fn inverse(
         &self,
         goal: &Isometry3<f64>,
@@ -60,7 +60,7 @@ impl Arm {
         best.ok_or_else(|| reason.unwrap_or(Unreachable::BadPose))
     }
 
-    /// The posture with joint 1 turned there; of several the one nearest to `near`.
+    /// The posture with joint 1 at this angle; of several, the one nearest to `near`.
     fn turned(
         &self,
         goal: &Isometry3<f64>,
@@ -99,7 +99,7 @@ impl Arm {
         })
     }
 
-    /// Both postures: elbow on the one side, and on the other.
+    /// Both postures, with the elbow on either side.
     fn postures(&self, planar: &Planar) -> Result<[ArmJoints; 2], Unreachable> {
         let Planar {
             forward, up, pitch, ..
@@ -130,7 +130,7 @@ impl Arm {
         }))
     }
 
-    /// The joint that would have to turn farthest beyond its range, and how far.
+    /// The joint that would exceed its range by most, and by how much.
     fn beyond(&self, posture: &ArmJoints) -> Option<(f64, Unreachable)> {
         let limits = posture.iter().zip(&self.ranges).enumerate();
         let beyond = limits.map(|(index, (&position, &(least, greatest)))| {
@@ -151,19 +151,19 @@ impl Arm {
     }
 }
 
-/// To where joint 1 may turn the arm: to the goal, or away from it; above the foot, to where the hand points.
+/// The possible angles of joint 1: towards the goal, or away from it; above the base, in the direction of the hand.
 fn turns(goal: &Isometry3<f64>, near: &ArmJoints) -> [f64; 2] {
     let place = goal.translation.vector;
     let pointing = goal.rotation * Vector3::z();
     let to = |direction: Vector3<f64>| {
         (direction.x.hypot(direction.y) > NOTHING).then(|| direction.y.atan2(direction.x))
     };
-    // straight above, pointing straight up or down: any turn will do, so none is made
+    // straight above the base, pointing straight up or down: any angle is possible, so the current one is kept
     let turn = to(place).or_else(|| to(pointing)).unwrap_or(near[0]);
     [turn, wrapped(turn + PI)]
 }
 
-/// The farthest that a joint turns from one posture to the other.
+/// The largest rotation of a joint from one posture to the other.
 fn far(one: &ArmJoints, other: &ArmJoints) -> f64 {
     let turns = one
         .iter()
@@ -172,7 +172,7 @@ fn far(one: &ArmJoints, other: &ArmJoints) -> f64 {
     turns.fold(0.0, f64::max)
 }
 
-/// The same angle in `-π..=π`.
+/// Normalises an angle to `-π..=π`.
 fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
@@ -186,7 +186,7 @@ mod tests {
 
     const UPRIGHT: ArmJoints = [0.0; 5];
 
-    /// A pose of the hand: where, how far it leans forward in the plane of `turn`, and how it is rolled.
+    /// A pose of the hand: position, lean forward in the plane of `turn`, and roll.
     fn pose(place: [f64; 3], turn: f64, pitch: f64, roll: f64) -> Isometry3<f64> {
         let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
         let rotation = about(Vector3::z_axis(), turn)
@@ -231,7 +231,7 @@ mod tests {
     }
 
     proptest! {
-        /// There and back: whatever posture brought the hand there, the one that is found brings it there, too.
+        /// Forward and inverse kinematics agree: the posture found reaches the pose of the original one.
         #[test]
         fn it_finds_back_to_every_pose(
             turn in -2.9..2.9_f64,

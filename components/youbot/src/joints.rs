@@ -1,4 +1,4 @@
-//! Simulated joints: they turn to their targets, or report random values.
+//! Simulated joints, which turn to their targets or report random values.
 
 use asmotion_component::Properties;
 use asmotion_messages::{JointStatus, Time};
@@ -12,7 +12,7 @@ pub(crate) struct Joints {
     pub last: JointStatus,
 }
 
-/// How the joints move, and what they report.
+/// The motion of the joints, and the values that they report.
 #[derive(Properties)]
 pub(crate) struct Manner {
     /// Whether every reported value is random, instead of following the commands.
@@ -24,14 +24,14 @@ pub(crate) struct Manner {
     pub faults: Vec<u16>,
 }
 
-/// A joint has ten error bits.
+/// Mask of the ten error bits of a joint.
 const ERROR_BITS: u16 = 0x3ff;
 
 /// Largest random position of a joint, rad.
 const FAR: f64 = 2.9;
 
 impl Joints {
-    /// Joints at position zero.
+    /// Creates joints at position zero.
     pub(crate) fn new(count: usize, seed: u64) -> Self {
         Self {
             chance: ChaCha8Rng::seed_from_u64(seed),
@@ -54,7 +54,8 @@ impl Joints {
         self.last.position == self.goal
     }
 
-    /// Computes the status at `stamp`. Both manners draw the same number of random numbers for each joint.
+    /// Computes the status at `stamp`. With and without `random`, the same number of random numbers is drawn for each
+    /// joint.
     pub(crate) fn measure(&mut self, stamp: Time, manner: &Manner) {
         let passed = (stamp.as_nanos() - self.last.stamp.as_nanos()) as f64 * 1e-9;
         let step = manner.speed * passed;
@@ -96,7 +97,7 @@ mod tests {
         }
     }
 
-    /// What they did in each of some cycles of 100 ms.
+    /// The status in 20 cycles of 100 ms.
     fn stream(seed: u64, random: bool) -> Vec<JointStatus> {
         let mut joints = Joints::new(2, seed);
         joints.turn_to(&[0.12, -1.0]);

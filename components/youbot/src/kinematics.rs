@@ -1,4 +1,4 @@
-//! The service: a pose of the hand in, positions of the joints out.
+//! The service: computes positions of the joints for a pose of the hand.
 
 use asmotion_component::{Component, Cycle, Fault, Interface, Ports, Provided, ServiceFault};
 use asmotion_messages::{Goal, JointPositions, Solve};
@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use crate::arm::{Arm, ArmJoints};
 use crate::unreachable::Unreachable;
 
-/// `youbot::Kinematics`: answers where the joints must be for the hand to be there, or why it cannot be there.
+/// `youbot::Kinematics`: provides inverse kinematics; replies with a fault if the pose cannot be reached.
 pub struct Kinematics {
     ports: KinematicsPorts,
     arm: Arm,

@@ -1,5 +1,5 @@
-//! The KUKA youBot's arm: a driver that has no arm ([`DummyDriver`]), the inverse kinematics ([`Arm`],
-//! served by [`Kinematics`]), and a client that sends goals ([`YoubotOperator`]).
+//! The KUKA youBot's arm: a simulated driver ([`DummyDriver`]), inverse kinematics ([`Arm`], provided by
+//! [`Kinematics`]), and a client that sends goals ([`YoubotOperator`]).
 
 mod arm;
 mod driver;

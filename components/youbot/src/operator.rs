@@ -1,4 +1,4 @@
-//! The component that sends the arm to one goal after the other.
+//! The component that sends the arm to a sequence of goals.
 
 use std::time::Duration;
 
@@ -9,10 +9,10 @@ use asmotion_component::{
 use asmotion_messages::{MoveTo, Notify, Point, Pose, Quaternion};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Silence after which an arrival may have been missed.
+/// Time without notices after which an arrival may have been missed.
 const SILENCE: Duration = Duration::from_secs(1);
 
-/// `youbot::Operator`: sends the next goal when the arm is idle, or cannot reach the one before.
+/// `youbot::Operator`: sends the next goal when the arm is idle or cannot reach the previous one.
 pub struct YoubotOperator {
     ports: HandOperatorPorts,
     properties: PropertySet<HandOperatorProperties>,
@@ -37,13 +37,13 @@ struct HandOperatorProperties {
     goals: Vec<[f64; 5]>,
 }
 
-/// Progress of the goal sent last.
+/// Progress of the last goal.
 enum OperatorState {
     /// Reached or refused: the next goal can be sent.
     Done,
     /// Accepted: the arm is moving.
     Waits,
-    /// Not accepted, or not received: sent again with the next notice.
+    /// Not accepted, or not received: sent again after the next notice.
     Again,
 }
 
@@ -59,7 +59,7 @@ impl YoubotOperator {
         }
     }
 
-    /// Takes in the notices about the arm.
+    /// Handles the notices about the arm.
     fn listen(&mut self, cycle: &mut Cycle<'_>) {
         let notices = cycle.requests(self.ports.notifying);
         if notices.is_empty() {
@@ -78,7 +78,7 @@ impl YoubotOperator {
         };
     }
 
-    /// Makes the goal sent last the next one again.
+    /// Makes the last goal the next one again.
     fn take_back(&mut self) -> OperatorState {
         self.next = self.next.saturating_sub(1);
         OperatorState::Done
@@ -107,12 +107,13 @@ impl Component for YoubotOperator {
     }
 }
 
-/// Returns whether the goal cannot be reached; other errors mean that it came too early or met no provider.
+/// Returns whether the goal cannot be reached; other errors mean that it was too early or that there is no provider.
 fn is_refused(error: &CallError) -> bool {
     matches!(error, CallError::Fault(fault) if fault.code != "NOT_NOW")
 }
 
-/// The pose of the hand at a goal, frame of the foot; with five joints it leans in the plane of the arm only.
+/// The pose of the hand for a goal, in the frame of the base. With five joints, the hand leans only in the plane of the
+/// arm.
 fn pose(&[x, y, z, lean, roll]: &[f64; 5]) -> Pose {
     let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     let turn = about(Vector3::z_axis(), y.atan2(x))

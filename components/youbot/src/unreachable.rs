@@ -1,12 +1,12 @@
 //! Reasons why a goal cannot be reached.
 
-/// Reason why no posture brings the hand to a goal.
+/// The reason that no posture brings the hand to a goal.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unreachable {
     /// A coordinate is not finite, or the orientation has no length.
     #[error("the goal has a coordinate that is no number, or no orientation")]
     BadPose,
-    /// The hand would have to point sideways.
+    /// The hand would point out of the arm's plane.
     #[error(
         "the hand can only point along the plane of the arm, and the goal points {angle:.3} rad out of it"
     )]
@@ -14,44 +14,44 @@ pub enum Unreachable {
         /// Angle between the goal and the plane of the arm, rad.
         angle: f64,
     },
-    /// The wrist cannot be so far away.
+    /// The wrist would be too far away.
     #[error(
         "the wrist would be {distance:.3} m from the shoulder, and the arm is {reach:.3} m long"
     )]
     TooFar {
-        /// From axis 2 to axis 4, m.
+        /// Distance from axis 2 to axis 4, m.
         distance: f64,
-        /// Upper arm and forearm, m.
+        /// Length of upper arm and forearm together, m.
         reach: f64,
     },
-    /// The wrist cannot be so near.
+    /// The wrist would be too near.
     #[error(
         "the wrist would be {distance:.3} m from the shoulder, and the arm folds to {least:.3} m only"
     )]
     TooNear {
-        /// From axis 2 to axis 4, m.
+        /// Distance from axis 2 to axis 4, m.
         distance: f64,
-        /// The difference of upper arm and forearm, m.
+        /// Difference between the lengths of upper arm and forearm, m.
         least: f64,
     },
-    /// A joint would have to turn too far.
+    /// A joint would exceed its range.
     #[error(
         "joint {joint} would be at {position:.3} rad, and turns from {least:.3} to {greatest:.3} only"
     )]
     JointLimit {
-        /// Number of the joint, counted from 1 at the foot.
+        /// Number of the joint, from 1 at the base.
         joint: usize,
         /// Required position, rad.
         position: f64,
-        /// Its range, rad.
+        /// Lower end of the joint's range, rad.
         least: f64,
-        /// Its range, rad.
+        /// Upper end of the joint's range, rad.
         greatest: f64,
     },
 }
 
 impl Unreachable {
-    /// The code of a fault of a service.
+    /// The fault code in the service.
     pub fn code(&self) -> &'static str {
         match self {
             Self::BadPose => "BAD_POSE",

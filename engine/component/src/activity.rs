@@ -70,7 +70,7 @@ pub enum OnException {
     /// The component stays in its exception state; the others go on.
     #[default]
     Stop,
-    /// The component is reset, configured and started again, at most [`Activity::max_resets`] times.
+    /// The component is reset, configured and started again, at most `max_resets` times.
     Reset,
     /// All components stop, in reverse order of their start.
     Escalate,

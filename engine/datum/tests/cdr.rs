@@ -76,7 +76,7 @@ fn odd() -> Odd {
 
 /// Offsets count from the end of the header. CycloneDDS' CDR (pycdr2 1.0.0) produces the same bytes.
 const ODD: &[&[u8]] = &[
-    &[0, 1, 0, 0],                   // CDR, little end first, no options
+    &[0, 1, 0, 0],                   // CDR, little-endian, no options
     &[1, 0, 0, 0],                   //  0 sec
     &[2, 0, 0, 0],                   //  4 nanosec
     &[4, 0, 0, 0],                   //  8 length of the text, with its zero
@@ -107,7 +107,7 @@ fn its_bytes_are_those_of_the_rules() {
 #[test]
 fn the_big_end_may_come_first() {
     let bytes = [
-        &[0, 0, 0, 0][..], // CDR, big end first
+        &[0, 0, 0, 0][..], // CDR, big-endian
         &[0, 0, 0, 1, 0, 0, 0, 2],
         &[0, 0, 0, 4, b'm', b'a', b'p', 0],
     ];

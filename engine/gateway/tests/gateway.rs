@@ -400,7 +400,7 @@ fn it_bears_no_more_than_it_was_told_to() {
     let page = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\
                 Origin: http://elsewhere.example\r\n\r\n";
     is_problem(&client.say(page), 403, "WEB_PAGE", &["proxy"]);
-    // a client that does not complete its request blocks nobody for long
+    // an incomplete request does not block other clients
     let mut idle = TcpStream::connect(client.0).unwrap();
     idle.write_all(b"GET /hea").unwrap();
     assert_eq!(client.get("/health").status, 200);

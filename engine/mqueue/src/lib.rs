@@ -5,7 +5,7 @@
 //! use asmotion_mqueue::{FullQueuePolicy, QueueCapacity, QueueLayout, QueueName, QueueWriter};
 //!
 //! asmotion_datum::message! {
-//!     /// What the joints are told.
+//!     /// Commanded joint angles.
 //!     pub struct Command = "example/Command" {
 //!         /// radians
 //!         pub position: [f64; 5],

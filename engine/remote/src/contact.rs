@@ -30,7 +30,7 @@ pub struct ProcessContact<'p> {
     begun: Vec<(IncomingCall, Asked)>,
     newest: LastSamples,
     presences: Subscription,
-    /// The processes heard so far, each with its incarnation.
+    /// The processes whose presence has been received, each with its incarnation.
     known: BTreeSet<(Arc<str>, u64)>,
 }
 

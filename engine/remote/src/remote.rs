@@ -160,7 +160,7 @@ impl Remote {
         Ok(())
     }
 
-    /// Finds a component, as soon as its process has been heard.
+    /// Finds a component, waiting for the presence of its process if need be.
     pub(crate) fn find(&self, name: &str) -> Result<ComponentLocation, RemoteError> {
         let mut roster = self.roster();
         loop {
@@ -168,7 +168,8 @@ impl Remote {
             let all = roster.components(self.robot());
             let found = named(name, &all);
             let left = self.0.settled.saturating_duration_since(Instant::now());
-            // without the robot's name, a robot that has not been heard yet may have a component with the same name
+            // without the robot's name, a robot whose presence has not arrived yet may have a component with the same
+            // name
             let is_sure = |it: &ComponentLocation| self.robot().is_some() || it.whole() == name;
             if left.is_zero() || found.as_ref().is_ok_and(is_sure) {
                 return found;

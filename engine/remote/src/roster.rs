@@ -1,4 +1,4 @@
-//! The roster: the processes that have been heard recently.
+//! The roster: the processes that have recently published their presence.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

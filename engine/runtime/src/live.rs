@@ -64,7 +64,7 @@ impl System {
     /// Starts the system in real time, with a thread for each component that is no slave.
     ///
     /// Configures every component, then starts those with `run_on_startup`. A component that fails is left as it is;
-    /// its state and an [`Event::Fault`] show it.
+    /// its state and an [`Event::Fault`](crate::Event::Fault) show it.
     pub fn live(self) -> Live {
         Live::new(self)
     }
@@ -199,7 +199,7 @@ impl Thread {
     }
 
     fn send(&self, command: WorkerCommand) {
-        // fails only if the thread has ended, and then there is nobody to command
+        // fails if the thread has ended, in which case there is nothing left to do
         let _ = self.commands.send(command);
         self.waker.unpark();
     }

@@ -42,7 +42,7 @@ pub struct Simulation {
 
 impl System {
     /// Starts the system in simulated time: at time zero, configures every component, then starts those with
-    /// `run_on_startup`. A component that fails is left as it is; its state and an [`Event::Fault`] show it.
+    /// `run_on_startup`. A component that fails is left as it is; its state and an [`Event::Fault`](crate::Event::Fault) show it.
     pub fn simulate(self) -> Simulation {
         Simulation::new(self)
     }
@@ -217,7 +217,7 @@ impl Executor for Simulation {
         self.timeline.trigger(component, now);
     }
 
-    /// Unlimited: no cycle is ever under way when this is asked.
+    /// Unlimited: no cycle is ever under way between two steps.
     fn patience(&self) -> Duration {
         Duration::MAX
     }

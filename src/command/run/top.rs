@@ -48,8 +48,8 @@ pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, S
 }
 
 impl Spectator {
-    /// Runs `work` and shows the monitor until a key ends both. After the end of the run, the last state remains visible until
-    /// a key is pressed. If the run fails to start, nothing is shown.
+    /// Runs `work` and shows the monitor until a key ends both. After the end of the run, the last state remains
+    /// visible until a key is pressed. If the run fails to start, the monitor is not shown.
     pub fn beside<T: Send, E: Send>(
         &self,
         stop: &AtomicBool,

@@ -1,17 +1,17 @@
-//! What stands for `--top` in a build without the monitor.
+//! Replacement for `--top` in a build without the feature `tui`.
 
 use std::sync::atomic::AtomicBool;
 
 use crate::feature::{LeftOut, Tui};
 use crate::mission::Mission;
 
-/// Somebody who looks on: in this build nobody.
+/// The monitor of a run: this build has none.
 pub enum Spectator {}
 
-/// Nobody, or the way to get the monitor.
+/// Returns `None`.
 ///
 /// # Errors
-/// One is wanted.
+/// Fails if the monitor is requested; the message names the feature.
 pub fn spectator(wanted: bool, _: &Mission) -> Result<Option<Spectator>, String> {
     match wanted {
         true => Err(format!("`--top`: {}", LeftOut::new::<Tui>())),
@@ -20,7 +20,7 @@ pub fn spectator(wanted: bool, _: &Mission) -> Result<Option<Spectator>, String>
 }
 
 impl Spectator {
-    /// Never called: nobody looks on.
+    /// Never called: there is no monitor.
     pub fn beside<T, E>(&self, _: &AtomicBool, _: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         match *self {}
     }

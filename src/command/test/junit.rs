@@ -1,4 +1,4 @@
-//! JUnit report, as Jenkins and GitLab read it.
+//! Writes a JUnit report for Jenkins and GitLab.
 
 use std::fmt::{self, Display, Write};
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::{TestEnd, TestResult};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 
-/// Writes the report: a suite, a case a scenario.
+/// Writes the report: one suite with a case for each scenario.
 pub fn write(file: &Path, ended: &[TestResult], terminal: &mut TerminalOutput) -> Exit {
     match std::fs::write(file, JunitReport(ended).to_string()) {
         Ok(()) => Exit::Ok,
@@ -23,7 +23,7 @@ pub fn write(file: &Path, ended: &[TestResult], terminal: &mut TerminalOutput) -
 
 struct JunitReport<'a>(&'a [TestResult]);
 
-/// The element of a case that went wrong; none of one that went well.
+/// The element for a case that did not pass; `None` for one that passed.
 fn trouble(end: &TestEnd) -> Option<&'static str> {
     match end {
         TestEnd::Ran(Verdict::Pass) => None,
@@ -78,7 +78,7 @@ fn case(one: &TestResult, to: &mut fmt::Formatter<'_>) -> fmt::Result {
     )
 }
 
-/// A text in XML 1.0, between tags or quotes. What XML cannot hold at all, control characters, is left out.
+/// Escapes a text for XML 1.0 content or attributes. Control characters, which XML 1.0 does not allow, are left out.
 struct Escaped<'a>(&'a str);
 
 impl Display for Escaped<'_> {

@@ -1,4 +1,4 @@
-//! What stands for gateways in a build without them: a composite that needs none runs, another one does not.
+//! Replacement for gateways in a build without the feature `http`: composites with gateways cannot be run.
 
 use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_network::Network;
@@ -12,7 +12,7 @@ use crate::mission::{Mission, MissionError};
 pub(in crate::mission) enum Gateway {}
 
 impl Mission {
-    /// Nothing to keep open; refuses if the composite wants a gateway.
+    /// Returns no gateways, or fails if the composite has one.
     pub(in crate::mission) fn open_gateways(
         &self,
         _: &mut System,

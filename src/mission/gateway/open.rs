@@ -1,4 +1,4 @@
-//! Gateways of a system that is about to run: opened where the composite or the command line says.
+//! Opens the gateways of a system at the addresses in the composite or on the command line.
 
 use std::net::SocketAddr;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
-//! When two normalised traces are the same.
+//! Comparison of two normalised traces.
 
 use std::collections::BTreeSet;
 
-/// A step of a trace, as far as two traces must agree.
+/// The parts of a step in which two traces must agree.
 #[derive(Debug, Default)]
 pub struct Facts {
     pub outcome: String,
@@ -10,9 +10,8 @@ pub struct Facts {
     pub state: BTreeSet<String>,
 }
 
-/// Whether two runs are the same: step by step the same outcome, the same update set, and a state
-/// that holds what the reference's holds. Where the reference crashed, any failure will do, and what
-/// it lacks is no difference.
+/// Returns whether two runs are equal: step by step the same outcome, the same update set, and a state that contains
+/// the reference's. If the reference crashed, any failure is accepted, and missing facts are no difference.
 pub fn agree(reference: &str, ours: &str) -> bool {
     let (theirs, ours) = (facts(reference), facts(ours));
     for (theirs, ours) in theirs.iter().zip(&ours) {
@@ -41,7 +40,7 @@ pub fn facts(trace: &str) -> Vec<Facts> {
         let (Some(step), Some((word, fact))) = (steps.last_mut(), line.split_once(' ')) else {
             continue;
         };
-        // the reference keeps `result`, and writes the domains of a rule behind its name
+        // the reference stores `result`, and appends the domains of a rule to its name
         if fact.starts_with("result = ") {
             continue;
         }
@@ -52,7 +51,7 @@ pub fn facts(trace: &str) -> Vec<Facts> {
             "U" | "UD" => drop(step.updates.insert(canonical(fact))),
             "S" => drop(step.state.insert(canonical(fact))),
             "@error" => step.outcome = fact.split(' ').next().unwrap_or_default().to_owned(),
-            // who is checked when differs; that it is broken does not
+            // only the time of the check differs; that the invariant is violated does not
             "@invariant" => step.outcome = "INV".to_owned(),
             _ => {}
         }
@@ -60,7 +59,7 @@ pub fn facts(trace: &str) -> Vec<Facts> {
     steps
 }
 
-/// A fact with its real numbers written one way.
+/// A fact with real numbers in a canonical form.
 fn canonical(fact: &str) -> String {
     let mut text = String::new();
     let mut rest = fact;
@@ -76,7 +75,7 @@ fn canonical(fact: &str) -> String {
     text
 }
 
-/// How long the word is that a text begins with; a number may have a negative exponent.
+/// The length of the word at the start of a text; a number may have a negative exponent.
 fn word(text: &str) -> usize {
     let mut before = ' ';
     let is_inside = |(_, letter): &(usize, char)| {

@@ -1,4 +1,4 @@
-//! Our run of what the reference ran: with the inputs it read, on a clock like its own.
+//! Repeats the reference's runs with the same inputs and an equivalent clock.
 
 use asmotion_lang::simulate::{RecordedInputs, RecordedStep, Recording, Trace};
 use asmotion_lang::{
@@ -7,7 +7,7 @@ use asmotion_lang::{
 use std::path::Path;
 use std::sync::Arc;
 
-/// Our trace of a program, with the inputs of the reference's; none if we reject the program.
+/// Our trace of a program, with the inputs of the reference's; `None` if we reject the program.
 pub fn ours(
     path: &Path,
     reference: &str,
@@ -45,8 +45,7 @@ pub fn ours(
     Some(trace.end(&machine, stopped.as_deref()))
 }
 
-/// The reference's clock: in every step in which it is read it goes on by one unit of the function
-/// that reads it first.
+/// The reference's clock: in every step that reads it, it advances by one unit of the first function read.
 #[derive(Default)]
 struct Clock {
     now_ns: i64,
@@ -63,8 +62,8 @@ impl Clock {
     }
 }
 
-/// What the reference read in a step. What it did not read, because it looks at enumerations in
-/// another order, is undef.
+/// The inputs that the reference read in a step. Inputs that it did not read, because it visits enumerations in another
+/// order, are undef.
 struct Reference<'a> {
     inputs: RecordedInputs,
     clock: &'a mut Clock,

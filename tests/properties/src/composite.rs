@@ -1,4 +1,4 @@
-//! Composite files and files of properties.
+//! Composite files and property files.
 
 use asmotion_assembly::{
     AsmFiles, Context, EmptyEnvironment, Opened, Tables, expand, property_file as file,
@@ -14,13 +14,13 @@ const BUILD: Tables = Tables {
     builtins: &[],
 };
 
-/// A composite opens or is refused with a report that can be shown. What opens can be expanded; the result opens, and expands
-/// to itself.
+/// A composite opens, or is refused with a report that can be rendered. An opened composite can be expanded; the result
+/// opens, and expands to itself.
 pub fn composite(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let opened = open(&text);
     shown(&opened.report, &opened.sources);
-    // a value with a variable that is not set is checked without it, and cannot be written
+    // a value with an unset variable is checked without it, and cannot be written
     if opened
         .report
         .diagnostics
@@ -73,13 +73,13 @@ fn open(text: &str) -> Opened {
     asmotion_assembly::open("fuzz.toml", &context)
 }
 
-/// A report can be rendered: its places lie in the texts.
+/// A report can be rendered, so its places are within the texts.
 pub(crate) fn shown(report: &Report, sources: &Sources) {
     render_all(report, sources, Style::Plain);
 }
 
-/// A file of properties is read with a report that can be shown. The properties that were accepted can be written, and are read
-/// from there unchanged.
+/// A property file is read with a report that can be rendered. The accepted properties can be written, and are
+/// unchanged when read again.
 pub fn property_file(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let declared = declaration();

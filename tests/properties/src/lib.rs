@@ -1,5 +1,5 @@
-//! Properties that hold for any input of the readers of files and messages. Each function takes bytes and panics where its
-//! property does not hold; the fuzzers in `fuzz/` and the tests of this crate feed them.
+//! Properties that hold for any input of the readers of files and messages. Each function takes bytes, and panics if
+//! its property is violated; the fuzzers in `fuzz/` and the tests of this crate call them.
 
 #![allow(clippy::panic, reason = "a property fails by panicking")]
 

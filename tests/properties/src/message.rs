@@ -4,22 +4,22 @@ use asmotion_components::MESSAGES;
 use asmotion_datum::{Codec, Schema};
 use asmotion_mqueue::QueueLayout;
 
-/// What CBOR gives can be encoded, and is decoded from there unchanged.
+/// Data decoded from CBOR can be encoded, and are unchanged when decoded again.
 pub fn cbor(bytes: &[u8]) {
-    // CBOR describes itself: the schema is not asked for
+    // CBOR is self-describing, so the schema is not used
     if let Some((_, schema)) = MESSAGES.first() {
         round_trip(Codec::Cbor, schema(), bytes);
     }
 }
 
-/// The same of JSON.
+/// The same property for JSON.
 pub fn json(bytes: &[u8]) {
     if let Some((_, schema)) = MESSAGES.first() {
         round_trip(Codec::Json, schema(), bytes);
     }
 }
 
-/// The same of CDR, for every type of message that it carries.
+/// The same property for CDR, for every message type that it can represent.
 pub fn cdr(bytes: &[u8]) {
     for (_, schema) in MESSAGES {
         if Codec::Cdr.carries(schema()).is_ok() {
@@ -36,11 +36,11 @@ fn round_trip(codec: Codec, schema: &Schema, bytes: &[u8]) {
     let encoded = encoded.unwrap_or_else(|error| panic!("{error}: {datum:?}"));
     let again = codec.decode(&encoded, schema);
     let again = again.unwrap_or_else(|error| panic!("{error}: {datum:?}"));
-    // compared as text: a number that is not one is unequal to itself
+    // compared as text, because NaN is unequal to itself
     assert_eq!(format!("{again:?}"), format!("{datum:?}"));
 }
 
-/// The same of message queues, for every type of message that has a layout.
+/// The same property for message queues, for every message type that has a layout.
 pub fn queue(bytes: &[u8]) {
     for (_, schema) in MESSAGES {
         let Ok(layout) = QueueLayout::of(schema()) else {

@@ -2,15 +2,15 @@
 
 use asmotion_map::{FilesInMemory, MapSettings, load};
 
-/// Small, so that a hostile size is refused instead of filled.
+/// A small limit, so that a hostile size is refused instead of allocated.
 const MAX_CELLS: u64 = 1_000_000;
 
-/// An extract in XML is a map of at most so many cells, or an error that names the file.
+/// An extract in XML is a map of at most that many cells, or an error that names the file.
 pub fn osm(bytes: &[u8]) {
     map("fuzz.osm", bytes);
 }
 
-/// The same of an extract in PBF.
+/// The same property for an extract in PBF.
 pub fn osm_pbf(bytes: &[u8]) {
     map("fuzz.osm.pbf", bytes);
 }

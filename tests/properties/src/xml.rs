@@ -3,7 +3,7 @@
 use crate::composite::shown;
 use asmotion_assembly::Tables;
 
-/// A composite in SCDL ends as composite files and a report that can be shown. The files are TOML.
+/// A composite in SCDL is converted to composite files, which are TOML, and a report that can be rendered.
 pub fn scdl(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes).into_owned();
     let imported = asmotion_scdl::import(&[("fuzz.composite".to_owned(), text)], &Tables::EMPTY);
@@ -14,7 +14,7 @@ pub fn scdl(bytes: &[u8]) {
     }
 }
 
-/// A file of properties in CPF ends as a table and a report that can be shown.
+/// A property file in CPF is converted to a table and a report that can be rendered.
 pub fn cpf(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let read = asmotion_scdl::cpf("fuzz.cpf", &text);

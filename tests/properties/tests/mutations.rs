@@ -1,5 +1,4 @@
-//! The properties on files and messages with something changed in them: a bounded run of what the fuzzers do without end, the
-//! same every time.
+//! Tests the properties with mutated files and messages: a bounded, repeatable version of the fuzzers.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -19,12 +18,12 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path;
 
-/// Bytes that mean something to a reader of numbers and lengths.
+/// Bytes with a special meaning for readers of numbers and lengths.
 const EDGES: &[u8] = &[
     0x00, 0x01, 0x1b, 0x3b, 0x5b, 0x7f, 0x80, 0x9b, 0xbb, 0xd8, 0xf9, 0xfb, 0xfe, 0xff,
 ];
 
-/// Words that mean something to a reader of composites.
+/// Words with a special meaning for readers of composites.
 const WORDS: &[&str] = &[
     "\"\"",
     "true",
@@ -59,7 +58,7 @@ fn files(folder: &str, ending: &str) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// One small change to bytes.
+/// Makes one small change to bytes.
 fn mutate_bytes(bytes: &mut Vec<u8>, random: &mut impl Rng) {
     let at = random.random_range(0..=bytes.len());
     let end = (at + random.random_range(0..16)).min(bytes.len());
@@ -74,7 +73,7 @@ fn mutate_bytes(bytes: &mut Vec<u8>, random: &mut impl Rng) {
     }
 }
 
-/// One small change to a text: of its bytes, of a word, of a line.
+/// Makes one small change to a text: in a byte, a word or a line.
 fn mutate_text(bytes: &mut Vec<u8>, other: &[u8], random: &mut impl Rng) {
     let line = |bytes: &[u8], random: &mut dyn FnMut(usize) -> usize| {
         let starts: Vec<usize> = std::iter::once(0)
@@ -115,7 +114,7 @@ fn mutate_text(bytes: &mut Vec<u8>, other: &[u8], random: &mut impl Rng) {
     }
 }
 
-/// Feeds a property with the seeds and with so many changed ones.
+/// Tests a property with the seeds and with `count` mutations of them.
 fn holds(property: fn(&[u8]), seeds: &[Vec<u8>], is_text: bool, count: usize) {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     for seed in seeds {
@@ -136,7 +135,7 @@ fn holds(property: fn(&[u8]), seeds: &[Vec<u8>], is_text: bool, count: usize) {
     }
 }
 
-/// Shows the input that a property panicked on.
+/// Prints the input for which a property panicked.
 struct ShownOnPanic<'bytes>(&'bytes [u8]);
 
 impl Drop for ShownOnPanic<'_> {
@@ -156,7 +155,7 @@ fn sample<T: Message>(message: &T) -> (Datum, &'static Schema) {
     (Datum::of(message).unwrap(), T::schema())
 }
 
-/// Messages of every shape: flat, nested, with text, with lists of numbers and of records.
+/// Messages of various shapes: flat, nested, with text, with lists of numbers and of records.
 fn samples() -> Vec<(Datum, &'static Schema)> {
     let path = Path {
         poses: vec![PoseStamped::default(); 3],

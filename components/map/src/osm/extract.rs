@@ -1,4 +1,4 @@
-//! The elements of an extract that matter to a map.
+//! The elements of an extract that are relevant to a map.
 
 use std::collections::HashMap;
 
@@ -7,37 +7,37 @@ use crate::map::LonLat;
 use crate::projection::checked;
 use crate::rules::{Rules, Tags};
 
-/// Tags that matter besides those of the rules.
+/// Keys of tags that are always kept, besides those of the rules.
 const ALWAYS: &[&str] = &["type", "area", "width", "name"];
 
-/// No extract has more nodes, ways and relations together: some hundred megabytes.
+/// Limit on the number of nodes, ways and relations; uses a few hundred megabytes.
 const MOST: usize = 4_000_000;
 
-/// Nodes, ways and relations, without what no rule asks for.
+/// Nodes, ways and relations, without tags that no rule uses.
 #[derive(Default)]
 pub struct Extract {
-    /// South-west and north-east corner, if the file says.
+    /// South-west and north-east corner, if the file specifies them.
     pub bounds: Option<(LonLat, LonLat)>,
-    /// Only looked up, never walked in an order that could be seen.
+    /// Positions by id. A hash map, which is never iterated over, so its order has no effect.
     pub nodes: HashMap<i64, LonLat>,
     /// Nodes with tags, in the order of the file.
     pub spots: Vec<(i64, Tags)>,
-    /// In the order of the file.
+    /// Ways, in the order of the file.
     pub ways: Vec<OsmWay>,
-    /// In the order of the file.
+    /// Relations, in the order of the file.
     pub relations: Vec<OsmRelation>,
     by_id: HashMap<i64, usize>,
     elements: usize,
 }
 
-/// A line through nodes.
+/// A sequence of nodes.
 pub struct OsmWay {
     pub id: i64,
     pub nodes: Vec<i64>,
     pub tags: Tags,
 }
 
-/// A group of elements; of its members only the ways matter.
+/// A group of elements, of which only the ways are kept.
 pub struct OsmRelation {
     pub ways: Vec<i64>,
     pub tags: Tags,
@@ -79,7 +79,7 @@ impl Extract {
     }
 }
 
-/// Whether a tag is worth keeping.
+/// Returns whether a tag with this key is kept.
 pub fn matters(rules: &Rules, key: &str) -> bool {
     ALWAYS.contains(&key) || rules.know(key)
 }

@@ -1,4 +1,4 @@
-//! OSM PBF (<https://wiki.openstreetmap.org/wiki/PBF_Format>): a sequence of blocks, each packed by itself, each a
+//! OSM PBF (<https://wiki.openstreetmap.org/wiki/PBF_Format>): a sequence of separately compressed blocks, each a
 //! protobuf message. Field numbers are those of `fileformat.proto` and `osmformat.proto`.
 
 use flate2::read::ZlibDecoder;
@@ -12,13 +12,13 @@ use crate::map::LonLat;
 use crate::projection::checked;
 use crate::rules::{Rules, Tags};
 
-/// Bytes of a block's header, at most, as the format demands.
+/// Limit on the size of a block's header in bytes, from the specification.
 const MAX_HEADER: usize = 64 << 10;
 
-/// Bytes of a block, unpacked, at most, as the format demands.
+/// Limit on the size of a block in bytes after decompression, from the specification.
 const MAX_BLOCK: u64 = 32 << 20;
 
-/// The elements of the file.
+/// Reads the elements of a file.
 pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> {
     let bytes = source.bytes()?;
     blocks(&bytes, rules).map_err(|fault| source.error(fault))
@@ -44,7 +44,7 @@ fn blocks(bytes: &[u8], rules: &Rules) -> Result<Extract, MapFault> {
                 extract.bounds = extract.bounds.or(bounds(&unpack(blob)?)?);
             }
             b"OSMData" => add_block(&mut extract, &unpack(blob)?, rules)?,
-            // a reader leaves out what it does not know
+            // unknown blocks must be skipped, by the specification
             _ => {}
         }
     }
@@ -73,12 +73,12 @@ impl From<ProtobufError> for MapFault {
     }
 }
 
-/// A field that the schema requires.
+/// Returns a field that the schema requires, or an error if it is missing.
 fn required<T>(found: Option<T>, what: &str) -> Result<T, MapFault> {
     found.ok_or_else(|| syntax(format_args!("a block is damaged: {what} is missing")))
 }
 
-/// The kind of the block that follows, and how many bytes it has.
+/// The type of the following block, and its size in bytes.
 fn blob_header(message: &[u8]) -> Result<(&[u8], usize), MapFault> {
     let (mut kind, mut length) = (None, None);
     for field in fields(message) {
@@ -93,7 +93,7 @@ fn blob_header(message: &[u8]) -> Result<(&[u8], usize), MapFault> {
     Ok((kind, required(length, "its size")?))
 }
 
-/// The message in a block.
+/// Decompresses the message in a block.
 fn unpack(blob: &[u8]) -> Result<Vec<u8>, MapFault> {
     for field in fields(blob) {
         let field = field?;
@@ -112,7 +112,7 @@ fn unpack(blob: &[u8]) -> Result<Vec<u8>, MapFault> {
     Err(syntax("a block is empty"))
 }
 
-/// The corners of the extract, if the header block says; they are in nanodegrees.
+/// The bounds in the header block, if any; encoded in nanodegrees.
 fn bounds(header: &[u8]) -> Result<Option<(LonLat, LonLat)>, MapFault> {
     let mut found = None;
     for field in fields(header) {
@@ -139,15 +139,15 @@ fn corners(message: &[u8]) -> Result<(LonLat, LonLat), MapFault> {
     Ok((low, high))
 }
 
-/// What the elements of a block share.
+/// The data shared by all elements of a block.
 struct Block<'a> {
-    /// Keys and values of tags, by index; the first one is no string.
+    /// Keys and values of tags, by index; index 0 is a delimiter.
     strings: Vec<&'a [u8]>,
-    /// Nanodegrees.
+    /// Unit of coordinates, nanodegrees.
     granularity: i64,
-    /// Nanodegrees.
+    /// Offset of longitudes, nanodegrees.
     longitude_offset: i64,
-    /// Nanodegrees.
+    /// Offset of latitudes, nanodegrees.
     latitude_offset: i64,
     rules: &'a Rules,
 }
@@ -160,7 +160,7 @@ fn add_block(extract: &mut Extract, message: &[u8], rules: &Rules) -> Result<(),
         latitude_offset: 0,
         rules,
     };
-    // the numbers that groups are read with stand behind them
+    // the numbers needed to decode the groups follow them
     let mut groups = Vec::new();
     for field in fields(message) {
         let field = field?;
@@ -218,7 +218,8 @@ impl Block<'_> {
         extract.add_node(required(id, "the id of a node")?, place, tags.read(self)?)
     }
 
-    /// Nodes as columns: ids, latitudes, longitudes, and the tags of all, with a 0 after those of each.
+    /// Adds nodes stored as columns: ids, latitudes, longitudes, and the tags of all nodes, with a 0 after those of
+    /// each.
     fn add_dense_nodes(&self, extract: &mut Extract, message: &[u8]) -> Result<(), MapFault> {
         let (mut ids, mut tags) = (ProtobufNumbers::default(), ProtobufNumbers::default());
         let (mut latitudes, mut longitudes) =
@@ -292,7 +293,7 @@ impl Block<'_> {
         extract.add_relation(OsmRelation { ways, tags })
     }
 
-    /// Longitude and latitude in degrees, of numbers in the block's own unit.
+    /// Converts coordinates from the block's unit to degrees: longitude, latitude.
     fn place(&self, longitude: i64, latitude: i64) -> Result<(f64, f64), MapFault> {
         let degrees = |offset: i64, number: i64| {
             let nanodegrees = number.checked_mul(self.granularity);
@@ -303,7 +304,7 @@ impl Block<'_> {
         Ok((longitude?, degrees(self.latitude_offset, latitude)?))
     }
 
-    /// Adds a tag, by the indices of its strings, if it matters.
+    /// Adds a tag, given by the indices of its strings, if it is relevant.
     fn add_tag(&self, tags: &mut Tags, key: u64, value: u64) -> Result<(), MapFault> {
         let string = |index: u64| {
             let found = usize::try_from(index)
@@ -312,7 +313,7 @@ impl Block<'_> {
             required(found.copied(), "a string of a tag")
         };
         let (key, value) = (string(key)?, string(value)?);
-        // a rule's keys are UTF-8, so another key is none of them
+        // keys of rules are UTF-8, so any other key matches none
         let Some(key) = str::from_utf8(key)
             .ok()
             .filter(|key| matters(self.rules, key))
@@ -326,7 +327,7 @@ impl Block<'_> {
     }
 }
 
-/// The tags of an element: keys and values as indices of strings, in two columns.
+/// The tags of an element: indices of keys and values, in two columns.
 #[derive(Default)]
 struct TagIndices<'a> {
     keys: ProtobufNumbers<'a>,
@@ -334,7 +335,7 @@ struct TagIndices<'a> {
 }
 
 impl<'a> TagIndices<'a> {
-    /// Takes over a field of a node, a way or a relation, if it is one of tags.
+    /// Appends a field of a node, way or relation if it contains tags.
     fn extend(&mut self, field: &ProtobufField<'a>) -> Result<(), ProtobufError> {
         match field.number {
             2 => self.keys.extend(field),

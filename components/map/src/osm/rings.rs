@@ -1,16 +1,16 @@
-//! From the ways of a multipolygon to its rings: ways are joined where they end at the same node.
+//! Builds the rings of a multipolygon: joins ways that end at the same node.
 
 use std::collections::HashMap;
 
 /// The rings of a multipolygon.
 pub struct Rings {
-    /// Each from a node back to the same node.
+    /// Rings; the first and the last node are equal.
     pub closed: Vec<Vec<i64>>,
-    /// Chains that did not close: the extract lacks a way.
+    /// Chains that do not close, because the extract lacks a way.
     pub open: Vec<Vec<i64>>,
 }
 
-/// Joins ways, each given by its nodes, until they close; in the order given, so that the result is always the same.
+/// Joins ways, given by their nodes, to rings. The result depends only on the order of the ways.
 pub fn join(ways: &[&[i64]]) -> Rings {
     let mut at: HashMap<i64, Vec<usize>> = HashMap::new();
     for (index, way) in ways.iter().enumerate() {
@@ -42,7 +42,7 @@ pub fn join(ways: &[&[i64]]) -> Rings {
     rings
 }
 
-/// An unused way that goes on where the chain ends; none if the chain is closed.
+/// An unused way that continues the chain; `None` if the chain is closed or cannot be continued.
 fn next(ring: &[i64], at: &HashMap<i64, Vec<usize>>, used: &[bool]) -> Option<usize> {
     let (first, last) = (ring.first()?, ring.last()?);
     if ring.len() > 1 && first == last {

@@ -1,21 +1,21 @@
-//! The protobuf wire format (<https://protobuf.dev/programming-guides/encoding/>), as far as OSM PBF needs it.
+//! The subset of the protobuf wire format (<https://protobuf.dev/programming-guides/encoding/>) that OSM PBF needs.
 //!
-//! Reading copies nothing: a message is a slice, and each length is checked against the bytes that are left. So no
-//! input can make it panic, or allocate more than a small multiple of its own size.
+//! Reading copies nothing: a message is a slice, and each length is checked against the remaining bytes. No input can
+//! cause a panic, or the allocation of more than a small multiple of its own size.
 
-/// A reason why bytes are not a protobuf message.
+/// The reason that bytes are no protobuf message.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ProtobufError {
-    /// A number or a length reaches beyond the end.
+    /// A number or a length extends beyond the end.
     #[error("a message ends too early")]
     Truncated,
-    /// A number takes more than ten bytes, or a sum of differences more than 64 bits.
+    /// A number has more than ten bytes, or a sum of differences more than 64 bits.
     #[error("a number has more than 64 bits")]
     TooLarge,
     /// Wire types 3 and 4 (groups) are obsolete, 6 and 7 are not defined.
     #[error("a field has the wire type {0}, which is not supported")]
     WireType(u64),
-    /// A field is of another type than the schema says.
+    /// A field has another type than in the schema.
     #[error("field {0} is of another type than expected")]
     OtherType(u64),
 }
@@ -23,7 +23,7 @@ pub enum ProtobufError {
 /// One field of a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProtobufField<'a> {
-    /// Its number in the schema.
+    /// Number in the schema.
     pub number: u64,
     content: Content<'a>,
 }
@@ -31,15 +31,15 @@ pub struct ProtobufField<'a> {
 /// The content of a field, by wire type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content<'a> {
-    /// A number, as it is encoded.
+    /// An encoded number.
     Varint(&'a [u8]),
-    /// A text, a message inside, or numbers one after the other.
+    /// A text, a nested message, or packed numbers.
     Bytes(&'a [u8]),
-    /// Four or eight bytes: no field of OSM PBF.
+    /// Four or eight bytes, which no field of OSM PBF uses.
     Fixed,
 }
 
-/// The fields of a message, in the order of its bytes. Ends after the first error.
+/// The fields of a message, in order. Ends after the first error.
 pub fn fields(message: &[u8]) -> impl Iterator<Item = Result<ProtobufField<'_>, ProtobufError>> {
     let mut rest = message;
     std::iter::from_fn(move || {
@@ -85,7 +85,7 @@ fn take<'a>(rest: &mut &'a [u8], length: usize) -> Result<&'a [u8], ProtobufErro
     Ok(taken)
 }
 
-/// Seven bits a byte, the lowest first; the top bit says that another byte follows.
+/// Decodes a number: seven bits per byte, lowest first; the top bit is set if another byte follows.
 fn take_varint(rest: &mut &[u8]) -> Result<u64, ProtobufError> {
     let mut value = 0;
     for (index, byte) in rest.iter().take(10).enumerate() {
@@ -105,13 +105,13 @@ fn take_varint(rest: &mut &[u8]) -> Result<u64, ProtobufError> {
     })
 }
 
-/// The signed number that an `sint` field means: 0, -1, 1, -2, 2 …
+/// Decodes the sign of an `sint` field: 0, -1, 1, -2, 2 …
 fn unzigzag(value: u64) -> i64 {
     (value >> 1) as i64 ^ -((value & 1) as i64)
 }
 
 impl<'a> ProtobufField<'a> {
-    /// A text, or a message inside.
+    /// The content of a text or a nested message.
     pub fn bytes(&self) -> Result<&'a [u8], ProtobufError> {
         match self.content {
             Content::Bytes(bytes) => Ok(bytes),
@@ -119,7 +119,7 @@ impl<'a> ProtobufField<'a> {
         }
     }
 
-    /// An `int32`, `int64`, `uint32`, `uint64` or `enum`: negative ones are in two's complement.
+    /// The value of an `int32`, `int64`, `uint32`, `uint64` or `enum`; negative values are in two's complement.
     pub fn int(&self) -> Result<i64, ProtobufError> {
         match self.content {
             Content::Varint(mut encoded) => Ok(take_varint(&mut encoded)? as i64),
@@ -127,18 +127,18 @@ impl<'a> ProtobufField<'a> {
         }
     }
 
-    /// An `sint32` or `sint64`.
+    /// The value of an `sint32` or `sint64`.
     pub fn sint(&self) -> Result<i64, ProtobufError> {
         Ok(unzigzag(self.int()? as u64))
     }
 }
 
-/// The numbers of a `repeated` field. A writer may pack them into one field, or write a field for each.
+/// The numbers of a `repeated` field, which may be packed into one field or be in a field each.
 #[derive(Clone, Debug, Default)]
 pub struct ProtobufNumbers<'a>(Vec<&'a [u8]>);
 
 impl<'a> ProtobufNumbers<'a> {
-    /// Appends those of a field.
+    /// Appends the numbers of a field.
     pub fn extend(&mut self, field: &ProtobufField<'a>) -> Result<(), ProtobufError> {
         match field.content {
             Content::Varint(encoded) | Content::Bytes(encoded) => self.0.push(encoded),
@@ -147,7 +147,7 @@ impl<'a> ProtobufNumbers<'a> {
         Ok(())
     }
 
-    /// The numbers as they are written.
+    /// The numbers without decoding of signs.
     pub fn ints(&self) -> impl Iterator<Item = Result<u64, ProtobufError>> {
         self.0.iter().flat_map(|encoded| {
             let mut rest = *encoded;
@@ -164,7 +164,7 @@ impl<'a> ProtobufNumbers<'a> {
         })
     }
 
-    /// The sums of the differences that are written, as `sint`: OSM's delta coding.
+    /// The running sums of differences encoded as `sint`: OSM's delta coding.
     pub fn sums(&self) -> impl Iterator<Item = Result<i64, ProtobufError>> {
         let mut sum = 0_i64;
         self.ints().map(move |difference| {

@@ -10,7 +10,7 @@ use crate::format::MapSource;
 use crate::projection::checked;
 use crate::rules::{Rules, Tags};
 
-/// The elements of the file.
+/// Reads the elements of a file.
 pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> {
     let text = source.text()?;
     let mut reader = Reader::from_str(&text);
@@ -52,9 +52,9 @@ pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> 
 struct Parser<'a> {
     rules: &'a Rules,
     extract: Extract,
-    /// The element that is open; its tags and members come as children.
+    /// The open element, whose tags and members follow as children.
     element: Option<OsmElement>,
-    /// Whether the end of the root was seen.
+    /// The end of the root element was seen.
     whole: bool,
 }
 

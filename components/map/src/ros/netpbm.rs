@@ -1,9 +1,10 @@
-//! The Netpbm formats PBM, PGM and PPM (<https://netpbm.sourceforge.net/doc/pnm.html>), as text and as bytes: P1 to P6.
+//! The Netpbm formats PBM, PGM and PPM (<https://netpbm.sourceforge.net/doc/pnm.html>), in text and binary form: P1 to
+//! P6.
 
 use super::picture::{Channels, MapPicture, narrow};
 use crate::error::MapFault;
 
-/// Reads an image that begins with `P1` to `P6`, unless it has more pixels than `limit`.
+/// Reads an image of type `P1` to `P6`; fails if it has more pixels than `limit`.
 pub fn read(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
     let (is_text, channels, is_bitmap) = match bytes.get(1) {
         Some(b'1') => (true, Channels::Grey, true),
@@ -48,7 +49,7 @@ fn too_short() -> MapFault {
     syntax("has fewer pixels than its header says")
 }
 
-/// Numbers between blanks; in the header, `#` begins a comment.
+/// Reads numbers separated by white space; in the header, `#` begins a comment.
 struct NetpbmText<'a>(&'a [u8]);
 
 impl NetpbmText<'_> {
@@ -58,7 +59,7 @@ impl NetpbmText<'_> {
         Some(*first)
     }
 
-    /// A number of the header, with the one blank behind it.
+    /// Reads a number of the header and the one white-space character after it.
     fn header(&mut self, what: &str) -> Result<u32, MapFault> {
         let mut number = None;
         loop {
@@ -81,7 +82,7 @@ impl NetpbmText<'_> {
         number.ok_or_else(too_short)
     }
 
-    /// Samples from 0 to `white`, as many as wanted.
+    /// Reads `count` samples from 0 to `white`.
     fn samples(&mut self, count: usize, white: u16) -> Result<Vec<u8>, MapFault> {
         let words = self.0.split(|byte| is_blank(*byte));
         let words = words.filter(|word| !word.is_empty()).take(count);
@@ -94,7 +95,7 @@ impl NetpbmText<'_> {
         Ok(samples)
     }
 
-    /// Bits, which need no blanks in between: 1 is black.
+    /// Reads `count` bits, which need no separators; 1 is black.
     fn bits(&mut self, count: usize) -> Result<Vec<u8>, MapFault> {
         let digits = self.0.iter().filter(|byte| !is_blank(**byte)).take(count);
         let shade = |digit: &u8| match digit {
@@ -110,7 +111,7 @@ fn is_blank(byte: u8) -> bool {
     matches!(byte, b'\t' | b'\n' | b'\x0b' | b'\x0c' | b'\r' | b' ')
 }
 
-/// A row takes whole bytes, the leftmost pixel is the highest bit, and 1 is black.
+/// Reads packed bits: a row occupies whole bytes, the leftmost pixel is the highest bit, and 1 is black.
 fn packed_bits(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, MapFault> {
     let row = width.div_ceil(8) as usize;
     let rows = row.checked_mul(height as usize);
@@ -130,7 +131,7 @@ fn packed_bits(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, MapFaul
         .collect())
 }
 
-/// A byte a sample, or two, the higher first, where `white` does not fit into one.
+/// Reads samples of one byte or, if `white` exceeds 255, of two bytes in big-endian order.
 fn samples(bytes: &[u8], count: usize, white: u16) -> Result<Vec<u8>, MapFault> {
     if white < 256 {
         let bytes = bytes.get(..count).ok_or_else(too_short)?;
@@ -149,7 +150,7 @@ fn samples(bytes: &[u8], count: usize, white: u16) -> Result<Vec<u8>, MapFault> 
         .collect())
 }
 
-/// The sample of 8 bits that is as bright as `sample` is where `white` is white.
+/// Scales a sample from `0..=white` to 8 bits.
 fn shade(sample: u16, white: u16) -> u8 {
     let scaled = |most: u16| (f32::from(sample) * (f32::from(most) / f32::from(white))).round();
     match white {
@@ -162,7 +163,7 @@ fn shade(sample: u16, white: u16) -> u8 {
 mod tests {
     use super::*;
 
-    /// Width, height, and the brightness of the first channel.
+    /// Width, height, and the first channel of each pixel.
     fn grey(bytes: &[u8]) -> Result<(u32, u32, Vec<u8>), String> {
         let picture = read(bytes, 100).map_err(|fault| fault.to_string())?;
         let mut shades: Vec<u8> = picture.upwards().map(|it| it.colour[0]).collect();

@@ -1,4 +1,4 @@
-//! The image of a ROS map: PNG, or one of the Netpbm formats (PBM, PGM, PPM).
+//! Reads the image of a ROS map: PNG or a Netpbm format (PBM, PGM, PPM).
 
 use std::io::Cursor;
 
@@ -8,45 +8,45 @@ use super::netpbm;
 use crate::error::{MapError, MapFault};
 use crate::format::{MapSettings, MapSource};
 
-/// What a PNG file begins with.
+/// The signature of a PNG file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Pixels in rows from the top, 8 bits a channel.
+/// Pixels in rows from the top, 8 bits per channel.
 #[derive(Debug)]
 pub struct MapPicture {
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     channels: Channels,
-    /// As many bytes a pixel as there are channels.
+    /// One byte per channel of each pixel.
     samples: Vec<u8>,
 }
 
-/// What the bytes of a pixel mean.
+/// The channels of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Channels {
     /// Brightness.
     Grey,
-    /// Brightness, opacity.
+    /// Brightness and opacity.
     GreyAlpha,
-    /// Red, green, blue.
+    /// Red, green and blue.
     Rgb,
-    /// Red, green, blue, opacity.
+    /// Red, green, blue and opacity.
     Rgba,
 }
 
 /// One pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
-    /// Red, green, blue.
+    /// Red, green and blue; equal for a grey pixel.
     pub colour: [u8; 3],
-    /// 255 is opaque; none if the image has no such channel.
+    /// Opacity, 255 for opaque; `None` if the image has no such channel.
     pub alpha: Option<u8>,
 }
 
 impl Channels {
-    /// How many bytes a pixel has.
+    /// Number of bytes per pixel.
     pub fn count(self) -> usize {
         match self {
             Self::Grey => 1,
@@ -58,7 +58,7 @@ impl Channels {
 }
 
 impl MapPicture {
-    /// A picture of these samples; none if they are not as many as it takes.
+    /// Creates a picture; `None` if the number of samples does not fit.
     pub fn new(width: u32, height: u32, channels: Channels, samples: Vec<u8>) -> Option<Self> {
         let pixels = (width as usize).checked_mul(height as usize)?;
         let wanted = pixels.checked_mul(channels.count())?;
@@ -70,7 +70,7 @@ impl MapPicture {
         })
     }
 
-    /// The pixels from the lower left to the upper right: the order of a grid's cells.
+    /// The pixels from the lower left to the upper right, which is the order of a grid's cells.
     pub fn upwards(&self) -> impl Iterator<Item = Pixel> {
         let size = self.channels.count();
         let row = (self.width as usize * size).max(1);
@@ -93,10 +93,10 @@ impl Pixel {
     }
 }
 
-/// Reads an image, unless unpacking it would take more bytes than the settings allow.
+/// Reads an image; fails if decompression would need more bytes than the settings allow.
 ///
 /// # Errors
-/// The file cannot be read, has another format, is damaged, or is too large.
+/// An error if the file cannot be read, has another format, is damaged, or is too large.
 pub fn read(source: &MapSource<'_>, settings: &MapSettings) -> Result<MapPicture, MapError> {
     let bytes = source.bytes()?;
     let picture = match &*bytes {
@@ -118,10 +118,10 @@ fn read_png(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
         DecodingError::LimitsExceeded => MapFault::TooManyBytes { limit },
         error => syntax(error),
     };
-    // a pixel may take several bytes
+    // a pixel may need several bytes
     let most = usize::try_from(limit.saturating_mul(2)).unwrap_or(usize::MAX);
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: most });
-    // palettes become colours, and fewer bits than eight become eight
+    // converts palettes to colours, and fewer than eight bits to eight
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(wrong)?;
     let pixels = u64::from(reader.info().width) * u64::from(reader.info().height);
@@ -152,15 +152,15 @@ fn read_png(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
     picture.ok_or_else(|| syntax("ends too early"))
 }
 
-/// A sample of 16 bits as the nearest of 8: 65535 is 255.
+/// Converts a sample from 16 to 8 bits, rounded to nearest: 65535 becomes 255.
 pub fn narrow(sample: u16) -> u8 {
     ((u32::from(sample) + 128) / 257) as u8
 }
 
-/// A grey PNG of one byte a pixel, in rows from the top.
+/// Writes a grey PNG with one byte per pixel, in rows from the top.
 ///
 /// # Errors
-/// There are no pixels, or not as many as the size says.
+/// An error if there are no pixels, or if their number does not match the size.
 pub fn write_png(width: u32, height: u32, shades: &[u8]) -> Result<Vec<u8>, MapFault> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height);
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
     use png::BitDepth;
 
-    /// A PNG of one row.
+    /// A PNG with a single row.
     fn png(colour: ColorType, depth: BitDepth, width: u32, data: &[u8]) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = Encoder::new(&mut bytes, width, 1);
@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(pixels(&four), [grey(17), grey(255)]);
         let eight = png(ColorType::Grayscale, BitDepth::Eight, 2, &[3, 205]);
         assert_eq!(pixels(&eight), [grey(3), grey(205)]);
-        // 128 of 65535 is nearer to 0 of 255 than to 1, 129 is not
+        // 128 of 65535 is nearer to 0 than to 1 of 255; 129 is not
         let wide = [0, 128, 0, 129, 0xff, 0xff];
         let sixteen = png(ColorType::Grayscale, BitDepth::Sixteen, 3, &wide);
         assert_eq!(pixels(&sixteen), [grey(0), grey(1), grey(255)]);

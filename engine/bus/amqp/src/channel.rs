@@ -176,6 +176,6 @@ pub(crate) enum ChannelError {
     Closed { code: u16, reason: String },
     /// A queue being consumed was deleted.
     Cancelled,
-    /// The connection is gone.
+    /// The connection was lost.
     Lost,
 }

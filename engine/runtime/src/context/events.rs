@@ -46,7 +46,7 @@ impl EventQueue {
         self.notifier.notify();
     }
 
-    /// Passes the waiting events to `tell`, then a [`Event::Lost`] if any were dropped.
+    /// Passes the waiting events to `tell`, then an [`Event::Lost`] if any were dropped.
     pub(crate) fn drain(&self, mut tell: impl FnMut(Time, &Event<'_>)) {
         let mut last = Time::ZERO;
         for _ in 0..self.queue.len() {
