@@ -1,6 +1,7 @@
 //! Obstacles for the planner: what the map does not show, as discs.
 
 use asmotion_geometry::{Point, RoundObstacle};
+use serde::{Deserialize, Serialize};
 
 use crate::bend::BendLimits;
 use crate::cluster::{clusters, cover};
@@ -40,7 +41,7 @@ pub fn on_the_path(
 
 /// Obstacles that have blocked a path lately, so that a robot without a map does not go to and fro between two blocked
 /// paths.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Blockers {
     /// Each with the time at which it blocked a path, ns.
     discs: Vec<(RoundObstacle, i64)>,

@@ -3,9 +3,10 @@
 use std::collections::VecDeque;
 
 use asmotion_geometry::{Pose, heading, turn, yaw};
+use serde::{Deserialize, Serialize};
 
 /// The last poses with their instants.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Trail {
     /// (ns, pose), oldest first.
     poses: VecDeque<(i64, Pose)>,

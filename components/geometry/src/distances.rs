@@ -1,20 +1,52 @@
 //! Distance of each cell from the nearest obstacle: the exact Euclidean distance transform in linear time
 //! (Meijster, Roerdink, Hesselink: *A general algorithm for computing distance transforms in linear time*, 2000).
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Cell, Grid, GridLayout, Occupancy};
 
 /// Squared distances to the nearest obstacle cell, centre to centre.
 ///
 /// A value to keep: [`Distances::compute`] reuses its buffers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "SquaredDistances")]
 pub struct Distances {
     layout: GridLayout,
     /// In cells², row-major; [`Distances::NONE`] where the grid has no obstacle at all.
+    #[serde(with = "asmotion_datum::field")]
     squared: Vec<u32>,
     /// Within its column, cells to the nearest obstacle; the first pass' result.
+    #[serde(skip_serializing)]
     columns: Vec<u32>,
     /// The lower envelope of the second pass: which column, and from where on it rules.
+    #[serde(skip_serializing)]
     envelope: Vec<(i64, i64)>,
+}
+
+/// What distances are read from: without the memory of the two passes.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SquaredDistances {
+    layout: GridLayout,
+    #[serde(with = "asmotion_datum::field")]
+    squared: Vec<u32>,
+}
+
+impl TryFrom<SquaredDistances> for Distances {
+    type Error = &'static str;
+
+    fn try_from(read: SquaredDistances) -> Result<Self, &'static str> {
+        let SquaredDistances { layout, squared } = read;
+        if squared.len() as u64 != u64::from(layout.width()) * u64::from(layout.height()) {
+            return Err("a distance is wanted for each cell");
+        }
+        Ok(Self {
+            layout,
+            squared,
+            columns: Vec::new(),
+            envelope: Vec::new(),
+        })
+    }
 }
 
 impl Distances {

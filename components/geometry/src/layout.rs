@@ -1,5 +1,7 @@
 //! Layout of a grid in the map: from points to cells and from cells to their centres.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Point, Pose};
 
 /// A cell by its place in the grid; column along the grid's x, row along its y, (0, 0) at the origin.
@@ -19,7 +21,8 @@ impl Cell {
 }
 
 /// Size, scale and place of a grid (the numbers of `nav_msgs/MapMetaData`), without its cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "LayoutNumbers")]
 pub struct GridLayout {
     resolution: f64,
     width: u32,
@@ -27,7 +30,31 @@ pub struct GridLayout {
     /// The lower left corner of cell (0, 0) in the map frame.
     origin: Pose,
     /// The inverse of `origin`, kept so that a look-up costs two multiplications.
+    #[serde(skip_serializing)]
     inverse: Pose,
+}
+
+/// What a layout is read from.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LayoutNumbers {
+    resolution: f64,
+    width: u32,
+    height: u32,
+    origin: Pose,
+}
+
+impl TryFrom<LayoutNumbers> for GridLayout {
+    type Error = GridLayoutError;
+
+    fn try_from(numbers: LayoutNumbers) -> Result<Self, GridLayoutError> {
+        Self::new(
+            numbers.resolution,
+            numbers.width,
+            numbers.height,
+            numbers.origin,
+        )
+    }
 }
 
 /// Numbers that make no layout.

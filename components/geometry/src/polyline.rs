@@ -1,9 +1,12 @@
 //! Lines through points: how long, where along, how they turn.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Point, Pose, Vector, heading};
 
 /// A line through points, measured once so that asking is cheap.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<Point>", into = "Vec<Point>")]
 pub struct Polyline {
     points: Vec<Point>,
     /// For each point, how far along the line it lies, m.
@@ -21,6 +24,18 @@ pub struct NearestOnLine {
     pub along: f64,
     /// Which segment it lies on: from point `segment` to the next.
     pub segment: usize,
+}
+
+impl From<Vec<Point>> for Polyline {
+    fn from(points: Vec<Point>) -> Self {
+        Self::new(points)
+    }
+}
+
+impl From<Polyline> for Vec<Point> {
+    fn from(line: Polyline) -> Self {
+        line.points
+    }
 }
 
 impl Polyline {

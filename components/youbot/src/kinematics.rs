@@ -1,14 +1,22 @@
 //! The service: a pose of the hand in, positions of the joints out.
 
-use asmotion_component::{Component, Cycle, Fault, Interface, Ports, Provided, ServiceFault};
+use asmotion_component::{
+    Component, Cycle, Fault, Freeze, Interface, Ports, Provided, ServiceFault, freeze_by_fields,
+};
 use asmotion_messages::{Goal, JointPositions, Solve};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::{Arm, ArmJoints, Unreachable};
 
 /// `youbot::Kinematics`: answers where the joints must be for the hand to be there, or why it cannot be there.
+///
+/// It remembers nothing: an answer depends on its request alone.
+#[derive(Freeze)]
+#[freeze(component = "youbot::Kinematics", version = 1)]
 pub struct Kinematics {
+    #[freeze(skip)]
     ports: KinematicsPorts,
+    #[freeze(skip)]
     arm: Arm,
 }
 
@@ -30,6 +38,8 @@ impl Kinematics {
 }
 
 impl Component for Kinematics {
+    freeze_by_fields!();
+
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         for request in cycle.requests(self.ports.kinematics) {
             let solved = solve(&self.arm, &request.argument);

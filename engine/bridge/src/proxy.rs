@@ -5,13 +5,17 @@
 //! ([`ReplyMode::OneWay`]), that the target has taken it ([`ReplyMode::Taken`]) or that the motion has ended ([`ReplyMode::Done`]).
 
 mod events;
+mod freeze;
 mod motion;
 mod operation;
 mod settings;
 
 use std::sync::Arc;
 
-use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, ServiceFault, Time};
+use asmotion_component::{
+    CannotFreeze, Component, Cycle, Fault, FrozenState, In, Interface, Out, ServiceFault,
+    ThawError, Time,
+};
 use asmotion_datum::{Datum, Schema};
 
 use events::ProxyEvents;
@@ -77,6 +81,14 @@ impl PortProxy {
 }
 
 impl Component for PortProxy {
+    fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
+        self.frozen()
+    }
+
+    fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
+        self.thawed(state)
+    }
+
     /// First what came from the target, then what is asked of it: a sample never answers a later command.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         for operation in &mut self.operations {

@@ -194,6 +194,12 @@ pub trait AnyProperty: Any + Send {
     /// Gets a lawful value ready; [`AnyProperty::apply`] puts it in place.
     fn prepare(&mut self, value: &Datum);
 
+    /// The prepared value, if there is one.
+    ///
+    /// # Errors
+    /// The value has no form as data.
+    fn prepared(&self) -> Result<Option<Datum>, DatumError>;
+
     /// Puts the prepared value in place. Says whether there was one.
     fn apply(&mut self) -> bool;
 }
@@ -235,6 +241,10 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
 
     fn prepare(&mut self, value: &Datum) {
         self.next = value.to().ok();
+    }
+
+    fn prepared(&self) -> Result<Option<Datum>, DatumError> {
+        self.next.as_ref().map(Datum::of).transpose()
     }
 
     fn apply(&mut self) -> bool {

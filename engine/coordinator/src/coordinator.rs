@@ -3,11 +3,15 @@
 use crate::binding::{Action, Binding, Effect, Interfaces};
 use crate::effects::{EffectHandles, EffectOutbox};
 use crate::frame::InputFrame;
+use crate::freeze::fingerprint;
 use crate::inputs::MessageInputs;
 use crate::partners::MessagePartners;
 use crate::requests::Requests;
 use crate::step::{STEP_REPORT, StepRecord};
-use asmotion_component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface, Losses, Setup};
+use asmotion_component::{
+    BusHealth, CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, Losses,
+    Setup, ThawError,
+};
 use asmotion_datum::{Datum, Message};
 use asmotion_lang::machine::{BackEnd, Machine};
 use asmotion_lang::simulate::Seeded;
@@ -52,18 +56,20 @@ pub enum BindError {
 
 /// A machine as a component: its cycle is a step.
 pub struct Coordinator {
-    specification: Arc<Specification>,
-    machine: Machine,
-    chooser: Seeded,
-    inbox: MessageInputs,
-    outbox: EffectOutbox,
-    partners: MessagePartners,
-    requests: Requests,
+    pub(crate) specification: Arc<Specification>,
+    /// Tells apart specifications and bindings, for frozen states.
+    pub(crate) fingerprint: String,
+    pub(crate) machine: Machine,
+    pub(crate) chooser: Seeded,
+    pub(crate) inbox: MessageInputs,
+    pub(crate) outbox: EffectOutbox,
+    pub(crate) partners: MessagePartners,
+    pub(crate) requests: Requests,
     /// Where the system tells how its bus is, if the component listens.
     health: Option<In<Datum>>,
-    frame: InputFrame,
+    pub(crate) frame: InputFrame,
     /// What was lost, as far as it was told.
-    told: Losses,
+    pub(crate) told: Losses,
 }
 
 /// The kind under which it is reported how many messages were lost so far: a [`Losses`].
@@ -102,6 +108,7 @@ impl Coordinator {
         let mut inbox = MessageInputs::new(binding, &specification, &handles.inputs, &requests)?;
         let outbox = EffectOutbox::new(binding, &specification, handles, &mut inbox)?;
         Ok(Self {
+            fingerprint: fingerprint(&specification, binding),
             specification,
             machine,
             chooser: Seeded::new(seed),
@@ -117,6 +124,14 @@ impl Coordinator {
 }
 
 impl Component for Coordinator {
+    fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
+        self.frozen()
+    }
+
+    fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
+        self.thawed(state)
+    }
+
     /// Compiles native code before the first step, so that no step takes longer because of it.
     fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
         // without native code, closures do the same steps

@@ -23,12 +23,12 @@ const MAX_WAITING: usize = 256;
 
 /// The bound inputs of a specification.
 pub(crate) struct MessageInputs {
-    inputs: Vec<BoundInput>,
+    pub inputs: Vec<BoundInput>,
     /// Events dropped because too many waited, and messages that did not fit the codomain.
     pub losses: Losses,
 }
 
-struct BoundInput {
+pub(crate) struct BoundInput {
     function: FunctionId,
     shape: ValueShape,
     from: MessageOrigin,
@@ -37,10 +37,10 @@ struct BoundInput {
     is: Vec<String>,
     none: Value,
     stale: Option<(Duration, Value)>,
-    newest: Option<Time>,
-    last: Option<Value>,
+    pub newest: Option<Time>,
+    pub last: Option<Value>,
     /// Events, each with the out function whose call it answers, if it does.
-    waiting: VecDeque<(Option<FunctionId>, Value)>,
+    pub waiting: VecDeque<(Option<FunctionId>, Value)>,
 }
 
 /// Where messages come from.

@@ -17,16 +17,16 @@ use asmotion_lang::value::{Atom, Value};
 /// The services that a specification exchanges messages with.
 #[derive(Default)]
 pub(crate) struct MessagePartners {
-    asked: Vec<PartnerOperation>,
-    served: Vec<OwnOperation>,
+    pub asked: Vec<PartnerOperation>,
+    pub served: Vec<OwnOperation>,
     /// The calls under way, and the messages that made them.
-    calls: Vec<(CallId, PartnerCall)>,
+    pub calls: Vec<(CallId, PartnerCall)>,
     /// The requests received, and the messages they became.
-    requests: Vec<(MessageId, usize, RequestId)>,
+    pub requests: Vec<(MessageId, usize, RequestId)>,
 }
 
 /// An operation of a partner.
-struct PartnerOperation {
+pub(crate) struct PartnerOperation {
     partner: Value,
     operation: String,
     handle: Required<Dynamic>,
@@ -37,19 +37,19 @@ struct PartnerOperation {
 }
 
 /// An operation of the component itself.
-struct OwnOperation {
+pub(crate) struct OwnOperation {
     operation: String,
     handle: Provided<Dynamic>,
     argument: ValueShape,
 }
 
 /// A message that became a call.
-struct PartnerCall {
-    message: MessageId,
-    from: Value,
+pub(crate) struct PartnerCall {
+    pub message: MessageId,
+    pub from: Value,
     /// Whether the specification waits for the reply, or receives it as a message.
-    waits: bool,
-    asked: usize,
+    pub waits: bool,
+    pub asked: usize,
 }
 
 impl MessagePartners {

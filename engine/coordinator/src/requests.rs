@@ -10,25 +10,31 @@ use asmotion_datum::Datum;
 /// The operations that monitored functions are bound to.
 #[derive(Default)]
 pub(crate) struct Requests {
-    served: Vec<RequestInput>,
+    pub served: Vec<RequestInput>,
 }
 
-struct RequestInput {
+pub(crate) struct RequestInput {
     service: String,
     operation: String,
-    handle: Provided<Dynamic>,
+    pub handle: Provided<Dynamic>,
     /// Whether a call answers for it.
     forwards: bool,
     /// What was asked in this cycle.
     came: Vec<Datum>,
     /// What was asked last.
-    last: Option<Datum>,
+    pub last: Option<Datum>,
     /// Who waits for an answer.
-    open: Vec<RequestId>,
+    pub open: Vec<RequestId>,
 }
 
-/// Somebody who asked, and waits.
-pub(crate) type WaitingCaller = (Provided<Dynamic>, RequestId);
+/// A caller that waits for the end of the call that is made for it.
+#[derive(Clone, Copy)]
+pub(crate) struct WaitingCaller {
+    pub handle: Provided<Dynamic>,
+    /// Position of the operation among the served ones.
+    pub served: usize,
+    pub request: RequestId,
+}
 
 impl Requests {
     /// Declares the operations.
@@ -102,13 +108,17 @@ impl Requests {
     /// Who asked a service in this cycle, and is now answered for by a call. A step makes one call for all, with what
     /// was asked last: of several only the last one is meant.
     pub fn claim(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<WaitingCaller> {
-        let mut served = self.served.iter_mut();
-        let served = served.find(|served| served.service == service)?;
+        let mut served = self.served.iter_mut().enumerate();
+        let (position, served) = served.find(|(_, served)| served.service == service)?;
         let last = served.open.pop()?;
         for request in served.open.drain(..) {
             cycle.reply(served.handle, request, Err(superseded()));
         }
-        Some((served.handle, last))
+        Some(WaitingCaller {
+            handle: served.handle,
+            served: position,
+            request: last,
+        })
     }
 
     /// Answers everybody whom no call answers for: the step has heard them, or has not listened.

@@ -12,7 +12,7 @@ pub(super) struct ProxyEvents {
     listener: Required<Dynamic>,
     notify: ProxyNotification,
     /// That nothing comes has been told, and nothing has come since.
-    is_stale: bool,
+    pub is_stale: bool,
 }
 
 impl ProxyEvents {

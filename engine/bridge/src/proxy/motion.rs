@@ -10,10 +10,10 @@ use crate::fit::{SchemaMisfit, wrong_count};
 /// The motion under way, if one is.
 pub(super) struct MotionMonitor {
     idle: IdleCriterion,
-    goal: Option<Vec<f64>>,
-    near_since: Option<Time>,
+    pub goal: Option<Vec<f64>>,
+    pub near_since: Option<Time>,
     /// How many numbers the target measures, learnt from its samples: its joints.
-    count: Option<usize>,
+    pub count: Option<usize>,
 }
 
 impl MotionMonitor {

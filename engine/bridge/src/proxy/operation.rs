@@ -6,6 +6,7 @@ use asmotion_component::{
     Cycle, Dynamic, Flow, In, Interface, Provided, RequestId, ServiceFault, Time,
 };
 use asmotion_datum::Datum;
+use serde::{Deserialize, Serialize};
 
 use super::{Mapped, ReplyMode};
 use crate::Conversion;
@@ -23,12 +24,14 @@ pub(super) struct ProxiedOperation {
     handle: Provided<Dynamic>,
     mode: ReplyMode,
     /// The samples since the last call, for [`ReplyMode::All`].
-    kept: VecDeque<Datum>,
-    waiting: Vec<Waiting>,
+    pub kept: VecDeque<Datum>,
+    pub waiting: Vec<Waiting>,
 }
 
 /// Somebody who waits for more than that a sample was written.
-struct Waiting {
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Waiting {
     request: RequestId,
     /// When the sample had certainly left: the time of the cycle after the one that wrote it.
     left: Option<Time>,
