@@ -5,6 +5,7 @@
 
 mod duration;
 mod field;
+mod freeze;
 mod ports;
 mod properties;
 mod table;
@@ -31,6 +32,16 @@ pub fn properties(input: TokenStream) -> TokenStream {
 #[proc_macro_derive(Ports, attributes(port))]
 pub fn ports(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), ports::derive)
+}
+
+/// Makes a component's struct say what of it is state: every field without a mark, by serde.
+///
+/// `#[freeze(component = "nav::Follower", version = 1)]` on the struct names the type and its layout, and
+/// `check = "Self::is_idle"` a function `fn(&self) -> Result<(), FreezeProblem>` that is asked before. A field marked
+/// `#[freeze(skip)]` stays as it is, one marked `#[freeze(reset)]` becomes its `Default` when a state is thawed.
+#[proc_macro_derive(Freeze, attributes(freeze))]
+pub fn freeze(input: TokenStream) -> TokenStream {
+    expand(&parse_macro_input!(input), freeze::derive)
 }
 
 /// Implements `asmotion_datum::Word` and `Display` for an enum without fields: each variant is a
@@ -138,6 +149,27 @@ mod tests {
         let refusal = refusal(ports::derive, &input);
         assert!(refusal.starts_with("a port is an `In<T>`"), "{refusal}");
         assert!(refusal.ends_with("a port has `name`, and a reference may be `optional`"));
+    }
+
+    #[test]
+    fn a_frozen_struct_names_its_type_and_its_version() {
+        let input = parse_quote!(
+            struct Wrong {
+                count: u32,
+            }
+        );
+        assert!(refusal(freeze::derive, &input).contains("version = 1"));
+        let input = parse_quote!(
+            #[freeze(component = "test::Wrong", version = 1)]
+            struct Wrong {
+                #[freeze(forget)]
+                count: u32,
+            }
+        );
+        assert_eq!(
+            refusal(freeze::derive, &input),
+            "a field is state, or marked `skip` or `reset`"
+        );
     }
 
     #[test]

@@ -42,6 +42,9 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let defaults = defaults.collect::<Result<Vec<_>>>()?;
     let declares = properties.iter().map(PropertyField::declare);
     let declares = declares.collect::<Result<Vec<_>>>()?;
+    let plain_names: Vec<_> = names.iter().map(|name| plain(name)).collect();
+    let writes = properties.iter().map(PropertyField::write);
+    let restores = properties.iter().map(PropertyField::restore);
     Ok(quote! {
         const _: () = {
             use ::asmotion_component as component;
@@ -63,6 +66,18 @@ pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
 
                 fn read(handles: &Handles, from: &impl component::PropertySource) -> Self {
                     Self { #(#names: #reads,)* }
+                }
+
+                fn to_datum(&self) -> ::core::result::Result<component::frozen::Datum, component::frozen::DatumError> {
+                    ::core::result::Result::Ok(component::frozen::Datum::record([#((#plain_names, #writes)),*]))
+                }
+
+                fn of_datum(
+                    datum: &component::frozen::Datum,
+                ) -> ::core::result::Result<Self, component::frozen::DatumError> {
+                    let fields = component::frozen::entries(datum)?;
+                    component::frozen::refuse_unknown(fields, &[#(#plain_names),*])?;
+                    ::core::result::Result::Ok(Self { #(#names: #restores,)* })
                 }
             }
 
@@ -151,6 +166,30 @@ impl<'a> PropertyField<'a> {
                 quote!(<#of as component::Word>::of_word(&#value).unwrap_or_default())
             }
             None => value,
+        }
+    }
+
+    /// The value as a datum.
+    fn write(&self) -> TokenStream {
+        let name = self.name;
+        if self.options.flatten {
+            quote!(component::Properties::to_datum(&self.#name)?)
+        } else if self.options.words {
+            quote!(component::frozen::Datum::text(component::Word::word(self.#name)))
+        } else {
+            quote!(component::frozen::StateField::to_datum(&self.#name)?)
+        }
+    }
+
+    /// The value from the entries of a record.
+    fn restore(&self) -> TokenStream {
+        let (name, of) = (plain(self.name), &self.field.ty);
+        if self.options.flatten {
+            quote!(component::frozen::nested::<#of>(fields, #name)?)
+        } else if self.options.words {
+            quote!(component::frozen::word::<#of>(fields, #name)?)
+        } else {
+            quote!(component::frozen::field::<#of>(fields, #name)?)
         }
     }
 

@@ -50,6 +50,6 @@ pub use notes::{PathEntry, Witness};
 pub use out_of_domain::ForeignProgram;
 pub use packed::PackedState;
 pub use record::{StepChoice, StepInput};
-pub use snapshot::{ForeignSnapshot, Snapshot};
+pub use snapshot::{ForeignSnapshot, Snapshot, pack_value};
 pub use state::MachineState;
 pub use updates::Update;

@@ -3,6 +3,7 @@
 use crate::machine::Machine;
 use crate::messages::MessagesInTransit;
 use crate::packed::{PackedState, Reader, Unpacked, Writer};
+use asmotion_value::Value;
 use std::error::Error;
 use std::fmt;
 
@@ -46,6 +47,36 @@ impl Snapshot {
     pub fn steps(&self) -> u64 {
         self.steps
     }
+
+    /// The snapshot as bytes. Equal snapshots have equal bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut to = Writer::default();
+        to.number(self.steps);
+        to.number(self.messages);
+        to.block(self.state.as_bytes());
+        to.block(&self.history);
+        to.bytes
+    }
+
+    /// Reads what [`Snapshot::to_bytes`] wrote. Which program it is of is seen when it is restored.
+    ///
+    /// # Errors
+    /// The bytes are no snapshot.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForeignSnapshot> {
+        Self::read(&mut Reader::new(bytes, 0)).ok_or(ForeignSnapshot)
+    }
+
+    fn read(from: &mut Reader<'_>) -> Option<Self> {
+        let (steps, messages) = (from.number()?, from.number()?);
+        let state = PackedState::new(from.block()?.to_vec());
+        let history = from.block()?.into();
+        from.is_done().then_some(Self {
+            state,
+            steps,
+            messages,
+            history,
+        })
+    }
 }
 
 /// Flag: the initial state contains the values that depend on inputs.
@@ -53,7 +84,33 @@ const COMPLETE: u64 = 1;
 /// Flag: the first step is done, or does not differ from others.
 const BEGUN: u64 = 2;
 
+/// A value as bytes, in the encoding of packed states: for what is kept beside a machine.
+///
+/// ```
+/// use asmotion_machine::pack_value;
+/// use asmotion_value::Value;
+///
+/// assert_eq!(pack_value(&Value::Int(3)), pack_value(&Value::Int(3)));
+/// assert_ne!(pack_value(&Value::real(0.0)), pack_value(&Value::real(-0.0)));
+/// ```
+pub fn pack_value(value: &Value) -> Vec<u8> {
+    let mut to = Writer::default();
+    to.value(value);
+    to.bytes
+}
+
 impl Machine {
+    /// Reads what [`pack_value`] wrote. The value may name the elements that the machine's state has.
+    ///
+    /// # Errors
+    /// The bytes are no value, or one of another program.
+    pub fn unpack_value(&self, bytes: &[u8]) -> Result<Value, ForeignSnapshot> {
+        let mut from = Reader::new(bytes, self.program.rules.len());
+        from.set_atoms(self.program.atom_domains.len() + self.state.store.reserve.len());
+        let value = from.value().ok_or(ForeignSnapshot)?;
+        from.is_done().then_some(value).ok_or(ForeignSnapshot)
+    }
+
     /// Returns a snapshot of the current state. Takes time linear in the number of locations.
     ///
     /// Partners ([`Machine::set_partners`]) and coverage counts are not part of it.

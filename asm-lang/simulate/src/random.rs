@@ -5,10 +5,13 @@ use asmotion_machine::{Chooser, Environment, Machine};
 use asmotion_value::Value;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Chooses among the candidates with uniform probability.
-#[derive(Clone, Debug)]
+///
+/// Serialised, it is the seed and how far it has come: read again, it makes the choices that would have followed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Seeded {
     random: ChaCha8Rng,
 }

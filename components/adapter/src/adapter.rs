@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Time,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
+    Time, freeze_by_fields,
 };
 use asmotion_geometry::{Distances, Point, heading, message};
 use asmotion_messages::{
@@ -18,7 +19,10 @@ use crate::trail::Trail;
 
 /// `nav::TrajectoryAdapter`: passes the path on, bent around obstacles seen by the laser; publishes `BLOCKED` once for
 /// a path.
+#[derive(Freeze)]
+#[freeze(component = "nav::TrajectoryAdapter", version = 1)]
 pub struct TrajectoryAdapter {
+    #[freeze(skip)]
     ports: AdapterPorts,
     properties: PropertySet<AdapterProperties>,
 
@@ -192,6 +196,8 @@ impl TrajectoryAdapter {
 }
 
 impl Component for TrajectoryAdapter {
+    freeze_by_fields!();
+
     fn start(&mut self) -> Result<(), Fault> {
         self.adviser = Adviser::default();
         self.trail = Trail::default();

@@ -5,6 +5,7 @@ use std::time::Duration;
 use asmotion_component::{Properties, Time};
 use asmotion_geometry::{Distances, Point, Pose};
 use asmotion_messages::Path;
+use serde::{Deserialize, Serialize};
 
 use crate::bend::{Barrier, BendLimits, BendObstacles, Bender, Window};
 use crate::route::BendableRoute;
@@ -42,7 +43,8 @@ pub struct Advice {
 }
 
 /// The last order to the follower.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 enum LastAdvice {
     /// No order for this path yet.
     Nothing,
@@ -57,7 +59,8 @@ enum LastAdvice {
 }
 
 /// State of the decision: the path, its bend, and the last order to the follower.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Adviser {
     route: Option<BendableRoute>,
     told: LastAdvice,
@@ -66,8 +69,10 @@ pub struct Adviser {
     returns: bool,
     /// Progress along the path in m, and the time at which it was made.
     milestone: Option<(f64, Time)>,
+    #[serde(skip)]
     bender: Bender,
     /// Remembered points near the robot; kept to reuse the allocation.
+    #[serde(skip)]
     near: Vec<Point>,
 }
 

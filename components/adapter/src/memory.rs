@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use asmotion_geometry::{Point, Pose};
 use asmotion_messages::LaserScan;
+use serde::{Deserialize, Serialize};
 
 /// m, side of the squares of which each keeps one point.
 const SIDE: f64 = 0.05;
@@ -12,18 +13,34 @@ const SIDE: f64 = 0.05;
 const THROUGH: f64 = 0.15;
 
 /// End points of beams, map frame; at most one for each square, in a fixed order.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(from = "Vec<RememberedPoint>", into = "Vec<RememberedPoint>")]
 pub struct ScanMemory {
     seen: BTreeMap<(i32, i32), RememberedPoint>,
 }
 
 /// A remembered point.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RememberedPoint {
     /// Position, map frame, m.
     pub point: Point,
     /// Stamp of the newest scan that saw it, ns.
     pub at: i64,
+}
+
+impl From<Vec<RememberedPoint>> for ScanMemory {
+    fn from(seen: Vec<RememberedPoint>) -> Self {
+        let by_square = seen.into_iter().map(|seen| (square(seen.point), seen));
+        Self {
+            seen: by_square.collect(),
+        }
+    }
+}
+
+impl From<ScanMemory> for Vec<RememberedPoint> {
+    fn from(memory: ScanMemory) -> Self {
+        memory.seen.into_values().collect()
+    }
 }
 
 impl ScanMemory {

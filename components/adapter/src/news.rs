@@ -1,6 +1,7 @@
 //! Obstacles for the planner that the map does not show, as discs.
 
 use asmotion_geometry::{Point, RoundObstacle};
+use serde::{Deserialize, Serialize};
 
 use crate::bend::BendLimits;
 use crate::cluster::{clusters, cover};
@@ -40,7 +41,7 @@ pub fn on_the_path(
 
 /// Obstacles that have recently blocked a path, so that a robot without a map does not alternate between two blocked
 /// paths.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Blockers {
     /// Each disc with the time at which it last blocked a path, ns.
     discs: Vec<(RoundObstacle, i64)>,

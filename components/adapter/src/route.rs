@@ -2,6 +2,7 @@
 
 use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, Vector, heading, message};
 use asmotion_messages::{Path, PoseStamped};
+use serde::{Deserialize, Serialize};
 
 use crate::bend::BendLimits;
 
@@ -27,17 +28,46 @@ pub struct Station {
 }
 
 /// The planned path and its bend.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(try_from = "FrozenRoute")]
 pub struct BendableRoute {
     planned: Path,
+    #[serde(skip_serializing)]
     line: Polyline,
     /// Distance between two stations, m.
+    #[serde(skip_serializing)]
     step: f64,
+    #[serde(skip_serializing)]
     stations: Vec<Station>,
     /// Offset to the left at each station, m.
     offsets: Vec<f64>,
     /// Last position of the robot along the planned path, m; `None` before the first look.
     progress: Option<f64>,
+}
+
+/// What a route is read from: line and stations follow from the planned path.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrozenRoute {
+    planned: Path,
+    offsets: Vec<f64>,
+    progress: Option<f64>,
+}
+
+impl TryFrom<FrozenRoute> for BendableRoute {
+    type Error = &'static str;
+
+    fn try_from(frozen: FrozenRoute) -> Result<Self, &'static str> {
+        let route = Self::new(frozen.planned).ok_or("the path has no usable pose")?;
+        if frozen.offsets.len() != route.stations.len() {
+            return Err("an offset is wanted for each station");
+        }
+        Ok(Self {
+            offsets: frozen.offsets,
+            progress: frozen.progress,
+            ..route
+        })
+    }
 }
 
 impl BendableRoute {

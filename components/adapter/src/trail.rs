@@ -3,9 +3,10 @@
 use std::collections::VecDeque;
 
 use asmotion_geometry::{Pose, heading, turn, yaw};
+use serde::{Deserialize, Serialize};
 
 /// The most recent poses with their times.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Trail {
     /// (ns, pose), oldest first.
     poses: VecDeque<(i64, Pose)>,

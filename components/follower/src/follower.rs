@@ -3,16 +3,21 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Time,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
+    Time, freeze_by_fields,
 };
 use asmotion_geometry::message;
 use asmotion_messages::{Bool, Event, Odometry, Path, Twist};
+use serde::{Deserialize, Serialize};
 
 use crate::pursuit::Pursuit;
 use crate::task::{FollowTask, FollowerEvent, MeasuredMotion, Tolerance};
 
 /// `nav::TrajectoryFollower`: follows the newest path; publishes `REACHED` once at its end, `HALTED` once after a stop.
+#[derive(Freeze)]
+#[freeze(component = "nav::TrajectoryFollower", version = 1)]
 pub struct TrajectoryFollower {
+    #[freeze(skip)]
     ports: FollowerPorts,
     properties: PropertySet<FollowerProperties>,
 
@@ -22,9 +27,33 @@ pub struct TrajectoryFollower {
     /// The cycle that received the newest odometry.
     located: Option<Time>,
     /// The reason that the robot must not drive in spite of an order; reported when it changes.
-    hindered: Option<&'static str>,
+    hindered: Option<Hindrance>,
     /// `true` if the last cycle had an order, so that one final zero must be sent.
     commanding: bool,
+}
+
+/// Reason why the robot must not drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Hindrance {
+    NoOdometry,
+    NoNumbers,
+    NoPermission,
+    StaleOdometry,
+    OtherFrame,
+}
+
+impl Hindrance {
+    /// The words of the report.
+    fn words(self) -> &'static str {
+        match self {
+            Self::NoOdometry => "no odometry",
+            Self::NoNumbers => "odometry without numbers",
+            Self::NoPermission => "no permission to drive",
+            Self::StaleOdometry => "stale odometry",
+            Self::OtherFrame => "odometry in another frame",
+        }
+    }
 }
 
 #[derive(Ports)]
@@ -68,17 +97,17 @@ impl TrajectoryFollower {
     }
 
     /// The reason that the robot must not drive in this cycle; `None` if it may.
-    fn hindrance(&self, cycle: &Cycle<'_>, odometry: Option<&Odometry>) -> Option<&'static str> {
+    fn hindrance(&self, cycle: &Cycle<'_>, odometry: Option<&Odometry>) -> Option<Hindrance> {
         let (now, timeout) = (cycle.now(), self.properties.odom_timeout_s);
         let fresh = self.located.is_some_and(|at| now.since(at) <= timeout);
         let frame = |odometry: &Odometry| odometry.header.frame_id == self.frame;
         match odometry {
-            None => Some("no odometry"),
-            Some(odometry) if !motion(odometry).is_finite() => Some("odometry without numbers"),
-            Some(_) if !self.is_permitted(cycle) => Some("no permission to drive"),
-            Some(_) if !fresh || cycle.is_stale(self.ports.odom) => Some("stale odometry"),
+            None => Some(Hindrance::NoOdometry),
+            Some(odometry) if !motion(odometry).is_finite() => Some(Hindrance::NoNumbers),
+            Some(_) if !self.is_permitted(cycle) => Some(Hindrance::NoPermission),
+            Some(_) if !fresh || cycle.is_stale(self.ports.odom) => Some(Hindrance::StaleOdometry),
             Some(odometry) if !self.frame.is_empty() && !frame(odometry) => {
-                Some("odometry in another frame")
+                Some(Hindrance::OtherFrame)
             }
             Some(_) => None,
         }
@@ -94,6 +123,8 @@ impl TrajectoryFollower {
 }
 
 impl Component for TrajectoryFollower {
+    freeze_by_fields!();
+
     fn start(&mut self) -> Result<(), Fault> {
         self.task = FollowTask::default();
         self.located = None;
@@ -122,7 +153,8 @@ impl Component for TrajectoryFollower {
         let motion = odometry.filter(|_| hindrance.is_none()).map(motion);
         if hindrance != self.hindered {
             self.hindered = hindrance;
-            cycle.report("hindered", hindrance.unwrap_or("no more").into());
+            let words = hindrance.map_or("no more", Hindrance::words);
+            cycle.report("hindered", words.into());
         }
         let busy = self.task.is_busy();
         let (twist, news) = match &motion {

@@ -3,6 +3,7 @@
 use asmotion_component::Properties;
 use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, message, turn, yaw};
 use asmotion_messages::{Path, Time, Twist};
+use serde::{Deserialize, Serialize};
 
 use crate::pursuit::Pursuit;
 
@@ -57,7 +58,8 @@ pub enum FollowerEvent {
 }
 
 /// The current order.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FollowTask {
     /// No order yet, or the last one is done and reported.
     #[default]
@@ -71,14 +73,14 @@ pub enum FollowTask {
 }
 
 /// Identity of an order: stamp and last pose of its path. An adapter that bends a path keeps both.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PathIdentity {
     stamp: Time,
     goal: asmotion_messages::Pose,
 }
 
 /// A path being followed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FollowedPath {
     identity: PathIdentity,
     line: Polyline,

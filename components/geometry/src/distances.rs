@@ -1,21 +1,53 @@
 //! Distance of each cell from the nearest obstacle: the exact Euclidean distance transform in linear time
 //! (Meijster, Roerdink, Hesselink: *A general algorithm for computing distance transforms in linear time*, 2000).
 
+use serde::{Deserialize, Serialize};
+
 use crate::grid::{Grid, Occupancy};
 use crate::layout::{Cell, GridLayout};
 
 /// Squared distances to the nearest obstacle cell, centre to centre.
 ///
 /// Keep the value to reuse its buffers in [`Distances::compute`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "SquaredDistances")]
 pub struct Distances {
     layout: GridLayout,
     /// In cells², row-major; [`Distances::NONE`] if the grid has no obstacle.
+    #[serde(with = "asmotion_datum::field")]
     squared: Vec<u32>,
     /// Distance in cells to the nearest obstacle in the same column: the result of the first pass.
+    #[serde(skip_serializing)]
     columns: Vec<u32>,
     /// The lower envelope of the second pass: each column, and the first column in which its parabola is lowest.
+    #[serde(skip_serializing)]
     envelope: Vec<(i64, i64)>,
+}
+
+/// What distances are read from: without the memory of the two passes.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SquaredDistances {
+    layout: GridLayout,
+    #[serde(with = "asmotion_datum::field")]
+    squared: Vec<u32>,
+}
+
+impl TryFrom<SquaredDistances> for Distances {
+    type Error = &'static str;
+
+    fn try_from(read: SquaredDistances) -> Result<Self, &'static str> {
+        let SquaredDistances { layout, squared } = read;
+        if squared.len() as u64 != u64::from(layout.width()) * u64::from(layout.height()) {
+            return Err("a distance is wanted for each cell");
+        }
+        Ok(Self {
+            layout,
+            squared,
+            columns: Vec::new(),
+            envelope: Vec::new(),
+        })
+    }
 }
 
 impl Distances {

@@ -1,5 +1,7 @@
 //! Layout of a grid: converts between points in the map frame and cells.
 
+use serde::{Deserialize, Serialize};
+
 use crate::pose::{Point, Pose};
 
 /// The position of a cell: column along the grid's x axis, row along its y axis, (0, 0) at the origin.
@@ -19,7 +21,8 @@ impl Cell {
 }
 
 /// Size, resolution and origin of a grid (as in `nav_msgs/MapMetaData`), without its cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "LayoutNumbers")]
 pub struct GridLayout {
     resolution: f64,
     width: u32,
@@ -27,7 +30,31 @@ pub struct GridLayout {
     /// Lower left corner of cell (0, 0), map frame.
     origin: Pose,
     /// Inverse of `origin`, stored to make look-ups cheap.
+    #[serde(skip_serializing)]
     inverse: Pose,
+}
+
+/// What a layout is read from.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LayoutNumbers {
+    resolution: f64,
+    width: u32,
+    height: u32,
+    origin: Pose,
+}
+
+impl TryFrom<LayoutNumbers> for GridLayout {
+    type Error = GridLayoutError;
+
+    fn try_from(numbers: LayoutNumbers) -> Result<Self, GridLayoutError> {
+        Self::new(
+            numbers.resolution,
+            numbers.width,
+            numbers.height,
+            numbers.origin,
+        )
+    }
 }
 
 /// Values that define no valid layout.

@@ -1,9 +1,12 @@
 //! Polylines: length, position along the line, direction.
 
+use serde::{Deserialize, Serialize};
+
 use crate::pose::{Point, Pose, Vector, heading};
 
 /// A line through points, with precomputed distances.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<Point>", into = "Vec<Point>")]
 pub struct Polyline {
     points: Vec<Point>,
     /// Distance of each point along the line, m.
@@ -21,6 +24,18 @@ pub struct NearestOnLine {
     pub along: f64,
     /// Index of the segment, which leads from point `segment` to the next.
     pub segment: usize,
+}
+
+impl From<Vec<Point>> for Polyline {
+    fn from(points: Vec<Point>) -> Self {
+        Self::new(points)
+    }
+}
+
+impl From<Polyline> for Vec<Point> {
+    fn from(line: Polyline) -> Self {
+        line.points
+    }
 }
 
 impl Polyline {

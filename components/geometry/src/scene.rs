@@ -8,11 +8,12 @@ use parry2d::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry2d::query::{PointQuery, Ray, RayCast};
 use parry2d::shape::{Ball, Segment, Shape};
 use parry2d::utils::point_in_poly2d;
+use serde::{Deserialize, Serialize};
 
 use crate::pose::{Point, Vector};
 
 /// A round obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RoundObstacle {
     /// Centre, map frame, m.
     pub centre: Point,
@@ -24,12 +25,29 @@ pub struct RoundObstacle {
 ///
 /// A shape with a coordinate that is not finite, a polygon with less than three corners and a disc without a radius
 /// are kept but hit nothing.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(from = "SceneShapes")]
 pub struct ObstacleScene {
     segments: Vec<[Point; 2]>,
     polygons: Vec<Vec<Point>>,
     discs: Vec<RoundObstacle>,
+    #[serde(skip_serializing)]
     index: SceneIndex,
+}
+
+/// What a scene is read from: its shapes, without the index.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneShapes {
+    segments: Vec<[Point; 2]>,
+    polygons: Vec<Vec<Point>>,
+    discs: Vec<RoundObstacle>,
+}
+
+impl From<SceneShapes> for ObstacleScene {
+    fn from(shapes: SceneShapes) -> Self {
+        Self::new(shapes.segments, shapes.polygons, shapes.discs)
+    }
 }
 
 impl ObstacleScene {

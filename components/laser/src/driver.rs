@@ -1,7 +1,8 @@
 //! The component: reads the scene and the true pose, writes a scan.
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Setup,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
+    Setup, freeze_by_fields,
 };
 use asmotion_geometry::{ObstacleScene, Point, Pose, heading, message};
 use asmotion_messages::{Header, LaserScan, PoseStamped};
@@ -11,7 +12,10 @@ use rand_chacha::ChaCha8Rng;
 use crate::sweep::Optics;
 
 /// `nav::sim::LaserDriver`: writes a sweep for each new true pose, once the scene is known.
+#[derive(Freeze)]
+#[freeze(component = "nav::sim::LaserDriver", version = 1)]
 pub struct LaserDriver {
+    #[freeze(skip)]
     ports: LaserPorts,
     /// Read when configured.
     properties: PropertySet<LaserProperties>,
@@ -66,6 +70,8 @@ impl LaserDriver {
 }
 
 impl Component for LaserDriver {
+    freeze_by_fields!();
+
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let LaserProperties {
             optics,

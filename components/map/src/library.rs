@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use asmotion_geometry::message::occupancy_grid;
 use asmotion_messages::OccupancyGrid;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{MapError, MapFault, Where};
 use crate::files::FileSource;
@@ -19,11 +19,11 @@ const LIST: &str = "places.toml";
 const FRAME: &str = "map";
 
 /// The map file of each place.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places(BTreeMap<String, PlaceEntry>);
 
 /// The map of a place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlaceEntry {
     /// Name of the map file.
     pub file: String,
@@ -174,6 +174,16 @@ pub struct MapLibrary {
     loads: u64,
 }
 
+/// What a library has found out and loaded, for a frozen state; the rest follows from the server's properties.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LibraryContents {
+    places: Places,
+    maps: BTreeMap<String, LoadedMap>,
+    loads: u64,
+}
+
+#[derive(Clone, Serialize, Deserialize)]
 struct LoadedMap {
     place: String,
     grid: OccupancyGrid,
@@ -267,6 +277,35 @@ impl MapLibrary {
             maps: BTreeMap::new(),
             loads: 0,
         })
+    }
+
+    /// What the library has found out and loaded so far.
+    pub(crate) fn contents(&self) -> LibraryContents {
+        LibraryContents {
+            places: self.places.clone(),
+            maps: self.maps.clone(),
+            loads: self.loads,
+        }
+    }
+
+    /// A library that has loaded this already; reads no file.
+    pub(crate) fn with_contents(
+        files: Arc<dyn FileSource>,
+        settings: MapSettings,
+        contents: LibraryContents,
+    ) -> Self {
+        let LibraryContents {
+            places,
+            maps,
+            loads,
+        } = contents;
+        Self {
+            files,
+            places,
+            settings,
+            maps,
+            loads,
+        }
     }
 
     /// All places.

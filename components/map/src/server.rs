@@ -7,16 +7,22 @@
 
 use std::sync::Arc;
 
+use asmotion_component::frozen::{
+    Datum, DatumError, FieldName, StateField, entry, field, refuse_unknown,
+};
 use asmotion_component::{
-    BackgroundWork, Component, Cycle, Fault, Interface, Out, Ports, Properties, PropertySet,
-    Provided, RequestId, ServiceFault, Setup,
+    BackgroundWork, Component, Cycle, Fault, Freeze, FreezeProblem, Interface, Out, Ports,
+    Properties, PropertySet, Provided, RequestId, ServiceFault, Setup, freeze_by_fields,
 };
 use asmotion_geometry::GridLayout;
 use asmotion_messages::{GetMap, OccupancyGrid};
+use serde::de::Error;
 
 use crate::files::{DiskFiles, FileSource};
 use crate::format::MapSettings;
-use crate::library::{Load, LoadedPlace, Lookup, MapLibrary, ServeError, ServedMap};
+use crate::library::{
+    LibraryContents, Load, LoadedPlace, Lookup, MapLibrary, ServeError, ServedMap,
+};
 use crate::rules::Rules;
 
 /// `nav::MapServer`: provides `getMap`, loads each place once, and publishes maps when they have been loaded or have
@@ -237,7 +243,49 @@ fn summary(served: &ServedMap<'_>) -> String {
     format!("{}: {size}{}", served.place, notes.collect::<String>())
 }
 
+/// Maps are state, also where their files are still there: they may have changed meanwhile.
+impl Freeze for MapServer {
+    const COMPONENT: &'static str = "nav::MapServer";
+    const VERSION: u32 = 1;
+
+    fn fields(&self) -> Result<Vec<(FieldName, Datum)>, FreezeProblem> {
+        if let Some(loading) = self.loading.first() {
+            let what = format!("it loads the map of `{}`", loading.place);
+            return Err(FreezeProblem::Busy(what));
+        }
+        if self.refreshing.is_some() {
+            return Err(FreezeProblem::Busy("it looks for changed files".to_owned()));
+        }
+        let contents = self.library.as_ref().map(MapLibrary::contents);
+        Ok(vec![
+            entry("properties", &self.properties)?,
+            entry("library", &contents)?,
+            entry("is_first", &self.is_first)?,
+        ])
+    }
+
+    fn set_fields(&mut self, fields: &[(FieldName, Datum)]) -> Result<(), DatumError> {
+        refuse_unknown(fields, &["properties", "library", "is_first"])?;
+        let properties = field::<PropertySet<MapServerProperties>>(fields, "properties")?;
+        let contents = field::<Option<LibraryContents>>(fields, "library")?;
+        let is_first = field::<bool>(fields, "is_first")?;
+        let library = contents.map(|contents| {
+            let settings = properties.settings().map_err(DatumError::custom)?;
+            let files = Arc::clone(&self.files);
+            Ok::<_, DatumError>(MapLibrary::with_contents(files, settings, contents))
+        });
+        self.library = library.transpose()?;
+        self.properties.set(properties);
+        self.is_first = is_first;
+        self.loading.clear();
+        self.refreshing = None;
+        Ok(())
+    }
+}
+
 impl Component for MapServer {
+    freeze_by_fields!();
+
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let properties = self.properties.refresh(setup);
         let source = &properties.source;

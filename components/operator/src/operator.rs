@@ -1,7 +1,8 @@
 //! The component.
 
 use asmotion_component::{
-    Component, Cycle, Fault, Interface, Out, Ports, Properties, PropertySet, Setup, Time,
+    Component, Cycle, Fault, Freeze, Interface, Out, Ports, Properties, PropertySet, Setup, Time,
+    freeze_by_fields,
 };
 use asmotion_geometry::{Point, heading, message};
 use asmotion_messages::{Bool, Empty, PoseStamped};
@@ -9,7 +10,10 @@ use asmotion_messages::{Bool, Empty, PoseStamped};
 use crate::script::{Deed, OperatorCommand};
 
 /// `nav::Operator`: carries out a script of timed commands.
+#[derive(Freeze)]
+#[freeze(component = "nav::Operator", version = 1)]
 pub struct ScriptedOperator {
+    #[freeze(skip)]
     ports: OperatorPorts,
     /// Read when configured.
     properties: PropertySet<OperatorProperties>,
@@ -49,6 +53,8 @@ impl ScriptedOperator {
 }
 
 impl Component for ScriptedOperator {
+    freeze_by_fields!();
+
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let script = self.properties.refresh(setup).script.iter();
         self.deeds = script.map(|line| line.parse()).collect::<Result<_, _>>()?;

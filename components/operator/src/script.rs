@@ -2,8 +2,10 @@
 
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 /// One line of a script: `1.0 goal 26.4 4.2 0`, `8 estop on`, `9.5 estop off`, `12 cancel`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Deed {
     /// Time in s after the operator's first cycle.
     pub at: f64,
@@ -12,7 +14,8 @@ pub struct Deed {
 }
 
 /// An action of the operator.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum OperatorCommand {
     /// Sends a goal: x and y in m, yaw in rad, map frame.
     Goal {

@@ -1,8 +1,8 @@
 //! The component: receives requests, returns and publishes paths.
 
 use asmotion_component::{
-    CallId, Component, Cycle, Fault, In, Interface, Out, Ports, Properties, PropertySet, Provided,
-    RequestId, Required, ServiceFault,
+    CallId, Component, Cycle, Fault, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
+    Provided, RequestId, Required, ServiceFault, freeze_by_fields,
 };
 use asmotion_geometry::{Grid, OCCUPIED, Point, RoundObstacle, message};
 use asmotion_messages::{
@@ -15,11 +15,15 @@ use crate::planner::{NoPath, PLANNERS, Planner, PlannerSettings, planner};
 ///
 /// A request without a map uses the map from the reference `maps`. Obstacles that the robot saw and the map does not
 /// show are read from the port `obstacles`.
+#[derive(Freeze)]
+#[freeze(component = "nav::TrajectoryPlanner", version = 1)]
 pub struct TrajectoryPlanner {
+    #[freeze(skip)]
     ports: PlannerPorts,
     properties: PropertySet<PlannerProperties>,
 
-    /// The planner, with the name and settings it was created with.
+    /// The planner, and what it was made of. No state: a plan does not depend on the plans before it.
+    #[freeze(reset)]
     made: Option<(String, PlannerSettings, Box<dyn Planner>)>,
     /// Requests that wait for a map, with the calls that fetch it.
     waiting: Vec<(CallId, RequestId, PlanRequest)>,
@@ -187,6 +191,8 @@ fn fault(why: &NoPath) -> ServiceFault {
 }
 
 impl Component for TrajectoryPlanner {
+    freeze_by_fields!();
+
     fn stop(&mut self) {
         self.waiting.clear();
     }

@@ -2,9 +2,10 @@
 
 use asmotion_component::Properties;
 use asmotion_messages::WheelSpeeds;
+use serde::{Deserialize, Serialize};
 
 /// Geometry of a differential drive.
-#[derive(Debug, Clone, Copy, PartialEq, Properties)]
+#[derive(Debug, Clone, Copy, PartialEq, Properties, Serialize, Deserialize)]
 pub struct DifferentialDrive {
     /// Radius of the driven wheels.
     #[property(unit = "m", range = 0.001..=1.0, default = 0.05)]
@@ -15,7 +16,7 @@ pub struct DifferentialDrive {
 }
 
 /// The velocity of a body that rolls without sliding sideways.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Velocity {
     /// Forward speed, m/s.
     pub speed: f64,

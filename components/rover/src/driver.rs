@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Setup, Time,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
+    Setup, Time, freeze_by_fields,
 };
 use asmotion_geometry::{Point, Pose, heading, message};
 use asmotion_messages::{Encoders, Header, Odometry, Twist, WheelSpeeds};
@@ -12,7 +13,10 @@ use crate::drive::{DifferentialDrive, DriveLimits, Velocity};
 use crate::odometry::Odometer;
 
 /// `nav::sim::RoverDriver`: drives the wheels by the newest twist, and stops them once it is too old.
+#[derive(Freeze)]
+#[freeze(component = "nav::sim::RoverDriver", version = 1)]
 pub struct RoverDriver {
+    #[freeze(skip)]
     ports: RoverPorts,
     properties: PropertySet<RoverProperties>,
 
@@ -119,6 +123,8 @@ impl RoverDriver {
 }
 
 impl Component for RoverDriver {
+    freeze_by_fields!();
+
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let [x, y, yaw] = self.properties.refresh(setup).start;
         self.odometer = Odometer::new(heading(Point::new(x, y), yaw));

@@ -2,6 +2,7 @@
 
 use asmotion_geometry::{Pose, Vector, heading, wrap, yaw};
 use asmotion_messages::Encoders;
+use serde::{Deserialize, Serialize};
 
 use crate::drive::{DifferentialDrive, Velocity};
 
@@ -17,7 +18,7 @@ pub fn roll(pose: &Pose, distance: f64, turn: f64) -> Pose {
 }
 
 /// Dead reckoning from wheel angles.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Odometer {
     pose: Pose,
     velocity: Velocity,

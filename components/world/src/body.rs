@@ -3,9 +3,10 @@
 use asmotion_geometry::{ObstacleScene, Point, Pose};
 use asmotion_messages::WheelSpeeds;
 use asmotion_rover::{DifferentialDrive, roll};
+use serde::{Deserialize, Serialize};
 
 /// A round robot on two driven wheels.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Body {
     /// Geometry of the drive.
     pub drive: DifferentialDrive,

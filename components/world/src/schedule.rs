@@ -1,6 +1,7 @@
 //! Obstacles that no map shows, with the times at which they are present.
 
 use asmotion_geometry::{ObstacleScene, Point, Pose, RoundObstacle, heading};
+use serde::{Deserialize, Serialize};
 
 asmotion_datum::message! {
     /// One obstacle, as the property `obstacles` lists it: `{ at_s = 8.0, until_s = 60.0, disc = [4.0, 0.0, 0.3] }`.
@@ -47,7 +48,8 @@ pub enum ObstacleProblem {
 }
 
 /// The shape of a present obstacle, map frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Solid {
     /// A disc.
     Disc(RoundObstacle),
@@ -56,12 +58,12 @@ pub enum Solid {
 }
 
 /// The obstacles of a run and their states.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Schedule {
     entries: Vec<ScheduleEntry>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct ScheduleEntry {
     /// Time at which it appears, s.
     from: f64,
@@ -73,13 +75,15 @@ struct ScheduleEntry {
     state: ScheduleState,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 enum ScheduleFrame {
     Map,
     Robot,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 enum ScheduleState {
     Waiting,
     /// Present, with its shape in the map frame.

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Setup, Time,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
+    Setup, Time, freeze_by_fields,
 };
 use asmotion_geometry::{ObstacleScene, Point, Pose, heading, message};
 use asmotion_map::DiskFiles;
@@ -12,12 +13,16 @@ use asmotion_rover::DifferentialDrive;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, Slip};
 use crate::schedule::{Obstacle, Schedule, Solid};
 
 /// `nav::sim::World`: one robot among walls and scheduled obstacles.
+#[derive(Freeze)]
+#[freeze(component = "nav::sim::World", version = 1)]
 pub struct World {
+    #[freeze(skip)]
     ports: WorldPorts,
     /// Read when configured.
     properties: PropertySet<WorldProperties>,
@@ -33,15 +38,48 @@ pub struct World {
 }
 
 /// State of the world.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(from = "FrozenTruth")]
 struct Truth {
     body: Body,
     walls: ObstacleScene,
     schedule: Schedule,
+    /// Walls and obstacles.
+    #[serde(skip_serializing)]
     scene: ObstacleScene,
     revision: u64,
     /// `true` while the body touches an obstacle; the collision is reported once until it is free again.
     touches: bool,
+}
+
+/// What the state of the world is read from: the scene follows from walls and schedule.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrozenTruth {
+    body: Body,
+    walls: ObstacleScene,
+    schedule: Schedule,
+    revision: u64,
+    touches: bool,
+}
+
+impl From<FrozenTruth> for Truth {
+    fn from(frozen: FrozenTruth) -> Self {
+        let FrozenTruth {
+            body,
+            walls,
+            schedule,
+            revision,
+            touches,
+        } = frozen;
+        let mut truth = Self::new(body, walls, schedule);
+        truth.see();
+        Self {
+            revision,
+            touches,
+            ..truth
+        }
+    }
 }
 
 #[derive(Ports)]
@@ -153,6 +191,8 @@ fn is_number(wheels: WheelSpeeds) -> bool {
 }
 
 impl Component for World {
+    freeze_by_fields!();
+
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let properties = self.properties.refresh(setup);
         self.truth = properties.truth()?;
@@ -246,17 +286,22 @@ impl Truth {
             .advance(seconds, &self.body.pose, self.body.radius);
         if changed {
             self.revision += 1;
-            let mut polygons = self.walls.polygons().to_vec();
-            let mut discs = self.walls.discs().to_vec();
-            for solid in self.schedule.there() {
-                match solid {
-                    Solid::Disc(disc) => discs.push(*disc),
-                    Solid::Polygon(corners) => polygons.push(corners.clone()),
-                }
-            }
-            self.scene = ObstacleScene::new(self.walls.segments().to_vec(), polygons, discs);
+            self.see();
         }
         changed
+    }
+
+    /// Makes the scene of the walls and the obstacles that are there.
+    fn see(&mut self) {
+        let mut polygons = self.walls.polygons().to_vec();
+        let mut discs = self.walls.discs().to_vec();
+        for solid in self.schedule.there() {
+            match solid {
+                Solid::Disc(disc) => discs.push(*disc),
+                Solid::Polygon(corners) => polygons.push(corners.clone()),
+            }
+        }
+        self.scene = ObstacleScene::new(self.walls.segments().to_vec(), polygons, discs);
     }
 }
 

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Provided,
-    Setup,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
+    Provided, Setup, freeze_by_fields,
 };
 use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
 use asmotion_messages::{Text, Time};
@@ -12,7 +12,10 @@ use asmotion_messages::{Text, Time};
 use crate::joints::{Joints, Manner};
 
 /// `youbot::DummyDriver`: reads commands, writes status, and provides two operations.
+#[derive(Freeze)]
+#[freeze(component = "youbot::DummyDriver", version = 1)]
 pub struct DummyDriver {
+    #[freeze(skip)]
     ports: DriverPorts,
     properties: PropertySet<DriverProperties>,
     joints: Joints,
@@ -60,6 +63,8 @@ impl DummyDriver {
 }
 
 impl Component for DummyDriver {
+    freeze_by_fields!();
+
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let DriverProperties { joints, seed, .. } = self.properties.refresh(setup);
         self.joints = Joints::new(*joints as usize, *seed);

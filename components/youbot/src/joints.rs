@@ -4,8 +4,10 @@ use asmotion_component::Properties;
 use asmotion_messages::{JointStatus, Time};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 /// Joints with their targets and last status.
+#[derive(Serialize, Deserialize)]
 pub(crate) struct Joints {
     chance: ChaCha8Rng,
     goal: Vec<f64>,

@@ -1,6 +1,8 @@
 //! The service: computes positions of the joints for a pose of the hand.
 
-use asmotion_component::{Component, Cycle, Fault, Interface, Ports, Provided, ServiceFault};
+use asmotion_component::{
+    Component, Cycle, Fault, Freeze, Interface, Ports, Provided, ServiceFault, freeze_by_fields,
+};
 use asmotion_messages::{Goal, JointPositions, Solve};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -8,8 +10,14 @@ use crate::arm::{Arm, ArmJoints};
 use crate::unreachable::Unreachable;
 
 /// `youbot::Kinematics`: provides inverse kinematics; replies with a fault if the pose cannot be reached.
+///
+/// It remembers nothing: an answer depends on its request alone.
+#[derive(Freeze)]
+#[freeze(component = "youbot::Kinematics", version = 1)]
 pub struct Kinematics {
+    #[freeze(skip)]
     ports: KinematicsPorts,
+    #[freeze(skip)]
     arm: Arm,
 }
 
@@ -31,6 +39,8 @@ impl Kinematics {
 }
 
 impl Component for Kinematics {
+    freeze_by_fields!();
+
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         for request in cycle.requests(self.ports.kinematics) {
             let solved = solve(&self.arm, &request.argument);

@@ -3,17 +3,21 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    CallError, Component, Cycle, Fault, Interface, Ports, Properties, PropertySet, Provided,
-    Required, Time,
+    CallError, Component, Cycle, Fault, Freeze, Interface, Ports, Properties, PropertySet,
+    Provided, Required, Time, freeze_by_fields,
 };
 use asmotion_messages::{MoveTo, Notify, Point, Pose, Quaternion};
 use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Time without notices after which an arrival may have been missed.
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// `youbot::Operator`: sends the next goal when the arm is idle or cannot reach the previous one.
+#[derive(Freeze)]
+#[freeze(component = "youbot::Operator", version = 1)]
 pub struct YoubotOperator {
+    #[freeze(skip)]
     ports: HandOperatorPorts,
     properties: PropertySet<HandOperatorProperties>,
     next: usize,
@@ -38,6 +42,8 @@ struct HandOperatorProperties {
 }
 
 /// Progress of the last goal.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 enum OperatorState {
     /// Reached or refused: the next goal can be sent.
     Done,
@@ -86,6 +92,8 @@ impl YoubotOperator {
 }
 
 impl Component for YoubotOperator {
+    freeze_by_fields!();
+
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.listen(cycle);
         for reply in cycle.replies(self.ports.locomotion) {

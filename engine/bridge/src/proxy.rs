@@ -6,13 +6,17 @@
 //! ([`ReplyMode::Done`]).
 
 mod events;
+mod freeze;
 mod motion;
 mod operation;
 mod settings;
 
 use std::sync::Arc;
 
-use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, ServiceFault, Time};
+use asmotion_component::{
+    CannotFreeze, Component, Cycle, Fault, FrozenState, In, Interface, Out, ServiceFault,
+    ThawError, Time,
+};
 use asmotion_datum::{Datum, Schema};
 
 use events::ProxyEvents;
@@ -78,6 +82,14 @@ impl PortProxy {
 }
 
 impl Component for PortProxy {
+    fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
+        self.frozen()
+    }
+
+    fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
+        self.thawed(state)
+    }
+
     /// Handles samples of the target before requests, so that a sample is never taken for the reply to a later command.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         for operation in &mut self.operations {

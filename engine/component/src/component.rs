@@ -1,7 +1,10 @@
 //! The trait that every component implements.
 
+use std::any::type_name;
+
 use crate::cycle::Cycle;
 use crate::fault::Fault;
+use crate::frozen::{CannotFreeze, FreezeProblem, FrozenState, ThawError, ThawProblem};
 use crate::setup::Setup;
 
 /// A component of a running system: an object with a cycle.
@@ -40,5 +43,60 @@ pub trait Component: Send {
     fn recover(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let _ = cycle;
         Ok(())
+    }
+
+    /// The component's state between two cycles, as data: everything that a later cycle depends on, beside its inputs,
+    /// its properties and the time. `#[derive(Freeze)]` and [`freeze_by_fields!`](crate::freeze_by_fields) write this
+    /// method and [`thaw`](Self::thaw).
+    ///
+    /// ```
+    /// use asmotion_component::{Component, Cycle, Fault, Freeze, freeze_by_fields};
+    ///
+    /// /// Counts its cycles.
+    /// #[derive(Freeze)]
+    /// #[freeze(component = "test::Counter", version = 1)]
+    /// struct Counter {
+    ///     count: u64,
+    /// }
+    ///
+    /// impl Component for Counter {
+    ///     freeze_by_fields!();
+    ///
+    ///     fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+    ///         self.count += 1;
+    ///         Ok(())
+    ///     }
+    /// }
+    ///
+    /// let mut counter = Counter { count: 7 };
+    /// let frozen = counter.freeze()?;
+    /// counter.count = 0;
+    /// counter.thaw(&frozen)?;
+    /// assert_eq!((counter.count, counter.freeze()?), (7, frozen));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The component does not implement this method, which is the default; it owns something that is no data, such as a
+    /// device; or work of it is under way in the background.
+    fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
+        Err(CannotFreeze {
+            component: type_name::<Self>().to_owned(),
+            reason: FreezeProblem::NotImplemented,
+        })
+    }
+
+    /// Takes over a state that a component of this type has frozen. The component is configured already, in a system of
+    /// the same composite; it goes on as the other one would have.
+    ///
+    /// # Errors
+    /// The component does not implement this method, or the state is of another type, of another version, or not what
+    /// the type writes. The component is then as it was before.
+    fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
+        let _ = state;
+        Err(ThawError {
+            component: type_name::<Self>().to_owned(),
+            problem: ThawProblem::NotImplemented,
+        })
     }
 }

@@ -4,6 +4,8 @@ use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use asmotion_datum::{Datum, DatumError};
+
 use crate::cycle::Cycle;
 use crate::handle::Property;
 use crate::interface::Interface;
@@ -54,6 +56,18 @@ pub trait Properties: Default {
 
     /// Reads the current value of every field.
     fn read(handles: &Self::Handles, from: &impl PropertySource) -> Self;
+
+    /// The values as a record, for a frozen state.
+    ///
+    /// # Errors
+    /// A value has no form as data.
+    fn to_datum(&self) -> Result<Datum, DatumError>;
+
+    /// Reads what [`to_datum`](Self::to_datum) wrote.
+    ///
+    /// # Errors
+    /// A field is missing, unknown, or of another type.
+    fn of_datum(datum: &Datum) -> Result<Self, DatumError>;
 }
 
 /// Ports, services and references of a component as a plain struct of handles.
@@ -127,6 +141,12 @@ impl<P: Properties> PropertySet<P> {
             self.seen = revision;
         }
         &self.values
+    }
+
+    /// Replaces the values until the next refresh, which reads them all again.
+    pub(crate) fn set_values(&mut self, values: P) {
+        self.values = values;
+        self.seen = None;
     }
 }
 

@@ -15,6 +15,7 @@ mod cycle;
 pub mod declaration;
 mod derived;
 mod fault;
+pub mod frozen;
 mod guard;
 mod handle;
 mod host;
@@ -33,7 +34,7 @@ pub use activity::{
     Activity, Deadline, Denied, Drive, OnDeadline, OnException, Overrun, Scheduler,
 };
 pub use asmotion_datum::Word;
-pub use asmotion_derive::{Ports, Properties, Word};
+pub use asmotion_derive::{Freeze, Ports, Properties, Word};
 pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, Time};
 pub use background::{BackgroundWork, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
@@ -42,6 +43,10 @@ pub use cycle::Cycle;
 pub use declaration::Declaration;
 pub use derived::{Ports, Properties, PropertySet, PropertySource};
 pub use fault::Fault;
+pub use frozen::{
+    CannotFreeze, Freeze, FreezeProblem, FrozenState, ThawError, ThawProblem, freeze_fields,
+    thaw_fields,
+};
 pub use guard::guarded;
 pub use handle::{In, Out, Property, Provided, Required};
 pub use host::{CycleHost, PropertyHost, WaitingRequest};

@@ -195,6 +195,12 @@ pub trait AnyProperty: Any + Send {
     /// Stages an allowed value; [`AnyProperty::apply`] puts it into effect.
     fn prepare(&mut self, value: &Datum);
 
+    /// The prepared value, if there is one.
+    ///
+    /// # Errors
+    /// The value has no form as data.
+    fn prepared(&self) -> Result<Option<Datum>, DatumError>;
+
     /// Puts the staged value into effect. Returns whether there was one.
     fn apply(&mut self) -> bool;
 }
@@ -236,6 +242,10 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
 
     fn prepare(&mut self, value: &Datum) {
         self.next = value.to().ok();
+    }
+
+    fn prepared(&self) -> Result<Option<Datum>, DatumError> {
+        self.next.as_ref().map(Datum::of).transpose()
     }
 
     fn apply(&mut self) -> bool {

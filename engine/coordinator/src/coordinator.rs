@@ -3,11 +3,15 @@
 use crate::binding::{Action, Binding, Effect, Interfaces};
 use crate::effects::{EffectHandles, EffectOutbox};
 use crate::frame::InputFrame;
+use crate::freeze::fingerprint;
 use crate::inputs::MessageInputs;
 use crate::partners::MessagePartners;
 use crate::requests::Requests;
 use crate::step::{STEP_REPORT, StepRecord};
-use asmotion_component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface, Losses, Setup};
+use asmotion_component::{
+    BusHealth, CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, Losses,
+    Setup, ThawError,
+};
 use asmotion_datum::{Datum, Message};
 use asmotion_lang::machine::{BackEnd, Machine};
 use asmotion_lang::simulate::Seeded;
@@ -52,18 +56,20 @@ pub enum BindError {
 
 /// A component that runs a specification: its cycle is one step of the machine.
 pub struct Coordinator {
-    specification: Arc<Specification>,
-    machine: Machine,
-    chooser: Seeded,
-    inbox: MessageInputs,
-    outbox: EffectOutbox,
-    partners: MessagePartners,
-    requests: Requests,
+    pub(crate) specification: Arc<Specification>,
+    /// Tells apart specifications and bindings, for frozen states.
+    pub(crate) fingerprint: String,
+    pub(crate) machine: Machine,
+    pub(crate) chooser: Seeded,
+    pub(crate) inbox: MessageInputs,
+    pub(crate) outbox: EffectOutbox,
+    pub(crate) partners: MessagePartners,
+    pub(crate) requests: Requests,
     /// Port that receives the state of the bus; `None` without such a port.
     health: Option<In<Datum>>,
-    frame: InputFrame,
+    pub(crate) frame: InputFrame,
     /// The losses as last reported.
-    told: Losses,
+    pub(crate) told: Losses,
 }
 
 /// Kind of the report with the number of lost messages, a [`Losses`].
@@ -102,6 +108,7 @@ impl Coordinator {
         let mut inbox = MessageInputs::new(binding, &specification, &handles.inputs, &requests)?;
         let outbox = EffectOutbox::new(binding, &specification, handles, &mut inbox)?;
         Ok(Self {
+            fingerprint: fingerprint(&specification, binding),
             specification,
             machine,
             chooser: Seeded::new(seed),
@@ -117,6 +124,14 @@ impl Coordinator {
 }
 
 impl Component for Coordinator {
+    fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
+        self.frozen()
+    }
+
+    fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
+        self.thawed(state)
+    }
+
     /// Compiles native code before the first step, so that compilation delays no step.
     fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
         // without native code, closures compute the same steps

@@ -29,8 +29,8 @@ pub(crate) struct EffectHandles {
 pub(crate) struct EffectOutbox {
     outs: Vec<BoundOutput>,
     /// Responses by the names under which they are kept.
-    kept: BTreeMap<String, Datum>,
-    pending: Vec<PendingOutcome>,
+    pub kept: BTreeMap<String, Datum>,
+    pub pending: Vec<PendingOutcome>,
     ports: Vec<(String, In<Datum>)>,
     operations: Vec<Required<Dynamic>>,
 }
@@ -62,16 +62,18 @@ enum BoundAction {
 }
 
 /// A call that has not ended.
-struct PendingOutcome {
-    call: CallId,
-    outcome: OutcomeEffect,
+pub(crate) struct PendingOutcome {
+    pub call: CallId,
+    pub outcome: OutcomeEffect,
     /// The request that the outcome answers, if any.
-    caller: Option<WaitingCaller>,
+    pub caller: Option<WaitingCaller>,
 }
 
 /// The effects of the end of a call.
 #[derive(Clone)]
-struct OutcomeEffect {
+pub(crate) struct OutcomeEffect {
+    /// Number of the call among all that the binding makes.
+    pub number: usize,
     /// The out function whose update made the call; a later update of it cancels the call.
     function: FunctionId,
     keep: Option<String>,
@@ -129,6 +131,9 @@ impl EffectOutbox {
             };
             outs.push(BoundOutput { function, effect });
         }
+        for (number, outcome) in outcomes(&mut outs).enumerate() {
+            outcome.number = number;
+        }
         let operations = handles
             .operations
             .iter()
@@ -154,8 +159,8 @@ impl EffectOutbox {
                 let PendingOutcome {
                     outcome, caller, ..
                 } = self.pending.remove(index);
-                if let Some((served, request)) = caller {
-                    cycle.reply(served, request, forwarded(&result));
+                if let Some(caller) = caller {
+                    cycle.reply(caller.handle, caller.request, forwarded(&result));
                 }
                 let event = match result {
                     Ok(reply) => {
@@ -222,8 +227,8 @@ impl EffectOutbox {
                         |pending: &mut PendingOutcome| pending.outcome.function == out.function;
                     for pending in self.pending.extract_if(.., is_answered) {
                         cycle.cancel(pending.call);
-                        if let Some((served, request)) = pending.caller {
-                            cycle.reply(served, request, Err(superseded()));
+                        if let Some(caller) = pending.caller {
+                            cycle.reply(caller.handle, caller.request, Err(superseded()));
                         }
                     }
                     inbox.withdraw(out.function);
@@ -264,7 +269,26 @@ impl EffectOutbox {
     }
 }
 
+/// What the calls of the binding do when they end.
+fn outcomes(outs: &mut [BoundOutput]) -> impl Iterator<Item = &mut OutcomeEffect> {
+    let cases = outs.iter_mut().flat_map(|out| match &mut out.effect {
+        BoundEffect::Literals(cases) => cases.as_mut_slice(),
+        BoundEffect::Publish { .. } => &mut [],
+    });
+    cases
+        .flat_map(|(_, actions)| actions)
+        .filter_map(|action| match action {
+            BoundAction::Call { outcome, .. } => Some(outcome),
+            BoundAction::Publish { .. } => None,
+        })
+}
+
 impl EffectOutbox {
+    /// What the call of this number does when it ends.
+    pub fn outcome(&mut self, number: usize) -> Option<OutcomeEffect> {
+        outcomes(&mut self.outs).nth(number).cloned()
+    }
+
     fn known<'k>(&'k self, requests: &'k Requests) -> EffectContext<'k> {
         EffectContext {
             kept: &self.kept,
@@ -320,6 +344,8 @@ impl EffectHandles {
                     _ => Ok(None),
                 };
                 let outcome = OutcomeEffect {
+                    // set when all are known
+                    number: 0,
                     function,
                     keep: call.keep.clone(),
                     event,

@@ -22,12 +22,12 @@ const MAX_WAITING: usize = 256;
 
 /// The bound inputs of a specification.
 pub(crate) struct MessageInputs {
-    inputs: Vec<BoundInput>,
+    pub inputs: Vec<BoundInput>,
     /// Number of events dropped because a queue was full, and of messages that did not fit the codomain.
     pub losses: Losses,
 }
 
-struct BoundInput {
+pub(crate) struct BoundInput {
     function: FunctionId,
     shape: ValueShape,
     from: MessageOrigin,
@@ -36,10 +36,10 @@ struct BoundInput {
     is: Vec<String>,
     none: Value,
     stale: Option<(Duration, Value)>,
-    newest: Option<Time>,
-    last: Option<Value>,
+    pub newest: Option<Time>,
+    pub last: Option<Value>,
     /// Waiting events, each with the out function whose call it reports on, if any.
-    waiting: VecDeque<(Option<FunctionId>, Value)>,
+    pub waiting: VecDeque<(Option<FunctionId>, Value)>,
 }
 
 /// Origin of an input's messages.

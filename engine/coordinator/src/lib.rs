@@ -9,6 +9,7 @@ mod convert;
 mod coordinator;
 mod effects;
 mod frame;
+mod freeze;
 mod inputs;
 mod partners;
 mod requests;

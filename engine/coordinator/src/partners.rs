@@ -17,16 +17,16 @@ use asmotion_lang::value::{Atom, Value};
 /// The services that a specification exchanges messages with.
 #[derive(Default)]
 pub(crate) struct MessagePartners {
-    asked: Vec<PartnerOperation>,
-    served: Vec<OwnOperation>,
+    pub asked: Vec<PartnerOperation>,
+    pub served: Vec<OwnOperation>,
     /// Calls under way, with the messages that made them.
-    calls: Vec<(CallId, PartnerCall)>,
+    pub calls: Vec<(CallId, PartnerCall)>,
     /// Open requests: the message, the position of the operation, and the request.
-    requests: Vec<(MessageId, usize, RequestId)>,
+    pub requests: Vec<(MessageId, usize, RequestId)>,
 }
 
 /// An operation of a partner.
-struct PartnerOperation {
+pub(crate) struct PartnerOperation {
     partner: Value,
     operation: String,
     handle: Required<Dynamic>,
@@ -37,19 +37,19 @@ struct PartnerOperation {
 }
 
 /// An operation that the component provides.
-struct OwnOperation {
+pub(crate) struct OwnOperation {
     operation: String,
     handle: Provided<Dynamic>,
     argument: ValueShape,
 }
 
 /// A message that was sent as a call.
-struct PartnerCall {
-    message: MessageId,
-    from: Value,
+pub(crate) struct PartnerCall {
+    pub message: MessageId,
+    pub from: Value,
     /// `true` if the specification waits for the reply, `false` if it receives it as a message.
-    waits: bool,
-    asked: usize,
+    pub waits: bool,
+    pub asked: usize,
 }
 
 impl MessagePartners {

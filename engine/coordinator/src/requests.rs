@@ -10,25 +10,31 @@ use asmotion_datum::Datum;
 /// The operations that monitored functions are bound to.
 #[derive(Default)]
 pub(crate) struct Requests {
-    served: Vec<RequestInput>,
+    pub served: Vec<RequestInput>,
 }
 
-struct RequestInput {
+pub(crate) struct RequestInput {
     service: String,
     operation: String,
-    handle: Provided<Dynamic>,
+    pub handle: Provided<Dynamic>,
     /// A call made on the request's behalf supplies the reply.
     forwards: bool,
     /// Requests of this cycle.
     came: Vec<Datum>,
     /// The newest request so far.
-    last: Option<Datum>,
+    pub last: Option<Datum>,
     /// Requests without a reply.
-    open: Vec<RequestId>,
+    pub open: Vec<RequestId>,
 }
 
-/// A request that waits for its reply.
-pub(crate) type WaitingCaller = (Provided<Dynamic>, RequestId);
+/// A caller that waits for the end of the call that is made for it.
+#[derive(Clone, Copy)]
+pub(crate) struct WaitingCaller {
+    pub handle: Provided<Dynamic>,
+    /// Position of the operation among the served ones.
+    pub served: usize,
+    pub request: RequestId,
+}
 
 impl Requests {
     /// Declares the operations that monitored functions are bound to.
@@ -102,13 +108,17 @@ impl Requests {
     /// Takes the newest open request of a service, to reply to it when a call ends. The other open requests are
     /// superseded: a step makes one call, with the newest request's content.
     pub fn claim(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<WaitingCaller> {
-        let mut served = self.served.iter_mut();
-        let served = served.find(|served| served.service == service)?;
+        let mut served = self.served.iter_mut().enumerate();
+        let (position, served) = served.find(|(_, served)| served.service == service)?;
         let last = served.open.pop()?;
         for request in served.open.drain(..) {
             cycle.reply(served.handle, request, Err(superseded()));
         }
-        Some((served.handle, last))
+        Some(WaitingCaller {
+            handle: served.handle,
+            served: position,
+            request: last,
+        })
     }
 
     /// Replies to all requests that no call is made for. If a call was expected, the reply is a fault.

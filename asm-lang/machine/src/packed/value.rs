@@ -89,6 +89,12 @@ impl Writer {
         self.bytes.extend_from_slice(text.as_bytes());
     }
 
+    /// Bytes of this number, after their number.
+    pub fn block(&mut self, bytes: &[u8]) {
+        self.count(bytes.len());
+        self.bytes.extend_from_slice(bytes);
+    }
+
     fn real(&mut self, real: Real) {
         self.bytes.extend(real.get().to_bits().to_le_bytes());
     }
@@ -210,6 +216,12 @@ impl<'a> Reader<'a> {
     pub fn text(&mut self) -> Option<String> {
         let count = self.count()?;
         String::from_utf8(self.take(count)?.to_vec()).ok()
+    }
+
+    /// What [`Writer::block`] wrote.
+    pub fn block(&mut self) -> Option<&'a [u8]> {
+        let count = self.count()?;
+        self.take(count)
     }
 
     fn real(&mut self) -> Option<Real> {

@@ -12,7 +12,7 @@ pub(super) struct ProxyEvents {
     listener: Required<Dynamic>,
     notify: ProxyNotification,
     /// `stale` was sent, and no sample has arrived since.
-    is_stale: bool,
+    pub is_stale: bool,
 }
 
 impl ProxyEvents {

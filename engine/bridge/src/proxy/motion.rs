@@ -10,10 +10,10 @@ use crate::fit::{SchemaMisfit, wrong_count};
 /// The current motion, if any.
 pub(super) struct MotionMonitor {
     idle: IdleCriterion,
-    goal: Option<Vec<f64>>,
-    near_since: Option<Time>,
+    pub goal: Option<Vec<f64>>,
+    pub near_since: Option<Time>,
     /// Number of values that the target measures, one per joint; learnt from its samples.
-    count: Option<usize>,
+    pub count: Option<usize>,
 }
 
 impl MotionMonitor {

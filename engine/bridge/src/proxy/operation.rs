@@ -6,6 +6,7 @@ use asmotion_component::{
     Cycle, Dynamic, Flow, In, Interface, Provided, RequestId, ServiceFault, Time,
 };
 use asmotion_datum::Datum;
+use serde::{Deserialize, Serialize};
 
 use super::{Mapped, ReplyMode};
 use crate::conversion::Conversion;
@@ -23,12 +24,14 @@ pub(super) struct ProxiedOperation {
     handle: Provided<Dynamic>,
     mode: ReplyMode,
     /// Samples since the last call, for [`ReplyMode::All`].
-    kept: VecDeque<Datum>,
-    waiting: Vec<Waiting>,
+    pub kept: VecDeque<Datum>,
+    pub waiting: Vec<Waiting>,
 }
 
 /// A request whose reply needs more than the sample being written.
-struct Waiting {
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Waiting {
     request: RequestId,
     /// Time by which the sample had left: that of the first cycle after the one that wrote it. `None` until then.
     left: Option<Time>,

@@ -1,0 +1,91 @@
+//! The state of a port-proxy as data.
+
+use std::collections::VecDeque;
+
+use asmotion_component::{CannotFreeze, FrozenState, ThawError, ThawProblem, Time};
+use asmotion_datum::Datum;
+use serde::{Deserialize, Serialize};
+
+use super::PortProxy;
+use super::motion::MotionMonitor;
+use super::operation::Waiting;
+
+/// The type that frozen states name.
+const COMPONENT: &str = "port-proxy";
+
+/// The layout of [`FrozenProxy`].
+const VERSION: u32 = 1;
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrozenProxy {
+    /// In the order of the map: samples kept for a reader, and callers that wait.
+    operations: Vec<(VecDeque<Datum>, Vec<Waiting>)>,
+    /// Absent, if no motions are watched.
+    motion: Option<FrozenMotion>,
+    /// Whether silence has been reported; absent, if nothing is.
+    is_stale: Option<bool>,
+    heard: Option<Time>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrozenMotion {
+    goal: Option<Vec<f64>>,
+    near_since: Option<Time>,
+    count: Option<usize>,
+}
+
+impl FrozenMotion {
+    fn of(motion: &MotionMonitor) -> Self {
+        Self {
+            goal: motion.goal.clone(),
+            near_since: motion.near_since,
+            count: motion.count,
+        }
+    }
+}
+
+impl PortProxy {
+    pub(super) fn frozen(&self) -> Result<FrozenState, CannotFreeze> {
+        let operations = self.operations.iter();
+        let frozen = FrozenProxy {
+            operations: operations
+                .map(|of| (of.kept.clone(), of.waiting.clone()))
+                .collect(),
+            motion: self.motion.as_ref().map(FrozenMotion::of),
+            is_stale: self.events.as_ref().map(|events| events.is_stale),
+            heard: self.heard,
+        };
+        FrozenState::of(COMPONENT, VERSION, &frozen)
+    }
+
+    /// Takes over a state, all or nothing.
+    pub(super) fn thawed(&mut self, state: &FrozenState) -> Result<(), ThawError> {
+        let frozen: FrozenProxy = state.read(COMPONENT, VERSION)?;
+        let fits = frozen.operations.len() == self.operations.len()
+            && frozen.motion.is_some() == self.motion.is_some()
+            && frozen.is_stale.is_some() == self.events.is_some();
+        if !fits {
+            let what = "it is a state of a proxy with another map".to_owned();
+            return Err(ThawError {
+                component: COMPONENT.to_owned(),
+                problem: ThawProblem::Foreign(what),
+            });
+        }
+        for (of, (kept, waiting)) in self.operations.iter_mut().zip(frozen.operations) {
+            of.kept = kept;
+            of.waiting = waiting;
+        }
+        if let (Some(motion), Some(frozen)) = (&mut self.motion, frozen.motion) {
+            motion.goal = frozen.goal;
+            motion.near_since = frozen.near_since;
+            motion.count = frozen.count;
+        }
+        if let (Some(events), Some(is_stale)) = (&mut self.events, frozen.is_stale) {
+            events.is_stale = is_stale;
+        }
+        self.heard = frozen.heard;
+        Ok(())
+    }
+}
