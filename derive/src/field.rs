@@ -71,12 +71,13 @@ fn doc(attribute: &Attribute) -> Option<String> {
     let Meta::NameValue(doc) = &attribute.meta else {
         return None;
     };
-    match &doc.value {
-        Expr::Lit(literal) if doc.path.is_ident("doc") => match &literal.lit {
-            Lit::Str(text) => Some(text.value()),
-            _ => None,
-        },
-        _ => None,
+    if let Expr::Lit(literal) = &doc.value
+        && let Lit::Str(text) = &literal.lit
+        && doc.path.is_ident("doc")
+    {
+        Some(text.value())
+    } else {
+        None
     }
 }
 

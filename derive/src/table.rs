@@ -206,7 +206,7 @@ impl KeyDeclaration {
                 Some(GenericArgument::Type(inner)) => Some((segment.ident.to_string(), inner)),
                 _ => None,
             },
-            _ => None,
+            PathArguments::None | PathArguments::Parenthesized(_) => None,
         });
         match inner {
             Some((name, inner)) if name == "Option" => FieldShape::Option(inner),

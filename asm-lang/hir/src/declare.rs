@@ -251,7 +251,12 @@ impl SignatureTables {
                 name: name.text.clone(),
                 kind: match function.kind {
                     FunctionKind::Local => FunctionKind::Controlled,
-                    kind => kind,
+                    kind @ (FunctionKind::Static
+                    | FunctionKind::Derived
+                    | FunctionKind::Monitored
+                    | FunctionKind::Controlled
+                    | FunctionKind::Shared
+                    | FunctionKind::Out) => kind,
                 },
                 parameters,
                 codomain,
@@ -387,9 +392,9 @@ impl SignatureTables {
             let contained = (0..self.domains.len() as u32)
                 .rev()
                 .map(DomainId)
-                .filter(|id| match self.domains[id.0 as usize].kind {
-                    DomainKind::Concrete { base } => *self.types.get(base) == Type::Domain(domain),
-                    _ => false,
+                .filter(|id| {
+                    let base = self.domains[id.0 as usize].kind.base();
+                    base.is_some_and(|base| *self.types.get(base) == Type::Domain(domain))
                 });
             open.extend(contained);
         }
@@ -475,7 +480,12 @@ impl SignatureTables {
                 .iter()
                 .map(|item| self.resolve_type(unit, item))
                 .collect(),
-            _ => vec![self.resolve_type(unit, domain)],
+            ast::TypeKind::Named(_)
+            | ast::TypeKind::Rule(_)
+            | ast::TypeKind::Seq(_)
+            | ast::TypeKind::Powerset(_)
+            | ast::TypeKind::Bag(_)
+            | ast::TypeKind::Map(..) => vec![self.resolve_type(unit, domain)],
         }
     }
 

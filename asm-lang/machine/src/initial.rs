@@ -106,7 +106,18 @@ impl Machine {
                 elements.dedup();
                 elements
             }
-            _ => Vec::new(),
+            Value::Undef
+            | Value::Bool(_)
+            | Value::Int(_)
+            | Value::Real(_)
+            | Value::Char(_)
+            | Value::Atom(_)
+            | Value::Rule(_)
+            | Value::Text(_)
+            | Value::Complex(_)
+            | Value::Tuple(_)
+            | Value::Bag(_)
+            | Value::Map(_) => Vec::new(),
         };
         self.state.store.extents[domain.0 as usize] = Arc::new(elements);
         Ok(())

@@ -47,17 +47,19 @@ pub(crate) struct WitnessNotes {
 
 impl WitnessNotes {
     pub fn about(fault: &StepFault) -> Self {
-        let writers = match &fault.kind {
-            FaultKind::Clash {
-                slot,
-                first,
-                first_origin,
-                second,
-            } => vec![
+        let writers = if let FaultKind::Clash {
+            slot,
+            first,
+            first_origin,
+            second,
+        } = &fault.kind
+        {
+            vec![
                 Self::writer(*slot, first, *first_origin),
                 Self::writer(*slot, second, fault.origin),
-            ],
-            _ => Vec::new(),
+            ]
+        } else {
+            Vec::new()
         };
         Self {
             path: vec![PathEntry::new(fault.origin, false)],

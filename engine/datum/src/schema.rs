@@ -184,9 +184,10 @@ impl OutlineKey {
 
     /// Value of the field in a new message.
     pub(crate) fn initial(&self) -> Datum {
-        match &self.initial {
-            Datum::Null => self.schema.zero(),
-            given => given.clone(),
+        if self.initial == Datum::Null {
+            self.schema.zero()
+        } else {
+            self.initial.clone()
         }
     }
 }

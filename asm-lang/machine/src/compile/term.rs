@@ -63,9 +63,13 @@ impl Compiler<'_> {
             }
             TermNode::Name(element) => {
                 let element = self.term(element);
-                Box::new(move |run| match element(run) {
-                    Value::Undef => Value::Undef,
-                    element => Value::text(name(run, &element)),
+                Box::new(move |run| {
+                    let element = element(run);
+                    if element.is_undef() {
+                        Value::Undef
+                    } else {
+                        Value::text(name(run, &element))
+                    }
                 })
             }
             TermNode::Named(domain, text) => {
@@ -81,9 +85,12 @@ impl Compiler<'_> {
             }
             TermNode::Component(tuple, index) => {
                 let (tuple, index) = (self.term(tuple), *index as usize);
-                Box::new(move |run| match tuple(run) {
-                    Value::Tuple(items) => items.get(index).cloned().unwrap_or_default(),
-                    _ => Value::Undef,
+                Box::new(move |run| {
+                    if let Value::Tuple(items) = tuple(run) {
+                        items.get(index).cloned().unwrap_or_default()
+                    } else {
+                        Value::Undef
+                    }
                 })
             }
             TermNode::If(guard, then, otherwise) => {

@@ -399,7 +399,20 @@ fn is_closed(term: &asmotion_hir::Term) -> bool {
         | TermKind::MapComprehension(binders, ..) => {
             bound.extend(binders.iter().map(|binder| binder.variable));
         }
-        _ => {}
+        TermKind::Value(_)
+        | TermKind::Apply(..)
+        | TermKind::Spread(..)
+        | TermKind::Tuple(_)
+        | TermKind::If(..)
+        | TermKind::Switch(..)
+        | TermKind::Listed(..)
+        | TermKind::Interval(..)
+        | TermKind::Map(_)
+        | TermKind::Rule(_)
+        | TermKind::Extent(_)
+        | TermKind::Element(..)
+        | TermKind::Unbound
+        | TermKind::Invalid => {}
     });
     used.is_subset(&bound)
 }

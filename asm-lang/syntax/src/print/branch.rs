@@ -41,13 +41,15 @@ impl PrintBranch for Rule {
     }
 
     fn as_if(&self) -> Option<If<'_, Self>> {
-        match &*self.kind {
-            RuleKind::If {
-                guard,
-                then,
-                otherwise,
-            } => Some(If::of(guard, then, otherwise)),
-            _ => None,
+        if let RuleKind::If {
+            guard,
+            then,
+            otherwise,
+        } = &*self.kind
+        {
+            Some(If::of(guard, then, otherwise))
+        } else {
+            None
         }
     }
 
@@ -62,13 +64,15 @@ impl PrintBranch for Term {
     }
 
     fn as_if(&self) -> Option<If<'_, Self>> {
-        match &*self.kind {
-            TermKind::If {
-                guard,
-                then,
-                otherwise,
-            } => Some(If::of(guard, then, otherwise)),
-            _ => None,
+        if let TermKind::If {
+            guard,
+            then,
+            otherwise,
+        } = &*self.kind
+        {
+            Some(If::of(guard, then, otherwise))
+        } else {
+            None
         }
     }
 

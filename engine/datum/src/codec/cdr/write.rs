@@ -42,13 +42,14 @@ impl CdrWriter {
             Shape::F32 => self.put((float(datum, schema)? as f32).to_le_bytes()),
             Shape::F64 => self.put(float(datum, schema)?.to_le_bytes()),
             Shape::Text => self.text(datum.as_text().ok_or_else(|| misfit(datum, schema))?)?,
-            Shape::Option(element) => match datum {
-                Datum::Null => self.count(0)?,
-                some => {
+            Shape::Option(element) => {
+                if *datum == Datum::Null {
+                    self.count(0)?;
+                } else {
                     self.count(1)?;
-                    self.one(some, element, depth)?;
+                    self.one(datum, element, depth)?;
                 }
-            },
+            }
             Shape::List(element) => {
                 let count = elements(datum).ok_or_else(|| misfit(datum, schema))?;
                 self.count(count)?;
@@ -61,10 +62,12 @@ impl CdrWriter {
                 }
                 self.many(datum, element, *count, depth)?;
             }
-            Shape::Record(fields) => match datum {
-                Datum::Record(entries) => self.record(entries, fields, depth)?,
-                other => return Err(misfit(other, schema)),
-            },
+            Shape::Record(fields) => {
+                let Datum::Record(entries) = datum else {
+                    return Err(misfit(datum, schema));
+                };
+                self.record(entries, fields, depth)?;
+            }
         }
         Ok(())
     }
