@@ -101,9 +101,10 @@ fn until(input: ParseStream<'_>, end: impl Fn(ParseStream<'_>) -> bool) -> Resul
     while !input.is_empty() && !end(input) {
         tokens.extend([input.parse::<TokenTree>()?]);
     }
-    match tokens.is_empty() {
-        true => Err(input.error("a value is missing")),
-        false => Ok(tokens),
+    if tokens.is_empty() {
+        Err(input.error("a value is missing"))
+    } else {
+        Ok(tokens)
     }
 }
 

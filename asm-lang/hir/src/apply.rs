@@ -8,7 +8,7 @@ use crate::codes::a008::WrongArity;
 use crate::codes::a036::NotImported;
 use crate::codes::w001::NotBinds;
 use crate::codes::w028::ArgumentTooWide;
-use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
+use crate::model::{FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeBindings, TypeId};
 use asmotion_diagnostics::Span;

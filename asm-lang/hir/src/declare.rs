@@ -347,9 +347,10 @@ impl SignatureTables {
                     [one] => one.clone(),
                     several => format!("Prod({})", several.join(",")),
                 };
-                let builtin = match self.compatible {
-                    true => asmotion_stdlib::compatible(name, &domain),
-                    false => asmotion_stdlib::builtin(name, &domain),
+                let builtin = if self.compatible {
+                    asmotion_stdlib::compatible(name, &domain)
+                } else {
+                    asmotion_stdlib::builtin(name, &domain)
                 };
                 builtin.map_or(Meaning::Missing, Meaning::Builtin)
             }

@@ -159,9 +159,10 @@ impl Resolver<'_> {
         let (declared, turbo, result) = (rule.span, rule.turbo, rule.result);
         if result.is_none() {
             let (name, at) = (name.text.clone(), name.span);
-            match turbo {
-                true => self.error(ResultUndeclared { name, at, declared }),
-                false => self.error(RuleWithoutResult { name, at, declared }),
+            if turbo {
+                self.error(ResultUndeclared { name, at, declared })
+            } else {
+                self.error(RuleWithoutResult { name, at, declared })
             }
             return turbo.then(|| self.ty(Type::Undef));
         }
@@ -273,15 +274,16 @@ impl Resolver<'_> {
         };
         let declared = &self.declared.rules[rule.0 as usize];
         if declared.turbo != turbo {
-            let (is, want) = match declared.turbo {
-                true => (
+            let (is, want) = if declared.turbo {
+                (
                     "turbo",
                     "turbo rules are called with round brackets: `r_x(…)`",
-                ),
-                false => (
+                )
+            } else {
+                (
                     "macro",
                     "macro rules are called with square brackets: `r_x[…]`",
-                ),
+                )
             };
             let declared = declared.span;
             self.error(WrongCallForm {

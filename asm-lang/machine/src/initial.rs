@@ -32,9 +32,10 @@ impl Machine {
         }
         self.begin_here(0);
         self.is_complete = !program.needs_inputs();
-        match self.is_complete {
-            true => self.check_initial(&mut NoInputs, 0),
-            false => Ok(()),
+        if self.is_complete {
+            self.check_initial(&mut NoInputs, 0)
+        } else {
+            Ok(())
         }
     }
 

@@ -71,9 +71,10 @@ impl WitnessNotes {
 
     /// Returns the limit for loop iterations.
     pub fn max_iterations(&self) -> u32 {
-        match self.endless {
-            true => Witness::ROUNDS,
-            false => MAX_ITERATIONS,
+        if self.endless {
+            Witness::ROUNDS
+        } else {
+            MAX_ITERATIONS
         }
     }
 

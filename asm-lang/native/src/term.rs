@@ -225,9 +225,10 @@ impl Emitter<'_> {
                     .icmp(IntCC::SignedGreaterThanOrEqual, a, b);
                 return self.builder.ins().select(enough, less, a);
             }
-            return match left.interval.low >= 0 {
-                true => self.builder.ins().urem(a, b),
-                false => self.builder.ins().srem(a, b),
+            return if left.interval.low >= 0 {
+                self.builder.ins().urem(a, b)
+            } else {
+                self.builder.ins().srem(a, b)
             };
         }
         if divisor.low <= 0 {

@@ -172,9 +172,10 @@ impl Emitter<'_> {
         let (Some(spans), Some(guard)) = (self.spans(binders), guard) else {
             return self.truth_outside(term, yes, no);
         };
-        let counting = match counts(self.program, guard) {
-            true => Counting::EachInTerm,
-            false => Counting::Together,
+        let counting = if counts(self.program, guard) {
+            Counting::EachInTerm
+        } else {
+            Counting::Together
         };
         self.each(&spans, counting, &mut |this, next| {
             let found = this.block();

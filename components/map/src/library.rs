@@ -55,6 +55,9 @@ struct More {
 impl Places {
     /// The places of a source: a list (`places.toml`), a folder (its own list, else every map in it, called as its
     /// file without the ending), or a single map.
+    ///
+    /// # Errors
+    /// The list or the folder cannot be read, or the list is malformed. A single map is not opened here.
     pub fn find(
         files: &dyn FileSource,
         source: &str,

@@ -214,6 +214,9 @@ fn note(grid: Grid, fine: (u32, u32)) -> Map {
 
 /// A grid as map_saver writes it: the text of the YAML file that names `image`, and the bytes of that image (PNG).
 /// Cells become occupied, free or unknown.
+///
+/// # Errors
+/// The image cannot be written as PNG.
 pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), MapFault> {
     let layout = grid.layout();
     let origin = layout.origin();

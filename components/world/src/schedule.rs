@@ -89,6 +89,9 @@ enum ScheduleState {
 
 impl Schedule {
     /// The schedule of these obstacles; none of them is there yet.
+    ///
+    /// # Errors
+    /// The first obstacle with a contradiction, and its number from 1.
     pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, ObstacleError> {
         let numbered = (1..).zip(obstacles);
         let entries = numbered.map(|(number, obstacle)| {

@@ -3,7 +3,7 @@
 use super::needs::recursive;
 use asmotion_hir::{
     Body, DomainKind, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Term,
-    TermKind, Type, TypeId, UpdateTarget, VarId,
+    TermKind, TypeId, UpdateTarget, VarId,
 };
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;

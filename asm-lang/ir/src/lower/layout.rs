@@ -177,8 +177,9 @@ fn kind(kind: asmotion_hir::FunctionKind) -> FunctionKind {
 
 /// Returns the query about messages that a function stands for.
 fn mail(function: &asmotion_hir::Function) -> Option<MessageQuery> {
-    match function.library {
-        true => MessageQuery::named(&function.name),
-        false => function.is_client.then_some(MessageQuery::Client),
+    if function.library {
+        MessageQuery::named(&function.name)
+    } else {
+        function.is_client.then_some(MessageQuery::Client)
     }
 }

@@ -4,7 +4,7 @@
 use super::facts::{definition, visit};
 use super::{domain, function_id};
 use crate::program::{DomainElements, Initial, Program};
-use asmotion_hir::{Body, DomainId, FunctionId, Model, Term, TermKind, Type};
+use asmotion_hir::{Body, DomainId, FunctionId, Model, Term, TermKind};
 use std::collections::BTreeSet;
 
 /// A topological order, and the domains that have none.

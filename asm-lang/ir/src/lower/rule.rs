@@ -157,9 +157,10 @@ impl Lowering<'_> {
         let bound = self.binders(&finite, frame);
         let guard = self.guard(guard, frame);
         let body = self.with_state(&chosen, body, frame);
-        let node = match bound.is_empty() {
-            true => *body.node,
-            false => RuleNode::Choose(bound, guard, body, self.or_skip(ifnone, span, frame)),
+        let node = if bound.is_empty() {
+            *body.node
+        } else {
+            RuleNode::Choose(bound, guard, body, self.or_skip(ifnone, span, frame))
         };
         if drawn.is_empty() {
             return node;

@@ -202,21 +202,20 @@ impl Compiler<'_> {
         let arguments = self.values(arguments);
         Box::new(move |run| {
             let from = arguments.stacked(run);
-            let result = match builtin.strict && run.stack[from..].iter().any(Value::is_undef) {
-                true => Ok(Value::Undef),
-                false => {
-                    // built in place, because a method would borrow all of the context
-                    let names = crate::naming::Naming {
-                        program: run.program,
-                        reserve: &run.state.store.reserve,
-                    };
-                    let mut context = asmotion_stdlib::BuiltinContext {
-                        names: &names,
-                        now_ns: run.now_ns,
-                        printed: &mut run.record.printed,
-                    };
-                    (builtin.body)(&run.stack[from..], &mut context)
-                }
+            let result = if builtin.strict && run.stack[from..].iter().any(Value::is_undef) {
+                Ok(Value::Undef)
+            } else {
+                // built in place, because a method would borrow all of the context
+                let names = crate::naming::Naming {
+                    program: run.program,
+                    reserve: &run.state.store.reserve,
+                };
+                let mut context = asmotion_stdlib::BuiltinContext {
+                    names: &names,
+                    now_ns: run.now_ns,
+                    printed: &mut run.record.printed,
+                };
+                (builtin.body)(&run.stack[from..], &mut context)
             };
             run.stack.truncate(from);
             match result {

@@ -332,9 +332,10 @@ impl ScenarioPlanner<'_> {
                 };
                 for binder in binders {
                     let variable = &body.variables[binder.variable.0 as usize];
-                    match variable.name == pick.variable.text {
-                        true => found.push(binder.range.span),
-                        false => known.push(variable.name.clone()),
+                    if variable.name == pick.variable.text {
+                        found.push(binder.range.span)
+                    } else {
+                        known.push(variable.name.clone())
                     }
                 }
             });

@@ -99,9 +99,10 @@ impl TokenLayout<'_> {
                 None => self.part(otherwise, lines),
             }
         }
-        self.separate(match chained {
-            true => LayoutBreak::Blank,
-            false => LayoutBreak::line(lines),
+        self.separate(if chained {
+            LayoutBreak::Blank
+        } else {
+            LayoutBreak::line(lines)
         });
         self.token();
     }
