@@ -492,9 +492,10 @@ fn token_paths(tokens: TokenStream, found: &mut Vec<(Vec<String>, usize)>) {
                     flush(&mut path, line);
                     line = name.span().start().line;
                 }
-                path.push(match std::mem::take(&mut dollar) {
-                    true => format!("${name}"),
-                    false => name.to_string(),
+                path.push(if std::mem::take(&mut dollar) {
+                    format!("${name}")
+                } else {
+                    name.to_string()
                 });
                 colons = 0;
             }
