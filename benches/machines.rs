@@ -7,7 +7,8 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
-    reason = "a bench fails by panicking"
+    clippy::print_stdout,
+    reason = "a bench fails by panicking and prints its figures"
 )]
 
 #[path = "machines/hand/mod.rs"]
@@ -94,9 +95,10 @@ fn state(machine: &Machine) -> Vec<String> {
             .map(|argument| argument.show(&naming).to_string())
             .collect();
         let value = machine.state().get(slot).show(&naming);
-        match shown.is_empty() {
-            true => format!("{name}={value}"),
-            false => format!("{name}({})={value}", shown.join(",")),
+        if shown.is_empty() {
+            format!("{name}={value}")
+        } else {
+            format!("{name}({})={value}", shown.join(","))
         }
     };
     let locations = machine.state().locations(naming.program);

@@ -20,9 +20,10 @@ pub fn brief(value: &Datum) -> String {
             let count = value.count().unwrap_or(0);
             let shown = (0..count.min(MOST)).filter_map(|index| value.element(index));
             let shown: Vec<_> = shown.map(|it| brief(&it)).collect();
-            let more = match count > MOST {
-                true => format!(", … {count} in all"),
-                false => String::new(),
+            let more = if count > MOST {
+                format!(", … {count} in all")
+            } else {
+                String::new()
             };
             format!("[{}{more}]", shown.join(", "))
         }

@@ -90,7 +90,9 @@ pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
         plan,
         doc: doc.map(|doc| doc.value.clone()),
         topics: topics.chain(crossings).collect(),
-        operations: (plan.components.iter())
+        operations: plan
+            .components
+            .iter()
             .flat_map(|component| declared.served(component))
             .collect(),
     }
@@ -123,15 +125,18 @@ impl<'a> Declarations<'a> {
     /// Schema of a port, if its component declares it.
     fn port(&self, end: &End) -> Option<&Schema> {
         let declared = self.component(&end.component)?;
-        let port = (declared.output(&end.name)).or_else(|| declared.input(&end.name))?;
+        let port = declared
+            .output(&end.name)
+            .or_else(|| declared.input(&end.name))?;
         Some(&port.schema)
     }
 
     /// Replaces a reference to a named type by its definition, if this binary or the composite has one.
     fn known(&self, schema: Schema) -> Schema {
-        match schema.shape {
-            Shape::Any => self.opened.schema(&schema.name).cloned().unwrap_or(schema),
-            _ => schema,
+        if schema.shape == Shape::Any {
+            self.opened.schema(&schema.name).cloned().unwrap_or(schema)
+        } else {
+            schema
         }
     }
 
@@ -186,10 +191,14 @@ impl<'a> Declarations<'a> {
     /// Operations served by a component, from its declaration or from the interfaces of its services.
     fn served(&self, component: &Component) -> Vec<ServedOperation> {
         let services: Vec<_> = match self.component(&component.name) {
-            Some(declared) => (declared.services.iter())
+            Some(declared) => declared
+                .services
+                .iter()
                 .map(|it| (&it.name, &it.interface, it.operations.clone()))
                 .collect(),
-            None => (component.services.iter())
+            None => component
+                .services
+                .iter()
                 .map(|it| {
                     let operations = BUILD.operations(&it.interface).unwrap_or_default();
                     (&it.name, &it.interface, operations)
@@ -236,9 +245,7 @@ impl<'a> Declarations<'a> {
             match declared {
                 None => true,
                 Some(None) => false,
-                Some(Some(reference)) => {
-                    (reference.operations.iter()).any(|it| it.name == operation)
-                }
+                Some(Some(reference)) => reference.operations.iter().any(|it| it.name == operation),
             }
         };
         let wires = self.plan.wires.iter();

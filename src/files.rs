@@ -141,6 +141,10 @@ impl Loader for SentFiles {
 
 /// Reason of an I/O error, for the user.
 pub fn reason(error: &std::io::Error) -> String {
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the standard library adds kinds of errors"
+    )]
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
         std::io::ErrorKind::PermissionDenied => "this user may not read it".to_owned(),
@@ -157,7 +161,10 @@ fn tidy(path: &Path) -> String {
             std::path::Component::ParentDir if tidy.file_name().is_some() => {
                 tidy.pop();
             }
-            part => tidy.push(part),
+            std::path::Component::Prefix(_)
+            | std::path::Component::RootDir
+            | std::path::Component::ParentDir
+            | std::path::Component::Normal(_) => tidy.push(part),
         }
     }
     tidy.display().to_string()

@@ -20,9 +20,10 @@ pub fn open(
     }
     let elsewhere = http.iter().map(|written| elsewhere(written, named));
     let elsewhere = elsewhere.collect::<Result<_, _>>()?;
-    Ok(match named.is_empty() {
-        true => MissionGateways::Closed,
-        false => MissionGateways::Open { elsewhere, told },
+    Ok(if named.is_empty() {
+        MissionGateways::Closed
+    } else {
+        MissionGateways::Open { elsewhere, told }
     })
 }
 

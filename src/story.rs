@@ -241,9 +241,10 @@ fn heard(
     let line = format!("{NAME}{topic}{NAME:#} {what}   {FAINT}{speaker}{FAINT:#}");
     // streams of numbers are reported from time to time, words each time
     let flows = ear.is_state() && !what.contains(char::is_alphabetic);
-    Some(match flows {
-        true => StoryEntry::often(line, name),
-        false => StoryEntry::once(line),
+    Some(if flows {
+        StoryEntry::often(line, name)
+    } else {
+        StoryEntry::once(line)
     })
 }
 

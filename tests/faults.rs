@@ -120,7 +120,21 @@ impl Record {
                 let event = sample.downcast_ref::<asmotion_messages::Event>().unwrap();
                 self.events.push(event.code.clone());
             }
-            _ => {}
+            Event::Cycle { .. }
+            | Event::Published { .. }
+            | Event::Injected { .. }
+            | Event::Called { .. }
+            | Event::Answered { .. }
+            | Event::Replied { .. }
+            | Event::LifeCycle { .. }
+            | Event::Fault { .. }
+            | Event::Overrun { .. }
+            | Event::Late { .. }
+            | Event::Denied { .. }
+            | Event::Dropped { .. }
+            | Event::Property { .. }
+            | Event::Report { .. }
+            | Event::Lost { .. } => {}
         }
     }
 

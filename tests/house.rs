@@ -154,7 +154,9 @@ fn built_from(package: &str) -> BTreeSet<String> {
 #[test]
 fn a_component_is_built_without_runtime_and_bus() {
     let used = built_from("asmotion-component");
-    let ours: BTreeSet<&str> = (used.iter().map(String::as_str))
+    let ours: BTreeSet<&str> = used
+        .iter()
+        .map(String::as_str)
         .filter(|name| name.starts_with("asmotion-"))
         .collect();
     let below = [

@@ -97,7 +97,20 @@ impl Seen {
                     self.routes.push(route.clone());
                 }
             }
-            _ => {}
+            Event::Cycle { .. }
+            | Event::Injected { .. }
+            | Event::Called { .. }
+            | Event::Answered { .. }
+            | Event::Replied { .. }
+            | Event::LifeCycle { .. }
+            | Event::Fault { .. }
+            | Event::Overrun { .. }
+            | Event::Late { .. }
+            | Event::Denied { .. }
+            | Event::Dropped { .. }
+            | Event::Property { .. }
+            | Event::Report { .. }
+            | Event::Lost { .. } => {}
         }
     }
 }

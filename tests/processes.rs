@@ -489,12 +489,13 @@ fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
         let hidden = out.replace(&address.to_string(), "HOST");
         let hidden = hidden.replace(vhost.name(), "VHOST");
         // the queue's name contains the id of the process' run
-        let words = hidden
-            .split(' ')
-            .map(|word| match word.contains(".asmotion.doctor.") {
-                true => "'QUEUE'",
-                false => word,
-            });
+        let words = hidden.split(' ').map(|word| {
+            if word.contains(".asmotion.doctor.") {
+                "'QUEUE'"
+            } else {
+                word
+            }
+        });
         (code, words.collect::<Vec<_>>().join(" ") + &err)
     };
     let (code, said) = doctor(&at(user, vhost.name()));

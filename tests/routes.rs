@@ -243,7 +243,8 @@ fn c4_a_service_is_called_through_three_doors() {
     );
     std::thread::sleep(Duration::from_secs(1));
     let output = running.interrupt();
-    let got: BTreeSet<String> = (written(&output.stdout, "jobs").into_iter())
+    let got: BTreeSet<String> = written(&output.stdout, "jobs")
+        .into_iter()
         .map(|(component, _)| component)
         .collect();
     assert_eq!(

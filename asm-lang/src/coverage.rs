@@ -203,6 +203,17 @@ fn parts_of(rule: &RuleTerm) -> Vec<CoveragePoint> {
             CoveragePoint::One,
             CoveragePoint::Many,
         ],
-        _ => Vec::new(),
+        RuleKind::Skip
+        | RuleKind::Call(..)
+        | RuleKind::Run(..)
+        | RuleKind::Par(_)
+        | RuleKind::Seq(_)
+        | RuleKind::Let(..)
+        | RuleKind::Extend(..)
+        | RuleKind::While(..)
+        | RuleKind::WhileRec(..)
+        | RuleKind::Iterate(_)
+        | RuleKind::Local(_)
+        | RuleKind::Invalid => Vec::new(),
     }
 }

@@ -65,9 +65,10 @@ impl Specification {
     /// Returns the span to report. A value set from outside has none in the specification, so its
     /// function's is used.
     pub(crate) fn place_of(&self, at: Span, misfit: &DomainMisfit) -> Span {
-        match at == Span::default() {
-            true => self.model.functions[misfit.function.0 as usize].span,
-            false => at,
+        if at == Span::default() {
+            self.model.functions[misfit.function.0 as usize].span
+        } else {
+            at
         }
     }
 

@@ -163,9 +163,10 @@ fn plan(
         return Err(found);
     }
     let plan = plan?;
-    match settings.covers {
-        true => specification.lower_covered()?,
-        false => specification.lower()?,
+    if settings.covers {
+        specification.lower_covered()?
+    } else {
+        specification.lower()?
     }
     Ok(plan)
 }

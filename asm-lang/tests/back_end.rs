@@ -21,14 +21,13 @@ fn native_code_is_there_or_said_not_to_be() {
     let specification = asmotion_lang::open("counter.asm", &files).unwrap();
     let mut machine = specification.machine().unwrap();
     let set = machine.set_back_end(BackEnd::Native);
-    match cfg!(feature = "native") {
-        true => assert_eq!((set, machine.back_end()), (Ok(()), BackEnd::Native)),
-        false => {
-            assert_eq!(set, Err(asmotion_lang::machine::NoNativeCode::NotBuilt));
-            assert_eq!(machine.back_end(), BackEnd::Closures);
-            let why = set.unwrap_err().to_string();
-            assert!(why.contains("cargo feature `native`"), "{why}");
-        }
+    if cfg!(feature = "native") {
+        assert_eq!((set, machine.back_end()), (Ok(()), BackEnd::Native))
+    } else {
+        assert_eq!(set, Err(asmotion_lang::machine::NoNativeCode::NotBuilt));
+        assert_eq!(machine.back_end(), BackEnd::Closures);
+        let why = set.unwrap_err().to_string();
+        assert!(why.contains("cargo feature `native`"), "{why}");
     }
     for _ in 0..3 {
         machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();

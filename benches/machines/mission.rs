@@ -35,10 +35,25 @@ impl Environment for Mission {
                         ir::DomainElements::Atoms { first, count } => {
                             Value::Atom(Atom(first.0 + self.reads / 4 * 3 % count))
                         }
-                        _ => Value::Undef,
+                        ir::DomainElements::Ints { .. }
+                        | ir::DomainElements::Computed(_)
+                        | ir::DomainElements::Undefined
+                        | ir::DomainElements::Open => Value::Undef,
                     }
                 }
-                _ => Value::Undef,
+                ir::ValueShape::Int
+                | ir::ValueShape::Natural
+                | ir::ValueShape::Real
+                | ir::ValueShape::Char
+                | ir::ValueShape::Text
+                | ir::ValueShape::Complex
+                | ir::ValueShape::Rule
+                | ir::ValueShape::Tuple(_)
+                | ir::ValueShape::Seq(_)
+                | ir::ValueShape::Set(_)
+                | ir::ValueShape::Bag(_)
+                | ir::ValueShape::Map(..)
+                | ir::ValueShape::Any => Value::Undef,
             },
         ))
     }

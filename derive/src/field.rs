@@ -71,12 +71,13 @@ fn doc(attribute: &Attribute) -> Option<String> {
     let Meta::NameValue(doc) = &attribute.meta else {
         return None;
     };
-    match &doc.value {
-        Expr::Lit(literal) if doc.path.is_ident("doc") => match &literal.lit {
-            Lit::Str(text) => Some(text.value()),
-            _ => None,
-        },
-        _ => None,
+    if let Expr::Lit(literal) = &doc.value
+        && let Lit::Str(text) = &literal.lit
+        && doc.path.is_ident("doc")
+    {
+        Some(text.value())
+    } else {
+        None
     }
 }
 
@@ -100,9 +101,10 @@ fn until(input: ParseStream<'_>, end: impl Fn(ParseStream<'_>) -> bool) -> Resul
     while !input.is_empty() && !end(input) {
         tokens.extend([input.parse::<TokenTree>()?]);
     }
-    match tokens.is_empty() {
-        true => Err(input.error("a value is missing")),
-        false => Ok(tokens),
+    if tokens.is_empty() {
+        Err(input.error("a value is missing"))
+    } else {
+        Ok(tokens)
     }
 }
 

@@ -114,12 +114,13 @@ impl TableOptions {
                 Ok(())
             })?;
         }
-        match options.of.is_empty() {
-            true => Err(Error::new_spanned(
+        if options.of.is_empty() {
+            Err(Error::new_spanned(
                 &input.ident,
                 "say what it is: `#[table(of = \"a wire\")]`",
-            )),
-            false => Ok(options),
+            ))
+        } else {
+            Ok(options)
         }
     }
 }
@@ -206,7 +207,7 @@ impl KeyDeclaration {
                 Some(GenericArgument::Type(inner)) => Some((segment.ident.to_string(), inner)),
                 _ => None,
             },
-            _ => None,
+            PathArguments::None | PathArguments::Parenthesized(_) => None,
         });
         match inner {
             Some((name, inner)) if name == "Option" => FieldShape::Option(inner),
@@ -310,9 +311,10 @@ impl KeyDeclaration {
             None => read,
         };
         let within = &self.within;
-        match within.is_empty() {
-            true => read,
-            false => quote!(if keys.within == #within { #read } else { Default::default() }),
+        if within.is_empty() {
+            read
+        } else {
+            quote!(if keys.within == #within { #read } else { Default::default() })
         }
     }
 
@@ -347,9 +349,10 @@ impl KeyDeclaration {
     /// Generates the conversion to the value without its span.
     fn resolve(&self, key: &TokenStream) -> TokenStream {
         let ident = &self.ident;
-        let local = match self.local {
-            true => quote!(.map(|it| to.local(&it))),
-            false => quote!(),
+        let local = if self.local {
+            quote!(.map(|it| to.local(&it)))
+        } else {
+            quote!()
         };
         let one = quote!(it.resolve(#key, to)#local);
         match self.shape() {
@@ -364,9 +367,10 @@ impl KeyDeclaration {
             }
             FieldShape::One(_) => {
                 let found = quote!({ let it = &self.#ident; #one });
-                match self.unresolved {
-                    true => found,
-                    false => quote!(#found?),
+                if self.unresolved {
+                    found
+                } else {
+                    quote!(#found?)
                 }
             }
         }
@@ -381,9 +385,10 @@ impl KeyDeclaration {
             (false, _, _) => quote!(crate::table::Written::toml(&self.#ident)),
         };
         let write = quote!(keys.put_some(#name, #value););
-        match within.is_empty() {
-            true => write,
-            false => quote!(if within == #within { #write }),
+        if within.is_empty() {
+            write
+        } else {
+            quote!(if within == #within { #write })
         }
     }
 }
@@ -426,28 +431,25 @@ fn of_struct(
         quote!(&Self::KEYS[#at])
     };
     let consts = keys.iter().map(|row| row.key());
-    let outline = rows
-        .iter()
-        .filter(|it| !it.is_place())
-        .map(|row| match row.flatten {
-            true => {
-                let inner = row.inner();
-                quote!(outline.append(<#inner as crate::table::Table>::outline());)
-            }
-            false => {
-                let key = index(row);
-                quote!(outline.add(#key);)
-            }
-        });
+    let outline = rows.iter().filter(|it| !it.is_place()).map(|row| {
+        if row.flatten {
+            let inner = row.inner();
+            quote!(outline.append(<#inner as crate::table::Table>::outline());)
+        } else {
+            let key = index(row);
+            quote!(outline.add(#key);)
+        }
+    });
     let reads = rows.iter().map(|row| {
         let (ident, read) = (&row.ident, row.read(&index(row)));
         quote!(let #ident = #read;)
     });
     let made = rows.iter().map(|row| {
         let ident = &row.ident;
-        match row.is_unwrapped() {
-            true => quote!(#ident: #ident?),
-            false => quote!(#ident),
+        if row.is_unwrapped() {
+            quote!(#ident: #ident?)
+        } else {
+            quote!(#ident)
         }
     });
     let after = options.after.iter();
@@ -717,19 +719,10 @@ fn of_enum(input: &DeriveInput, data: &DataEnum, options: &TableOptions) -> Resu
         });
         let made = choice.rows.iter().enumerate().map(|(at, row)| {
             let (binding, ident) = (&bindings[at], &row.ident);
-            let value = match row.is_unwrapped() {
-                true => quote!(#binding?),
-                false => quote!(#binding),
-            };
-            match choice.named {
-                true => quote!(#ident: #value),
-                false => value,
-            }
+            let value = if row.is_unwrapped() { quote!(#binding?) } else { quote!(#binding) };
+            if choice.named { quote!(#ident: #value) } else { value }
         });
-        let made = match choice.named {
-            true => quote!(Self::#variant { #(#made),* }),
-            false => quote!(Self::#variant(#(#made),*)),
-        };
+        let made = if choice.named { quote!(Self::#variant { #(#made),* }) } else { quote!(Self::#variant(#(#made),*)) };
         quote!(Some(#at) => { #(#reads)* #made })
     });
     let common = common(input, options, None);

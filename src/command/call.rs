@@ -51,7 +51,9 @@ impl Call {
             .map_err(|error| format!("`{}` is no JSON: {error}", self.argument))?;
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
-        let sent = (self.broker.remote()?)
+        let sent = self
+            .broker
+            .remote()?
             .send(&self.operation, argument, patience)
             .map_err(|error| error.to_string())?;
         let answer = sent.collect();

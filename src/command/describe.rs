@@ -154,8 +154,9 @@ fn operation(served: &ServedOperation) -> Vec<String> {
 
 fn ends<'e>(ends: impl Iterator<Item = &'e End>) -> String {
     let ends: Vec<String> = ends.map(End::to_string).collect();
-    match ends.is_empty() {
-        true => "-".to_owned(),
-        false => ends.join(", "),
+    if ends.is_empty() {
+        "-".to_owned()
+    } else {
+        ends.join(", ")
     }
 }

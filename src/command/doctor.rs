@@ -160,7 +160,8 @@ fn exchange(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let sending = PublishOptions::events(NonZeroUsize::MIN);
     let origin = SenderId::new("asmotion-doctor", 0);
     let message = Payload::of(Datum::text("hello"));
-    let mut publisher = (bus.publisher(TRIED, &origin, Datum::schema(), sending))
+    let mut publisher = bus
+        .publisher(TRIED, &origin, Datum::schema(), sending)
         .map_err(|error| forbidden("a topic cannot be written", &error.to_string(), settings))?;
     let published = publisher.publish(0, message).is_ok();
     if published && read.next_within(PATIENCE).is_some() {

@@ -181,9 +181,10 @@ fn formatted(path: &str, text: &Arc<str>) -> Result<String, (Report, Sources)> {
         "-" => syntax::begins_scenario(text),
         path => path.ends_with(".avalla"),
     };
-    let formatted = match is_scenario {
-        true => syntax::format_scenario(file, text),
-        false => syntax::format(file, text),
+    let formatted = if is_scenario {
+        syntax::format_scenario(file, text)
+    } else {
+        syntax::format(file, text)
     };
     formatted.map_err(|report| (report, sources))
 }

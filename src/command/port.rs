@@ -62,13 +62,15 @@ impl Port {
             .rsplit_once('.')
             .ok_or_else(|| format!("`{whole}` is no port: write `Component.port`"))?;
         let remote = self.broker.remote()?;
-        let asked = (remote.component(component)).and_then(|component| match message {
-            Some(message) => component.write(port, message).map(|()| None),
-            None => {
-                let read: Datum = component.read(port)?;
-                Ok(Some(asmotion_datum::json::encode(&read)?))
-            }
-        });
+        let asked = remote
+            .component(component)
+            .and_then(|component| match message {
+                Some(message) => component.write(port, message).map(|()| None),
+                None => {
+                    let read: Datum = component.read(port)?;
+                    Ok(Some(asmotion_datum::json::encode(&read)?))
+                }
+            });
         asked.map_err(|error: RemoteError| error.to_string())
     }
 }

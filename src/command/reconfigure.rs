@@ -52,7 +52,9 @@ impl Reconfigure {
         let here = |path: &str| beside(&opened.path, path);
         let version = CompositeVersion {
             composite: here(&opened.path),
-            files: (files.read().into_iter())
+            files: files
+                .read()
+                .into_iter()
                 .map(|(path, text)| (here(&path), text.to_string()))
                 .collect(),
             only_try: true,

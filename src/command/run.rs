@@ -221,9 +221,10 @@ impl Run {
 
 /// The virtual clock at this speed.
 pub fn virtual_clock(speed: f64) -> Result<MissionClock, String> {
-    match speed.is_finite() && speed >= 0.0 {
-        true => Ok(MissionClock::Virtual(speed)),
-        false => Err(format!("`--speed {speed}`: a number from 0 is wanted")),
+    if speed.is_finite() && speed >= 0.0 {
+        Ok(MissionClock::Virtual(speed))
+    } else {
+        Err(format!("`--speed {speed}`: a number from 0 is wanted"))
     }
 }
 
@@ -292,9 +293,10 @@ impl MissionArguments {
             }) => {
                 terminal.report(&report, &sources);
                 terminal.error(crate::terminal::count(&report).unwrap_or_default());
-                return match outside {
-                    true => Exit::Usage,
-                    false => Exit::refused(&mission.composite),
+                return if outside {
+                    Exit::Usage
+                } else {
+                    Exit::refused(&mission.composite)
                 };
             }
             Err(error) => {

@@ -80,9 +80,10 @@ impl ScdlImport {
                 }
             }
         }
-        match imported.report.has_errors() {
-            true => Exit::Findings,
-            false => Exit::Ok,
+        if imported.report.has_errors() {
+            Exit::Findings
+        } else {
+            Exit::Ok
         }
     }
 }

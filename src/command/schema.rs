@@ -15,9 +15,10 @@ pub struct Schema {
 
 impl Schema {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        let schema = match self.types {
-            true => asmotion_assembly::schema::types(),
-            false => asmotion_assembly::schema::composite(),
+        let schema = if self.types {
+            asmotion_assembly::schema::types()
+        } else {
+            asmotion_assembly::schema::composite()
         };
         terminal.result(format_args!("{schema:#}"));
         Exit::Ok

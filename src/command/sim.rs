@@ -162,9 +162,10 @@ impl Sim {
     /// Exit code for a specification with errors; an unknown initial state is a usage error.
     fn refused(&self, failure: &OpenFailure) -> Exit {
         let mut findings = failure.report.diagnostics.iter();
-        match self.init.is_some() && findings.any(|finding| finding.is_any(&[NO_SUCH_INIT])) {
-            true => Exit::Usage,
-            false => Exit::refused(&self.spec),
+        if self.init.is_some() && findings.any(|finding| finding.is_any(&[NO_SUCH_INIT])) {
+            Exit::Usage
+        } else {
+            Exit::refused(&self.spec)
         }
     }
 

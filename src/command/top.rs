@@ -25,7 +25,7 @@ impl Top {
             terminal.error("`asmotion top` draws on a terminal; for a program there are `asmotion component list` and `asmotion topic list`");
             return Exit::Usage;
         }
-        let shown = (self.broker.settings()).and_then(|settings| {
+        let shown = self.broker.settings().and_then(|settings| {
             let place = settings.place();
             let remote = self.broker.remote()?;
             top::show(&remote, &place, &AtomicBool::new(false)).map_err(|error| error.to_string())

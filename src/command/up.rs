@@ -96,7 +96,8 @@ impl Up {
         }
         let here = match &self.host {
             Some(host) => host.clone(),
-            None => (rustix::system::uname().nodename())
+            None => rustix::system::uname()
+                .nodename()
                 .to_string_lossy()
                 .into_owned(),
         };
@@ -199,9 +200,10 @@ fn look_after(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutpu
     }
     let well =
         |child: &SupervisedProcess| matches!(child.state, SupervisedState::Ended { well: true });
-    match children.iter().all(well) {
-        true => Exit::Ok,
-        false => Exit::Findings,
+    if children.iter().all(well) {
+        Exit::Ok
+    } else {
+        Exit::Findings
     }
 }
 

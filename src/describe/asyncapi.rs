@@ -37,8 +37,7 @@ pub fn document(description: &Description<'_>, robot: &str) -> Value {
         document.service(served);
         document.promoted(served);
     }
-    let mut processes: BTreeSet<&str> =
-        (plan.processes.iter()).map(|it| it.name.as_str()).collect();
+    let mut processes: BTreeSet<&str> = plan.processes.iter().map(|it| it.name.as_str()).collect();
     processes.insert(&plan.name);
     document.processes(&processes.into_iter().collect::<Vec<_>>());
     document.finish(description)

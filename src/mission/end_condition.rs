@@ -86,7 +86,20 @@ impl Observer for EndCondition {
                     self.outcome = Some(MissionOutcome::Failed);
                 }
             }
-            _ => {}
+            Event::Cycle { .. }
+            | Event::Published { .. }
+            | Event::Injected { .. }
+            | Event::Called { .. }
+            | Event::Answered { .. }
+            | Event::Replied { .. }
+            | Event::LifeCycle { .. }
+            | Event::Overrun { .. }
+            | Event::Late { .. }
+            | Event::Denied { .. }
+            | Event::Dropped { .. }
+            | Event::Property { .. }
+            | Event::Report { .. }
+            | Event::Lost { .. } => {}
         }
     }
 }

@@ -77,7 +77,9 @@ impl<'m> VersionSwitch<'m> {
 
     fn answer(&mut self, call: &IncomingCall, run: &mut dyn Run) -> Result<Datum, Refusal> {
         let bad = |error: DatumError| refusal("BAD_REQUEST", error);
-        let version: CompositeVersion = (call.argument.to_datum())
+        let version: CompositeVersion = call
+            .argument
+            .to_datum()
             .and_then(|version| version.to())
             .map_err(bad)?;
         let wanted = self.open(&version)?;

@@ -101,7 +101,9 @@ impl Completer for Words {
         let is_letter = |letter: char| letter.is_alphanumeric() || self.signs.contains(letter);
         let start = before.trim_end_matches(is_letter).len();
         let word = &before[start..];
-        let verbs = (self.verbs.iter())
+        let verbs = self
+            .verbs
+            .iter()
             .map(|verb| verb.name)
             .filter(|_| before[..start].trim().is_empty());
         let names = self.names.iter().map(String::as_str);

@@ -59,7 +59,9 @@ fn words(datum: &Datum) -> Option<String> {
             if let Some(place) = place(datum) {
                 return Some(place);
             }
-            let said = (fields.iter()).filter(|(name, _)| !matches!(&**name, "stamp" | "header"));
+            let said = fields
+                .iter()
+                .filter(|(name, _)| !matches!(&**name, "stamp" | "header"));
             let said: Option<Vec<String>> = said.map(|(_, value)| words(value)).collect();
             let said: Vec<String> = said?.into_iter().filter(|it| !it.is_empty()).collect();
             Some(said.join(": "))
@@ -83,8 +85,9 @@ fn place(datum: &Datum) -> Option<String> {
     let [x, y, z] = of("pose.position.")
         .or_else(|| of("position."))
         .or_else(|| of(""))?;
-    Some(match z == 0.0 {
-        true => format!("({x:.1}, {y:.1})"),
-        false => format!("({x:.2}, {y:.2}, {z:.2})"),
+    Some(if z == 0.0 {
+        format!("({x:.1}, {y:.1})")
+    } else {
+        format!("({x:.2}, {y:.2}, {z:.2})")
     })
 }

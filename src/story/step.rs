@@ -34,9 +34,10 @@ fn changed(record: &StepRecord) -> (String, String) {
     let (updates, locations): (Vec<String>, Vec<&str>) = changed
         .map(|it| (format!("{} := {}", it.location, it.after), &*it.location))
         .unzip();
-    match updates.is_empty() {
-        true => ("changed nothing".to_owned(), "steps".to_owned()),
-        false => (updates.join(", "), locations.join(", ")),
+    if updates.is_empty() {
+        ("changed nothing".to_owned(), "steps".to_owned())
+    } else {
+        (updates.join(", "), locations.join(", "))
     }
 }
 

@@ -160,9 +160,10 @@ fn is_presence(topic: &str) -> bool {
 impl BoardProcess {
     fn silence(&self, now: Duration) -> Option<Silence> {
         let silent = now.saturating_sub(self.heard);
-        match self.presence.leaves {
-            true => Some(Silence::Left),
-            false => (silent > SILENT).then_some(Silence::Stale(silent)),
+        if self.presence.leaves {
+            Some(Silence::Left)
+        } else {
+            (silent > SILENT).then_some(Silence::Stale(silent))
         }
     }
 }

@@ -42,9 +42,10 @@ pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, place: &str, now:
     .areas(frame.area());
     frame.render_widget(header(board, view, place, now), top);
     frame.render_widget(footer(view), bottom);
-    let [tables, message] = match middle.width >= WIDE {
-        true => Layout::horizontal([Constraint::Percentage(60), Constraint::Percentage(40)]),
-        false => Layout::vertical([Constraint::Percentage(65), Constraint::Percentage(35)]),
+    let [tables, message] = if middle.width >= WIDE {
+        Layout::horizontal([Constraint::Percentage(60), Constraint::Percentage(40)])
+    } else {
+        Layout::vertical([Constraint::Percentage(65), Constraint::Percentage(35)])
     }
     .areas(middle);
     let [upper, lower] =
@@ -87,9 +88,10 @@ fn footer(view: &View) -> Line<'static> {
     if view.writes {
         return Line::from(format!("/{}▏ Enter keeps it, Esc clears it", view.filter));
     }
-    let filter = match view.filter.is_empty() {
-        true => "/ filter".to_owned(),
-        false => format!("/ filter: {}", view.filter),
+    let filter = if view.filter.is_empty() {
+        "/ filter".to_owned()
+    } else {
+        format!("/ filter: {}", view.filter)
     };
     let pause = match view.paused {
         None => "p pause",
@@ -136,9 +138,10 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
 
 fn component(component: &BoardComponent<'_>, several: bool) -> Row<'static> {
     let present = component.present;
-    let process = match several {
-        true => format!("{}.{}", component.robot, component.process),
-        false => component.process.to_owned(),
+    let process = if several {
+        format!("{}.{}", component.robot, component.process)
+    } else {
+        component.process.to_owned()
     };
     let asked = match present.period_ms {
         0 => "event".to_owned(),
@@ -178,11 +181,11 @@ fn cycle_time(present: &PresentComponent) -> Span<'static> {
         cycle_max_ms: most,
         ..
     } = *present;
-    #[allow(clippy::cast_precision_loss, reason = "a period is far below 2^52")]
     let period = present.period_ms as f64;
-    let style = match period > 0.0 && most > period {
-        true => NOTE,
-        false => Style::new(),
+    let style = if period > 0.0 && most > period {
+        NOTE
+    } else {
+        Style::new()
     };
     Span::styled(format!("{mean:.1}/{most:.1} ms"), style)
 }
@@ -223,9 +226,10 @@ fn topic(topic: &BoardTopic, now: Duration) -> Row<'static> {
         Some(_) | None => "-".to_owned(),
     };
     let age = seconds(topic.age(now));
-    let (age, style) = match stale {
-        true => (format!("stale {age}"), BAD),
-        false => (age, Style::new()),
+    let (age, style) = if stale {
+        (format!("stale {age}"), BAD)
+    } else {
+        (age, Style::new())
     };
     let last = match &topic.last {
         Ok(message) => Span::styled(brief(message), if stale { FAINT } else { Style::new() }),

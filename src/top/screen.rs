@@ -55,6 +55,7 @@ fn pressed(at_most: Duration) -> std::io::Result<Option<Key>> {
     if key.kind == KeyEventKind::Release {
         return Ok(None);
     }
+    #[expect(clippy::wildcard_enum_match_arm, reason = "all other keys do nothing")]
     Ok(match key.code {
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Key::Interrupt),
         KeyCode::Char(letter) => Some(Key::Char(letter)),

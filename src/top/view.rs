@@ -195,7 +195,9 @@ impl View {
 
     fn shows(&self, names: &[&str]) -> bool {
         let wanted = self.filter.to_lowercase();
-        (names.iter()).any(|name| name.to_lowercase().contains(&wanted))
+        names
+            .iter()
+            .any(|name| name.to_lowercase().contains(&wanted))
     }
 }
 

@@ -52,9 +52,12 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         .map(|entry| entry.unwrap().path())
         .collect();
     entries.sort();
-    let within = |path: PathBuf| match path.is_dir() {
-        true => files(&path),
-        false => vec![path],
+    let within = |path: PathBuf| {
+        if path.is_dir() {
+            files(&path)
+        } else {
+            vec![path]
+        }
     };
     let all = entries.into_iter().flat_map(within);
     all.filter(|path| path.extension().is_some_and(|end| end == "asm"))

@@ -2,7 +2,7 @@
 //! code of its failure.
 
 use asmotion_lang::diagnostics::FileId;
-use asmotion_lang::hir::{Meaning, TermKind};
+use asmotion_lang::hir::Meaning;
 use asmotion_lang::syntax::parse_term;
 use asmotion_lang::{Model, NoInputs, Session};
 use std::collections::BTreeSet;
@@ -159,11 +159,9 @@ fn have_rows_each() {
 /// The signature of the function applied by the most recently added term.
 fn applied(model: &Model) -> String {
     let term = &model.added.terms.last().unwrap().root;
-    match &*term.kind {
-        TermKind::Apply(function, _) | TermKind::Spread(function, _) => {
-            signature(model, model.function(*function))
-        }
-        other => format!("no function: {other:?}"),
+    match term.kind.function() {
+        Some(function) => signature(model, model.function(function)),
+        None => format!("no function: {:?}", term.kind),
     }
 }
 

@@ -204,9 +204,10 @@ fn root() -> PathBuf {
 fn each_file(folder: &Path, see: &mut dyn FnMut(&Path)) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => each_file(&path, see),
-            false => see(&path),
+        if path.is_dir() {
+            each_file(&path, see)
+        } else {
+            see(&path)
         }
     }
 }

@@ -220,7 +220,18 @@ impl Log {
                 };
                 self.replies.push(((*operation).to_owned(), at, result));
             }
-            _ => {}
+            Event::Published { .. }
+            | Event::Injected { .. }
+            | Event::Answered { .. }
+            | Event::LifeCycle { .. }
+            | Event::Fault { .. }
+            | Event::Overrun { .. }
+            | Event::Late { .. }
+            | Event::Denied { .. }
+            | Event::Dropped { .. }
+            | Event::Property { .. }
+            | Event::Report { .. }
+            | Event::Lost { .. } => {}
         }
     }
 

@@ -12,7 +12,9 @@ fn face(simulation: &Simulation, component: &str) -> [Vec<String>; 4] {
         declared.inputs.iter().map(|it| it.name.clone()).collect(),
         declared.outputs.iter().map(|it| it.name.clone()).collect(),
         declared.services.iter().map(|it| it.name.clone()).collect(),
-        (declared.references.iter())
+        declared
+            .references
+            .iter()
             .map(|it| it.name.clone())
             .collect(),
     ]

@@ -65,6 +65,7 @@ impl MatchVisitor<'_> {
     /// Returns `true` if the outermost constructor of a pattern is a variant of an enum of this
     /// repository.
     fn names_variant(&self, pattern: &syn::Pat) -> bool {
+        #[expect(clippy::wildcard_enum_match_arm, reason = "the enum of `syn` is open")]
         match pattern {
             syn::Pat::Or(it) => it.cases.iter().any(|case| self.names_variant(case)),
             syn::Pat::Guard(it) => self.names_variant(&it.pat),
@@ -84,9 +85,10 @@ impl MatchVisitor<'_> {
 
 impl<'ast> Visit<'ast> for MatchVisitor<'_> {
     fn visit_item_impl(&mut self, item: &'ast syn::ItemImpl) {
-        let name = match &*item.self_ty {
-            syn::Type::Path(it) => it.path.segments.last().map(|last| last.ident.to_string()),
-            _ => None,
+        let name = if let syn::Type::Path(it) = &*item.self_ty {
+            it.path.segments.last().map(|last| last.ident.to_string())
+        } else {
+            None
         };
         let outer = std::mem::replace(&mut self.within, name);
         visit::visit_item_impl(self, item);

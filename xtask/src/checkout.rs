@@ -225,9 +225,10 @@ fn source_file(path: &Path, relative: String) -> Result<SourceFile, CheckoutErro
     let whole = relative
         .split('/')
         .any(|folder| TEST_FOLDERS.contains(&folder));
-    let tests = match whole {
-        true => TestLines::Whole,
-        false => TestLines::of(&tree),
+    let tests = if whole {
+        TestLines::Whole
+    } else {
+        TestLines::of(&tree)
     };
     Ok(SourceFile {
         path: relative,

@@ -5,10 +5,9 @@
 //! has shrunk without the record being lowered, so that debts can only decrease.
 
 use crate::checkout::Checkout;
-use crate::doc_blocks::{self, DocCount};
 use crate::modules::CrateModules;
 use crate::type_names::{self, NameReuse};
-use crate::{arms, graph, modules};
+use crate::{graph, modules};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -38,10 +37,6 @@ pub struct HouseDebts {
     /// Number of type names with several meanings; 0 if their percentage is at most
     /// [`REUSED_NAMES`].
     pub reused_names: usize,
-    /// Number of `match` expressions with `_ =>` next to a variant of an enum of this repository.
-    pub wildcard_arms: usize,
-    /// Number of public functions that return a `Result` without an `# Errors` section.
-    pub missing_errors: usize,
     /// Crates with a debt, by name.
     pub crates: BTreeMap<String, CrateDebt>,
 }
@@ -67,16 +62,11 @@ impl HouseDebts {
             debt.add(&modules);
         }
         crates.retain(|_, debt| *debt != CrateDebt::default());
-        let mut docs = DocCount::default();
-        for file in &checkout.files {
-            doc_blocks::count(file, &mut docs);
-        }
         Self {
-            wildcard_arms: arms::count(checkout).wildcards.len(),
-            missing_errors: docs.unexplained,
-            reused_names: match reuse.percent() < REUSED_NAMES {
-                true => 0,
-                false => reuse.reused,
+            reused_names: if reuse.percent() < REUSED_NAMES {
+                0
+            } else {
+                reuse.reused
             },
             crates,
         }
@@ -96,8 +86,6 @@ impl HouseDebts {
                 }
                 None => match key.as_str() {
                     "reused_names" => debts.reused_names = number(key, value)?,
-                    "wildcard_arms" => debts.wildcard_arms = number(key, value)?,
-                    "missing_errors" => debts.missing_errors = number(key, value)?,
                     _ => return Err(DebtsError::Value(key.clone())),
                 },
             }
@@ -112,8 +100,6 @@ impl HouseDebts {
         );
         // writing to a string cannot fail
         let _ = writeln!(text, "reused_names = {}", self.reused_names);
-        let _ = writeln!(text, "wildcard_arms = {}", self.wildcard_arms);
-        let _ = writeln!(text, "missing_errors = {}", self.missing_errors);
         for (name, debt) in &self.crates {
             let _ = writeln!(text, "\n[{name}]");
             let _ = writeln!(text, "hub_uses = {}", debt.hub_uses);
@@ -130,18 +116,6 @@ impl HouseDebts {
             found.push(format!(
                 "{} type names have several meanings, {} before: `cargo xtask names` lists them",
                 self.reused_names, recorded.reused_names
-            ));
-        }
-        if self.wildcard_arms > recorded.wildcard_arms {
-            found.push(format!(
-                "{} matches have `_ =>` beside a variant of our own, {} before: `cargo xtask wildcards` lists them",
-                self.wildcard_arms, recorded.wildcard_arms
-            ));
-        }
-        if self.missing_errors > recorded.missing_errors {
-            found.push(format!(
-                "{} public functions return a `Result` and have no `# Errors` section, {} before",
-                self.missing_errors, recorded.missing_errors
             ));
         }
         for (name, debt) in &self.crates {
@@ -162,8 +136,6 @@ impl HouseDebts {
         crates.retain(|_, debt| *debt != CrateDebt::default());
         Self {
             reused_names: self.reused_names.min(recorded.reused_names),
-            wildcard_arms: self.wildcard_arms.min(recorded.wildcard_arms),
-            missing_errors: self.missing_errors.min(recorded.missing_errors),
             crates,
         }
     }
@@ -228,9 +200,10 @@ impl CrateDebt {
         Self {
             hub_uses: self.hub_uses.min(before.hub_uses),
             climbing: self.climbing.min(before.climbing),
-            cycles: match larger(&self.cycles, &before.cycles) {
-                true => before.cycles.clone(),
-                false => self.cycles.clone(),
+            cycles: if larger(&self.cycles, &before.cycles) {
+                before.cycles.clone()
+            } else {
+                self.cycles.clone()
             },
         }
     }
@@ -260,8 +233,6 @@ mod tests {
         };
         HouseDebts {
             reused_names: 3,
-            wildcard_arms: 2,
-            missing_errors: 1,
             crates: [("one".to_owned(), debt)].into(),
         }
     }

@@ -21,8 +21,6 @@ pub struct DocCount {
     pub errors: usize,
     /// Number of public functions that return a `Result`.
     pub fallible: usize,
-    /// Number of these functions without an `# Errors` section.
-    pub unexplained: usize,
 }
 
 /// Adds the doc comments of a file.
@@ -55,31 +53,21 @@ impl DocVisitor<'_> {
         self.count.errors += usize::from(lines.iter().any(|line| line.trim() == "# Errors"));
     }
 
-    fn signature(
-        &mut self,
-        attributes: &[syn::Attribute],
-        visibility: &syn::Visibility,
-        signature: &syn::Signature,
-    ) {
+    fn signature(&mut self, visibility: &syn::Visibility, signature: &syn::Signature) {
         let public = matches!(visibility, syn::Visibility::Public(_));
         let fallible = match &signature.output {
-            syn::ReturnType::Type(_, output) => match &**output {
-                syn::Type::Path(it) => it
-                    .path
-                    .segments
-                    .last()
-                    .is_some_and(|last| last.ident == "Result"),
-                _ => false,
-            },
+            syn::ReturnType::Type(_, output) => {
+                if let syn::Type::Path(it) = &**output {
+                    let last = it.path.segments.last();
+                    last.is_some_and(|last| last.ident == "Result")
+                } else {
+                    false
+                }
+            }
             syn::ReturnType::Default => false,
         };
         let test = self.file.is_test(signature.span().start().line);
-        let mut docs = attributes.iter().filter_map(doc_line);
-        let explained = docs.any(|(line, _)| line.trim() == "# Errors");
-        if public && fallible && !test {
-            self.count.fallible += 1;
-            self.count.unexplained += usize::from(!explained);
-        }
+        self.count.fallible += usize::from(public && fallible && !test);
     }
 }
 
@@ -91,10 +79,11 @@ fn doc_line(attribute: &syn::Attribute) -> Option<(String, Span)> {
     let syn::Expr::Lit(value) = &pair.value else {
         return None;
     };
-    match &value.lit {
-        syn::Lit::Str(text) if pair.path.is_ident("doc") => Some((text.value(), value.span())),
-        _ => None,
-    }
+    let syn::Lit::Str(text) = &value.lit else {
+        return None;
+    };
+    let is_doc = pair.path.is_ident("doc");
+    is_doc.then(|| (text.value(), value.span()))
 }
 
 impl<'ast> Visit<'ast> for DocVisitor<'_> {
@@ -104,13 +93,13 @@ impl<'ast> Visit<'ast> for DocVisitor<'_> {
     }
 
     fn visit_item_fn(&mut self, function: &'ast syn::ItemFn) {
-        self.signature(&function.attrs, &function.vis, &function.sig);
+        self.signature(&function.vis, &function.sig);
         visit::visit_item_fn(self, function);
     }
 
     fn visit_impl_item_fn(&mut self, function: &'ast syn::ImplItemFn) {
         self.attributes(&function.attrs);
-        self.signature(&function.attrs, &function.vis, &function.sig);
+        self.signature(&function.vis, &function.sig);
         visit::visit_impl_item_fn(self, function);
     }
 

@@ -160,10 +160,7 @@ fn improve(sequence: &mut Vec<usize>, uses: &[Vec<bool>]) -> bool {
                 cost += isize::from(used[*passed]) - isize::from(uses[*passed][node]);
             }
         }
-        let target = match best.0 < here {
-            true => best.1,
-            false => at,
-        };
+        let target = if best.0 < here { best.1 } else { at };
         helped |= best.0 < here;
         sequence.insert(target, node);
     }

@@ -1,5 +1,11 @@
 //! Chores of this repository: `cargo xtask --help`.
 
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "chores tell what they found"
+)]
+
 use clap::{Parser, Subcommand};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -7,7 +13,7 @@ use std::process::{Command, ExitCode};
 use xtask::checkout::Checkout;
 use xtask::debts::{self, HouseDebts};
 use xtask::modules::{self, CrateModules};
-use xtask::{arms, build_cost, graph, new_component, report, table, type_names};
+use xtask::{build_cost, graph, new_component, report, table, type_names};
 
 /// The lines that enclose the table in docs/house.md.
 const TABLE_BEGINS: &str = "<!-- table -->";
@@ -47,8 +53,6 @@ enum Chore {
         /// Only of this package
         package: Option<String>,
     },
-    /// Lists the matches with `_ =>` beside a variant of our own
-    Wildcards,
     /// Makes a component in components/NAME and enters it wherever components are listed
     NewComponent {
         /// Lower-case, words joined by dashes: pan-tilt
@@ -96,7 +100,6 @@ fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
         Chore::Debts { grow } => debts(&root, grow),
         Chore::Cycles { package } => cycles(&root, package.as_deref()),
         Chore::Hubs { package } => hubs(&root, package.as_deref()),
-        Chore::Wildcards => wildcards(&root),
         Chore::NewComponent { name } => make_component(&root, &name),
         Chore::Bless { arguments } => bless(&root, &arguments),
         Chore::Names => names(&root),
@@ -112,9 +115,10 @@ fn root() -> PathBuf {
 
 fn build_costs(root: &Path, options: &BuildCost) -> Result<(), Box<dyn Error>> {
     let all = || build_cost::SETS.iter().map(|set| set.name.to_owned());
-    let names = match options.sets.is_empty() {
-        true => all().collect(),
-        false => options.sets.clone(),
+    let names = if options.sets.is_empty() {
+        all().collect()
+    } else {
+        options.sets.clone()
     };
     let mut figures = Vec::new();
     for name in &names {
@@ -136,9 +140,10 @@ fn build_costs(root: &Path, options: &BuildCost) -> Result<(), Box<dyn Error>> {
         .iter()
         .filter(|(set, seconds)| *seconds > set.budget);
     let over: Vec<&str> = over.map(|(set, _)| set.name).collect();
-    match over.is_empty() {
-        true => Ok(()),
-        false => Err(format!("above the budget: {}", over.join(", ")).into()),
+    if over.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("above the budget: {}", over.join(", ")).into())
     }
 }
 
@@ -265,15 +270,9 @@ fn bless(root: &Path, arguments: &[String]) -> Result<(), Box<dyn Error>> {
         .env("INSTA_UPDATE", "always")
         .current_dir(root)
         .status()?;
-    match status.success() {
-        true => Ok(()),
-        false => Err("a test failed for another reason than a snapshot".into()),
+    if status.success() {
+        Ok(())
+    } else {
+        Err("a test failed for another reason than a snapshot".into())
     }
-}
-
-fn wildcards(root: &Path) -> Result<(), Box<dyn Error>> {
-    for (path, line) in arms::count(&Checkout::working_tree(root)?).wildcards {
-        println!("{path}:{line}");
-    }
-    Ok(())
 }

@@ -154,14 +154,14 @@ impl Resolver {
             paths: Vec::new(),
         });
         for item in items.iter().filter(|item| !is_cfg_test(attributes(item))) {
-            match item {
-                syn::Item::Mod(module) => self.add_child(files, module, this, file, folder),
-                syn::Item::Use(import) => {
-                    let mut found = Vec::new();
-                    flatten(&import.tree, &mut Vec::new(), &mut found);
-                    self.scopes[this].imports.extend(found);
-                }
-                _ => self.add_item(item, this),
+            if let syn::Item::Mod(module) = item {
+                self.add_child(files, module, this, file, folder);
+            } else if let syn::Item::Use(import) = item {
+                let mut found = Vec::new();
+                flatten(&import.tree, &mut Vec::new(), &mut found);
+                self.scopes[this].imports.extend(found);
+            } else {
+                self.add_item(item, this);
             }
         }
         this
@@ -367,21 +367,21 @@ impl Resolver {
 }
 
 fn path_attribute(attributes: &[syn::Attribute]) -> Option<String> {
-    attributes
-        .iter()
-        .find_map(|attribute| match &attribute.meta {
-            syn::Meta::NameValue(pair) if pair.path.is_ident("path") => match &pair.value {
-                syn::Expr::Lit(syn::ExprLit {
-                    lit: syn::Lit::Str(text),
-                    ..
-                }) => Some(text.value()),
-                _ => None,
-            },
-            _ => None,
-        })
+    attributes.iter().find_map(|attribute| {
+        if let syn::Meta::NameValue(pair) = &attribute.meta
+            && pair.path.is_ident("path")
+            && let syn::Expr::Lit(literal) = &pair.value
+            && let syn::Lit::Str(text) = &literal.lit
+        {
+            Some(text.value())
+        } else {
+            None
+        }
+    })
 }
 
 fn item_name(item: &syn::Item) -> Option<String> {
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the enum of `syn` is open")]
     let name = match item {
         syn::Item::Const(it) => &it.ident,
         syn::Item::Enum(it) => &it.ident,
@@ -492,9 +492,10 @@ fn token_paths(tokens: TokenStream, found: &mut Vec<(Vec<String>, usize)>) {
                     flush(&mut path, line);
                     line = name.span().start().line;
                 }
-                path.push(match std::mem::take(&mut dollar) {
-                    true => format!("${name}"),
-                    false => name.to_string(),
+                path.push(if std::mem::take(&mut dollar) {
+                    format!("${name}")
+                } else {
+                    name.to_string()
                 });
                 colons = 0;
             }

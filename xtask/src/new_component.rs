@@ -206,9 +206,10 @@ mod tests {
             .find(|line| line.starts_with("| component |"))
             .unwrap();
         for file in plan(&root(), "pan-tilt").unwrap() {
-            let name = match file.new {
-                true => "components/NAME/".to_owned(),
-                false => format!("`{}`", file.path),
+            let name = if file.new {
+                "components/NAME/".to_owned()
+            } else {
+                format!("`{}`", file.path)
             };
             assert!(recipe.contains(&name), "{name} is missing in: {recipe}");
         }

@@ -35,6 +35,7 @@ impl TestLines {
 
 /// Returns the attributes of an item.
 pub fn attributes(item: &syn::Item) -> &[syn::Attribute] {
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the enum of `syn` is open")]
     match item {
         syn::Item::Const(it) => &it.attrs,
         syn::Item::Enum(it) => &it.attrs,

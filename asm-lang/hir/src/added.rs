@@ -166,14 +166,12 @@ impl Resolver<'_> {
         }
         all.extend(self.terms(arguments));
         let applied = self.apply(name, all, *span);
-        let (id, arguments) = match *applied.kind {
-            TermKind::Apply(id, arguments) => (id, arguments),
-            TermKind::Spread(id, tuple) => (id, vec![tuple]),
-            TermKind::Invalid => return None,
-            _ => {
-                self.not_settable(name, "static", name.span);
-                return None;
-            }
+        if let TermKind::Invalid = *applied.kind {
+            return None;
+        }
+        let Some((id, arguments)) = applied.kind.into_application() else {
+            self.not_settable(name, "static", name.span);
+            return None;
         };
         let function = &self.declared.functions[id.0 as usize];
         let (codomain, kind, declared) = (function.codomain, function.kind, function.span);

@@ -126,7 +126,11 @@ impl Analysis<'_> {
             {
                 let known = match &self.declared.functions[id.0 as usize].meaning {
                     Meaning::Defined(known) => Some(known.root.span),
-                    _ => None,
+                    Meaning::State
+                    | Meaning::Builtin(_)
+                    | Meaning::Constant(_)
+                    | Meaning::Machine
+                    | Meaning::Missing => None,
                 };
                 if let Meaning::Constant(_) = self.declared.functions[id.0 as usize].meaning {
                     let error = DefinesItself {
@@ -491,15 +495,10 @@ impl Analysis<'_> {
                 continue;
             };
             let root = self.declared.types.root(base, &self.declared.domains);
-            let needs_definition = match self.declared.types.get(root) {
-                Type::Domain(root) => !matches!(
-                    self.declared.domains[root.0 as usize].kind,
-                    DomainKind::Abstract
-                ),
-                // an error was reported
-                Type::Invalid => false,
-                _ => true,
-            };
+            let types = &self.declared.types;
+            // an invalid type was reported
+            let needs_definition = *types.get(root) != Type::Invalid
+                && !types.is_abstract(root, &self.declared.domains);
             if needs_definition && domain.definition.is_none() && !domain.dynamic {
                 let error = EmptyDomain {
                     domain: domain.name.clone(),

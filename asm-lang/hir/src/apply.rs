@@ -8,7 +8,7 @@ use crate::codes::a008::WrongArity;
 use crate::codes::a036::NotImported;
 use crate::codes::w001::NotBinds;
 use crate::codes::w028::ArgumentTooWide;
-use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
+use crate::model::{FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeBindings, TypeId};
 use asmotion_diagnostics::Span;
@@ -174,7 +174,11 @@ impl Resolver<'_> {
                 Some(tuple) => TermKind::Spread(function, tuple),
                 None => TermKind::Invalid,
             },
-            _ => TermKind::Apply(function, arguments),
+            Meaning::State
+            | Meaning::Defined(_)
+            | Meaning::Builtin(_)
+            | Meaning::Machine
+            | Meaning::Missing => TermKind::Apply(function, arguments),
         };
         Term {
             kind: Box::new(kind),
@@ -221,11 +225,7 @@ impl Resolver<'_> {
     /// of `wide`.
     fn is_wider(&self, wide: TypeId, narrow: TypeId) -> bool {
         let (types, domains) = (&self.declared.types, &self.declared.domains);
-        let is_abstract = match types.get(types.root(wide, domains)) {
-            Type::Domain(root) => domains[root.0 as usize].kind == DomainKind::Abstract,
-            _ => false,
-        };
-        is_abstract
+        types.is_abstract(wide, domains)
             && wide != narrow
             && matches!(types.get(narrow), Type::Domain(_))
             && types.reach(narrow, domains).any(|part| part == wide)
@@ -240,10 +240,11 @@ impl Resolver<'_> {
         let mut bindings = TypeBindings::of(is_equality);
         let actual: Vec<TypeId> = match arguments {
             [tuple] if parameters.len() > 1 && declared.run.is_none() => {
-                match types.get(types.root(tuple.ty, &self.declared.domains)) {
-                    Type::Prod(items) => items.clone(),
-                    _ => return None,
-                }
+                let root = types.root(tuple.ty, &self.declared.domains);
+                let Type::Prod(items) = types.get(root) else {
+                    return None;
+                };
+                items.clone()
             }
             _ => arguments.iter().map(|term| term.ty).collect(),
         };
@@ -318,13 +319,15 @@ impl Resolver<'_> {
             "Natural" => ("Natural", "n"),
             _ => return None,
         };
-        arguments.iter().find_map(|term| match &*term.kind {
-            TermKind::Value(Value::Int(number)) if *number >= 0 => Some(Respelt {
+        arguments.iter().find_map(|term| {
+            let TermKind::Value(Value::Int(number)) = &*term.kind else {
+                return None;
+            };
+            (*number >= 0).then(|| Respelt {
                 at: term.span,
                 domain,
                 text: format!("{number}{suffix}"),
-            }),
-            _ => None,
+            })
         })
     }
 

@@ -18,7 +18,17 @@ impl Resolver<'_> {
             let item = match self.declared.types.get(root) {
                 Type::Powerset(item) | Type::Seq(item) | Type::Bag(item) => *item,
                 Type::Undef | Type::Invalid => range.ty,
-                _ => {
+                Type::Boolean
+                | Type::Integer
+                | Type::Natural
+                | Type::Real
+                | Type::Complex
+                | Type::Char
+                | Type::String
+                | Type::Rule
+                | Type::Domain(_)
+                | Type::Prod(_)
+                | Type::Map(..) => {
                     let actual = self.show(range.ty);
                     let name = binder.name.text.clone();
                     self.error(NotACollection {

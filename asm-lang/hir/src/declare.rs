@@ -250,7 +250,12 @@ impl SignatureTables {
                 name: name.text.clone(),
                 kind: match function.kind {
                     FunctionKind::Local => FunctionKind::Controlled,
-                    kind => kind,
+                    kind @ (FunctionKind::Static
+                    | FunctionKind::Derived
+                    | FunctionKind::Monitored
+                    | FunctionKind::Controlled
+                    | FunctionKind::Shared
+                    | FunctionKind::Out) => kind,
                 },
                 parameters,
                 codomain,
@@ -341,9 +346,10 @@ impl SignatureTables {
                     [one] => one.clone(),
                     several => format!("Prod({})", several.join(",")),
                 };
-                let builtin = match self.compatible {
-                    true => asmotion_stdlib::compatible(name, &domain),
-                    false => asmotion_stdlib::builtin(name, &domain),
+                let builtin = if self.compatible {
+                    asmotion_stdlib::compatible(name, &domain)
+                } else {
+                    asmotion_stdlib::builtin(name, &domain)
                 };
                 builtin.map_or(Meaning::Missing, Meaning::Builtin)
             }
@@ -386,9 +392,9 @@ impl SignatureTables {
             let contained = (0..self.domains.len() as u32)
                 .rev()
                 .map(DomainId)
-                .filter(|id| match self.domains[id.0 as usize].kind {
-                    DomainKind::Concrete { base } => *self.types.get(base) == Type::Domain(domain),
-                    _ => false,
+                .filter(|id| {
+                    let base = self.domains[id.0 as usize].kind.base();
+                    base.is_some_and(|base| *self.types.get(base) == Type::Domain(domain))
                 });
             open.extend(contained);
         }
@@ -474,7 +480,12 @@ impl SignatureTables {
                 .iter()
                 .map(|item| self.resolve_type(unit, item))
                 .collect(),
-            _ => vec![self.resolve_type(unit, domain)],
+            ast::TypeKind::Named(_)
+            | ast::TypeKind::Rule(_)
+            | ast::TypeKind::Seq(_)
+            | ast::TypeKind::Powerset(_)
+            | ast::TypeKind::Bag(_)
+            | ast::TypeKind::Map(..) => vec![self.resolve_type(unit, domain)],
         }
     }
 

@@ -104,6 +104,16 @@ pub enum DomainKind {
     },
 }
 
+impl DomainKind {
+    /// The type that a concrete domain is a subset of; `None` for the other kinds.
+    pub fn base(&self) -> Option<TypeId> {
+        match self {
+            Self::Concrete { base } => Some(*base),
+            Self::Any | Self::Basic | Self::Abstract | Self::Enum { .. } => None,
+        }
+    }
+}
+
 /// An enumeration literal or an abstract constant.
 #[derive(Debug)]
 pub struct AtomInfo {
@@ -311,6 +321,29 @@ pub enum TermKind {
     Unbound,
     /// Placeholder for a term with an error, which was reported.
     Invalid,
+}
+
+impl TermKind {
+    /// The function that the term applies; `None` for every other form.
+    pub fn function(&self) -> Option<FunctionId> {
+        if let Self::Apply(function, _) | Self::Spread(function, _) = self {
+            Some(*function)
+        } else {
+            None
+        }
+    }
+
+    /// The function that the term applies and its arguments, of which there is one if they stand in a
+    /// tuple; `None` for every other form.
+    pub fn into_application(self) -> Option<(FunctionId, Vec<Term>)> {
+        if let Self::Apply(function, arguments) = self {
+            Some((function, arguments))
+        } else if let Self::Spread(function, tuple) = self {
+            Some((function, vec![tuple]))
+        } else {
+            None
+        }
+    }
 }
 
 /// A binder `$x in range` of a quantifier, comprehension, `choose` or `forall`.

@@ -178,7 +178,19 @@ impl<'a> Resolver<'a> {
             Type::Integer => Some(number.to_string()),
             Type::Natural => Some(format!("{number}n")),
             Type::Real => Some(format!("{number}.0")),
-            _ => None,
+            Type::Invalid
+            | Type::Undef
+            | Type::Boolean
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule
+            | Type::Domain(_)
+            | Type::Prod(_)
+            | Type::Seq(_)
+            | Type::Powerset(_)
+            | Type::Bag(_)
+            | Type::Map(..) => None,
         }
     }
 

@@ -158,9 +158,10 @@ impl Resolver<'_> {
         let (declared, turbo, result) = (rule.span, rule.turbo, rule.result);
         if result.is_none() {
             let (name, at) = (name.text.clone(), name.span);
-            match turbo {
-                true => self.error(ResultUndeclared { name, at, declared }),
-                false => self.error(RuleWithoutResult { name, at, declared }),
+            if turbo {
+                self.error(ResultUndeclared { name, at, declared })
+            } else {
+                self.error(RuleWithoutResult { name, at, declared })
             }
             return turbo.then(|| self.ty(Type::Undef));
         }
@@ -218,25 +219,20 @@ impl Resolver<'_> {
         applied: Term,
         writer: WriteForm,
     ) -> Option<(UpdateTarget, TypeId, String, Span)> {
-        let (id, arguments) = match *applied.kind {
-            TermKind::Apply(id, arguments) => (id, arguments),
-            TermKind::Spread(id, tuple) => (id, vec![tuple]),
-            TermKind::Value(_) => {
-                let constant = self.declared.scopes[self.unit].functions.get(&name.text);
-                let declared = constant
-                    .and_then(|ids| ids.first())
-                    .map_or(name.span, |id| self.declared.functions[id.0 as usize].span);
-                let function = name.text.clone();
-                self.error(WritesFixed {
-                    function,
-                    kind: "static",
-                    at: name.span,
-                    declared,
-                });
-                return None;
-            }
-            _ => return None,
-        };
+        if let TermKind::Value(_) = *applied.kind {
+            let constant = self.declared.scopes[self.unit].functions.get(&name.text);
+            let declared = constant
+                .and_then(|ids| ids.first())
+                .map_or(name.span, |id| self.declared.functions[id.0 as usize].span);
+            let function = name.text.clone();
+            self.error(WritesFixed {
+                function,
+                kind: "static",
+                at: name.span,
+                declared,
+            });
+        }
+        let (id, arguments) = applied.kind.into_application()?;
         let function = &self.declared.functions[id.0 as usize];
         let (kind, declared) = (function.kind, function.span);
         let mut ty = function.codomain;
@@ -277,15 +273,16 @@ impl Resolver<'_> {
         };
         let declared = &self.declared.rules[rule.0 as usize];
         if declared.turbo != turbo {
-            let (is, want) = match declared.turbo {
-                true => (
+            let (is, want) = if declared.turbo {
+                (
                     "turbo",
                     "turbo rules are called with round brackets: `r_x(…)`",
-                ),
-                false => (
+                )
+            } else {
+                (
                     "macro",
                     "macro rules are called with square brackets: `r_x[…]`",
-                ),
+                )
             };
             let declared = declared.span;
             self.error(WrongCallForm {
@@ -336,10 +333,7 @@ impl Resolver<'_> {
             span: domain.span,
         };
         let ty = self.declared.resolve_type(self.unit, &ty);
-        let id = match self.declared.types.get(ty) {
-            Type::Domain(id) => Some(*id),
-            _ => None,
-        };
+        let id = self.declared.types.get(ty).as_domain();
         let extensible = self.is_extensible(ty);
         let body = self.scoped(|this| {
             let variables = variables.iter().map(|name| this.bind(name, ty)).collect();
@@ -413,13 +407,7 @@ impl Resolver<'_> {
     /// Returns `true` if `extend` can add elements to a domain: it is abstract or a subset of an
     /// abstract one.
     fn is_extensible(&self, ty: TypeId) -> bool {
-        let root = self.declared.types.root(ty, &self.declared.domains);
-        match self.declared.types.get(root) {
-            Type::Domain(domain) => {
-                self.declared.domains[domain.0 as usize].kind == DomainKind::Abstract
-            }
-            _ => false,
-        }
+        self.declared.types.is_abstract(ty, &self.declared.domains)
     }
 }
 

@@ -250,9 +250,10 @@ impl Resolver<'_> {
         let mut value = self.term(first);
         for (index, link) in links.iter().enumerate() {
             let is_last = index + 1 == links.len();
-            let whole = match is_last {
-                true => span,
-                false => first.span.to(link.operand.span),
+            let whole = if is_last {
+                span
+            } else {
+                first.span.to(link.operand.span)
             };
             if index == 0 {
                 self.lint_not(link.operator, first, whole);

@@ -63,6 +63,15 @@ impl Type {
         })
     }
 
+    /// The domain, if the type is a declared one.
+    pub fn as_domain(&self) -> Option<DomainId> {
+        if let Self::Domain(domain) = self {
+            Some(*domain)
+        } else {
+            None
+        }
+    }
+
     /// Returns `true` for Integer and Natural.
     pub(crate) fn is_whole(&self) -> bool {
         matches!(self, Self::Integer | Self::Natural)
@@ -138,15 +147,19 @@ impl TypeTable {
         // at most as many steps as there are domains: declaration errors may have made the chain a
         // cycle
         for _ in 0..=domains.len() {
-            match self.get(at) {
-                Type::Domain(domain) => match domains[domain.0 as usize].kind {
-                    DomainKind::Concrete { base } => at = base,
-                    _ => return at,
-                },
-                _ => return at,
+            let domain = self.get(at).as_domain();
+            match domain.and_then(|domain| domains[domain.0 as usize].kind.base()) {
+                Some(base) => at = base,
+                None => return at,
             }
         }
         at
+    }
+
+    /// Returns whether the type is an abstract domain, or a subset of one.
+    pub fn is_abstract(&self, id: TypeId, domains: &[Domain]) -> bool {
+        let root = self.get(self.root(id, domains)).as_domain();
+        root.is_some_and(|root| domains[root.0 as usize].kind == DomainKind::Abstract)
     }
 
     /// Iterates over a type, its components, and the bases of the domains in it, each once.
@@ -186,12 +199,8 @@ impl TypeTable {
     }
 
     fn variable(&self, id: TypeId, domains: &[Domain]) -> Option<DomainId> {
-        match self.get(id) {
-            Type::Domain(domain) if domains[domain.0 as usize].kind == DomainKind::Any => {
-                Some(*domain)
-            }
-            _ => None,
-        }
+        let domain = self.get(id).as_domain()?;
+        (domains[domain.0 as usize].kind == DomainKind::Any).then_some(domain)
     }
 
     /// Returns `true` if a value of one type may stand where the other is wanted. The relation is
@@ -347,7 +356,17 @@ impl TypeTable {
                 let key = self.substitute(key, domains, bindings);
                 Type::Map(key, self.substitute(value, domains, bindings))
             }
-            other => other,
+            Type::Invalid
+            | Type::Undef
+            | Type::Boolean
+            | Type::Integer
+            | Type::Natural
+            | Type::Real
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule
+            | Type::Domain(_) => return id,
         };
         self.id(ty)
     }

@@ -366,9 +366,10 @@ impl Program {
         let replies = function.codomain != ValueShape::Rule;
         AgentOperation {
             takes,
-            gives: match replies {
-                true => function.codomain.clone(),
-                false => ValueShape::Any,
+            gives: if replies {
+                function.codomain.clone()
+            } else {
+                ValueShape::Any
             },
             replies,
         }

@@ -42,6 +42,10 @@ impl StepContext<'_> {
 
     /// Updates the status of agents with message actions: ready for one that received a message,
     /// blocked for one that found none. An update by a rule takes precedence.
+    ///
+    /// # Errors
+    /// [`RuleStopped`] if the status of an agent cannot be written, because the agent is not in the domain of the
+    /// status function; the fault is in the context.
     pub fn settle_status(&mut self) -> Result<(), RuleStopped> {
         let Some(messages) = &self.program.messages else {
             return Ok(());
@@ -78,9 +82,10 @@ impl StepContext<'_> {
         let slot = self.slot(messages.status, self.stack.len() - 1);
         self.stack.pop();
         self.checked()?;
-        let status = match has_received {
-            true => &messages.ready,
-            false => &messages.blocked,
+        let status = if has_received {
+            &messages.ready
+        } else {
+            &messages.blocked
         };
         if self.updates.given(slot).is_some() || self.state.store.slots[slot as usize] == *status {
             return Ok(());

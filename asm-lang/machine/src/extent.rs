@@ -10,6 +10,10 @@ use std::sync::Arc;
 
 impl StepContext<'_> {
     /// Returns the elements of a domain in the current state, in ascending order.
+    ///
+    /// # Errors
+    /// [`FaultKind::Infinite`] for an open domain such as Integer, [`FaultKind::TooLarge`] for an interval with too
+    /// many elements.
     pub fn elements(&self, domain: DomainId) -> Result<Arc<Vec<Value>>, FaultKind> {
         match self.program.domains[domain.0 as usize].elements {
             DomainElements::Ints { low, high } => {
@@ -27,6 +31,9 @@ impl StepContext<'_> {
     }
 
     /// Returns all values of a shape, in ascending order.
+    ///
+    /// # Errors
+    /// [`FaultKind::Infinite`] or [`FaultKind::TooLarge`], as for [`elements`](Self::elements).
     pub fn extent(&self, shape: &ValueShape) -> Result<Vec<Value>, FaultKind> {
         match shape {
             ValueShape::Bool => Ok(vec![Value::Bool(false), Value::Bool(true)]),

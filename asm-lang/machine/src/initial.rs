@@ -32,9 +32,10 @@ impl Machine {
         }
         self.begin_here(0);
         self.is_complete = !program.needs_inputs();
-        match self.is_complete {
-            true => self.check_initial(&mut NoInputs, 0),
-            false => Ok(()),
+        if self.is_complete {
+            self.check_initial(&mut NoInputs, 0)
+        } else {
+            Ok(())
         }
     }
 
@@ -106,7 +107,18 @@ impl Machine {
                 elements.dedup();
                 elements
             }
-            _ => Vec::new(),
+            Value::Undef
+            | Value::Bool(_)
+            | Value::Int(_)
+            | Value::Real(_)
+            | Value::Char(_)
+            | Value::Atom(_)
+            | Value::Rule(_)
+            | Value::Text(_)
+            | Value::Complex(_)
+            | Value::Tuple(_)
+            | Value::Bag(_)
+            | Value::Map(_) => Vec::new(),
         };
         self.state.store.extents[domain.0 as usize] = Arc::new(elements);
         Ok(())

@@ -7,9 +7,10 @@ impl StepContext<'_> {
     /// Checks the invariants that are assumptions about inputs, or else all others.
     #[inline]
     pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), RuleStopped> {
-        match self.program.invariants.is_empty() {
-            true => Ok(()),
-            false => self.check_each_invariant(assumptions),
+        if self.program.invariants.is_empty() {
+            Ok(())
+        } else {
+            self.check_each_invariant(assumptions)
         }
     }
 

@@ -216,9 +216,10 @@ impl Machine {
 
     /// Returns the implementation of the next step: closures or native code.
     pub fn back_end(&self) -> BackEnd {
-        match self.is_native() {
-            true => BackEnd::Native,
-            false => BackEnd::Closures,
+        if self.is_native() {
+            BackEnd::Native
+        } else {
+            BackEnd::Closures
         }
     }
 
@@ -351,9 +352,10 @@ impl Machine {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<(), Box<StepFault>> {
-        match self.program.invariants.is_empty() {
-            true => Ok(()),
-            false => self.check_new_state(environment, chooser, now_ns),
+        if self.program.invariants.is_empty() {
+            Ok(())
+        } else {
+            self.check_new_state(environment, chooser, now_ns)
         }
     }
 

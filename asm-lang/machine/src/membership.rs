@@ -32,6 +32,9 @@ impl StepContext<'_> {
     /// Stops a rule that updates a location with an argument outside the function's domain.
     /// Arguments inside the domain on first access need no further check. Those outside are checked
     /// again, because the location may have been accessed before the initial state was complete.
+    ///
+    /// # Errors
+    /// [`RuleStopped`], with [`FaultKind::OutsideArgument`] in the context.
     pub fn check_place(&mut self, slot: Slot, origin: Origin) -> Result<(), RuleStopped> {
         if !self.state.is_outside(slot) {
             return Ok(());

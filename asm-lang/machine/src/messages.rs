@@ -116,9 +116,10 @@ impl<'a> MessageRoute<'a> {
 
 /// Returns the name of an operation, without prefix and signature.
 fn name(operation: &Value) -> Option<&str> {
-    match operation {
-        Value::Text(text) => Some(asmotion_stdlib::operation(text)),
-        _ => None,
+    if let Value::Text(text) = operation {
+        Some(asmotion_stdlib::operation(text))
+    } else {
+        None
     }
 }
 

@@ -47,17 +47,19 @@ pub(crate) struct WitnessNotes {
 
 impl WitnessNotes {
     pub fn about(fault: &StepFault) -> Self {
-        let writers = match &fault.kind {
-            FaultKind::Clash {
-                slot,
-                first,
-                first_origin,
-                second,
-            } => vec![
+        let writers = if let FaultKind::Clash {
+            slot,
+            first,
+            first_origin,
+            second,
+        } = &fault.kind
+        {
+            vec![
                 Self::writer(*slot, first, *first_origin),
                 Self::writer(*slot, second, fault.origin),
-            ],
-            _ => Vec::new(),
+            ]
+        } else {
+            Vec::new()
         };
         Self {
             path: vec![PathEntry::new(fault.origin, false)],
@@ -69,9 +71,10 @@ impl WitnessNotes {
 
     /// Returns the limit for loop iterations.
     pub fn max_iterations(&self) -> u32 {
-        match self.endless {
-            true => Witness::ROUNDS,
-            false => MAX_ITERATIONS,
+        if self.endless {
+            Witness::ROUNDS
+        } else {
+            MAX_ITERATIONS
         }
     }
 

@@ -196,15 +196,14 @@ impl Unpacked {
         for &domain in &layout.heard_domains {
             extents.push((domain, from.values()?));
         }
-        let recalled = match layout.recalls {
-            true => {
-                let slots = from.values()?;
-                let Value::Int(now_ns) = from.value()? else {
-                    return None;
-                };
-                Some((slots, now_ns))
-            }
-            false => None,
+        let recalled = if layout.recalls {
+            let slots = from.values()?;
+            let Value::Int(now_ns) = from.value()? else {
+                return None;
+            };
+            Some((slots, now_ns))
+        } else {
+            None
         };
         Some(Self {
             eager,

@@ -1,6 +1,6 @@
 //! Fast path for steps that write only scalars: nothing to drop, and no reference counts.
 
-#![allow(
+#![expect(
     unsafe_code,
     reason = "lists are filled and emptied without a look at each element"
 )]

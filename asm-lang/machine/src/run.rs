@@ -79,9 +79,10 @@ impl KleeneTruth {
 
     /// Converts a value of the language; all values but truth values become undef.
     pub fn from_value(value: &Value) -> Self {
-        match value {
-            Value::Bool(truth) => Self::of(*truth),
-            _ => Self::Undef,
+        if let Value::Bool(truth) = value {
+            Self::of(*truth)
+        } else {
+            Self::Undef
         }
     }
 }

@@ -148,11 +148,10 @@ impl Machine {
         let phase = from.number().ok_or(ForeignSnapshot)?;
         let mut unpacked =
             Unpacked::read(program, &code.layout, &mut from).ok_or(ForeignSnapshot)?;
-        let post = match program.messages.is_some() {
-            true => {
-                MessagesInTransit::unpack(&mut from, snapshot.messages).ok_or(ForeignSnapshot)?
-            }
-            false => MessagesInTransit::default(),
+        let post = if program.messages.is_some() {
+            MessagesInTransit::unpack(&mut from, snapshot.messages).ok_or(ForeignSnapshot)?
+        } else {
+            MessagesInTransit::default()
         };
         let mut history = Reader::new(&snapshot.history, program.rules.len());
         let known = unpacked.read_history(program, &mut history);

@@ -65,12 +65,13 @@ impl Machine {
         let mut again = self.recompiled(CompiledProgram::watched(self.program()));
         again.watch(fault);
         let done = fault.step > 0 && fault.step == last.number();
-        let failed = match done {
+        let failed = if done {
             // the step itself succeeded, but its new state violates an invariant
-            true => again
+            again
                 .check_again(&mut inputs, &mut choices, last.now_ns())
-                .err(),
-            false => again.step(&mut inputs, &mut choices, last.now_ns()).err(),
+                .err()
+        } else {
+            again.step(&mut inputs, &mut choices, last.now_ns()).err()
         };
         again.told(fault, failed)
     }

@@ -61,9 +61,10 @@ fn module() -> Option<JITModule> {
     if cfg!(target_endian = "big") || cfg!(not(target_pointer_width = "64")) {
         return None;
     }
-    let verifies = match cfg!(debug_assertions) {
-        true => "true",
-        false => "false",
+    let verifies = if cfg!(debug_assertions) {
+        "true"
+    } else {
+        "false"
     };
     let mut flags = settings::builder();
     flags.set("use_colocated_libcalls", "false").ok()?;

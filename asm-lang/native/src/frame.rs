@@ -6,7 +6,7 @@
 //! work of native code (`settle`); after each call the frame is updated, because the vectors may
 //! have been reallocated (`refresh`). The README of this crate gives the whole safety argument.
 
-#![allow(
+#![expect(
     unsafe_code,
     reason = "native code and the machine share memory by pointers"
 )]
@@ -329,9 +329,10 @@ pub(crate) mod out {
         if let Detour::Term(term) = detour(frame, index) {
             frame.outside(place, |run, answer| {
                 let value = term(run);
-                *answer = match run.take_failure() {
-                    false => value,
-                    true => Value::Undef,
+                *answer = if run.take_failure() {
+                    Value::Undef
+                } else {
+                    value
                 };
             });
         }

@@ -41,7 +41,35 @@ impl Emitter<'_> {
                 Some(KnownValue::Memory(kind)) => *kind,
                 Some(KnownValue::Nothing) | None => ValueKind::Other,
             },
-            _ => term.kind,
+            TermNode::Agent
+            | TermNode::Slot(..)
+            | TermNode::Location(..)
+            | TermNode::Call(..)
+            | TermNode::Cached(..)
+            | TermNode::Builtin(..)
+            | TermNode::Logic(..)
+            | TermNode::Not(_)
+            | TermNode::Equal(..)
+            | TermNode::Compare(..)
+            | TermNode::Arithmetic(..)
+            | TermNode::Tuple(_)
+            | TermNode::Component(..)
+            | TermNode::If(..)
+            | TermNode::Switch(..)
+            | TermNode::Let(..)
+            | TermNode::Quantified(..)
+            | TermNode::Listed(..)
+            | TermNode::Interval(..)
+            | TermNode::Collect(..)
+            | TermNode::Map(_)
+            | TermNode::CollectMap(..)
+            | TermNode::Extent(_)
+            | TermNode::Unbound
+            | TermNode::Program(_)
+            | TermNode::Pre(_)
+            | TermNode::Watched(_)
+            | TermNode::Name(_)
+            | TermNode::Named(..) => term.kind,
         }
     }
 
@@ -110,10 +138,12 @@ fn grows(program: &Program, domain: DomainId) -> bool {
 /// Returns `true` if evaluating a term twice has the same effect as evaluating it once: it neither
 /// prints nor records.
 pub(crate) fn is_repeatable(program: &Program, term: &Term) -> bool {
-    !reaches(program, term, &mut Vec::new(), &|node| match node {
-        TermNode::Builtin(builtin, _) => builtin.prints(),
-        TermNode::Watched(_) => true,
-        _ => false,
+    !reaches(program, term, &mut Vec::new(), &|node| {
+        if let TermNode::Builtin(builtin, _) = node {
+            builtin.prints()
+        } else {
+            matches!(node, TermNode::Watched(_))
+        }
     })
 }
 
@@ -151,7 +181,20 @@ pub(crate) fn rule_counts(program: &Program, rule: &Rule) -> bool {
                     seen.push(*routine);
                     search(program, &program.routines[routine.0 as usize].code, seen)
                 }
-                _ => false,
+                RuleNode::Skip
+                | RuleNode::Update(..)
+                | RuleNode::Par(_)
+                | RuleNode::Seq(_)
+                | RuleNode::If(..)
+                | RuleNode::Switch(..)
+                | RuleNode::Let(..)
+                | RuleNode::Extend(..)
+                | RuleNode::Watched(_)
+                | RuleNode::While { .. }
+                | RuleNode::Local { .. }
+                | RuleNode::Draw(..)
+                | RuleNode::Counted(..)
+                | RuleNode::Act(..) => false,
             }
         })
     }

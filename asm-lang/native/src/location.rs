@@ -27,12 +27,14 @@ pub(crate) struct Located {
 impl Emitter<'_> {
     /// Generates the address of the location that a term denotes, if native code supports it.
     pub fn place_of(&mut self, term: &Term) -> Option<Located> {
-        match &*term.node {
-            TermNode::Slot(function, slot) if !self.is_input(*function) => Some(self.fixed(*slot)),
-            TermNode::Location(function, arguments) if !self.is_input(*function) => {
-                self.located(*function, arguments)
-            }
-            _ => None,
+        if let TermNode::Slot(function, slot) = &*term.node {
+            (!self.is_input(*function)).then(|| self.fixed(*slot))
+        } else if let TermNode::Location(function, arguments) = &*term.node
+            && !self.is_input(*function)
+        {
+            self.located(*function, arguments)
+        } else {
+            None
         }
     }
 

@@ -307,7 +307,10 @@ impl Emitter<'_> {
             return None;
         };
         let (first, count) = agent.among?;
-        let domains = (self.program.atom_domains).get(first as usize..(first + count) as usize)?;
+        let domains = self
+            .program
+            .atom_domains
+            .get(first as usize..(first + count) as usize)?;
         let domain = domains.first()?;
         if domains.iter().any(|other| other != domain) {
             return None;
@@ -327,9 +330,10 @@ impl Emitter<'_> {
         let each = guard.is_some_and(|guard| counts(self.program, guard))
             || rule_counts(self.program, body)
             || total(&spans) > u64::from(MAX_BINDINGS);
-        let counting = match each {
-            true => Counting::EachInRule,
-            false => Counting::Together,
+        let counting = if each {
+            Counting::EachInRule
+        } else {
+            Counting::Together
         };
         let done = self.block();
         let native = |this: &mut Self| {
@@ -367,9 +371,10 @@ impl Emitter<'_> {
         let total = total(&spans);
         let each = guard.is_some_and(|guard| counts(self.program, guard))
             || total > u64::from(MAX_BINDINGS / 2);
-        let counting = match each {
-            true => Counting::EachInRule,
-            false => Counting::Checked,
+        let counting = if each {
+            Counting::EachInRule
+        } else {
+            Counting::Checked
         };
         let done = self.block();
         let native = |this: &mut Self| {

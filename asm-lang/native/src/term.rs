@@ -63,7 +63,34 @@ impl Emitter<'_> {
                 Some(place) => anything(self.read(&place, layout::INT, I64)),
                 None => anything(self.term_outside(term, layout::INT, I64)),
             },
-            _ => anything(self.term_outside(term, layout::INT, I64)),
+            TermNode::Constant(_)
+            | TermNode::Agent
+            | TermNode::Call(..)
+            | TermNode::Cached(..)
+            | TermNode::Builtin(..)
+            | TermNode::Logic(..)
+            | TermNode::Not(_)
+            | TermNode::Equal(..)
+            | TermNode::Compare(..)
+            | TermNode::Arithmetic(..)
+            | TermNode::Tuple(_)
+            | TermNode::Component(..)
+            | TermNode::If(..)
+            | TermNode::Switch(..)
+            | TermNode::Let(..)
+            | TermNode::Quantified(..)
+            | TermNode::Listed(..)
+            | TermNode::Interval(..)
+            | TermNode::Collect(..)
+            | TermNode::Map(_)
+            | TermNode::CollectMap(..)
+            | TermNode::Extent(_)
+            | TermNode::Unbound
+            | TermNode::Program(_)
+            | TermNode::Pre(_)
+            | TermNode::Watched(_)
+            | TermNode::Name(_)
+            | TermNode::Named(..) => anything(self.term_outside(term, layout::INT, I64)),
         }
     }
 
@@ -87,7 +114,33 @@ impl Emitter<'_> {
                 Some(place) => anything(self.read(&place, layout::ATOM, I32)),
                 None => anything(self.term_outside(term, layout::ATOM, I32)),
             },
-            _ => anything(self.term_outside(term, layout::ATOM, I32)),
+            TermNode::Constant(_)
+            | TermNode::Call(..)
+            | TermNode::Cached(..)
+            | TermNode::Builtin(..)
+            | TermNode::Logic(..)
+            | TermNode::Not(_)
+            | TermNode::Equal(..)
+            | TermNode::Compare(..)
+            | TermNode::Arithmetic(..)
+            | TermNode::Tuple(_)
+            | TermNode::Component(..)
+            | TermNode::If(..)
+            | TermNode::Switch(..)
+            | TermNode::Let(..)
+            | TermNode::Quantified(..)
+            | TermNode::Listed(..)
+            | TermNode::Interval(..)
+            | TermNode::Collect(..)
+            | TermNode::Map(_)
+            | TermNode::CollectMap(..)
+            | TermNode::Extent(_)
+            | TermNode::Unbound
+            | TermNode::Program(_)
+            | TermNode::Pre(_)
+            | TermNode::Watched(_)
+            | TermNode::Name(_)
+            | TermNode::Named(..) => anything(self.term_outside(term, layout::ATOM, I32)),
         }
     }
 
@@ -172,9 +225,10 @@ impl Emitter<'_> {
                     .icmp(IntCC::SignedGreaterThanOrEqual, a, b);
                 return self.builder.ins().select(enough, less, a);
             }
-            return match left.interval.low >= 0 {
-                true => self.builder.ins().urem(a, b),
-                false => self.builder.ins().srem(a, b),
+            return if left.interval.low >= 0 {
+                self.builder.ins().urem(a, b)
+            } else {
+                self.builder.ins().srem(a, b)
             };
         }
         if divisor.low <= 0 {

@@ -12,28 +12,28 @@ use cranelift_codegen::ir::{Block, InstBuilder};
 impl Emitter<'_> {
     /// Generates a truth value in a register; leaves for the detour if it is undef.
     pub fn truth(&mut self, term: &Term) -> Ssa {
-        match &*term.node {
-            TermNode::Local(local) => match self.scope.locals.get(*local as usize) {
+        if let TermNode::Local(local) = &*term.node {
+            return match self.scope.locals.get(*local as usize) {
                 Some(KnownValue::Bool(truth)) => *truth,
                 _ => self.local(*local, layout::BOOL, I8),
-            },
-            TermNode::Slot(..) | TermNode::Location(..) => match self.place_of(term) {
+            };
+        }
+        if let TermNode::Slot(..) | TermNode::Location(..) = &*term.node {
+            return match self.place_of(term) {
                 Some(place) => self.read(&place, layout::BOOL, I8),
                 None => self.term_outside(term, layout::BOOL, I8),
-            },
-            _ => {
-                let (yes, no, done) = (self.block(), self.block(), self.block());
-                let result = self.builder.append_block_param(done, I8);
-                self.test(term, yes, no);
-                for (block, truth) in [(yes, 1), (no, 0)] {
-                    self.begin(block);
-                    let truth = self.number(I8, truth);
-                    self.jump_with(done, truth);
-                }
-                self.begin(done);
-                result
-            }
+            };
         }
+        let (yes, no, done) = (self.block(), self.block(), self.block());
+        let result = self.builder.append_block_param(done, I8);
+        self.test(term, yes, no);
+        for (block, truth) in [(yes, 1), (no, 0)] {
+            self.begin(block);
+            let truth = self.number(I8, truth);
+            self.jump_with(done, truth);
+        }
+        self.begin(done);
+        result
     }
 
     /// Generates a branch on a truth value; leaves for the detour if it is undef.
@@ -77,7 +77,32 @@ impl Emitter<'_> {
                 let truth = self.truth(term);
                 self.branch(truth, yes, no);
             }
-            _ => self.truth_outside(term, yes, no),
+            TermNode::Constant(_)
+            | TermNode::Agent
+            | TermNode::Call(..)
+            | TermNode::Cached(..)
+            | TermNode::Builtin(..)
+            | TermNode::Logic(..)
+            | TermNode::Not(_)
+            | TermNode::Compare(..)
+            | TermNode::Arithmetic(..)
+            | TermNode::Tuple(_)
+            | TermNode::Component(..)
+            | TermNode::If(..)
+            | TermNode::Switch(..)
+            | TermNode::Let(..)
+            | TermNode::Listed(..)
+            | TermNode::Interval(..)
+            | TermNode::Collect(..)
+            | TermNode::Map(_)
+            | TermNode::CollectMap(..)
+            | TermNode::Extent(_)
+            | TermNode::Unbound
+            | TermNode::Program(_)
+            | TermNode::Pre(_)
+            | TermNode::Watched(_)
+            | TermNode::Name(_)
+            | TermNode::Named(..) => self.truth_outside(term, yes, no),
         }
     }
 
@@ -147,9 +172,10 @@ impl Emitter<'_> {
         let (Some(spans), Some(guard)) = (self.spans(binders), guard) else {
             return self.truth_outside(term, yes, no);
         };
-        let counting = match counts(self.program, guard) {
-            true => Counting::EachInTerm,
-            false => Counting::Together,
+        let counting = if counts(self.program, guard) {
+            Counting::EachInTerm
+        } else {
+            Counting::Together
         };
         self.each(&spans, counting, &mut |this, next| {
             let found = this.block();

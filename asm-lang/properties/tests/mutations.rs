@@ -1,7 +1,7 @@
 //! The properties for small mutations of existing programs: a bounded, deterministic version of
 //! what the fuzzers do.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "helpers of tests")]
 #![allow(clippy::disallowed_methods, reason = "the programs are on the disk")]
 
 use asmotion_properties::{check, fmt, parse};

@@ -153,9 +153,10 @@ impl ScriptReader<'_> {
                 ("default", DeValue::Table(inputs)) => script.defaults = self.inputs(inputs),
                 ("step", DeValue::Array(steps)) => {
                     for step in steps {
-                        match step.get_ref() {
-                            DeValue::Table(inputs) => script.steps.push(self.inputs(inputs)),
-                            _ => self.not_a_section(step.span()),
+                        if let DeValue::Table(inputs) = step.get_ref() {
+                            script.steps.push(self.inputs(inputs));
+                        } else {
+                            self.not_a_section(step.span());
                         }
                     }
                 }
@@ -280,9 +281,10 @@ impl ScriptReader<'_> {
             Some(value) => Some(((function, values), value)),
             None => {
                 let at = self.span(value.span());
-                let (what, text) = match value.get_ref() {
-                    DeValue::String(text) => (format!("`{text}`"), text.as_ref()),
-                    _ => (format!("this value of `{name}`"), ""),
+                let (what, text) = if let DeValue::String(text) = value.get_ref() {
+                    (format!("`{text}`"), text.as_ref())
+                } else {
+                    (format!("this value of `{name}`"), "")
                 };
                 self.misfit(&what, text, &declared.codomain, at);
                 None

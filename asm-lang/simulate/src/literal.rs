@@ -212,9 +212,10 @@ impl<'a> LiteralReader<'a> {
             return self.tuple(shape);
         }
         if self.accept("[") {
-            let item = match shape {
-                ValueShape::Seq(item) => item,
-                _ => &ValueShape::Any,
+            let item = if let ValueShape::Seq(item) = shape {
+                item
+            } else {
+                &ValueShape::Any
             };
             return self.items(item, "]").map(Value::seq);
         }
@@ -232,9 +233,10 @@ impl<'a> LiteralReader<'a> {
             return self.accept(">>").then_some(rule);
         }
         if self.accept("<") {
-            let item = match shape {
-                ValueShape::Bag(item) => item,
-                _ => &ValueShape::Any,
+            let item = if let ValueShape::Bag(item) = shape {
+                item
+            } else {
+                &ValueShape::Any
             };
             return self.items(item, ">").map(Value::bag);
         }
@@ -285,9 +287,10 @@ impl<'a> LiteralReader<'a> {
     fn tuple(&mut self, shape: &ValueShape) -> Option<Value> {
         let mut items = Vec::new();
         loop {
-            let item = match shape {
-                ValueShape::Tuple(shapes) => shapes.get(items.len())?,
-                _ => &ValueShape::Any,
+            let item = if let ValueShape::Tuple(shapes) = shape {
+                shapes.get(items.len())?
+            } else {
+                &ValueShape::Any
             };
             items.push(self.value(item)?);
             if self.accept(")") {
@@ -320,15 +323,19 @@ impl<'a> LiteralReader<'a> {
             return self.accept("}").then(|| Value::map([]));
         }
         if self.accept("}") {
-            return Some(match shape {
-                ValueShape::Map(..) => Value::map([]),
-                _ => Value::set([]),
+            let is_map = matches!(shape, ValueShape::Map(..));
+            return Some(if is_map {
+                Value::map([])
+            } else {
+                Value::set([])
             });
         }
-        let (key, value) = match shape {
-            ValueShape::Map(key, value) => (&**key, &**value),
-            ValueShape::Set(item) => (&**item, &ValueShape::Any),
-            _ => (&ValueShape::Any, &ValueShape::Any),
+        let (key, value) = if let ValueShape::Map(key, value) = shape {
+            (&**key, &**value)
+        } else if let ValueShape::Set(item) = shape {
+            (&**item, &ValueShape::Any)
+        } else {
+            (&ValueShape::Any, &ValueShape::Any)
         };
         let (mut keys, mut values) = (Vec::new(), Vec::new());
         loop {

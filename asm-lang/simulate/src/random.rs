@@ -54,7 +54,10 @@ impl Random {
             match program.domains[index].elements {
                 // sampled by their bounds, without listing them
                 asmotion_ir::DomainElements::Ints { .. } => Vec::new(),
-                _ => machine.state().extent(domain).to_vec(),
+                asmotion_ir::DomainElements::Atoms { .. }
+                | asmotion_ir::DomainElements::Computed(_)
+                | asmotion_ir::DomainElements::Undefined
+                | asmotion_ir::DomainElements::Open => machine.state().extent(domain).to_vec(),
             }
         };
         let extents = (0..program.domains.len()).map(extent).collect();

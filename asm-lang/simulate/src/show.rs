@@ -55,9 +55,10 @@ pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, Strin
 pub fn sent(machine: &Machine, sent: &SentMessage) -> String {
     let naming = machine.naming();
     let (from, to) = (sent.from.show(&naming), sent.to.show(&naming));
-    let operation = match &sent.operation {
-        Value::Text(text) => text.as_str(),
-        _ => "",
+    let operation = if let Value::Text(text) = &sent.operation {
+        text.as_str()
+    } else {
+        ""
     };
     let operation = asmotion_stdlib::operation(operation);
     match &sent.kind {

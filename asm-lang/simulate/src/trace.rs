@@ -56,9 +56,10 @@ impl Trace {
         };
         trace.domains("D0", naming);
         trace.line(format_args!("@step 1"));
-        match &fault.kind {
-            FaultKind::Invariant { index, .. } => trace.invariant(program, *index, "pre"),
-            _ => trace.line(format_args!("@error {}", kind(fault))),
+        if let FaultKind::Invariant { index, .. } = &fault.kind {
+            trace.invariant(program, *index, "pre");
+        } else {
+            trace.line(format_args!("@error {}", kind(fault)));
         }
         trace.line(format_args!("@end {}", kind(fault)));
         trace.text

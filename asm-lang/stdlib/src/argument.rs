@@ -102,9 +102,10 @@ impl<'a> FromValue<'a> for &'a Value {
 impl<'a, A: FromValue<'a>> FromValue<'a> for Option<A> {
     const EXPECTED: &'static str = A::EXPECTED;
     fn read(value: &'a Value) -> Option<Self> {
-        match value {
-            Value::Undef => Some(None),
-            defined => A::read(defined).map(Some),
+        if value.is_undef() {
+            Some(None)
+        } else {
+            A::read(value).map(Some)
         }
     }
 }

@@ -220,12 +220,10 @@ impl FunctionDefinition {
     /// Returns `true` if the definition has the form `function a = a`, which some models use to
     /// declare a constant.
     pub fn is_circular(&self) -> bool {
-        match &*self.body.kind {
-            TermKind::Apply { name, arguments } => {
-                self.parameters.is_empty() && arguments.is_empty() && name.text == self.name.text
-            }
-            _ => false,
-        }
+        let TermKind::Apply { name, arguments } = &*self.body.kind else {
+            return false;
+        };
+        self.parameters.is_empty() && arguments.is_empty() && name.text == self.name.text
     }
 }
 

@@ -67,14 +67,12 @@ pub fn parse_assignment_in(
     part: Range<usize>,
 ) -> Result<(ast::Assignee, ast::Term), Report> {
     let rule = parse_rule_in(file, text, part)?;
-    match *rule.kind {
-        ast::RuleKind::Update { target, value } => Ok((target, value)),
-        _ => {
-            let mut report = Report::new();
-            report.push(NotAnAssignment { at: rule.span }.diagnostic());
-            Err(report)
-        }
+    if let ast::RuleKind::Update { target, value } = *rule.kind {
+        return Ok((target, value));
     }
+    let mut report = Report::new();
+    report.push(NotAnAssignment { at: rule.span }.diagnostic());
+    Err(report)
 }
 
 fn parse<T>(

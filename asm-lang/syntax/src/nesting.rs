@@ -198,7 +198,21 @@ impl<'input> Nesting<'input> {
             }
             Token::Keyword(Keyword::In) => open.compares = true,
             Token::Sign(Sign::Colon) => open.compares = false,
-            _ => {}
+            Token::Keyword(_)
+            | Token::Sign(_)
+            | Token::Name(_)
+            | Token::Constant(_)
+            | Token::Rule(_)
+            | Token::Variable(_)
+            | Token::Word(_)
+            | Token::Path(_)
+            | Token::Integer(_)
+            | Token::Natural(_)
+            | Token::Real(_)
+            | Token::Complex(_)
+            | Token::Char(_)
+            | Token::Text(_)
+            | Token::Start(_) => {}
         }
     }
 }

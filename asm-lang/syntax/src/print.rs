@@ -71,8 +71,9 @@ pub fn format_scenario(file: FileId, text: &str) -> Result<String, Report> {
 
 /// Converts line ends to `\n`.
 fn unix(text: &str) -> Cow<'_, str> {
-    match text.contains('\r') {
-        true => text.replace("\r\n", "\n").replace('\r', "\n").into(),
-        false => text.into(),
+    if text.contains('\r') {
+        text.replace("\r\n", "\n").replace('\r', "\n").into()
+    } else {
+        text.into()
     }
 }

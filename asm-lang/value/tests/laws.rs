@@ -252,7 +252,8 @@ impl<'a> Reader<'a> {
             "undef" => Some(Value::Undef),
             "true" => Some(Value::Bool(true)),
             "false" => Some(Value::Bool(false)),
-            _ => (number("a").map(|each| Value::Atom(Atom(each))))
+            _ => number("a")
+                .map(|each| Value::Atom(Atom(each)))
                 .or_else(|| number("r_").map(|each| Value::Rule(RuleId(each))))
                 .or_else(|| word.parse().ok().map(Value::Int))
                 .or_else(|| word.parse().ok().map(Value::real))

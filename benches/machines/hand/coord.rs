@@ -90,10 +90,7 @@ pub fn run(steps: u64, show: bool) -> Vec<String> {
         step(&old, &mut state);
         black_box(&mut state);
     }
-    match show {
-        true => shown(&state),
-        false => Vec::new(),
-    }
+    if show { shown(&state) } else { Vec::new() }
 }
 
 fn shown(state: &State) -> Vec<String> {
@@ -272,7 +269,7 @@ fn in_boot(old: &State, new: &mut State) {
         Event::Tmo => {
             boot_tmo(old, new);
         }
-        _ => {
+        Event::Req | Event::Rst => {
             boot_other(old, new);
         }
     }
@@ -456,7 +453,7 @@ fn in_order(old: &State, new: &mut State) {
         Event::Tmo => {
             order_tmo(old, new);
         }
-        _ => {
+        Event::Nack | Event::Rst => {
             order_other(old, new);
         }
     }
@@ -629,7 +626,7 @@ fn in_ship(old: &State, new: &mut State) {
         Event::Tmo => {
             ship_tmo(old, new);
         }
-        _ => {
+        Event::Req | Event::Nack | Event::Rst => {
             ship_other(old, new);
         }
     }
@@ -928,7 +925,7 @@ fn in_failed(old: &State, new: &mut State) {
         Event::Tmo => {
             failed_tmo(old, new);
         }
-        _ => {
+        Event::Req | Event::Rst => {
             failed_other(old, new);
         }
     }

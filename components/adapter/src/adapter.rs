@@ -145,7 +145,11 @@ impl TrajectoryAdapter {
         let sees = self.seen.is_some_and(|at| now.since(at) <= timeout);
         match self.trail.newest() {
             Some(robot) if sees => {
-                if (cycle.read(self.ports.permit).any()).is_some_and(|permit| !permit.data) {
+                if cycle
+                    .read(self.ports.permit)
+                    .any()
+                    .is_some_and(|permit| !permit.data)
+                {
                     self.adviser.wait();
                 }
                 let AdapterProperties {

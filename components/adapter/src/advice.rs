@@ -215,9 +215,10 @@ impl Adviser {
     fn go_on(&mut self) -> Advice {
         match (&self.route, self.told) {
             (Some(route), LastAdvice::Nothing | LastAdvice::Hold) => {
-                let (told, path) = match route.is_bent(0) {
-                    true => (LastAdvice::Bent, route.bent()),
-                    false => (LastAdvice::Planned, route.planned().clone()),
+                let (told, path) = if route.is_bent(0) {
+                    (LastAdvice::Bent, route.bent())
+                } else {
+                    (LastAdvice::Planned, route.planned().clone())
                 };
                 self.told = told;
                 say(path)

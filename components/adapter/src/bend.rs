@@ -334,7 +334,11 @@ impl Bender {
         let taken = window.route.offsets()[station];
         let is_goal = station + 1 == window.route.stations().len();
         let mut open = false;
-        let reachable = (self.cost.iter_mut().enumerate()).filter(|(_, cost)| cost.is_finite());
+        let reachable = self
+            .cost
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, cost)| cost.is_finite());
         for (lane, cost) in reachable {
             let offset = lanes.offset(lane);
             let room = obstacles.room(window.route.point(station, offset));
@@ -380,8 +384,11 @@ fn round(
 ) {
     for at in 1..offsets.len().saturating_sub(1) {
         let rounded = (offsets[at - 1] + 2.0 * offsets[at] + offsets[at + 1]) / 4.0;
-        let nearest =
-            |offset| (obstacles.room(window.route.point(window.from + at, offset))).nearest();
+        let nearest = |offset| {
+            obstacles
+                .room(window.route.point(window.from + at, offset))
+                .nearest()
+        };
         let enough = nearest(offsets[at]).min(limits.comfort());
         if rounded != offsets[at] && nearest(rounded) >= enough {
             offsets[at] = rounded;

@@ -139,9 +139,10 @@ impl BendableRoute {
         let along = self.nearest(here).map_or(0.0, |nearest| nearest.along);
         self.progress = Some(along);
         let last = self.stations.len() - 1;
-        let at = match self.step > 0.0 {
-            true => ((along / self.step) as usize).min(last),
-            false => last,
+        let at = if self.step > 0.0 {
+            ((along / self.step) as usize).min(last)
+        } else {
+            last
         };
         let station = &self.stations[at];
         (at, (here - station.point).dot(&station.left))
@@ -151,7 +152,9 @@ impl BendableRoute {
     /// that fails.
     fn nearest(&self, here: Point) -> Option<NearestOnLine> {
         if let Some(progress) = self.progress {
-            return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
+            return self
+                .line
+                .nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
         }
         let start = self.line.nearest_between(here, 0.0, SEARCH.1)?;
         if start.distance <= SEARCH.0 {

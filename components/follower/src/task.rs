@@ -210,7 +210,9 @@ impl FollowedPath {
     /// that fails.
     fn nearest(&self, here: Point) -> Option<NearestOnLine> {
         if let Some(progress) = self.progress {
-            return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
+            return self
+                .line
+                .nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
         }
         let start = self.line.nearest_between(here, 0.0, SEARCH.1)?;
         if start.distance <= SEARCH.0 {

@@ -61,6 +61,9 @@ impl Grid {
     }
 
     /// Creates a grid with these cells, row by row from cell (0, 0).
+    ///
+    /// # Errors
+    /// [`GridLayoutError::Cells`] if the layout has another number of cells.
     pub fn with_cells(layout: GridLayout, cells: Vec<i8>) -> Result<Self, GridLayoutError> {
         if cells.len() != layout.len() {
             return Err(GridLayoutError::Cells {
@@ -123,6 +126,9 @@ impl Grid {
 
     /// The grid with blocks of `factor` × `factor` cells merged. A merged cell has the value of its most occupied cell
     /// or, if none is occupied but one is unknown, is unknown. No obstacle is lost.
+    ///
+    /// # Errors
+    /// [`GridLayoutError::Resolution`] if the coarser cells have no finite size.
     pub fn coarsened(&self, factor: u32) -> Result<Self, GridLayoutError> {
         let factor = factor.max(1);
         let layout = GridLayout::new(

@@ -15,6 +15,10 @@ pub struct Cell {
 
 impl Cell {
     /// The cell in this column and row.
+    ///
+    /// # Errors
+    /// [`GridLayoutError::Resolution`] if the resolution is not a positive number, [`GridLayoutError::Origin`] if the
+    /// origin is not finite, [`GridLayoutError::TooLarge`] beyond [`Self::MAX_CELLS`].
     pub fn new(column: u32, row: u32) -> Self {
         Self { column, row }
     }
@@ -95,6 +99,10 @@ impl GridLayout {
 
     /// Creates a layout of `width` × `height` cells of `resolution` metres; `origin` is the lower left corner of cell
     /// (0, 0) in the map frame.
+    ///
+    /// # Errors
+    /// [`GridLayoutError::Resolution`] if the resolution is not a positive number, [`GridLayoutError::Origin`] if the
+    /// origin is not finite, [`GridLayoutError::TooLarge`] beyond [`Self::MAX_CELLS`].
     pub fn new(
         resolution: f64,
         width: u32,

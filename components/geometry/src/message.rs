@@ -9,6 +9,9 @@ use crate::pose::{Point, Pose, heading, yaw};
 use crate::scene::{ObstacleScene, RoundObstacle};
 
 /// Converts a map message to a grid in the frame of its header.
+///
+/// # Errors
+/// The resolution or the origin is invalid, the grid is too large, or the number of cells is not width × height.
 pub fn grid(message: &OccupancyGrid) -> Result<Grid, GridLayoutError> {
     let info = &message.info;
     let layout = GridLayout::new(

@@ -8,9 +8,16 @@ use std::path::Path;
 /// A source of files. Names are paths with `/`. `Sync`, because maps are loaded in background work.
 pub trait FileSource: Send + Sync {
     /// Reads a whole file; fails if it has more than `limit` bytes.
+    ///
+    /// # Errors
+    /// [`FileFault::Missing`] if there is no such file, [`FileFault::TooLong`] beyond `limit`, [`FileFault::Other`] if
+    /// it cannot be read.
     fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault>;
 
     /// The names of the files in a folder, without the folder's name, sorted.
+    ///
+    /// # Errors
+    /// [`FileFault::Missing`] if there is no such folder, [`FileFault::Other`] if it cannot be read.
     fn list(&self, folder: &str) -> Result<Vec<String>, FileFault>;
 
     /// Returns whether `name` is a folder.
@@ -36,9 +43,10 @@ pub enum FileFault {
 
 impl From<std::io::Error> for FileFault {
     fn from(error: std::io::Error) -> Self {
-        match error.kind() {
-            ErrorKind::NotFound => Self::Missing,
-            _ => Self::Other(error.to_string()),
+        if error.kind() == ErrorKind::NotFound {
+            Self::Missing
+        } else {
+            Self::Other(error.to_string())
         }
     }
 }

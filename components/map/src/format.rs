@@ -19,6 +19,10 @@ pub trait MapFormat: Sync {
     fn endings(&self) -> &'static [&'static str];
 
     /// Reads the map. Equal content gives equal maps.
+    ///
+    /// # Errors
+    /// The file cannot be read, is malformed, exceeds a limit of the settings, or contains nothing to draw: see
+    /// [`MapFault`].
     fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError>;
 }
 
@@ -33,9 +37,10 @@ pub const FORMATS: &[(&str, &dyn MapFormat)] = &[
 ];
 
 /// Endings of the formats that a build without the feature `maps` does not include.
-const LEFT_OUT: &[&str] = match cfg!(feature = "maps") {
-    true => &[],
-    false => &[".yaml", ".yml", ".osm", ".osm.xml"],
+const LEFT_OUT: &[&str] = if cfg!(feature = "maps") {
+    &[]
+} else {
+    &[".yaml", ".yml", ".osm", ".osm.xml"]
 };
 
 /// Settings of loading, common to all formats.
@@ -67,6 +72,10 @@ impl Default for MapSettings {
 }
 
 /// Loads the map in file `name`, whose ending determines the format.
+///
+/// # Errors
+/// [`MapFault::UnknownFormat`] for another ending, [`MapFault::LeftOut`] if the build lacks the format, and the errors
+/// of [`MapFormat::load`].
 pub fn load(files: &dyn FileSource, name: &str, settings: &MapSettings) -> Result<Map, MapError> {
     let source = MapSource::new(files, name, settings);
     match format_of(name) {
@@ -127,6 +136,9 @@ impl<'a> MapSource<'a> {
     }
 
     /// Reads the file, and decompresses it if its name ends in `.gz`.
+    ///
+    /// # Errors
+    /// The file cannot be read, its content is longer than the limit, or its compression is damaged.
     pub fn bytes(&self) -> Result<Vec<u8>, MapError> {
         let bytes = self.files.read(&self.name, self.limit);
         let bytes = bytes.map_err(|fault| self.unread(fault))?;
@@ -138,11 +150,14 @@ impl<'a> MapSource<'a> {
             FileFault::Other(reason) => self.error(MapFault::Syntax {
                 what: format!("is not gzip, or damaged: {reason}"),
             }),
-            fault => self.unread(fault),
+            fault @ (FileFault::Missing | FileFault::TooLong) => self.unread(fault),
         })
     }
 
     /// Reads the file as UTF-8 text.
+    ///
+    /// # Errors
+    /// As [`bytes`](Self::bytes), and [`MapFault::Syntax`] with the position of the first byte that is not UTF-8.
     pub fn text(&self) -> Result<String, MapError> {
         String::from_utf8(self.bytes()?).map_err(|error| {
             let byte = error.utf8_error().valid_up_to() as u64;

@@ -68,12 +68,15 @@ fn parse(source: &MapSource<'_>) -> Result<(Vec<Feature>, Option<JsonObject>), M
 }
 
 fn syntax(source: &MapSource<'_>, error: geojson::Error) -> MapError {
-    let at = match &error {
-        geojson::Error::MalformedGeoJson(error) if error.line() > 0 => Where::Line {
+    let at = if let geojson::Error::MalformedGeoJson(error) = &error
+        && error.line() > 0
+    {
+        Where::Line {
             line: error.line() as u64,
             column: error.column() as u64,
-        },
-        _ => Where::File,
+        }
+    } else {
+        Where::File
     };
     let what = error.to_string();
     source.error_at(at, MapFault::Syntax { what })

@@ -55,6 +55,9 @@ struct More {
 impl Places {
     /// Finds the places of a source: a list (`places.toml`), a folder (with its own list, or else every map in it under
     /// its name without the ending), or a single map.
+    ///
+    /// # Errors
+    /// The list or the folder cannot be read, or the list is malformed. A single map is not opened here.
     pub fn find(
         files: &dyn FileSource,
         source: &str,

@@ -215,6 +215,9 @@ fn note(grid: Grid, fine: (u32, u32)) -> Map {
 
 /// Saves a grid like map_saver. Returns the text of the YAML file, which refers to `image`, and the image as PNG. Cells
 /// become occupied, free or unknown.
+///
+/// # Errors
+/// The image cannot be written as PNG.
 pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), MapFault> {
     let layout = grid.layout();
     let origin = layout.origin();

@@ -107,6 +107,9 @@ impl Default for Rules {
 
 impl Rules {
     /// Parses rules, one per line or separated by `;`. Empty lines and `#` comments are skipped.
+    ///
+    /// # Errors
+    /// The first rule that violates the syntax, with the reason.
     pub fn parse(text: &str) -> Result<Self, RuleError> {
         let lines = text
             .lines()

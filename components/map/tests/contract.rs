@@ -153,9 +153,10 @@ fn it_names_the_file_that_is_missing() {
 fn it_knows_no_other_ending() {
     let files = FilesInMemory::new([("yard.dwg", "")]);
     let error = load(&files, "yard.dwg", &MapSettings::default()).unwrap_err();
-    let known = match cfg!(feature = "maps") {
-        true => ".geojson .yaml .yml .osm .osm.xml .osm.pbf .pbf",
-        false => ".geojson .osm.pbf .pbf",
+    let known = if cfg!(feature = "maps") {
+        ".geojson .yaml .yml .osm .osm.xml .osm.pbf .pbf"
+    } else {
+        ".geojson .osm.pbf .pbf"
     };
     let expected = format!("yard.dwg: no map format has this ending; known are {known}");
     assert_eq!(error.to_string(), expected);

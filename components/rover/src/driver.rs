@@ -85,7 +85,9 @@ impl RoverDriver {
             };
             self.wanted = Some((wanted, now));
         }
-        let dt = (self.last).map_or(0.0, |last| (now.nanos() - last.nanos()) as f64 * 1e-9);
+        let dt = self
+            .last
+            .map_or(0.0, |last| (now.nanos() - last.nanos()) as f64 * 1e-9);
         self.last = Some(now);
         let timeout = self.properties.command_timeout_s;
         let stale = cycle.is_stale(self.ports.twist);

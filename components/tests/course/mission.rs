@@ -31,7 +31,10 @@ impl Mission {
 
 impl Component for Mission {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        let blocked = (cycle.all(self.event).iter()).any(|event| event.code == Event::BLOCKED);
+        let blocked = cycle
+            .all(self.event)
+            .iter()
+            .any(|event| event.code == Event::BLOCKED);
         if let Flow::NewData(odometry) | Flow::OldData(odometry) = cycle.read(self.odom)
             && (blocked || !self.asked)
         {

@@ -250,14 +250,17 @@ impl Course {
     pub fn drive(&self, seconds: f64) -> Drive {
         let mut running = self.run();
         let end = Time::from_nanos(nanos(seconds));
-        let reached = |_, event: &Event<'_>| match event {
-            Event::Published {
+        let reached = |_, event: &Event<'_>| {
+            let Event::Published {
                 component: "Follower",
                 port: "event",
                 sample,
                 ..
-            } => of::<asmotion_messages::Event>(*sample).code == asmotion_messages::Event::REACHED,
-            _ => false,
+            } = event
+            else {
+                return false;
+            };
+            of::<asmotion_messages::Event>(*sample).code == asmotion_messages::Event::REACHED
         };
         if running.run.run_until_event(end, &mut { reached }) {
             running.run.run_for(1.s());
@@ -269,15 +272,17 @@ impl Course {
 
 impl Drive {
     fn see(&mut self, at: f64, event: &Event<'_>) {
-        match event {
-            Event::Published {
-                component,
-                port,
-                sample,
-                ..
-            } => self.hear(at, component, port, *sample),
-            Event::Fault { component, fault } => self.faults.push(format!("{component}: {fault}")),
-            _ => {}
+        if let Event::Published {
+            component,
+            port,
+            sample,
+            ..
+        } = event
+        {
+            self.hear(at, component, port, *sample);
+        }
+        if let Event::Fault { component, fault } = event {
+            self.faults.push(format!("{component}: {fault}"));
         }
     }
 

@@ -93,6 +93,9 @@ enum ScheduleState {
 
 impl Schedule {
     /// Creates the schedule of these obstacles, none of which is present yet.
+    ///
+    /// # Errors
+    /// The first obstacle with a contradiction, and its number from 1.
     pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, ObstacleError> {
         let numbered = (1..).zip(obstacles);
         let entries = numbered.map(|(number, obstacle)| {

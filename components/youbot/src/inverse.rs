@@ -178,7 +178,6 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
     use nalgebra::Translation3;

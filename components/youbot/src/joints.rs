@@ -69,12 +69,11 @@ impl Joints {
         for (joint, (&goal, &from)) in self.goal.iter().zip(&before.position).enumerate() {
             let noise: f64 = self.chance.random_range(-1.0..1.0);
             let bits = self.chance.random_range(0..=ERROR_BITS);
-            let (turn, flags) = match manner.random {
-                true => (FAR * noise - from, bits),
-                false => {
-                    let injected = manner.faults.get(joint).map_or(0, |bits| bits & ERROR_BITS);
-                    ((goal - from).clamp(-step, step), injected)
-                }
+            let (turn, flags) = if manner.random {
+                (FAR * noise - from, bits)
+            } else {
+                let injected = manner.faults.get(joint).map_or(0, |bits| bits & ERROR_BITS);
+                ((goal - from).clamp(-step, step), injected)
             };
             let velocity = turn / passed.max(1e-3);
             let effort = velocity.abs().min(2.0);

@@ -98,9 +98,10 @@ impl Component for YoubotOperator {
         self.listen(cycle);
         for reply in cycle.replies(self.ports.locomotion) {
             if let Err(error) = reply.result {
-                self.state = match is_refused(&error) {
-                    true => OperatorState::Done,
-                    false => OperatorState::Again,
+                self.state = if is_refused(&error) {
+                    OperatorState::Done
+                } else {
+                    OperatorState::Again
                 };
             }
         }

@@ -131,7 +131,8 @@ impl MessageCondition {
     pub fn holds(&self, message: &Datum) -> bool {
         match &self.test {
             ConditionTest::New => true,
-            ConditionTest::Compare(relation, constant) => (message.get(&self.path))
+            ConditionTest::Compare(relation, constant) => message
+                .get(&self.path)
                 .is_some_and(|part| any(&part, &|value| compare(*relation, value, constant))),
         }
     }
@@ -177,7 +178,6 @@ fn compare(relation: ConditionRelation, value: &Datum, constant: &Datum) -> bool
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
 

@@ -59,9 +59,10 @@ impl Conversion {
 
     /// The same conversion for every element of a list.
     pub fn each(self) -> Self {
-        match self {
-            Self::Same => Self::Same,
-            each => Self::Each(Box::new(each)),
+        if let Self::Same = self {
+            Self::Same
+        } else {
+            Self::Each(Box::new(self))
         }
     }
 
@@ -93,13 +94,14 @@ impl Conversion {
             }
             Self::Into(field, inner) => Datum::record([(field.clone(), inner.apply(data))]),
             // not a record: the caller passed the field's value without a record around it
-            Self::OutOf(field, inner) => match data {
-                Datum::Record(_) => {
+            Self::OutOf(field, inner) => {
+                if let Datum::Record(_) = data {
                     let part = data.get(field).unwrap_or(Cow::Owned(Datum::Null));
                     inner.apply(&part)
+                } else {
+                    inner.apply(data)
                 }
-                _ => inner.apply(data),
-            },
+            }
             Self::Each(inner) => {
                 let elements = (0..data.count().unwrap_or(0)).filter_map(|at| data.element(at));
                 Datum::List(elements.map(|element| inner.apply(&element)).collect())
@@ -121,7 +123,18 @@ pub fn inside(schema: &Schema, path: &str) -> Option<Schema> {
             }
             Shape::Option(some) => some,
             Shape::Any => return Some(here.clone()),
-            _ => return None,
+            Shape::Bool
+            | Shape::I8
+            | Shape::I16
+            | Shape::I32
+            | Shape::I64
+            | Shape::U8
+            | Shape::U16
+            | Shape::U32
+            | Shape::U64
+            | Shape::F32
+            | Shape::F64
+            | Shape::Text => return None,
         };
     }
     Some(here.clone())
@@ -169,9 +182,10 @@ fn into(from: &Schema, target: &[OutlineKey], how: Use) -> Option<Conversion> {
 }
 
 fn count(shape: &Shape) -> Option<usize> {
-    match shape {
-        Shape::Array(_, count) => Some(*count),
-        _ => None,
+    if let Shape::Array(_, count) = shape {
+        Some(*count)
+    } else {
+        None
     }
 }
 

@@ -132,7 +132,6 @@ impl SchemaMisfit {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
     use asmotion_datum::OutlineKey;

@@ -126,9 +126,11 @@ impl PortProxy {
         for operation in &mut self.operations {
             operation.keep(port, sample);
         }
-        let arrived =
-            (self.motion.as_mut()).and_then(|motion| motion.measure(port, sample, cycle.now()));
-        let faulty = (self.events.as_mut()).is_some_and(|events| {
+        let arrived = self
+            .motion
+            .as_mut()
+            .and_then(|motion| motion.measure(port, sample, cycle.now()));
+        let faulty = self.events.as_mut().is_some_and(|events| {
             let faulty = events.sample(port, sample, cycle);
             if let Some(error) = arrived {
                 events.idle(error, cycle);
@@ -170,7 +172,10 @@ impl PortProxy {
             };
             if operation.reads() {
                 let stale = self.events.as_ref().is_some_and(ProxyEvents::is_stale);
-                let port = (self.inputs.iter()).find(|input| *input.name == operation.port);
+                let port = self
+                    .inputs
+                    .iter()
+                    .find(|input| *input.name == operation.port);
                 let result = match port {
                     _ if stale => Err(refusal("STALE", "the target is silent")),
                     Some(input) => operation.read(input.port, cycle),
@@ -214,7 +219,10 @@ impl PortProxy {
             }
         }
         if let Some(events) = &mut self.events {
-            let moves = (self.motion.as_ref()).is_none_or(|motion| motion.obeys(&output.name));
+            let moves = self
+                .motion
+                .as_ref()
+                .is_none_or(|motion| motion.obeys(&output.name));
             if moves {
                 events.busy(cycle);
             }

@@ -21,6 +21,9 @@ use asmotion_connection::Notifier;
 pub trait Bus: Send + Sync {
     /// Creates a publisher on a topic, for messages of this schema. Types are compared when messages are read; all
     /// publishers of a topic should use the same type.
+    ///
+    /// # Errors
+    /// [`BusError::BadName`] if the transport cannot use the topic as a name.
     fn publisher(
         &self,
         topic: &str,
@@ -31,6 +34,10 @@ pub trait Bus: Send + Sync {
 
     /// Subscribes to all topics that match a pattern, from now on. `reader` is shown to operators; the notifier is
     /// notified of every message.
+    ///
+    /// # Errors
+    /// [`BusError::BadName`] if the transport cannot express the pattern; [`BusError::Refused`] if the user may not
+    /// read these topics.
     fn subscribe(
         &self,
         reader: &str,
@@ -40,6 +47,10 @@ pub trait Bus: Send + Sync {
     ) -> Result<Subscription, BusError>;
 
     /// Provides a service at an address, which can have one provider at a time. At most `size` requests wait.
+    ///
+    /// # Errors
+    /// [`BusError::Served`] if the address has a server, [`BusError::BadName`] if the transport cannot use it as a
+    /// name, [`BusError::Refused`] if the user may not serve it.
     fn serve(
         &self,
         address: &str,
@@ -109,11 +120,17 @@ impl SenderId {
 /// Publishes on one topic, and numbers the messages from 1.
 pub trait Publisher: Send {
     /// Publishes a message. `stamp` is the time of sending, in nanoseconds of the sender's clock. Never blocks.
+    ///
+    /// # Errors
+    /// As [`publish_within`](Self::publish_within).
     fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
         self.publish_within(stamp, payload, None)
     }
 
     /// Publishes a message that continues the trace of its cause. Without a cause, it begins a trace.
+    ///
+    /// # Errors
+    /// [`BusError::Disconnected`] if the message is dropped because the outbox is full while the link is down or slow.
     fn publish_within(
         &mut self,
         stamp: i64,

@@ -52,11 +52,17 @@ impl Payload {
 
     /// Converts the content to a datum. For codecs that are not self-describing, use
     /// [`to_datum_of`](Self::to_datum_of).
+    ///
+    /// # Errors
+    /// The bytes are malformed, or belong to a codec that does not describe itself.
     pub fn to_datum(&self) -> Result<Datum, DatumError> {
         self.to_datum_of(Datum::schema())
     }
 
     /// Converts the content to a datum of this schema.
+    ///
+    /// # Errors
+    /// The bytes are malformed, or do not follow the schema.
     pub fn to_datum_of(&self, schema: &Schema) -> Result<Datum, DatumError> {
         match self {
             Self::Sample(sample) => sample.to_datum(),
@@ -65,11 +71,17 @@ impl Payload {
     }
 
     /// Converts the content to a message.
+    ///
+    /// # Errors
+    /// The bytes are malformed, or the data does not fit the type.
     pub fn read<T: Message>(&self) -> Result<T, DatumError> {
         self.to_sample(T::schema())?.read()
     }
 
     /// Converts the content to a sample: the sample itself, or a datum of this schema.
+    ///
+    /// # Errors
+    /// The bytes are malformed, or do not follow the schema.
     pub fn to_sample(&self, schema: &Schema) -> Result<Arc<dyn Sample>, DatumError> {
         match self {
             Self::Sample(sample) => Ok(Arc::clone(sample)),
@@ -78,6 +90,9 @@ impl Payload {
     }
 
     /// Encodes the content, which has this schema, with a codec.
+    ///
+    /// # Errors
+    /// The content does not follow the schema, or the codec cannot carry it.
     pub fn encode(&self, wanted: Codec, schema: &Schema) -> Result<Arc<[u8]>, DatumError> {
         match self {
             Self::Bytes { codec, bytes } if *codec == wanted => Ok(Arc::clone(bytes)),
@@ -92,6 +107,9 @@ impl Payload {
 impl Envelope {
     /// Converts the payload to a sample of this schema. Bytes that are not self-describing are decoded only if the
     /// message's type name matches.
+    ///
+    /// # Errors
+    /// The bytes are malformed or do not follow the schema, or belong to a message of another name.
     pub fn to_sample(&self, schema: &Schema) -> Result<Arc<dyn Sample>, DatumError> {
         if let Payload::Bytes {
             codec: Codec::Cdr, ..

@@ -162,6 +162,11 @@ impl PendingCall {
     }
 
     /// Waits for the result, at most until the deadline.
+    ///
+    /// # Errors
+    /// [`CallFailure::Timeout`] at the deadline, [`CallFailure::Unavailable`] without a server,
+    /// [`CallFailure::Refused`] with the error of the operation, [`CallFailure::Cancelled`] after
+    /// [`cancel`](Self::cancel).
     pub fn wait(self) -> CallResult {
         loop {
             if let Some(answer) = self.try_take() {

@@ -14,16 +14,25 @@ use crate::setup::Setup;
 pub trait Component: Send {
     /// Runs one cycle, with frozen inputs and constant time. Samples, calls and replies leave only if this returns `Ok`
     /// (RTT `updateHook`, TCA `execute`).
+    ///
+    /// # Errors
+    /// A fault of the component. Nothing that it wrote, called or replied in this cycle is sent.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault>;
 
     /// Reads the properties and prepares the component, for example by opening files (RTT `configureHook`, TCA
     /// `initialize`).
+    ///
+    /// # Errors
+    /// A fault if a resource cannot be opened or a property is unusable; the component stays unconfigured.
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let _ = setup;
         Ok(())
     }
 
     /// Called right before the first cycle (RTT `startHook`).
+    ///
+    /// # Errors
+    /// A fault if the component cannot run; it stays stopped.
     fn start(&mut self) -> Result<(), Fault> {
         Ok(())
     }
@@ -40,6 +49,9 @@ pub trait Component: Send {
 
     /// Runs the cycle of a component in [`State::RunTimeError`](crate::State::RunTimeError), instead of `update` (RTT
     /// `errorHook`). `Ok` means that it has recovered, unless it calls [`Cycle::error`] again.
+    ///
+    /// # Errors
+    /// A fault that cannot be recovered from; the outputs of the cycle are discarded.
     fn recover(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let _ = cycle;
         Ok(())

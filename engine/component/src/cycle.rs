@@ -180,9 +180,10 @@ impl<'a> Cycle<'a> {
             return SendStatus::Unknown;
         };
         let Some(reply) = self.host.take_reply(slot, call) else {
-            return match self.host.is_under_way(call) {
-                true => SendStatus::NotReady,
-                false => SendStatus::Unknown,
+            return if self.host.is_under_way(call) {
+                SendStatus::NotReady
+            } else {
+                SendStatus::Unknown
             };
         };
         match reply.result.and_then(read_reply) {
@@ -329,5 +330,7 @@ impl<'a> Cycle<'a> {
 
 /// Converts a response to the type that the caller expects.
 fn read_reply<R: Message>(response: Arc<dyn Sample>) -> Result<R, CallError> {
-    (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
+    response
+        .read()
+        .map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
 }

@@ -105,12 +105,16 @@ impl Declaration {
 
     /// A reference by name.
     pub fn reference(&self, name: &str) -> Option<&ReferenceDeclaration> {
-        (self.references.iter()).find(|reference| reference.name == name)
+        self.references
+            .iter()
+            .find(|reference| reference.name == name)
     }
 
     /// A property by name.
     pub fn property(&self, name: &str) -> Option<&PropertyDeclaration> {
-        (self.properties.iter()).find(|property| property.name == name)
+        self.properties
+            .iter()
+            .find(|property| property.name == name)
     }
 }
 

@@ -211,7 +211,8 @@ impl Interface {
     fn add_output<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> Out<T> {
         let known = self.declaration.output(name).is_some();
         self.refuse_twice(known, "output", name);
-        (self.outputs).push(Box::new(OutputPort::<T>::new(schema.clone())));
+        self.outputs
+            .push(Box::new(OutputPort::<T>::new(schema.clone())));
         self.declaration.outputs.push(port(name, schema, doc));
         Out::new(self.owner, self.outputs.len() - 1)
     }

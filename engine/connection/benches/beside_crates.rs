@@ -2,7 +2,7 @@
 //! writer's worst case under a slow reader, lock-free against a lock, as a histogram.
 //!
 //! `cargo bench -p asmotion-connection`
-#![allow(missing_docs, reason = "a benchmark")]
+#![allow(missing_docs, clippy::print_stdout, reason = "a benchmark")]
 
 use std::hint::black_box;
 use std::sync::atomic::{AtomicBool, Ordering};

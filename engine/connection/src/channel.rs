@@ -86,10 +86,13 @@ impl<T> Sender<T> {
                 writer.write(sample);
                 PushOutcome::Stored
             }
-            SenderKind::Buffer(writer) => match writer.push(sample) {
-                true => PushOutcome::Stored,
-                false => PushOutcome::DroppedNewest,
-            },
+            SenderKind::Buffer(writer) => {
+                if writer.push(sample) {
+                    PushOutcome::Stored
+                } else {
+                    PushOutcome::DroppedNewest
+                }
+            }
             SenderKind::Shared(shared) => shared.push(sample),
         }
     }

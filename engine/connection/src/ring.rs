@@ -2,7 +2,7 @@
 //!
 //! Both ends count their operations since the beginning; the low bits of a value's number are the index of its slot.
 //! Each end caches the other's counter, and reads it again only when the cached value does not suffice.
-#![allow(
+#![expect(
     unsafe_code,
     reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
 )]

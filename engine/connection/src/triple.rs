@@ -3,7 +3,7 @@
 //! There are three slots: the writer fills one, the reader empties one, and the third is in the middle. Each side
 //! passes on its slot by exchanging it for the middle one in a single atomic swap. (Simpson's four-slot mechanism
 //! serves the same end; three slots suffice where an atomic swap exists. RTT's `DataObjectLockFree` is the model.)
-#![allow(
+#![expect(
     unsafe_code,
     reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
 )]
@@ -74,7 +74,7 @@ impl<T> TripleWriter<T> {
             self.shared
                 .with(self.slot, |content| *content = Some(value))
         };
-        let before = (self.shared.middle).swap(self.slot | FRESH, Ordering::AcqRel);
+        let before = self.shared.middle.swap(self.slot | FRESH, Ordering::AcqRel);
         self.slot = before & SLOT;
         before & FRESH != 0
     }

@@ -1,5 +1,10 @@
 //! A writer at full speed against a reader at full speed: never torn, never out of order.
-#![allow(clippy::unwrap_used, missing_docs, reason = "tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    missing_docs,
+    reason = "tests"
+)]
 
 use std::hint::spin_loop;
 use std::thread;
@@ -119,7 +124,7 @@ fn o8_what_several_write_is_read_once_by_one_of_several() {
                     })
                 })
                 .collect();
-            (readers.into_iter()).map(|one| one.join().unwrap()).sum()
+            readers.into_iter().map(|one| one.join().unwrap()).sum()
         });
         let all = 3 * EACH;
         assert_eq!(sum, all * (all - 1) / 2);

@@ -1,7 +1,7 @@
 //! Latency from an event to a command: a message over the broker to a coordinator, a step of its machine, and a message
 //! over the broker back. Measured alternately with one hop of the bare client, in the same process on the same broker.
 //! Prints both and their ratio.
-#![allow(clippy::unwrap_used, reason = "a benchmark")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark")]
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -190,9 +190,9 @@ impl Bare {
                 let at = Instant::now();
                 let arguments = BasicPublishArguments::new("robots", "bare");
                 let properties = BasicProperties::default();
-                (channel
+                channel
                     .basic_publish(properties, vec![7; SIZE], arguments)
-                    .await)
+                    .await
                     .unwrap();
                 let message = messages.recv().await.unwrap();
                 times.push(at.elapsed());

@@ -226,18 +226,20 @@ impl From<Datum> for Constant {
 
 impl fmt::Debug for Constant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.secret {
-            true => f.write_str("***"),
-            false => fmt::Debug::fmt(&self.datum, f),
+        if self.secret {
+            f.write_str("***")
+        } else {
+            fmt::Debug::fmt(&self.datum, f)
         }
     }
 }
 
 impl Serialize for Constant {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.secret {
-            true => serializer.serialize_str("***"),
-            false => self.datum.serialize(serializer),
+        if self.secret {
+            serializer.serialize_str("***")
+        } else {
+            self.datum.serialize(serializer)
         }
     }
 }

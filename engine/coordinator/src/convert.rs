@@ -119,9 +119,11 @@ pub(crate) fn datum_of(value: &Value, naming: &Naming<'_>) -> Datum {
         Value::Set(items) => each(&mut items.iter()),
         // a map with text keys is a record
         Value::Map(pairs) if pairs.keys().all(|key| matches!(key, Value::Text(_))) => {
-            let field = |(key, value): (&Value, &Value)| match key {
-                Value::Text(name) => Some((name.to_string(), datum_of(value, naming))),
-                _ => None,
+            let field = |(key, value): (&Value, &Value)| {
+                let Value::Text(name) = key else {
+                    return None;
+                };
+                Some((name.to_string(), datum_of(value, naming)))
             };
             Datum::record(pairs.iter().filter_map(field))
         }

@@ -146,7 +146,8 @@ impl Component for Coordinator {
             return Ok(());
         }
         self.requests.receive(cycle);
-        (self.inbox).receive(cycle, &self.requests, self.machine.program());
+        self.inbox
+            .receive(cycle, &self.requests, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
         self.inbox.losses.misfits += self.partners.receive(cycle, &mut self.machine);
         self.follow_health(cycle);

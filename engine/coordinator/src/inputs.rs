@@ -88,9 +88,10 @@ impl MessageInputs {
             field: None,
             is: Vec::new(),
             // a Boolean event is false in steps without the event
-            none: match shape {
-                ValueShape::Bool => Value::Bool(false),
-                _ => Value::Undef,
+            none: if shape == ValueShape::Bool {
+                Value::Bool(false)
+            } else {
+                Value::Undef
             },
             shape,
             stale: None,
@@ -103,11 +104,14 @@ impl MessageInputs {
 
     /// The value of a literal of an event function.
     pub fn literal(&self, input: usize, name: &str, program: &Program) -> Option<Value> {
-        match self.inputs.get(input)?.shape {
-            ValueShape::Domain(domain) => literal_of(name, domain, program),
-            ValueShape::Bool => name.parse().ok().map(Value::Bool),
-            _ => None,
+        let shape = &self.inputs.get(input)?.shape;
+        if *shape == ValueShape::Bool {
+            return name.parse().ok().map(Value::Bool);
         }
+        let ValueShape::Domain(domain) = shape else {
+            return None;
+        };
+        literal_of(name, *domain, program)
     }
 
     /// Queues the outcome of a call that an update of `answers` made.
@@ -148,7 +152,9 @@ impl MessageInputs {
                 }
                 Receive::Edge => {
                     let truth = Value::Bool(true);
-                    if (messages.iter()).any(|it| input.value(it, program).as_ref() == Some(&truth))
+                    if messages
+                        .iter()
+                        .any(|it| input.value(it, program).as_ref() == Some(&truth))
                     {
                         input.last = Some(truth);
                     }
@@ -242,12 +248,11 @@ impl BoundInput {
     /// Queues an event. Returns how many events were dropped for it.
     fn wait(&mut self, answers: Option<FunctionId>, value: Value) -> u64 {
         self.waiting.push_back((answers, value));
-        match self.waiting.len() > MAX_WAITING {
-            true => {
-                self.waiting.pop_front();
-                1
-            }
-            false => 0,
+        if self.waiting.len() > MAX_WAITING {
+            self.waiting.pop_front();
+            1
+        } else {
+            0
         }
     }
 

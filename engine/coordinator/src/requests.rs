@@ -125,12 +125,13 @@ impl Requests {
     pub fn settle(&mut self, cycle: &mut Cycle<'_>) {
         for served in &mut self.served {
             for request in served.open.drain(..) {
-                let answer = match served.forwards {
-                    false => Ok(Datum::Record(Vec::new())),
-                    true => Err(ServiceFault::new(
+                let answer = if served.forwards {
+                    Err(ServiceFault::new(
                         "NOT_NOW",
                         "the specification does not take it in its present state",
-                    )),
+                    ))
+                } else {
+                    Ok(Datum::Record(Vec::new()))
                 };
                 cycle.reply(served.handle, request, answer);
             }

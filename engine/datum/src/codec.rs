@@ -42,6 +42,9 @@ impl Codec {
     }
 
     /// Encodes a datum. A codec that is not self-describing follows the schema.
+    ///
+    /// # Errors
+    /// CDR only: the datum does not fit the schema, or the schema cannot be carried (see [`carries`](Self::carries)).
     pub fn encode(self, datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
         match self {
             Self::Cbor => cbor::encode(datum),
@@ -51,6 +54,10 @@ impl Codec {
     }
 
     /// Decodes a datum. A codec that is not self-describing follows the schema; the others ignore it.
+    ///
+    /// # Errors
+    /// The bytes are malformed: cut short, followed by a rest, or nested too deeply. CDR also refuses schemas that it
+    /// cannot carry.
     pub fn decode(self, bytes: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
         match self {
             Self::Cbor => cbor::read_whole(bytes),

@@ -71,12 +71,13 @@ impl<'de> Deserializer<'de> for DatumDeserializer<'de> {
     }
 
     fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DatumError> {
-        match self.0 {
-            Datum::Null => visitor.visit_unit(),
-            other => Err(de::Error::invalid_type(
-                Unexpected::Other(other.kind()),
+        if let Datum::Null = self.0 {
+            visitor.visit_unit()
+        } else {
+            Err(de::Error::invalid_type(
+                Unexpected::Other(self.0.kind()),
                 &visitor,
-            )),
+            ))
         }
     }
 
@@ -121,21 +122,23 @@ impl<'de> Deserializer<'de> for DatumDeserializer<'de> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, DatumError> {
-        match self.0 {
-            Datum::Text(name) => visitor.visit_enum(VariantDeserializer {
+        if let Datum::Text(name) = self.0 {
+            visitor.visit_enum(VariantDeserializer {
                 name,
                 content: None,
-            }),
-            Datum::Record(entries) if entries.len() == 1 => {
-                visitor.visit_enum(VariantDeserializer {
-                    name: &entries[0].0,
-                    content: Some(&entries[0].1),
-                })
-            }
-            other => Err(de::Error::invalid_type(
-                Unexpected::Other(other.kind()),
+            })
+        } else if let Datum::Record(entries) = self.0
+            && let [(name, content)] = &**entries
+        {
+            visitor.visit_enum(VariantDeserializer {
+                name,
+                content: Some(content),
+            })
+        } else {
+            Err(de::Error::invalid_type(
+                Unexpected::Other(self.0.kind()),
                 &"a variant's name, or a record of one variant",
-            )),
+            ))
         }
     }
 

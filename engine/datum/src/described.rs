@@ -22,17 +22,29 @@ pub trait Described: Sized {
     fn initial() -> Self;
 
     /// Serialises a field.
+    ///
+    /// # Errors
+    /// The error of the serializer, if the format cannot express the field.
     fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error>;
 
     /// Deserialises a field.
+    ///
+    /// # Errors
+    /// The error of the deserializer: its input is malformed, or does not fit the type.
     fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 
     /// Serialises a list. The default writes element by element.
+    ///
+    /// # Errors
+    /// The error of the serializer, if the format cannot express an element.
     fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(many.iter().map(SerializeDescribed))
     }
 
     /// Deserialises a list. The default reads element by element.
+    ///
+    /// # Errors
+    /// The error of the deserializer: its input is not a list, or an element does not fit the type.
     fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
         deserializer.deserialize_seq(ListVisitor(PhantomData))
     }
@@ -48,6 +60,9 @@ pub mod field {
     }
 
     /// Serialises a field.
+    ///
+    /// # Errors
+    /// As [`Described::write`](super::Described::write).
     pub fn serialize<T: Described, S: Serializer>(
         value: &T,
         serializer: S,
@@ -56,6 +71,9 @@ pub mod field {
     }
 
     /// Deserialises a field.
+    ///
+    /// # Errors
+    /// As [`Described::read`](super::Described::read).
     pub fn deserialize<'de, T: Described, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<T, D::Error> {

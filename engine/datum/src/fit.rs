@@ -43,7 +43,9 @@ impl Schema {
                 let Datum::Record(entries) = datum else {
                     return Err(self.wanted(datum));
                 };
-                (entries.iter()).try_for_each(|(name, value)| self.field(fields, name, value))
+                entries
+                    .iter()
+                    .try_for_each(|(name, value)| self.field(fields, name, value))
             }
         }
     }
@@ -61,7 +63,10 @@ impl Schema {
 
     fn field(&self, fields: &[OutlineKey], name: &str, value: &Datum) -> Result<(), DatumError> {
         match fields.iter().find(|field| field.name == name) {
-            Some(field) => (field.schema.accepts(value)).map_err(|error| error.within(name)),
+            Some(field) => field
+                .schema
+                .accepts(value)
+                .map_err(|error| error.within(name)),
             None => {
                 let known = fields.iter().map(|field| format!("`{}`", field.name));
                 let known = known.collect::<Vec<_>>().join(", ");
@@ -79,7 +84,9 @@ impl Schema {
         };
         for index in 0..count {
             if let Some(datum) = datum.element(index) {
-                (element.accepts(&datum)).map_err(|error| error.within(index))?;
+                element
+                    .accepts(&datum)
+                    .map_err(|error| error.within(index))?;
             }
         }
         Ok(count)

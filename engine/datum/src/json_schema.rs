@@ -101,14 +101,14 @@ fn whole(least: impl Into<Value>, greatest: impl Into<Value>) -> Value {
 }
 
 /// Adds a description, except to a `$ref`, whose siblings are ignored.
-fn described(schema: Value, doc: &str) -> Value {
-    match schema {
-        Value::Object(mut members) if !members.contains_key("$ref") => {
-            members.insert("description".to_owned(), doc.into());
-            Value::Object(members)
-        }
-        referring => json!({ "allOf": [referring], "description": doc }),
+fn described(mut schema: Value, doc: &str) -> Value {
+    if let Value::Object(members) = &mut schema
+        && !members.contains_key("$ref")
+    {
+        members.insert("description".to_owned(), doc.into());
+        return schema;
     }
+    json!({ "allOf": [schema], "description": doc })
 }
 
 /// A type's name as a key: `nav_msgs.Path` for `nav_msgs/Path`, `f64_5_` for `f64[5]`.

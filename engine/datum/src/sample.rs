@@ -14,6 +14,9 @@ pub trait Sample: Any + Debug + Send + Sync {
     fn type_name(&self) -> &'static str;
 
     /// Converts the message to a datum.
+    ///
+    /// # Errors
+    /// The content has no form as a datum: an integer beyond 64 bits, or a map whose keys are not text.
     fn to_datum(&self) -> Result<Datum, DatumError>;
 
     /// Clones the message into a shared pointer.
@@ -48,6 +51,9 @@ impl dyn Sample {
     }
 
     /// Converts the message to type `T`: without copying if it has that type, otherwise through its datum.
+    ///
+    /// # Errors
+    /// The sample has another type, and its data does not fit `T`; the error names the place.
     pub fn read<T: Message>(self: Arc<Self>) -> Result<T, DatumError> {
         let sample = Sample::behind(&*self).unwrap_or(self);
         if let Some(pointer) = T::pointing_to(&sample) {

@@ -140,6 +140,9 @@ impl Schema {
 
     /// Returns the first difference to another schema as an error. Descriptions are ignored; [`Shape::Any`] equals
     /// everything.
+    ///
+    /// # Errors
+    /// The first difference in order of declaration, with the path to it.
     pub fn compare(&self, other: &Self) -> Result<(), SchemaDifference> {
         if self.shape == Shape::Any || other.shape == Shape::Any {
             let named = !self.name.is_empty() && !other.name.is_empty();
@@ -184,9 +187,10 @@ impl OutlineKey {
 
     /// Value of the field in a new message.
     pub(crate) fn initial(&self) -> Datum {
-        match &self.initial {
-            Datum::Null => self.schema.zero(),
-            given => given.clone(),
+        if self.initial == Datum::Null {
+            self.schema.zero()
+        } else {
+            self.initial.clone()
         }
     }
 }
@@ -200,7 +204,9 @@ fn compare_fields(left: &[OutlineKey], right: &[OutlineKey]) -> Result<(), Schem
         let (here, there) = (left.get(index), right.get(index));
         match (here, there) {
             (Some(a), Some(b)) if a.name == b.name => {
-                (a.schema.compare(&b.schema)).map_err(|difference| difference.within(&a.name))?;
+                a.schema
+                    .compare(&b.schema)
+                    .map_err(|difference| difference.within(&a.name))?;
             }
             (here, there) => {
                 return Err(SchemaDifference {

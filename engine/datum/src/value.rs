@@ -40,11 +40,17 @@ pub enum Datum {
 
 impl Datum {
     /// Converts any serialisable value to a datum.
+    ///
+    /// # Errors
+    /// An integer does not fit 64 bits with a sign, a map has keys that are not text, or `T::serialize` fails.
     pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DatumError> {
         ser::datum_of(value)
     }
 
     /// Converts the datum to a type. An error names the place that does not fit.
+    ///
+    /// # Errors
+    /// [`DatumProblem::Mismatch`](crate::DatumProblem::Mismatch) with the path of the first value that does not fit.
     pub fn to<T: DeserializeOwned>(&self) -> Result<T, DatumError> {
         de::value_of(self)
     }
@@ -139,10 +145,6 @@ impl Datum {
     }
 
     /// The content of a [`Datum::Float`] or, converted, of a [`Datum::Int`].
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a number read as a float is meant as one"
-    )]
     pub fn as_float(&self) -> Option<f64> {
         if let Self::Float(value) = self {
             return Some(*value);

@@ -122,9 +122,10 @@ fn path(points: &[LinePoint]) -> String {
             let _ = write!(path, "H{x}");
             continue;
         }
-        let reach = match turns {
-            true => turn(last.y, y),
-            false => ((x - last.x).abs() / 2.0).max(12.0),
+        let reach = if turns {
+            turn(last.y, y)
+        } else {
+            ((x - last.x).abs() / 2.0).max(12.0)
         };
         let control = |point: LinePoint, leaves: bool| {
             let right = leaves != point.backwards;

@@ -17,9 +17,10 @@ pub(crate) async fn call(
     let ring = Arc::clone(&news);
     let notifier = Arc::new(Notifier::calling(move || ring.notify_one()));
     let until = later(request.timeout).into();
-    let begun = match one_way {
-        true => bus.tell(address, request, notifier),
-        false => bus.call(address, request, notifier),
+    let begun = if one_way {
+        bus.tell(address, request, notifier)
+    } else {
+        bus.call(address, request, notifier)
     };
     let pending = begun.map_err(|_| CallFailure::Unavailable)?;
     loop {

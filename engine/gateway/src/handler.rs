@@ -129,9 +129,12 @@ impl RequestHandler {
         let within = self.settings.patience;
         let body = timeout(within, body).await;
         let body = body.map_err(|_| Problem::Slow { within })?;
-        let body = body.map_err(|error| match error.is::<LengthLimitError>() {
-            true => Problem::TooLarge { limit },
-            false => Problem::Broken,
+        let body = body.map_err(|error| {
+            if error.is::<LengthLimitError>() {
+                Problem::TooLarge { limit }
+            } else {
+                Problem::Broken
+            }
         })?;
         let bytes = body.to_bytes();
         if bytes.is_empty() {
@@ -178,9 +181,10 @@ fn operation<'s>(service: &'s GatewayService, name: &str) -> Result<&'s GatewayO
 /// The value of an empty body: a record without fields, which all have their initial values, or null for any other
 /// type.
 fn nothing(operation: &GatewayOperation) -> Datum {
-    match matches!(operation.request.shape, Shape::Record(_)) {
-        true => Datum::Record(Vec::new()),
-        false => Datum::Null,
+    if matches!(operation.request.shape, Shape::Record(_)) {
+        Datum::Record(Vec::new())
+    } else {
+        Datum::Null
     }
 }
 

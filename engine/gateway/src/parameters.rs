@@ -42,9 +42,10 @@ fn timeout(written: &str) -> Result<Duration, Problem> {
         part: format!("timeout_ms={written}"),
     };
     let timeout = Duration::from_millis(written.parse().map_err(|_| wrong())?);
-    match timeout.is_zero() || timeout > LONGEST {
-        true => Err(wrong()),
-        false => Ok(timeout),
+    if timeout.is_zero() || timeout > LONGEST {
+        Err(wrong())
+    } else {
+        Ok(timeout)
     }
 }
 

@@ -99,7 +99,9 @@ impl KernelQueue {
     /// Removes the oldest message, if there is one. Returns its size in bytes.
     pub(crate) fn pop(&self, buffer: &mut [u8]) -> Result<Option<usize>, QueueCheckError> {
         let mut priority = 0;
-        let received = (self.descriptor()).and_then(|open| mq_receive(open, buffer, &mut priority));
+        let received = self
+            .descriptor()
+            .and_then(|open| mq_receive(open, buffer, &mut priority));
         match received {
             Ok(bytes) => Ok(Some(bytes)),
             Err(Errno::EAGAIN | Errno::EINTR) => Ok(None),
@@ -153,6 +155,10 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
         let text = std::fs::read_to_string(format!("/proc/sys/fs/mqueue/{which}")).ok()?;
         text.trim().parse().ok()
     };
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the enum lists all errors of the system, whichever call reports them"
+    )]
     match errno {
         Errno::EACCES => QueueCheckError::Denied { queue },
         Errno::ENOSPC => QueueCheckError::NoMore { queue },

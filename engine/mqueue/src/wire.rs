@@ -84,10 +84,6 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
         Shape::U16 => whole!(u16),
         Shape::U32 => whole!(u32),
         Shape::U64 => whole!(u64),
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "the other side wants 32 bits"
-        )]
         Shape::F32 => out.extend((float()? as f32).to_ne_bytes()),
         Shape::F64 => out.extend(float()?.to_ne_bytes()),
         Shape::List(element) => {
@@ -230,24 +226,19 @@ fn take_all(element: &Schema, count: usize, rest: &mut &[u8]) -> Result<Datum, D
             rest.len()
         )));
     }
-    match &element.shape {
-        Shape::F64 => {
-            let (numbers, left) = rest.split_at(count * size_of::<f64>());
-            *rest = left;
-            let (numbers, _) = numbers.as_chunks();
-            let numbers = numbers.iter().map(|number| f64::from_ne_bytes(*number));
-            Ok(Datum::Numbers(Numbers::F64(numbers.collect())))
-        }
-        Shape::U8 => {
-            let (bytes, left) = rest.split_at(count);
-            *rest = left;
-            Ok(Datum::Bytes(bytes.into()))
-        }
-        _ => {
-            let all =
-                (0..count).map(|index| take(element, rest).map_err(|error| error.within(index)));
-            all.collect::<Result<_, _>>().map(Datum::List)
-        }
+    if element.shape == Shape::F64 {
+        let (numbers, left) = rest.split_at(count * size_of::<f64>());
+        *rest = left;
+        let (numbers, _) = numbers.as_chunks();
+        let numbers = numbers.iter().map(|number| f64::from_ne_bytes(*number));
+        Ok(Datum::Numbers(Numbers::F64(numbers.collect())))
+    } else if element.shape == Shape::U8 {
+        let (bytes, left) = rest.split_at(count);
+        *rest = left;
+        Ok(Datum::Bytes(bytes.into()))
+    } else {
+        let all = (0..count).map(|index| take(element, rest).map_err(|error| error.within(index)));
+        all.collect::<Result<_, _>>().map(Datum::List)
     }
 }
 

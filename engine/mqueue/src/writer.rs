@@ -98,7 +98,7 @@ impl QueueWriter {
         self.message.clear();
         match sample.downcast_ref::<Datum>() {
             Some(datum) => self.layout.encode(datum, &mut self.message)?,
-            None => (self.layout).encode(&sample.to_datum()?, &mut self.message)?,
+            None => self.layout.encode(&sample.to_datum()?, &mut self.message)?,
         }
         self.push().map_err(told)
     }

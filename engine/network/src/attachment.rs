@@ -48,7 +48,9 @@ impl Attachment {
         let offered = ends.offered.iter();
         let offered = offered.filter(|offered| is_on(offered.bus.as_deref(), name));
         let offered = OfferedOperations::new(system, offered, &identity)?;
-        let reached = (ends.reached).extract_if(.., |it| is_on(it.bus.as_deref(), name));
+        let reached = ends
+            .reached
+            .extract_if(.., |it| is_on(it.bus.as_deref(), name));
         let remote = reached.map(|it| RemoteService::new(it.route, Arc::clone(&identity)));
         Ok(Self {
             topics,

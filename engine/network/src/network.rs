@@ -138,7 +138,7 @@ impl Network {
         let operations = operations.iter();
         let route = RemoteRoute {
             queue,
-            addresses: (operations.map(|called| address(service, called))).collect(),
+            addresses: operations.map(|called| address(service, called)).collect(),
             timeout: wire.timeout,
         };
         let bus = bus.map(str::to_owned);

@@ -76,7 +76,8 @@ impl BusTopics {
     /// Moves arrived messages into ports, and publishes the state of the bus.
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         let bus = &self.bus;
-        (self.health).publish(|| bus.health(), &mut self.health_ports, now, effects);
+        self.health
+            .publish(|| bus.health(), &mut self.health_ports, now, effects);
         for subscription in &self.subscriptions {
             subscription.deliver(now, effects);
         }
@@ -94,7 +95,7 @@ fn publish(
     let origin = SenderId::new(system.component_of(end), identity.incarnation);
     let cause = system.cause_of(end);
     let schema = system.output_schema(end);
-    let publisher = (identity.bus).publisher(topic, &origin, schema, sending)?;
+    let publisher = identity.bus.publisher(topic, &origin, schema, sending)?;
     let sender = BusSender { publisher, cause };
     system.join_output(end, Box::new(sender), format!("bus topic {topic}"));
     Ok(())
@@ -120,7 +121,7 @@ impl AnySender for BusSender {
     ) -> Result<PushOutcome, DatumError> {
         let payload = Payload::Sample(sample);
         let cause = self.cause.present();
-        match (self.publisher).publish_within(at.nanos(), payload, cause) {
+        match self.publisher.publish_within(at.nanos(), payload, cause) {
             Ok(()) => Ok(PushOutcome::Stored),
             Err(error) => Err(DatumError::new(DatumProblem::Mismatch(error.to_string()))),
         }

@@ -68,7 +68,9 @@ fn calling(bus: &LocalBus, replies: &Replies, wire: Wire) -> (System, Log) {
         .add("Caller", Activity::event(), caller(replies))
         .unwrap();
     let mut network = Network::new();
-    (network.reach(&mut system, "Caller.sums", "Provider.sums", wire)).unwrap();
+    network
+        .reach(&mut system, "Caller.sums", "Provider.sums", wire)
+        .unwrap();
     network
         .attach(&mut system, Arc::new(bus.clone()), 1)
         .unwrap();
@@ -249,10 +251,14 @@ fn y10_a_callback_reaches_listeners_inside_and_beyond_the_bus() {
     let (mut here, log_here) = (System::new(), Log::new());
     here.observe(log_here.clone());
     here.add("Near", Activity::event(), listening()).unwrap();
-    (here.add("Caller", Activity::event(), caller(&replies))).unwrap();
-    (here.wire("Caller.sums", "Near.sums", Wire::one_way())).unwrap();
+    here.add("Caller", Activity::event(), caller(&replies))
+        .unwrap();
+    here.wire("Caller.sums", "Near.sums", Wire::one_way())
+        .unwrap();
     let mut network = Network::new();
-    (network.reach(&mut here, "Caller.sums", "Far.sums", Wire::one_way())).unwrap();
+    network
+        .reach(&mut here, "Caller.sums", "Far.sums", Wire::one_way())
+        .unwrap();
     network.attach(&mut here, Arc::new(bus), 2).unwrap();
     let (mut there, mut here) = (there.live(), here.live());
     for _ in 0..200 {
@@ -293,7 +299,9 @@ fn a_port_is_connected_to_one_of_another_system() {
         .add("Counter", Activity::periodic(10.ms()), counter())
         .unwrap();
     let mut network = Network::new();
-    (network.expose(&there, "Counter.n", PublishOptions::state())).unwrap();
+    network
+        .expose(&there, "Counter.n", PublishOptions::state())
+        .unwrap();
     network
         .attach(&mut there, Arc::new(bus.clone()), 1)
         .unwrap();

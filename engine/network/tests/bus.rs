@@ -236,7 +236,9 @@ fn what_follows_from_a_message_is_in_its_trace() {
         }
     });
     system.add("Relay", Activity::event(), relay).unwrap();
-    (system.subscribe("asked", "Relay.from", Policy::buffer(4))).unwrap();
+    system
+        .subscribe("asked", "Relay.from", Policy::buffer(4))
+        .unwrap();
     system.publish("Relay.to", "told").unwrap();
     Network::new()
         .attach(&mut system, Arc::new(bus.clone()), 7)
@@ -251,7 +253,9 @@ fn what_follows_from_a_message_is_in_its_trace() {
     let mut spans = Vec::new();
     for cause in 1..=2 {
         let cause = asmotion_bus::TraceContext { id: cause, span: 9 };
-        (elsewhere.publish_within(0, Payload::of(number(1)), Some(cause))).unwrap();
+        elsewhere
+            .publish_within(0, Payload::of(number(1)), Some(cause))
+            .unwrap();
         run.run_for(1.ms());
         let trace = told.try_next().unwrap().trace.unwrap();
         assert_eq!(trace.id, cause.id);

@@ -36,21 +36,24 @@ fn watcher() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
 fn watched() -> (System, Log) {
     let (mut system, log) = (System::new(), Log::new());
     system.observe(log.clone());
-    (system.add("Watcher", Activity::event(), watcher())).unwrap();
+    system.add("Watcher", Activity::event(), watcher()).unwrap();
     let policy = Policy::buffer(16);
-    (system.subscribe(HEALTH_TOPIC, "Watcher.bus", policy)).unwrap();
+    system
+        .subscribe(HEALTH_TOPIC, "Watcher.bus", policy)
+        .unwrap();
     (system, log)
 }
 
 fn said(event: &Event<'_>) -> Option<String> {
-    match event {
-        Event::Report {
-            kind: "health",
-            what,
-            ..
-        } => what.as_text().map(str::to_owned),
-        _ => None,
-    }
+    let Event::Report {
+        kind: "health",
+        what,
+        ..
+    } = event
+    else {
+        return None;
+    };
+    what.as_text().map(str::to_owned)
 }
 
 /// The states of the bus that a system reports within a second.
@@ -194,14 +197,16 @@ fn every_change_is_told_with_its_reason() {
 #[test]
 fn nobody_else_publishes_it_and_nobody_reads_something_else_there() {
     let (mut system, _) = watched();
-    (system.add("Counter", Activity::event(), counter())).unwrap();
+    system.add("Counter", Activity::event(), counter()).unwrap();
     let published = system.publish("Counter.n", HEALTH_TOPIC).unwrap_err();
     assert!(matches!(published, BuildError::OwnTopic { .. }));
     let reads_numbers = behaviour(|interface| {
         interface.input::<Number>("n", "numbers");
         |_| Ok(())
     });
-    (system.add("Other", Activity::event(), reads_numbers)).unwrap();
+    system
+        .add("Other", Activity::event(), reads_numbers)
+        .unwrap();
     let read = system.subscribe(HEALTH_TOPIC, "Other.n", Policy::data());
     assert!(matches!(read, Err(BuildError::Types { .. })));
 }

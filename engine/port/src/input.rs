@@ -74,7 +74,8 @@ impl<T: Message> InputPort<T> {
         }
         if self.channels.len() > 1 {
             // order numbers are unique, and the unstable sort needs no scratch memory
-            (self.arrived).sort_unstable_by_key(|(_, sample)| sample.order);
+            self.arrived
+                .sort_unstable_by_key(|(_, sample)| sample.order);
         }
         for (connection, sample) in self.arrived.drain(..) {
             self.newest = Some(Newest {
@@ -86,7 +87,7 @@ impl<T: Message> InputPort<T> {
         }
         // keep the newest sample's connection, whose policy limits the sample's age
         let newest = self.newest.map(|newest| newest.connection);
-        (self.channels)
+        self.channels
             .retain(|channel| Some(channel.connection) == newest || !channel.is_abandoned());
         unreadable
     }
@@ -184,7 +185,10 @@ impl<T: Message> AnyInput for InputPort<T> {
     fn disconnect(&mut self, connection: ConnectionId) {
         self.channels
             .retain(|channel| channel.connection != connection);
-        if (self.newest).is_some_and(|newest| newest.connection == connection) {
+        if self
+            .newest
+            .is_some_and(|newest| newest.connection == connection)
+        {
             self.newest = None;
             self.last = None;
             self.fresh.clear();

@@ -1,5 +1,5 @@
 //! Connections without synchronisation, for components in the same thread.
-#![allow(unsafe_code, reason = "the promise of one thread; argued below")]
+#![expect(unsafe_code, reason = "the promise of one thread; argued below")]
 
 use asmotion_connection::{BufferKind, Pool};
 

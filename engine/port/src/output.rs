@@ -226,7 +226,9 @@ impl<T: Message> AnyOutput for OutputPort<T> {
     }
 
     fn join(&mut self, sender: Box<dyn AnySender>, link: OutputLink) {
-        let known = (self.links.iter_mut())
+        let known = self
+            .links
+            .iter_mut()
             .find(|(_, known)| link.queue.is_some() && known.queue == link.queue);
         match known {
             Some((_, known)) => known.readers.extend(link.readers),
@@ -237,8 +239,11 @@ impl<T: Message> AnyOutput for OutputPort<T> {
     }
 
     fn replay_last(&mut self, connection: ConnectionId, trigger: &mut dyn FnMut(usize)) {
-        let new =
-            |link: &OutputLink| (link.readers.iter()).any(|reader| reader.connection == connection);
+        let new = |link: &OutputLink| {
+            link.readers
+                .iter()
+                .any(|reader| reader.connection == connection)
+        };
         let link = self.links.iter_mut().find(|(_, link)| new(link));
         if let (Some((sender, link)), Some(last)) = (link, &self.last)
             && sender.send(last) == Ok(PushOutcome::Stored)

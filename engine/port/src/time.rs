@@ -30,10 +30,6 @@ impl Time {
     }
 
     /// Seconds since zero.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "exact to a microsecond for 285 years"
-    )]
     pub fn seconds(self) -> f64 {
         self.0 as f64 / 1e9
     }

@@ -46,9 +46,10 @@ impl SendHandle {
     /// # Errors
     /// An error if the operation has no provider, the provider replies with a fault, or the time is up.
     pub fn collect(self) -> Result<Datum, RemoteError> {
-        let answer = match self.collected {
-            true => Err(CallError::Cancelled),
-            false => read(self.pending.wait()),
+        let answer = if self.collected {
+            Err(CallError::Cancelled)
+        } else {
+            read(self.pending.wait())
         };
         answer.map_err(|error| match error {
             CallError::Unavailable => RemoteError::Nobody {

@@ -100,7 +100,7 @@ impl<'p> ProcessContact<'p> {
     fn greet(&mut self) {
         let mut somebody = false;
         while let Some(presence) = self.presences.try_next() {
-            somebody |= (self.known).insert((presence.source, presence.incarnation));
+            somebody |= self.known.insert((presence.source, presence.incarnation));
         }
         if somebody {
             self.bus.repeat();
@@ -124,8 +124,10 @@ impl<'p> ProcessContact<'p> {
     /// Publishes an output for the duration of a lease. Returns the topic.
     fn watch(&self, port: &str, schema: &Schema) -> Result<Payload, Refusal> {
         let topic = watch_topic(port);
-        let publisher =
-            || (self.bus).publisher(&topic, &self.origin, schema, PublishOptions::state());
+        let publisher = || {
+            self.bus
+                .publisher(&topic, &self.origin, schema, PublishOptions::state())
+        };
         let watched = self.newest.watch(port, publisher);
         watched.map_err(|error| OrderErrorCode::Refused.refusal(error))?;
         Ok(Payload::of(Datum::text(topic)))

@@ -43,14 +43,13 @@ impl Observer for LastSamples {
         let port = format!("{component}.{port}");
         let mut kept = self.kept();
         if let Some(watched) = kept.watched.get_mut(&port) {
-            match watched.until > Instant::now() {
+            if watched.until > Instant::now() {
                 // a sample that the bus does not accept is lost; the next one is newer anyway
-                true => drop(
-                    watched
-                        .publisher
-                        .publish(now(), Payload::Sample(sample.to_shared())),
-                ),
-                false => drop(kept.watched.remove(&port)),
+                let _ = watched
+                    .publisher
+                    .publish(now(), Payload::Sample(sample.to_shared()));
+            } else {
+                kept.watched.remove(&port);
             }
         }
         kept.samples.insert(port, sample.to_shared());

@@ -169,9 +169,10 @@ impl Order {
         OrderError::Port {
             component: self.component.clone(),
             port: port.to_owned(),
-            known: match names.is_empty() {
-                true => "none of this direction".to_owned(),
-                false => names.join(", "),
+            known: if names.is_empty() {
+                "none of this direction".to_owned()
+            } else {
+                names.join(", ")
             },
         }
     }

@@ -200,7 +200,6 @@ impl Presence {
             }
             if seconds > 0.0 {
                 let cycles = component.cycles.saturating_sub(known.cycles);
-                #[allow(clippy::cast_precision_loss, reason = "a rate is no exact number")]
                 let rate = cycles as f64 / seconds;
                 component.rate_hz = rate;
             }
@@ -267,7 +266,9 @@ impl PresentComponent {
             inputs: typed(&declared.inputs),
             outputs: typed(&declared.outputs),
             services: declared.services.iter().map(PresentService::of).collect(),
-            references: (declared.references.iter())
+            references: declared
+                .references
+                .iter()
                 .map(|reference| PresentEndpoint {
                     name: reference.name.clone(),
                     kind: reference.interface.clone(),

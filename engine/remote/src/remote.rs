@@ -129,7 +129,10 @@ impl Remote {
         patience: Duration,
     ) -> Result<SendHandle, RemoteError> {
         let request = request(argument, patience);
-        let pending = (self.0.bus).call(operation, request, Arc::new(Notifier::new()))?;
+        let pending = self
+            .0
+            .bus
+            .call(operation, request, Arc::new(Notifier::new()))?;
         Ok(SendHandle::new(self.clone(), operation, pending))
     }
 
@@ -141,7 +144,10 @@ impl Remote {
     ) -> Result<Datum, RemoteError> {
         let (address, order) = envelope(of, wish)?;
         let request = request(order, PATIENCE);
-        let pending = (self.0.bus).call(&address, request, Arc::new(Notifier::new()))?;
+        let pending = self
+            .0
+            .bus
+            .call(&address, request, Arc::new(Notifier::new()))?;
         match pending.wait() {
             Ok(answer) => Ok(answer.to_datum()?),
             Err(CallFailure::Refused(refusal)) => Err(refusal.into()),
@@ -156,7 +162,11 @@ impl Remote {
     pub(crate) fn tell(&self, of: &ComponentLocation, wish: OrderKind) -> Result<(), RemoteError> {
         let (address, order) = envelope(of, wish)?;
         let request = request(order, PATIENCE);
-        drop((self.0.bus).tell(&address, request, Arc::new(Notifier::new()))?);
+        drop(
+            self.0
+                .bus
+                .tell(&address, request, Arc::new(Notifier::new()))?,
+        );
         Ok(())
     }
 
@@ -198,9 +208,7 @@ impl Remote {
     }
 
     fn roster(&self) -> MutexGuard<'_, Roster> {
-        (self.0.roster)
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
+        self.0.roster.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The roster, once every process has had time to publish its presence.

@@ -46,13 +46,17 @@ impl Roster {
 
     /// Reads all waiting messages; if there are none, waits up to `at_most` for one.
     pub(crate) fn listen(&mut self, at_most: Duration) {
-        let mut next = (self.words.try_next()).or_else(|| self.words.next_within(at_most));
+        let mut next = self
+            .words
+            .try_next()
+            .or_else(|| self.words.next_within(at_most));
         while let Some(envelope) = next {
             if let Some(word) = RobotPresence::of(&envelope) {
                 let process = (word.robot, word.presence.process.clone());
-                match word.presence.leaves {
-                    true => self.known.remove(&process),
-                    false => self.known.insert(process, (Instant::now(), word.presence)),
+                if word.presence.leaves {
+                    self.known.remove(&process)
+                } else {
+                    self.known.insert(process, (Instant::now(), word.presence))
                 };
             }
             next = self.words.try_next();

@@ -2,6 +2,8 @@
 //!
 //! `cargo run -p asmotion-component --example hello`
 
+#![allow(clippy::print_stdout, reason = "an example tells what happened")]
+
 use asmotion_component::{
     Activity, Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided, Required,
     Span, Wire,
@@ -72,6 +74,9 @@ impl Component for Hello {
 }
 
 /// Ann and Ben, each the other's peer. Ben greets whatever Ann's greeting port writes.
+///
+/// # Errors
+/// Two names are equal, or ends do not fit; neither happens here.
 pub fn system() -> Result<System, BuildError> {
     let mut system = System::new();
     let ann = system.add("Ann", Activity::event(), Hello::declare)?;

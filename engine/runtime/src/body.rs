@@ -58,10 +58,17 @@ impl ComponentBody {
         Self {
             owner,
             topics: declaration.outputs.iter().map(|_| None).collect(),
-            services: (declaration.services.iter().cloned().zip(handlers))
+            services: declaration
+                .services
+                .iter()
+                .cloned()
+                .zip(handlers)
                 .map(|(declaration, handlers)| ProvidedService::new(declaration, handlers))
                 .collect(),
-            references: (declaration.references.iter().cloned())
+            references: declaration
+                .references
+                .iter()
+                .cloned()
                 .map(|declaration| RequiredReference {
                     declaration,
                     wirings: Vec::new(),
@@ -123,7 +130,8 @@ impl ComponentBody {
                     one_way,
                 } => {
                     let references = &self.references;
-                    (self.caller).call(references, slot, call.0, argument, one_way, effects);
+                    self.caller
+                        .call(references, slot, call.0, argument, one_way, effects);
                 }
                 CycleAction::Cancel(call) => self.caller.cancel(&self.references, call, effects),
                 CycleAction::Answer {
@@ -162,10 +170,12 @@ impl ComponentBody {
             topic,
             effects,
         };
-        (output.flush(now, &mut effects)).map_err(|undelivered| Fault::NotDelivered {
-            port: port.to_owned(),
-            to: undelivered.to,
-        })
+        output
+            .flush(now, &mut effects)
+            .map_err(|undelivered| Fault::NotDelivered {
+                port: port.to_owned(),
+                to: undelivered.to,
+            })
     }
 
     /// Drops the actions and outputs of the cycle.
@@ -230,7 +240,10 @@ impl ComponentBody {
         service: &str,
         effects: &mut ComponentEffects<'_>,
     ) {
-        let wirings = (self.references.get(reference)).map_or(&[][..], |it| &it.wirings);
+        let wirings = self
+            .references
+            .get(reference)
+            .map_or(&[][..], |it| &it.wirings);
         if wirings.first().is_some_and(|first| first.to == service) {
             self.caller.disconnect(&self.references, reference, effects);
         }

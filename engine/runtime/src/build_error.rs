@@ -168,8 +168,9 @@ impl BuildError {
 }
 
 fn article(what: &str) -> &'static str {
-    match what.starts_with(['i', 'o']) {
-        true => "an",
-        false => "a",
+    if what.starts_with(['i', 'o']) {
+        "an"
+    } else {
+        "a"
     }
 }

@@ -46,15 +46,21 @@ impl CycleCause {
 
     /// The trace that the current cycle continues.
     pub fn present(&self) -> Option<TraceContext> {
-        let [high, low, span] = (self.present.each_ref()).map(|part| part.load(Ordering::Relaxed));
+        let [high, low, span] = self
+            .present
+            .each_ref()
+            .map(|part| part.load(Ordering::Relaxed));
         let id = (u128::from(high) << 64) | u128::from(low);
         (id != 0).then_some(TraceContext { id, span })
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "the halves of an id")]
     fn set(&self, trace: Option<TraceContext>) {
         let (id, span) = trace.map_or((0, 0), |trace| (trace.id, trace.span));
-        for (part, value) in (self.present.iter()).zip([(id >> 64) as u64, id as u64, span]) {
+        for (part, value) in self
+            .present
+            .iter()
+            .zip([(id >> 64) as u64, id as u64, span])
+        {
             part.store(value, Ordering::Relaxed);
         }
     }

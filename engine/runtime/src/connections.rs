@@ -115,7 +115,9 @@ impl ConnectionTable {
         let (connection, from, to) = self.direct.remove(self.find(from, to)?);
         let mut users = Vec::new();
         for (queue, common) in self.queues.iter_mut().enumerate() {
-            let effects = (common.users).extract_if(.., |user| user.connection == connection);
+            let effects = common
+                .users
+                .extract_if(.., |user| user.connection == connection);
             users.extend(effects.map(|user| (queue, user)));
         }
         Some(RemovedConnection {
@@ -155,9 +157,10 @@ impl ConnectionTable {
                 threads,
             });
         }
-        let notification = match policy.trigger {
-            true => Notification::Trigger(to.unit),
-            false => Notification::Silent,
+        let notification = if policy.trigger {
+            Notification::Trigger(to.unit)
+        } else {
+            Notification::Silent
         };
         let link = OutputLink {
             readers: vec![LinkReader {
@@ -211,13 +214,14 @@ impl ConnectionTable {
             common.policy = policy.clone();
         }
         let same = |policy: &Policy| (policy.kind, policy.lock, policy.pull);
-        match same(&common.policy) == same(policy) {
-            true => Ok(Some(known)),
-            false => Err(other_queue(
+        if same(&common.policy) == same(policy) {
+            Ok(Some(known))
+        } else {
+            Err(other_queue(
                 &from.name,
                 &to.name,
                 "a queue of another policy",
-            )),
+            ))
         }
     }
 

@@ -76,7 +76,10 @@ pub(crate) fn references(declaration: &Declaration) -> EndTable<'_> {
 
 fn services_and_references(declaration: &Declaration) -> (Vec<&str>, Vec<&str>) {
     let services = declaration.services.iter().map(|service| &*service.name);
-    let references = (declaration.references.iter()).map(|reference| &*reference.name);
+    let references = declaration
+        .references
+        .iter()
+        .map(|reference| &*reference.name);
     (services.collect(), references.collect())
 }
 
@@ -87,7 +90,10 @@ pub(crate) fn find<'a>(
     table: fn(&Declaration) -> EndTable<'_>,
 ) -> Result<ComponentEnd, BuildError> {
     let (component, port) = path.rsplit_once('.').unwrap_or((path, ""));
-    let found = (components.clone().enumerate()).find(|(_, (name, _))| *name == component);
+    let found = components
+        .clone()
+        .enumerate()
+        .find(|(_, (name, _))| *name == component);
     let Some((unit, (_, declaration))) = found else {
         return Err(BuildError::Unknown {
             what: "component",

@@ -180,7 +180,8 @@ impl InjectionPort {
     ) -> Option<Self> {
         let port = unit.body.declaration.inputs.get(index)?;
         let input = unit.body.inputs.get_mut(index)?;
-        let (sender, reading_end) = (input.opener())
+        let (sender, reading_end) = input
+            .opener()
             .open(connection, &policy.for_outsider(), None)
             .ok()?;
         input.join(reading_end);

@@ -268,7 +268,7 @@ impl Executor for Live {
 
     fn post(&mut self, component: usize, act: Act) {
         let thread = self.descriptors[component].thread;
-        if let Some(thread) = (self.threads.iter()).find(|one| one.component == thread) {
+        if let Some(thread) = self.threads.iter().find(|one| one.component == thread) {
             thread.send(WorkerCommand::Act(component, act));
         }
     }

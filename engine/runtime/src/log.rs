@@ -29,7 +29,8 @@ impl Log {
     /// All events as lines: `0.05 s Follower.twist #1 = {…}`.
     pub fn lines(&self) -> Vec<String> {
         let entries = self.entries();
-        (entries.iter())
+        entries
+            .iter()
             .map(|entry| format!("{} {}", entry.at, entry.line))
             .collect()
     }

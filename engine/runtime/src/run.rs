@@ -46,6 +46,9 @@ pub trait Run {
     ) -> bool;
 
     /// Injects a sample into an input port (`component.port`) from outside, as an operator or a test does.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such input, [`RunError::Mismatch`] if it cannot read the sample.
     fn inject_sample(
         &mut self,
         at: Time,
@@ -54,6 +57,9 @@ pub trait Run {
     ) -> Result<(), RunError>;
 
     /// Publishes a sample on a topic from outside.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such topic, [`RunError::Mismatch`] if a subscriber cannot read the sample.
     fn publish_sample(
         &mut self,
         at: Time,
@@ -63,27 +69,54 @@ pub trait Run {
 
     /// Connects an output to an input of the running system: the reader uses the connection from its next cycle on,
     /// then the writer.
+    ///
+    /// # Errors
+    /// An end does not exist or has the wrong direction, the two are connected already, their types differ, or the
+    /// policy is impossible for their threads. Nothing is changed.
     fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError>;
 
     /// Removes the direct connection of an output and an input, after the cycles under way. Its unread samples are
     /// lost; an input whose last sample came through it has no data afterwards, as in RTT.
+    ///
+    /// # Errors
+    /// [`BuildError::NotJoined`] if there is no such connection, [`BuildError::Unknown`] or [`BuildError::Direction`]
+    /// if an end is none.
     fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError>;
 
     /// Makes several changes, or none of them if one is impossible. Each component's changes are made between the same
     /// two of its cycles; components that are not concerned keep running.
+    ///
+    /// # Errors
+    /// The first change that is not possible, as [`connect`](Self::connect), [`disconnect`](Self::disconnect) or
+    /// [`set_properties`](Self::set_properties) report it.
     fn change(&mut self, changes: &[Change]) -> Result<(), ChangeError>;
 
     /// Takes a component through a transition of its life cycle.
+    ///
+    /// # Errors
+    /// [`LifeCycleError::Refused`] if the present state does not allow it, [`LifeCycleError::Failed`] with the fault of
+    /// the component, [`LifeCycleError::Unknown`] without such a component, [`LifeCycleError::Busy`] if its cycle does
+    /// not end in time.
     fn transition(&mut self, component: &str, transition: Transition)
     -> Result<(), LifeCycleError>;
 
     /// Requests one cycle of a component that is event-driven or driven manually.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component.
     fn trigger(&mut self, component: &str) -> Result<(), RunError>;
 
     /// Changes the period of a periodic or event-driven component, from its next cycle on; zero makes it event-driven.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component, [`RunError::Busy`] if its cycle does not end in time.
     fn set_period(&mut self, component: &str, period: Duration) -> Result<(), RunError>;
 
     /// Sets properties of a component, all or none, from its next cycle on.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component, [`RunError::Property`] with the first value that is
+    /// refused, [`RunError::Busy`] if its cycle does not end in time.
     fn set_properties(
         &mut self,
         component: &str,
@@ -91,6 +124,9 @@ pub trait Run {
     ) -> Result<(), RunError>;
 
     /// Requests a transition without waiting for it: the component makes it after its current cycle.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component. A refusal arrives in [`Asked`].
     fn begin_transition(
         &mut self,
         component: &str,
@@ -98,6 +134,9 @@ pub trait Run {
     ) -> Result<Asked, RunError>;
 
     /// Requests a change of properties, all or none, without waiting for it.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component. A refusal arrives in [`Asked`].
     fn begin_set_properties(
         &mut self,
         component: &str,
@@ -139,12 +178,18 @@ pub trait Run {
     fn declaration(&self, component: &str) -> Option<Declaration>;
 
     /// A component's properties with their current values.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component, [`RunError::Busy`] if its cycle does not end soon.
     fn properties(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError>;
 
     /// Stops all running components in reverse order of addition. Returns the names of those that did not stop in time.
     fn stop(&mut self) -> Vec<String>;
 
     /// Opens a connection of its own into an input port. The writer works from any thread, without the run.
+    ///
+    /// # Errors
+    /// There is no such input, its type is another, or the policy is impossible for it.
     fn writer<T: Message>(
         &mut self,
         port: &str,
@@ -155,6 +200,9 @@ pub trait Run {
 
     /// Opens a connection of its own from an output port. The reader works from any thread, without the run; a slow
     /// reader delays neither the writer nor other readers.
+    ///
+    /// # Errors
+    /// There is no such output, its type is another, or the policy is impossible for it.
     fn reader<T: Message>(
         &mut self,
         port: &str,
@@ -165,6 +213,9 @@ pub trait Run {
 
     /// Calls an operation of a service from outside without waiting (RTT `send`). The returned handle collects the
     /// response; the call ends after `patience`.
+    ///
+    /// # Errors
+    /// There is no such service, it does not serve the operation, or the types of request or response differ.
     fn send<O: Operation>(
         &mut self,
         service: &str,
@@ -175,6 +226,10 @@ pub trait Run {
         Self: Sized;
 
     /// Lets time pass until a call has ended, and returns its result (RTT `collect`).
+    ///
+    /// # Errors
+    /// [`CallError::Timeout`] at the end of the patience, [`CallError::Unavailable`] if the provider is not running or
+    /// its queue is full, [`CallError::Fault`] with the answer of the operation.
     fn collect<O: Operation>(&mut self, sent: SentCall<O>) -> Result<O::Response, CallError>
     where
         Self: Sized;
@@ -186,6 +241,9 @@ pub trait Run {
     }
 
     /// Injects a sample into an input port from outside; see [`Run::inject_sample`].
+    ///
+    /// # Errors
+    /// As [`inject_sample`](Self::inject_sample).
     fn inject<T: Message>(&mut self, at: Time, port: &str, sample: T) -> Result<(), RunError>
     where
         Self: Sized,
@@ -194,6 +252,9 @@ pub trait Run {
     }
 
     /// Publishes a sample on a topic from outside; see [`Run::publish_sample`].
+    ///
+    /// # Errors
+    /// As [`publish_sample`](Self::publish_sample).
     fn publish<T: Message>(&mut self, at: Time, topic: &str, sample: T) -> Result<(), RunError>
     where
         Self: Sized,

@@ -232,9 +232,10 @@ impl Executor for Simulation {
         let unit = &mut self.units[component];
         let ran = unit.state().is_running();
         act(unit, now, &mut effects);
-        match !ran && unit.state().is_running() {
-            true => self.timeline.begin(unit),
-            false => self.timeline.follow(unit),
+        if !ran && unit.state().is_running() {
+            self.timeline.begin(unit)
+        } else {
+            self.timeline.follow(unit)
         }
     }
 }

@@ -98,6 +98,10 @@ impl System {
     /// Adds a component with a name, an activity and a constructor.
     ///
     /// The order of additions determines the order of configuration and of cycles that are due at the same instant.
+    ///
+    /// # Errors
+    /// [`BuildError::Name`] if the name is empty or taken, [`BuildError::Declaration`] with the first contradiction in
+    /// what the component declares.
     pub fn add(
         &mut self,
         name: &str,
@@ -137,6 +141,9 @@ impl System {
     }
 
     /// Sets a property after checking the value against its type, range and choices.
+    ///
+    /// # Errors
+    /// There is no such component or property, or the value is refused; see [`PropertyProblem`].
     pub fn set_property(
         &mut self,
         component: ComponentId,

@@ -22,10 +22,12 @@ impl SystemTopic {
         let subscribers = self.subscribers.iter();
         Self {
             name: self.name.clone(),
-            publishers: (publishers.filter(|it| is_wanted(it.unit)))
+            publishers: publishers
+                .filter(|it| is_wanted(it.unit))
                 .cloned()
                 .collect(),
-            subscribers: (subscribers.filter(|(it, _)| is_wanted(it.unit)))
+            subscribers: subscribers
+                .filter(|(it, _)| is_wanted(it.unit))
                 .cloned()
                 .collect(),
         }

@@ -72,7 +72,10 @@ impl ComponentUnit {
             name: Arc::clone(&self.name),
             declaration: self.body.declaration.clone(),
             thread,
-            openers: (self.body.inputs.iter())
+            openers: self
+                .body
+                .inputs
+                .iter()
                 .map(|input| input.opener())
                 .collect(),
             queues: services.map(|service| Arc::clone(&service.queue)).collect(),
@@ -184,7 +187,10 @@ impl ComponentUnit {
                 false
             }
             OnException::Reset
-                if (self.activity.max_resets).is_some_and(|max| self.resets >= max) =>
+                if self
+                    .activity
+                    .max_resets
+                    .is_some_and(|max| self.resets >= max) =>
             {
                 false
             }
@@ -313,7 +319,8 @@ impl ComponentUnit {
 
     /// Closes the services and cancels the calls of a component that has stopped running.
     fn close(&mut self, now: Time, effects: &mut dyn Effects) {
-        (self.body).close(&mut component_effects(&self.name, self.index, now, effects));
+        self.body
+            .close(&mut component_effects(&self.name, self.index, now, effects));
     }
 
     fn enter(&mut self, to: State, now: Time, effects: &mut dyn Effects) {
@@ -382,7 +389,8 @@ impl ComponentUnit {
     ) -> Result<(), PropertyError> {
         self.body.prepare(&self.name, values)?;
         if !self.state.is_running() {
-            (self.body).apply(&mut component_effects(&self.name, self.index, now, effects));
+            self.body
+                .apply(&mut component_effects(&self.name, self.index, now, effects));
         }
         Ok(())
     }

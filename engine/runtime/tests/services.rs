@@ -438,7 +438,9 @@ fn y10_a_one_way_reference_reaches_each_of_its_services() {
         let activity = Activity::event().run_on_startup(runs);
         system.add(name, activity, listening()).unwrap();
         let service = format!("{name}.sums");
-        (system.wire("Teller.listeners", &service, Wire::one_way())).unwrap();
+        system
+            .wire("Teller.listeners", &service, Wire::one_way())
+            .unwrap();
     }
     system.simulate().run_for(1.s());
     assert_eq!(

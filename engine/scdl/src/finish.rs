@@ -43,7 +43,8 @@ fn across(composites: &mut BTreeMap<String, ScdlComposite>) {
 fn upwards(composites: &mut BTreeMap<String, ScdlComposite>) -> bool {
     let promoted =
         |composite: &ScdlComposite| (composite.services.clone(), composite.references.clone());
-    let promoted: BTreeMap<String, _> = (composites.iter())
+    let promoted: BTreeMap<String, _> = composites
+        .iter()
         .map(|(name, composite)| (name.clone(), promoted(composite)))
         .collect();
     let mut news = false;
@@ -209,6 +210,9 @@ fn callback(of: &ScdlContract) -> Option<ScdlContract> {
 fn back(end: &ScdlTarget) -> ScdlTarget {
     ScdlTarget {
         component: end.component.clone(),
-        name: (end.name.clone()).map(|name| name.map(|name| name::callback(&name))),
+        name: end
+            .name
+            .clone()
+            .map(|name| name.map(|name| name::callback(&name))),
     }
 }

@@ -56,12 +56,13 @@ pub(crate) fn callback(of: &str) -> String {
 
 /// Name of the environment variable that replaces the password of a component.
 pub(crate) fn password_variable(of: &str) -> String {
-    let letters = of
-        .chars()
-        .map(|letter| match letter.is_ascii_alphanumeric() {
-            true => letter.to_ascii_uppercase(),
-            false => '_',
-        });
+    let letters = of.chars().map(|letter| {
+        if letter.is_ascii_alphanumeric() {
+            letter.to_ascii_uppercase()
+        } else {
+            '_'
+        }
+    });
     let name: String = letters.collect();
     let name = name.trim_start_matches(|first: char| first.is_ascii_digit());
     format!("{name}_PASSWORD")

@@ -133,9 +133,12 @@ impl TcaProperties<'_> {
             return BROKER.to_owned();
         };
         let (user, password) = (self.text("user"), self.text("password"));
-        let password = password.map(|password| match names_variable(&password) {
-            true => password.value,
-            false => self.hide(password.span),
+        let password = password.map(|password| {
+            if names_variable(&password) {
+                password.value
+            } else {
+                self.hide(password.span)
+            }
         });
         address(
             &url,

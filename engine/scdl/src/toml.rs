@@ -497,15 +497,14 @@ fn contracts_item(key: &str, contracts: &[ScdlContract], table: &mut Table) {
     let entries = contracts.iter().map(|contract| {
         let interface = contract.interface.as_ref();
         let interface = interface.map_or("", |interface| &interface.name.value);
-        let value = match key == "references" && contract.multiplicity.optional {
-            true => {
-                let keys = [
-                    ("interface", Value::from(interface)),
-                    ("optional", true.into()),
-                ];
-                Value::InlineTable(keys.into_iter().collect::<InlineTable>())
-            }
-            false => interface.into(),
+        let value = if key == "references" && contract.multiplicity.optional {
+            let keys = [
+                ("interface", Value::from(interface)),
+                ("optional", true.into()),
+            ];
+            Value::InlineTable(keys.into_iter().collect::<InlineTable>())
+        } else {
+            interface.into()
         };
         (contract.name.value.clone(), value)
     });

@@ -92,9 +92,10 @@ fn real(number: f64) -> Value {
 
 /// A text in which `${` is escaped, unless it is an environment variable.
 fn verbatim(text: &str) -> Value {
-    match names_variable(text) {
-        true => text.into(),
-        false => text.replace("${", "$${").into(),
+    if names_variable(text) {
+        text.into()
+    } else {
+        text.replace("${", "$${").into()
     }
 }
 
@@ -114,9 +115,10 @@ pub(crate) fn list(values: impl IntoIterator<Item = Value>) -> Value {
 
 /// The texts of a value or a list of values; `None` for anything else.
 pub(crate) fn texts(node: &Node) -> Option<Vec<String>> {
-    match &node.value {
-        Branch::List(items) => items.iter().map(text).collect(),
-        _ => text(node).map(|text| vec![text]),
+    if let Branch::List(items) = &node.value {
+        items.iter().map(text).collect()
+    } else {
+        text(node).map(|text| vec![text])
     }
 }
 

@@ -12,9 +12,10 @@ pub fn show(path: &str, terminal: &mut TerminalOutput) {
         return;
     }
     let opened = build::open(path, &[], &DiskLoader);
-    let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
-        true => vec![None],
-        false => opened.profiles.iter().map(|it| Some(&**it)).collect(),
+    let profiles: Vec<Option<&str>> = if opened.profiles.is_empty() {
+        vec![None]
+    } else {
+        opened.profiles.iter().map(|it| Some(&**it)).collect()
     };
     for plan in profiles.into_iter().filter_map(|it| opened.plan(it)) {
         of_plan(plan, terminal);
@@ -32,9 +33,10 @@ fn of_plan(plan: &Plan, terminal: &mut TerminalOutput) {
         ways.len()
     ));
     let rows = ways.iter().map(|way| {
-        let real_time = match way.over.is_real_time() {
-            true => "real time",
-            false => "not real time",
+        let real_time = if way.over.is_real_time() {
+            "real time"
+        } else {
+            "not real time"
         };
         vec![
             way.from.to_string(),

@@ -96,9 +96,10 @@ fn diff(
     for name in &read.missing {
         terminal.result(format_args!("{name}: not in the file"));
     }
-    Ok(match differences.is_empty() && read.missing.is_empty() {
-        true => Exit::Ok,
-        false => Exit::Findings,
+    Ok(if differences.is_empty() && read.missing.is_empty() {
+        Exit::Ok
+    } else {
+        Exit::Findings
     })
 }
 
@@ -134,9 +135,10 @@ fn read(
     let text = DiskLoader.read(file);
     let text = text.map_err(|error| format!("cannot read `{file}`: {}", error.reason))?;
     let (name, declared) = (component.name(), component.declaration()?);
-    let read = match file.ends_with(".cpf") || file.ends_with(".xml") {
-        true => of_rtt(file, &text, name, &declared)?,
-        false => property_file::read(file, &text, name, &declared),
+    let read = if file.ends_with(".cpf") || file.ends_with(".xml") {
+        of_rtt(file, &text, name, &declared)?
+    } else {
+        property_file::read(file, &text, name, &declared)
     };
     terminal.report(&read.report, &read.sources);
     if read.report.has_errors() {

@@ -395,9 +395,10 @@ impl ReplSession {
         terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number()));
         for input in step.inputs() {
             let location = simulate::location(machine, input.slot);
-            let hint = match input.value {
-                Value::Undef => format!("  (`set {location} := …` gives it one)"),
-                _ => String::new(),
+            let hint = if input.value.is_undef() {
+                format!("  (`set {location} := …` gives it one)")
+            } else {
+                String::new()
             };
             terminal.result(format_args!(
                 "  {FAINT}{location} = {}{hint}{FAINT:#}",

@@ -44,7 +44,18 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
         Event::Fault { component, fault } => Some(
             json!({ "type": "fault", "v": 1, "t": t, "component": component, "fault": fault.to_string() }),
         ),
-        _ => None,
+        Event::Cycle { .. }
+        | Event::Published { .. }
+        | Event::Injected { .. }
+        | Event::Answered { .. }
+        | Event::LifeCycle { .. }
+        | Event::Overrun { .. }
+        | Event::Late { .. }
+        | Event::Denied { .. }
+        | Event::Dropped { .. }
+        | Event::Property { .. }
+        | Event::Report { .. }
+        | Event::Lost { .. } => None,
     }
 }
 

@@ -28,7 +28,9 @@ pub struct Echo {
 impl Echo {
     /// Prints each message as a JSON object on a line. Receiving none is a finding.
     pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
-        let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;
+        let subscription = remote
+            .listen(&self.topic)
+            .map_err(|error| error.to_string())?;
         let until = Instant::now() + Duration::from_secs(self.limit);
         let mut shown = 0;
         while self.count.is_none_or(|count| shown < count) {

@@ -20,7 +20,9 @@ impl Hz {
     /// Counts messages. Receiving none is a finding.
     pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let window = Duration::try_from_secs_f64(self.window).map_err(|error| error.to_string())?;
-        let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;
+        let subscription = remote
+            .listen(&self.topic)
+            .map_err(|error| error.to_string())?;
         let until = Instant::now() + window;
         let mut arrivals = Vec::new();
         let next = || subscription.next_within(until.saturating_duration_since(Instant::now()));
@@ -40,7 +42,6 @@ impl Hz {
             .fold((f64::INFINITY, 0.0_f64), |(least, most), gap| {
                 (least.min(*gap), most.max(*gap))
             });
-        #[allow(clippy::cast_precision_loss, reason = "a rate is no exact number")]
         let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
         terminal.result(format_args!(
             "{:.1} Hz: {} messages, {least:.1} to {most:.1} ms between two",

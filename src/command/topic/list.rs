@@ -24,7 +24,7 @@ struct TopicInfo {
 impl TopicList {
     /// Collects descriptions and messages for a second and a half.
     pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
-        let everything = (remote.listen("#")).map_err(|error| error.to_string())?;
+        let everything = remote.listen("#").map_err(|error| error.to_string())?;
         let began = Instant::now();
         let words = remote.processes();
         let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
@@ -45,9 +45,12 @@ impl TopicList {
                 known.subscribers.extend(components(&topic.subscribers));
             }
         }
-        let names = |names: &BTreeSet<String>| match names.is_empty() {
-            true => "-".to_owned(),
-            false => names.iter().cloned().collect::<Vec<_>>().join(" "),
+        let names = |names: &BTreeSet<String>| {
+            if names.is_empty() {
+                "-".to_owned()
+            } else {
+                names.iter().cloned().collect::<Vec<_>>().join(" ")
+            }
         };
         let rows = topics.iter().map(|(topic, known)| {
             vec![

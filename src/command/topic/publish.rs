@@ -42,13 +42,15 @@ impl Pub {
         let sending = PublishOptions::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
         let kind = Schema::opaque(self.kind);
         let bus = remote.bus();
-        let mut publisher = (bus.publisher(&self.topic, &origin, &kind, sending))
+        let mut publisher = bus
+            .publisher(&self.topic, &origin, &kind, sending)
             .map_err(|error| error.to_string())?;
         for number in 0..self.count {
             if number > 0 {
                 std::thread::sleep(pause);
             }
-            (publisher.publish(now(), Payload::of(message.clone())))
+            publisher
+                .publish(now(), Payload::of(message.clone()))
                 .map_err(|error| error.to_string())?;
         }
         if !bus.drain(Duration::from_secs(5)) {

@@ -91,9 +91,10 @@ impl Environment for Reference<'_> {
         if let Some(unit) = self.program.functions[function.0 as usize].clock {
             return Ok(Some(Value::Int(self.clock.read(unit))));
         }
-        match self.is_silent {
-            false => Ok(self.inputs.read(function, arguments).unwrap_or_default()),
-            true => Err("this run has no inputs".to_owned()),
+        if self.is_silent {
+            Err("this run has no inputs".to_owned())
+        } else {
+            Ok(self.inputs.read(function, arguments).unwrap_or_default())
         }
     }
 }

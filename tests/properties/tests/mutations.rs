@@ -1,6 +1,6 @@
 //! Tests the properties with mutated files and messages: a bounded, repeatable version of the fuzzers.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "helpers of tests")]
 
 #[path = "../../../components/map/tests/fixture/mod.rs"]
 #[allow(dead_code, reason = "shared with the contract of map formats")]
@@ -124,9 +124,10 @@ fn holds(property: fn(&[u8]), seeds: &[Vec<u8>], is_text: bool, count: usize) {
         let mut bytes = seeds[random.random_range(0..seeds.len())].clone();
         for _ in 0..random.random_range(1..4) {
             let other = &seeds[random.random_range(0..seeds.len())];
-            match is_text {
-                true => mutate_text(&mut bytes, other, &mut random),
-                false => mutate_bytes(&mut bytes, &mut random),
+            if is_text {
+                mutate_text(&mut bytes, other, &mut random)
+            } else {
+                mutate_bytes(&mut bytes, &mut random)
             }
         }
         let shown = ShownOnPanic(&bytes);

@@ -38,9 +38,10 @@ impl Finding for FileNameDiffers {
         let found = diagnostic.label(self.at, "this name").help(format!(
             "or call the file `{name}.asm`: the reference tools insist on it"
         ));
-        match is_word(stem) {
-            true => found.fix("name it after the file", self.at, stem.clone()),
-            false => found,
+        if is_word(stem) {
+            found.fix("name it after the file", self.at, stem.clone())
+        } else {
+            found
         }
     }
 }

@@ -191,12 +191,12 @@ impl Lowering<'_> {
         term: &asmotion_hir::Term,
         frame: &LoweringFrame,
     ) -> Option<Rc<Closed>> {
-        match &*term.kind {
-            TermKind::Variable(variable) => match frame.binding(*variable) {
-                Some(VariableBinding::Term(closed)) => Some(closed),
-                Some(VariableBinding::Local(_) | VariableBinding::State { .. }) | None => None,
-            },
-            _ => None,
+        let TermKind::Variable(variable) = &*term.kind else {
+            return None;
+        };
+        match frame.binding(*variable) {
+            Some(VariableBinding::Term(closed)) => Some(closed),
+            Some(VariableBinding::Local(_) | VariableBinding::State { .. }) | None => None,
         }
     }
 
@@ -254,18 +254,19 @@ fn is_location(
     term: &asmotion_hir::Term,
     bindings: &[Option<VariableBinding>],
 ) -> bool {
-    match &*term.kind {
-        TermKind::Variable(variable) => matches!(
+    if let TermKind::Variable(variable) = &*term.kind {
+        return matches!(
             bindings.get(variable.0 as usize),
             Some(Some(VariableBinding::State { .. }))
-        ),
-        TermKind::Apply(function, _) | TermKind::Spread(function, _) => matches!(
-            model.function(*function).kind,
+        );
+    }
+    term.kind.function().is_some_and(|function| {
+        matches!(
+            model.function(function).kind,
             asmotion_hir::FunctionKind::Controlled
                 | asmotion_hir::FunctionKind::Out
                 | asmotion_hir::FunctionKind::Shared
                 | asmotion_hir::FunctionKind::Local
-        ),
-        _ => false,
-    }
+        )
+    })
 }

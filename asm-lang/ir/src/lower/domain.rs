@@ -16,13 +16,7 @@ impl Lowering<'_> {
     pub(super) fn domains(&mut self) {
         for index in 0..self.model.domains.len() {
             let domain = &self.model.domains[index];
-            let base = match domain.kind {
-                DomainKind::Concrete { base } => match self.model.types.get(base) {
-                    Type::Domain(base) => Some(id(*base)),
-                    _ => None,
-                },
-                _ => None,
-            };
+            let base = self.base(&domain.kind).map(id);
             let elements = self.elements(asmotion_hir::DomainId(index as u32));
             let grows = match domain.kind {
                 DomainKind::Abstract => true,
@@ -58,11 +52,12 @@ impl Lowering<'_> {
     }
 
     fn is_abstract(&self, ty: TypeId) -> bool {
-        let root = self.model.types.root(ty, &self.model.domains);
-        match self.model.types.get(root) {
-            Type::Domain(domain) => self.model.domain(*domain).kind == DomainKind::Abstract,
-            _ => false,
-        }
+        self.model.types.is_abstract(ty, &self.model.domains)
+    }
+
+    /// The declared domain that a concrete one is a subset of.
+    fn base(&self, kind: &DomainKind) -> Option<asmotion_hir::DomainId> {
+        self.model.types.get(kind.base()?).as_domain()
     }
 
     /// Returns the constants of an abstract domain and its subsets, which have consecutive numbers.
@@ -72,12 +67,9 @@ impl Lowering<'_> {
                 if inner == domain {
                     return true;
                 }
-                match self.model.domain(inner).kind {
-                    DomainKind::Concrete { base } => match self.model.types.get(base) {
-                        Type::Domain(base) => inner = *base,
-                        _ => return false,
-                    },
-                    _ => return false,
+                match self.base(&self.model.domain(inner).kind) {
+                    Some(base) => inner = base,
+                    None => return false,
                 }
             }
             false
@@ -99,55 +91,54 @@ impl Lowering<'_> {
 
     /// Returns the bounds of a closed term that is an interval of integers or lists all of one.
     fn interval(&self, term: &Term) -> Option<(i64, i64)> {
-        match &*term.kind {
-            TermKind::Interval(_, from, to, None) => {
-                let (low, high) = (self.integer(from, 0)?, self.integer(to, 0)?);
-                (low <= high).then_some((low, high))
-            }
-            TermKind::Listed(_, items) => {
-                let mut numbers: Vec<i64> = items
-                    .iter()
-                    .map(|item| self.integer(item, 0))
-                    .collect::<Option<_>>()?;
-                numbers.sort_unstable();
-                numbers.dedup();
-                let (low, high) = (*numbers.first()?, *numbers.last()?);
-                (high.checked_sub(low)? == numbers.len() as i64 - 1).then_some((low, high))
-            }
-            _ => None,
+        if let TermKind::Interval(_, from, to, None) = &*term.kind {
+            let (low, high) = (self.integer(from, 0)?, self.integer(to, 0)?);
+            return (low <= high).then_some((low, high));
         }
+        let TermKind::Listed(_, items) = &*term.kind else {
+            return None;
+        };
+        let mut numbers: Vec<i64> = items
+            .iter()
+            .map(|item| self.integer(item, 0))
+            .collect::<Option<_>>()?;
+        numbers.sort_unstable();
+        numbers.dedup();
+        let (low, high) = (*numbers.first()?, *numbers.last()?);
+        (high.checked_sub(low)? == numbers.len() as i64 - 1).then_some((low, high))
     }
 
     /// Evaluates a closed term that is an integer, a negated integer, or a constant defined as one.
     fn integer(&self, term: &Term, depth: u32) -> Option<i64> {
-        match &*term.kind {
-            TermKind::Value(Value::Int(number)) => Some(*number),
-            TermKind::Apply(function, arguments) if depth < 32 => {
-                let function = self.model.function(*function);
-                match (&function.meaning, arguments.as_slice()) {
-                    (Meaning::Defined(body), [])
-                        if function.kind == asmotion_hir::FunctionKind::Static =>
-                    {
-                        self.integer(&body.root, depth + 1)
-                    }
-                    (Meaning::Builtin(builtin), [one]) if builtin.name == "minus" => {
-                        self.integer(one, depth + 1)?.checked_neg()
-                    }
-                    (Meaning::Builtin(builtin), [one]) if builtin.name == "plus" => {
-                        self.integer(one, depth + 1)
-                    }
-                    (Meaning::Builtin(builtin), [left, right]) => {
-                        let (left, right) = (
-                            self.integer(left, depth + 1)?,
-                            self.integer(right, depth + 1)?,
-                        );
-                        match builtin.name {
-                            "plus" => left.checked_add(right),
-                            "minus" => left.checked_sub(right),
-                            "mult" => left.checked_mul(right),
-                            _ => None,
-                        }
-                    }
+        if let TermKind::Value(Value::Int(number)) = &*term.kind {
+            return Some(*number);
+        }
+        let TermKind::Apply(function, arguments) = &*term.kind else {
+            return None;
+        };
+        if depth >= 32 {
+            return None;
+        }
+        let function = self.model.function(*function);
+        match (&function.meaning, arguments.as_slice()) {
+            (Meaning::Defined(body), []) if function.kind == asmotion_hir::FunctionKind::Static => {
+                self.integer(&body.root, depth + 1)
+            }
+            (Meaning::Builtin(builtin), [one]) if builtin.name == "minus" => {
+                self.integer(one, depth + 1)?.checked_neg()
+            }
+            (Meaning::Builtin(builtin), [one]) if builtin.name == "plus" => {
+                self.integer(one, depth + 1)
+            }
+            (Meaning::Builtin(builtin), [left, right]) => {
+                let (left, right) = (
+                    self.integer(left, depth + 1)?,
+                    self.integer(right, depth + 1)?,
+                );
+                match builtin.name {
+                    "plus" => left.checked_add(right),
+                    "minus" => left.checked_sub(right),
+                    "mult" => left.checked_mul(right),
                     _ => None,
                 }
             }
@@ -206,13 +197,9 @@ impl Lowering<'_> {
 
     /// Returns the concrete domain that values of a type must be elements of, checked by updates.
     pub(super) fn membership(&self, ty: TypeId) -> Option<DomainId> {
-        match self.model.types.get(ty) {
-            Type::Domain(domain) => match self.model.domain(*domain).kind {
-                DomainKind::Concrete { .. } => Some(id(*domain)),
-                _ => None,
-            },
-            _ => None,
-        }
+        let domain = self.model.types.get(ty).as_domain()?;
+        let is_concrete = self.model.domain(domain).kind.base().is_some();
+        is_concrete.then_some(id(domain))
     }
 
     /// Returns `true` if a component of the type is a concrete domain, so that not every value of

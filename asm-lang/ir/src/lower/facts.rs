@@ -3,7 +3,7 @@
 use super::needs::recursive;
 use asmotion_hir::{
     Body, DomainKind, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Term,
-    TermKind, Type, TypeId, UpdateTarget, VarId,
+    TermKind, TypeId, UpdateTarget, VarId,
 };
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;
@@ -87,10 +87,11 @@ impl Facts {
     /// Returns `true` if the value of a term may change during a step.
     pub fn is_dynamic(&self, term: &Term) -> bool {
         let mut ranges_over_growing = false;
-        visit(term, &mut |term| match &*term.kind {
-            TermKind::Extent(ty) => ranges_over_growing |= self.growing.contains(ty),
-            TermKind::Element(..) => ranges_over_growing = true,
-            _ => {}
+        visit(term, &mut |term| {
+            if let TermKind::Extent(ty) = &*term.kind {
+                ranges_over_growing |= self.growing.contains(ty);
+            }
+            ranges_over_growing |= matches!(&*term.kind, TermKind::Element(..));
         });
         ranges_over_growing || mentions(term, &|function| self.dynamic.contains(&function))
     }
@@ -240,7 +241,15 @@ impl Facts {
                 RuleKind::Run(..) => {
                     self.sequential.insert(id);
                 }
-                _ => {}
+                RuleKind::Skip
+                | RuleKind::Par(_)
+                | RuleKind::If(..)
+                | RuleKind::Switch(..)
+                | RuleKind::Choose(..)
+                | RuleKind::Forall(..)
+                | RuleKind::Let(..)
+                | RuleKind::Extend(..)
+                | RuleKind::Invalid => {}
             }
             each_term(rule, &mut |term| self.rule_values_of(term));
         });
@@ -389,18 +398,17 @@ fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
 /// Returns `true` if the set of a type's elements may grow while a machine runs.
 fn grows(model: &Model, ty: TypeId) -> bool {
     let mut parts = model.types.reach(ty, &model.domains);
-    parts.any(|part| match model.types.get(part) {
-        Type::Domain(domain) => model.domain(*domain).kind == DomainKind::Abstract,
-        _ => false,
+    parts.any(|part| {
+        let domain = model.types.get(part).as_domain();
+        domain.is_some_and(|domain| model.domain(domain).kind == DomainKind::Abstract)
     })
 }
 
 /// Returns `true` if a term applies a function that satisfies `wanted`.
 fn mentions(term: &Term, wanted: &dyn Fn(FunctionId) -> bool) -> bool {
     let mut found = false;
-    visit(term, &mut |term| match &*term.kind {
-        TermKind::Apply(function, _) | TermKind::Spread(function, _) => found |= wanted(*function),
-        _ => {}
+    visit(term, &mut |term| {
+        found |= term.kind.function().is_some_and(wanted)
     });
     found
 }

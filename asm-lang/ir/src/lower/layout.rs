@@ -127,28 +127,24 @@ impl Lowering<'_> {
 
     /// Returns the range of an argument of this type if it is finite and known.
     fn axis(&self, ty: TypeId) -> Option<AxisRange> {
-        match self.model.types.get(ty) {
-            Type::Boolean => Some(AxisRange::Bool),
-            Type::Domain(declared) => {
-                match &self.program.domains[domain::id(*declared).0 as usize].elements {
-                    DomainElements::Ints { low, high } => {
-                        let count = u32::try_from(high.checked_sub(*low)?.checked_add(1)?).ok()?;
-                        Some(AxisRange::Ints { low: *low, count })
-                    }
-                    DomainElements::Atoms { first, count } => Some(AxisRange::Atoms {
-                        first: first.0,
-                        count: *count,
-                    }),
-                    DomainElements::Computed(_) | DomainElements::Undefined => {
-                        match self.model.domain(*declared).kind {
-                            asmotion_hir::DomainKind::Concrete { base } => self.axis(base),
-                            _ => None,
-                        }
-                    }
-                    DomainElements::Open => None,
-                }
+        let ty = self.model.types.get(ty);
+        if *ty == Type::Boolean {
+            return Some(AxisRange::Bool);
+        }
+        let declared = ty.as_domain()?;
+        match &self.program.domains[domain::id(declared).0 as usize].elements {
+            DomainElements::Ints { low, high } => {
+                let count = u32::try_from(high.checked_sub(*low)?.checked_add(1)?).ok()?;
+                Some(AxisRange::Ints { low: *low, count })
             }
-            _ => None,
+            DomainElements::Atoms { first, count } => Some(AxisRange::Atoms {
+                first: first.0,
+                count: *count,
+            }),
+            DomainElements::Computed(_) | DomainElements::Undefined => {
+                self.axis(self.model.domain(declared).kind.base()?)
+            }
+            DomainElements::Open => None,
         }
     }
 }
@@ -181,8 +177,9 @@ fn kind(kind: asmotion_hir::FunctionKind) -> FunctionKind {
 
 /// Returns the query about messages that a function stands for.
 fn mail(function: &asmotion_hir::Function) -> Option<MessageQuery> {
-    match function.library {
-        true => MessageQuery::named(&function.name),
-        false => function.is_client.then_some(MessageQuery::Client),
+    if function.library {
+        MessageQuery::named(&function.name)
+    } else {
+        function.is_client.then_some(MessageQuery::Client)
     }
 }

@@ -83,12 +83,9 @@ fn takes_dynamic(model: &Model, function: &Function) -> bool {
 fn changes(facts: &Facts, body: &Term) -> Option<Span> {
     let mut found: Option<Span> = None;
     visit(body, &mut |term| {
-        let own = match &*term.kind {
-            TermKind::Apply(function, _) | TermKind::Spread(function, _) => {
-                !facts.is_static(*function)
-            }
-            TermKind::Extent(_) => facts.is_dynamic(term),
-            _ => false,
+        let own = match term.kind.function() {
+            Some(function) => !facts.is_static(function),
+            None => matches!(&*term.kind, TermKind::Extent(_)) && facts.is_dynamic(term),
         };
         if own && found.is_none() {
             found = Some(term.span);

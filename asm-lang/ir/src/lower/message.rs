@@ -133,9 +133,13 @@ impl<'a> AgentInterface<'a> {
             return;
         };
         if let (Some(data), [_, asked @ ..]) = (used.data, operation.parameters.as_slice()) {
-            let parts = match self.model.types.get(data.ty) {
-                Type::Prod(parts) if asked.len() > 1 => parts.clone(),
-                _ => vec![data.ty],
+            let ty = self.model.types.get(data.ty);
+            let parts = if let Type::Prod(parts) = ty
+                && asked.len() > 1
+            {
+                parts.clone()
+            } else {
+                vec![data.ty]
             };
             let fits = parts.len() == asked.len()
                 && parts

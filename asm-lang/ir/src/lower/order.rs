@@ -4,7 +4,7 @@
 use super::facts::{definition, visit};
 use super::{domain, function_id};
 use crate::program::{DomainElements, Initial, Program};
-use asmotion_hir::{Body, DomainId, FunctionId, Model, Term, TermKind, Type};
+use asmotion_hir::{Body, DomainId, FunctionId, Model, Term, TermKind};
 use std::collections::BTreeSet;
 
 /// A topological order, and the domains that have none.
@@ -122,18 +122,13 @@ fn bodies(model: &Model, node: OrderNode) -> Vec<&Body<Term>> {
 /// Returns the functions and domains that a term refers to.
 fn needs(model: &Model, term: &Term) -> BTreeSet<OrderNode> {
     let mut needed = BTreeSet::new();
-    visit(term, &mut |term| match &*term.kind {
-        TermKind::Apply(function, _) | TermKind::Spread(function, _) => {
-            needed.insert(OrderNode::Function(*function));
+    visit(term, &mut |term| {
+        needed.extend(term.kind.function().map(OrderNode::Function));
+        if let TermKind::Extent(ty) = &*term.kind {
+            let parts = model.types.reach(*ty, &model.domains);
+            let domains = parts.filter_map(|part| model.types.get(part).as_domain());
+            needed.extend(domains.map(OrderNode::Domain));
         }
-        TermKind::Extent(ty) => {
-            for part in model.types.reach(*ty, &model.domains) {
-                if let Type::Domain(domain) = model.types.get(part) {
-                    needed.insert(OrderNode::Domain(*domain));
-                }
-            }
-        }
-        _ => {}
     });
     needed
 }

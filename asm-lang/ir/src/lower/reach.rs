@@ -101,9 +101,10 @@ impl ReachAnalysis<'_> {
             return;
         }
         *widened += 1;
-        *known = match *widened > PATIENCE {
-            true => vec![IntegerInterval::ANY; wider.len()],
-            false => wider,
+        *known = if *widened > PATIENCE {
+            vec![IntegerInterval::ANY; wider.len()]
+        } else {
+            wider
         };
         self.todo.push(part);
     }

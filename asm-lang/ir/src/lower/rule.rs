@@ -156,9 +156,10 @@ impl Lowering<'_> {
         let bound = self.binders(&finite, frame);
         let guard = self.guard(guard, frame);
         let body = self.with_state(&chosen, body, frame);
-        let node = match bound.is_empty() {
-            true => *body.node,
-            false => RuleNode::Choose(bound, guard, body, self.or_skip(ifnone, span, frame)),
+        let node = if bound.is_empty() {
+            *body.node
+        } else {
+            RuleNode::Choose(bound, guard, body, self.or_skip(ifnone, span, frame))
         };
         if drawn.is_empty() {
             return node;
@@ -179,7 +180,19 @@ impl Lowering<'_> {
             Type::Integer => Some(Endless::Integer),
             Type::Natural => Some(Endless::Natural),
             Type::Real => Some(Endless::Real),
-            _ => None,
+            Type::Invalid
+            | Type::Undef
+            | Type::Boolean
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule
+            | Type::Domain(_)
+            | Type::Prod(_)
+            | Type::Seq(_)
+            | Type::Powerset(_)
+            | Type::Bag(_)
+            | Type::Map(..) => None,
         }
     }
 
@@ -244,16 +257,12 @@ impl Lowering<'_> {
     ) -> RuleNode {
         let arguments = self.terms(arguments, frame);
         let term = self.term(term, frame);
-        match *term.node {
-            TermNode::Program(agent) => RuleNode::RunAgent(agent, arguments),
-            TermNode::Constant(Value::Undef) => RuleNode::Skip,
-            node => RuleNode::Run(
-                Term {
-                    node: Box::new(node),
-                    ..term
-                },
-                arguments,
-            ),
+        if let TermNode::Constant(Value::Undef) = *term.node {
+            RuleNode::Skip
+        } else if let TermNode::Program(agent) = *term.node {
+            RuleNode::RunAgent(agent, arguments)
+        } else {
+            RuleNode::Run(term, arguments)
         }
     }
 }

@@ -196,13 +196,15 @@ impl Lowering<'_> {
         let mut bound = Vec::new();
         for binder in binders {
             let origin = self.origin(binder.range.span);
-            let range = match &*binder.range.kind {
-                TermKind::Extent(ty) => match self.model.types.get(*ty) {
-                    Type::Boolean => BinderRange::Bools,
-                    Type::Domain(domain) => self.range(*domain),
-                    _ => BinderRange::Elements(self.term(&binder.range, frame)),
-                },
-                _ => BinderRange::Elements(self.term(&binder.range, frame)),
+            let extent = if let TermKind::Extent(ty) = &*binder.range.kind {
+                Some(self.model.types.get(*ty))
+            } else {
+                None
+            };
+            let range = match extent {
+                Some(Type::Boolean) => BinderRange::Bools,
+                Some(Type::Domain(domain)) => self.range(*domain),
+                Some(_) | None => BinderRange::Elements(self.term(&binder.range, frame)),
             };
             bound.push(Binder {
                 local: frame.bind(binder.variable),
@@ -270,9 +272,9 @@ impl Lowering<'_> {
         let Some(argument) = arguments.into_iter().next() else {
             return TermNode::Constant(Value::Undef);
         };
-        match self.model.types.get(declared.codomain) {
-            Type::Domain(agents) => TermNode::Named(domain::id(*agents), argument),
-            _ => TermNode::Name(argument),
+        match self.model.types.get(declared.codomain).as_domain() {
+            Some(agents) => TermNode::Named(domain::id(agents), argument),
+            None => TermNode::Name(argument),
         }
     }
 
@@ -347,10 +349,10 @@ impl Lowering<'_> {
         };
         let mut slot = *base;
         for (axis, argument) in axes.iter().zip(arguments) {
-            match &*argument.node {
-                TermNode::Constant(value) => slot += axis.over.index(value)? * axis.stride,
-                _ => return None,
-            }
+            let TermNode::Constant(value) = &*argument.node else {
+                return None;
+            };
+            slot += axis.over.index(value)? * axis.stride;
         }
         Some(slot)
     }
@@ -369,13 +371,14 @@ impl Lowering<'_> {
                     [tuple] if wanted > 1 => self.literal_components(*function, tuple, frame)?,
                     arguments => self.terms(arguments, frame),
                 };
-                Some(match self.location(function_id(*function), arguments) {
-                    TermNode::Slot(function, slot) => AssignTarget::Slot(function, slot),
-                    TermNode::Location(function, arguments) => {
-                        AssignTarget::Location(function, arguments)
-                    }
-                    _ => return None,
-                })
+                let node = self.location(function_id(*function), arguments);
+                if let TermNode::Slot(function, slot) = node {
+                    Some(AssignTarget::Slot(function, slot))
+                } else if let TermNode::Location(function, arguments) = node {
+                    Some(AssignTarget::Location(function, arguments))
+                } else {
+                    None
+                }
             }
             asmotion_hir::UpdateTarget::Variable(variable) => {
                 if let (Some(VariableBinding::Local(local)), true) =
@@ -391,17 +394,13 @@ impl Lowering<'_> {
                     ));
                 }
                 if let Some(VariableBinding::Term(closed)) = frame.binding(*variable) {
-                    let target = match &*closed.term.kind {
-                        TermKind::Apply(function, arguments) => Some(
-                            asmotion_hir::UpdateTarget::Location(*function, arguments.clone()),
-                        ),
-                        TermKind::Spread(function, tuple) => Some(
-                            asmotion_hir::UpdateTarget::Location(*function, vec![tuple.clone()]),
-                        ),
-                        TermKind::Variable(variable) => {
-                            Some(asmotion_hir::UpdateTarget::Variable(*variable))
-                        }
-                        _ => None,
+                    let target = if let TermKind::Variable(variable) = &*closed.term.kind {
+                        Some(asmotion_hir::UpdateTarget::Variable(*variable))
+                    } else {
+                        let application = closed.term.kind.clone().into_application();
+                        application.map(|(function, arguments)| {
+                            asmotion_hir::UpdateTarget::Location(function, arguments)
+                        })
                     };
                     if let Some(target) = target {
                         return frame.within(&closed, |frame| self.place(&target, frame));
@@ -427,12 +426,11 @@ impl Lowering<'_> {
         Some(
             components
                 .into_iter()
-                .map(|component| match *component.node {
-                    TermNode::Component(_, index) => Term {
-                        node: Box::new(TermNode::Component(tuple.clone(), index)),
-                        ..component
-                    },
-                    _ => component,
+                .map(|mut component| {
+                    if let TermNode::Component(whole, _) = &mut *component.node {
+                        whole.clone_from(&tuple);
+                    }
+                    component
                 })
                 .collect(),
         )
@@ -504,10 +502,8 @@ impl Lowering<'_> {
         frame: &mut LoweringFrame,
     ) -> Option<Term> {
         let guard = self.optional(guard, frame)?;
-        match &*guard.node {
-            TermNode::Constant(Value::Bool(true)) => None,
-            _ => Some(guard),
-        }
+        let always = matches!(*guard.node, TermNode::Constant(Value::Bool(true)));
+        (!always).then_some(guard)
     }
 }
 

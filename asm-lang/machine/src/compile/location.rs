@@ -52,12 +52,10 @@ impl Compiler<'_> {
     /// Compiles the slot of a term that is a location but no input: its value can be borrowed from
     /// the state.
     pub(super) fn stored(&self, term: &Term) -> Option<SlotCode> {
-        match &*term.node {
-            TermNode::Location(function, arguments) if !self.is_input(*function) => {
-                Some(self.slot(*function, arguments))
-            }
-            _ => None,
-        }
+        let TermNode::Location(function, arguments) = &*term.node else {
+            return None;
+        };
+        (!self.is_input(*function)).then(|| self.slot(*function, arguments))
     }
 
     pub(super) fn is_input(&self, function: FunctionId) -> bool {

@@ -57,7 +57,34 @@ impl Compiler<'_> {
                     }
                 }))
             }
-            _ => IntTerm::Code(match self.stored(term) {
+            TermNode::Constant(_)
+            | TermNode::Agent
+            | TermNode::Slot(..)
+            | TermNode::Location(..)
+            | TermNode::Call(..)
+            | TermNode::Cached(..)
+            | TermNode::Builtin(..)
+            | TermNode::Logic(..)
+            | TermNode::Not(_)
+            | TermNode::Equal(..)
+            | TermNode::Compare(..)
+            | TermNode::Tuple(_)
+            | TermNode::Component(..)
+            | TermNode::Switch(..)
+            | TermNode::Let(..)
+            | TermNode::Quantified(..)
+            | TermNode::Listed(..)
+            | TermNode::Interval(..)
+            | TermNode::Collect(..)
+            | TermNode::Map(_)
+            | TermNode::CollectMap(..)
+            | TermNode::Extent(_)
+            | TermNode::Unbound
+            | TermNode::Program(_)
+            | TermNode::Pre(_)
+            | TermNode::Watched(_)
+            | TermNode::Name(_)
+            | TermNode::Named(..) => IntTerm::Code(match self.stored(term) {
                 Some(slot) => Box::new(move |run| {
                     let slot = slot(run) as usize;
                     as_integer(&run.state.store.slots[slot])
@@ -109,8 +136,9 @@ fn computed(
 
 #[inline]
 fn as_integer(value: &Value) -> Option<i64> {
-    match value {
-        Value::Int(number) => Some(*number),
-        _ => None,
+    if let Value::Int(number) = value {
+        Some(*number)
+    } else {
+        None
     }
 }

@@ -36,10 +36,13 @@ impl Compiler<'_> {
                 BinderRange::Atoms(first, count) => RangeCode::Atoms(*first, *count),
                 BinderRange::Bools => RangeCode::Bools,
                 BinderRange::Domain(domain) => RangeCode::Domain(*domain),
-                BinderRange::Elements(term) => match &*term.node {
-                    TermNode::Extent(shape) => RangeCode::Extent(shape.clone()),
-                    _ => RangeCode::Elements(self.term(term)),
-                },
+                BinderRange::Elements(term) => {
+                    if let TermNode::Extent(shape) = &*term.node {
+                        RangeCode::Extent(shape.clone())
+                    } else {
+                        RangeCode::Elements(self.term(term))
+                    }
+                }
             };
             (binder.local, range, binder.origin)
         });
@@ -164,7 +167,17 @@ impl RangeCode {
                     Value::Bag(elements) => elements.iter().try_for_each(|(element, &count)| {
                         (0..count).try_for_each(|_| visit(run, element.clone()))
                     }),
-                    _ => {
+                    Value::Undef
+                    | Value::Bool(_)
+                    | Value::Int(_)
+                    | Value::Real(_)
+                    | Value::Char(_)
+                    | Value::Atom(_)
+                    | Value::Rule(_)
+                    | Value::Text(_)
+                    | Value::Complex(_)
+                    | Value::Tuple(_)
+                    | Value::Map(_) => {
                         run.fail(FaultKind::NotACollection(collection), origin);
                         ControlFlow::Break(())
                     }

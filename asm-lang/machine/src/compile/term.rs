@@ -63,9 +63,13 @@ impl Compiler<'_> {
             }
             TermNode::Name(element) => {
                 let element = self.term(element);
-                Box::new(move |run| match element(run) {
-                    Value::Undef => Value::Undef,
-                    element => Value::text(name(run, &element)),
+                Box::new(move |run| {
+                    let element = element(run);
+                    if element.is_undef() {
+                        Value::Undef
+                    } else {
+                        Value::text(name(run, &element))
+                    }
                 })
             }
             TermNode::Named(domain, text) => {
@@ -81,9 +85,12 @@ impl Compiler<'_> {
             }
             TermNode::Component(tuple, index) => {
                 let (tuple, index) = (self.term(tuple), *index as usize);
-                Box::new(move |run| match tuple(run) {
-                    Value::Tuple(items) => items.get(index).cloned().unwrap_or_default(),
-                    _ => Value::Undef,
+                Box::new(move |run| {
+                    if let Value::Tuple(items) = tuple(run) {
+                        items.get(index).cloned().unwrap_or_default()
+                    } else {
+                        Value::Undef
+                    }
                 })
             }
             TermNode::If(guard, then, otherwise) => {
@@ -195,21 +202,20 @@ impl Compiler<'_> {
         let arguments = self.values(arguments);
         Box::new(move |run| {
             let from = arguments.stacked(run);
-            let result = match builtin.strict && run.stack[from..].iter().any(Value::is_undef) {
-                true => Ok(Value::Undef),
-                false => {
-                    // built in place, because a method would borrow all of the context
-                    let names = crate::naming::Naming {
-                        program: run.program,
-                        reserve: &run.state.store.reserve,
-                    };
-                    let mut context = asmotion_stdlib::BuiltinContext {
-                        names: &names,
-                        now_ns: run.now_ns,
-                        printed: &mut run.record.printed,
-                    };
-                    (builtin.body)(&run.stack[from..], &mut context)
-                }
+            let result = if builtin.strict && run.stack[from..].iter().any(Value::is_undef) {
+                Ok(Value::Undef)
+            } else {
+                // built in place, because a method would borrow all of the context
+                let names = crate::naming::Naming {
+                    program: run.program,
+                    reserve: &run.state.store.reserve,
+                };
+                let mut context = asmotion_stdlib::BuiltinContext {
+                    names: &names,
+                    now_ns: run.now_ns,
+                    printed: &mut run.record.printed,
+                };
+                (builtin.body)(&run.stack[from..], &mut context)
             };
             run.stack.truncate(from);
             match result {

@@ -43,7 +43,31 @@ impl Compiler<'_> {
                     }
                 })
             }
-            _ => match self.stored(term) {
+            TermNode::Constant(_)
+            | TermNode::Local(_)
+            | TermNode::Agent
+            | TermNode::Slot(..)
+            | TermNode::Location(..)
+            | TermNode::Call(..)
+            | TermNode::Cached(..)
+            | TermNode::Builtin(..)
+            | TermNode::Arithmetic(..)
+            | TermNode::Tuple(_)
+            | TermNode::Component(..)
+            | TermNode::Switch(..)
+            | TermNode::Let(..)
+            | TermNode::Listed(..)
+            | TermNode::Interval(..)
+            | TermNode::Collect(..)
+            | TermNode::Map(_)
+            | TermNode::CollectMap(..)
+            | TermNode::Extent(_)
+            | TermNode::Unbound
+            | TermNode::Program(_)
+            | TermNode::Pre(_)
+            | TermNode::Watched(_)
+            | TermNode::Name(_)
+            | TermNode::Named(..) => match self.stored(term) {
                 Some(slot) => Box::new(move |run| {
                     let slot = slot(run) as usize;
                     KleeneTruth::from_value(&run.state.store.slots[slot])

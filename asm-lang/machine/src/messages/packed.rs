@@ -136,10 +136,11 @@ fn pack_deadline(deadline_ns: Option<i64>, to: &mut Writer) {
 }
 
 fn deadline(from: &mut Reader<'_>) -> Option<Option<i64>> {
-    match from.value()? {
-        Value::Int(deadline) => Some(Some(deadline)),
-        Value::Undef => Some(None),
-        _ => None,
+    let value = from.value()?;
+    if let Value::Int(deadline) = value {
+        Some(Some(deadline))
+    } else {
+        value.is_undef().then_some(None)
     }
 }
 
@@ -152,9 +153,10 @@ fn three(from: &mut Reader<'_>) -> Option<[Value; 3]> {
 }
 
 fn truth(from: &mut Reader<'_>) -> Option<bool> {
-    match from.value()? {
-        Value::Bool(truth) => Some(truth),
-        _ => None,
+    if let Value::Bool(truth) = from.value()? {
+        Some(truth)
+    } else {
+        None
     }
 }
 

@@ -331,9 +331,10 @@ impl ScenarioPlanner<'_> {
                 };
                 for binder in binders {
                     let variable = &body.variables[binder.variable.0 as usize];
-                    match variable.name == pick.variable.text {
-                        true => found.push(binder.range.span),
-                        false => known.push(variable.name.clone()),
+                    if variable.name == pick.variable.text {
+                        found.push(binder.range.span)
+                    } else {
+                        known.push(variable.name.clone())
                     }
                 }
             });
@@ -398,7 +399,20 @@ fn is_closed(term: &asmotion_hir::Term) -> bool {
         | TermKind::MapComprehension(binders, ..) => {
             bound.extend(binders.iter().map(|binder| binder.variable));
         }
-        _ => {}
+        TermKind::Value(_)
+        | TermKind::Apply(..)
+        | TermKind::Spread(..)
+        | TermKind::Tuple(_)
+        | TermKind::If(..)
+        | TermKind::Switch(..)
+        | TermKind::Listed(..)
+        | TermKind::Interval(..)
+        | TermKind::Map(_)
+        | TermKind::Rule(_)
+        | TermKind::Extent(_)
+        | TermKind::Element(..)
+        | TermKind::Unbound
+        | TermKind::Invalid => {}
     });
     used.is_subset(&bound)
 }

@@ -26,7 +26,25 @@ impl Verdict {
         match fault.kind {
             FaultKind::Invariant { .. } => Self::Invariant,
             FaultKind::NoCandidate(_) => Self::Fail,
-            _ => Self::Fault,
+            FaultKind::Clash { .. }
+            | FaultKind::Outside { .. }
+            | FaultKind::OutsideInput { .. }
+            | FaultKind::OutsideArgument { .. }
+            | FaultKind::UndefinedGuard
+            | FaultKind::Library(_)
+            | FaultKind::Infinite
+            | FaultKind::NotACollection(_)
+            | FaultKind::NotARule(_)
+            | FaultKind::RuleArity { .. }
+            | FaultKind::NoProgram(_)
+            | FaultKind::TooDeep(_)
+            | FaultKind::ManyCalls(_)
+            | FaultKind::Endless(_)
+            | FaultKind::TooLarge(_)
+            | FaultKind::Unbound
+            | FaultKind::Unbounded
+            | FaultKind::Input { .. }
+            | FaultKind::NoMain => Self::Fault,
         }
     }
 

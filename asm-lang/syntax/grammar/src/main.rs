@@ -1,5 +1,5 @@
 //! Generates the parser of `asmotion-syntax` from its grammar: `cargo run -p asmotion-grammar`.
-#![allow(
+#![expect(
     clippy::disallowed_methods,
     reason = "a tool of developers; only the language itself reads and writes no files"
 )]

@@ -166,9 +166,9 @@ fn ends(token: Token<'_>) -> bool {
 /// Returns `true` if a token continues a construct or begins a declaration, so that something is
 /// missing before it.
 fn goes_on(token: Token<'_>) -> bool {
-    let connects = match token {
-        Token::Keyword(word) => matches!(
-            word,
+    let connects = matches!(
+        token,
+        Token::Keyword(
             Keyword::Then
                 | Keyword::Else
                 | Keyword::Case
@@ -177,18 +177,16 @@ fn goes_on(token: Token<'_>) -> bool {
                 | Keyword::Ifnone
                 | Keyword::With
                 | Keyword::In
-        ),
-        Token::Sign(sign) => matches!(sign, Sign::Assign | Sign::Colon | Sign::Bar | Sign::Arrow),
-        _ => false,
-    };
+        ) | Token::Sign(Sign::Assign | Sign::Colon | Sign::Bar | Sign::Arrow)
+    );
     connects || starts_item(token)
 }
 
 /// Returns `true` if a rule can begin with this token.
 fn begins_rule(token: Token<'_>) -> bool {
-    match token {
-        Token::Name(_) | Token::Variable(_) | Token::Rule(_) => true,
-        Token::Keyword(word) => Expected::RULE.contains(&word.spelling()),
-        _ => false,
+    if let Token::Keyword(word) = token {
+        Expected::RULE.contains(&word.spelling())
+    } else {
+        matches!(token, Token::Name(_) | Token::Variable(_) | Token::Rule(_))
     }
 }

@@ -35,6 +35,10 @@ impl<'input> Explainer<'input, '_> {
             let membership = found.1 == Token::Keyword(Keyword::In) && expected.operator();
             return membership.then_some(InfixMembership { at }.diagnostic());
         };
+        #[expect(
+            clippy::wildcard_enum_match_arm,
+            reason = "few signs are written by mistake"
+        )]
         match sign {
             Sign::Eq if expected.has(":=") => Some(EqualsForUpdate { at }.diagnostic()),
             Sign::Assign if expected.operator() => Some(UpdateForEquals { at }.diagnostic()),

@@ -138,6 +138,10 @@ impl<'input> Explainer<'input, '_> {
         let Token::Keyword(word) = innermost.opener.1 else {
             return None;
         };
+        #[expect(
+            clippy::wildcard_enum_match_arm,
+            reason = "few of the keywords open a construct with a part that is easily forgotten"
+        )]
         let (missing, after) = match word {
             Keyword::If if expected.has("then") => ("then", "the guard of `if`"),
             Keyword::Switch if expected.has(":") => (":", "the term of `case`"),
@@ -163,8 +167,9 @@ impl<'input> Explainer<'input, '_> {
 
 /// Returns the name of the part between a rule's keyword and its `do`.
 fn head(prefix: Token<'_>) -> &'static str {
-    match prefix {
-        Token::Keyword(Keyword::While | Keyword::Whilerec) => "guard",
-        _ => "variables",
+    if let Token::Keyword(Keyword::While | Keyword::Whilerec) = prefix {
+        "guard"
+    } else {
+        "variables"
     }
 }

@@ -59,12 +59,10 @@ impl<'input> Lexer<'input, '_> {
     /// Returns `true` if two characters form one sign: `a<-1` compares, `a <- r_x()` returns a
     /// result, `<<r_x>>` is a rule, `<<1>>` a nested bag.
     fn makes_sense(&self, sign: Sign) -> bool {
-        match sign {
-            Sign::Return | Sign::OpenRule => {
-                self.from(self.position + 2).trim_start().starts_with("r_")
-            }
-            Sign::CloseRule => self.in_rule_reference,
-            _ => true,
+        if let Sign::Return | Sign::OpenRule = sign {
+            self.from(self.position + 2).trim_start().starts_with("r_")
+        } else {
+            sign != Sign::CloseRule || self.in_rule_reference
         }
     }
 

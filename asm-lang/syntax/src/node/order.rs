@@ -33,9 +33,10 @@ pub(super) fn heading(text: &str, section: &str, item: Span) -> Edit {
     let is_first = before
         .get(line..)
         .is_some_and(|left| left.trim().is_empty());
-    let (at, text) = match is_first {
-        true => (line, format!("{section}:\n")),
-        false => (start, format!("\n{section}:\n")),
+    let (at, text) = if is_first {
+        (line, format!("{section}:\n"))
+    } else {
+        (start, format!("\n{section}:\n"))
     };
     Edit {
         span: Span::new(item.file, at, at),

@@ -54,21 +54,15 @@ impl Nodes<'_, '_> {
     /// Builds `local f: D [R] S`; merges consecutive declarations into one rule.
     pub(crate) fn local(&self, function: Function, init: Rule, body: Rule) -> RuleKind {
         let mut functions = vec![(function, init)];
-        match *body.kind {
-            RuleKind::Local {
-                functions: more,
-                body,
-            } => {
-                functions.extend(more);
-                RuleKind::Local { functions, body }
-            }
-            kind => {
-                let body = Rule {
-                    kind: Box::new(kind),
-                    ..body
-                };
-                RuleKind::Local { functions, body }
-            }
+        if let RuleKind::Local {
+            functions: more,
+            body,
+        } = *body.kind
+        {
+            functions.extend(more);
+            RuleKind::Local { functions, body }
+        } else {
+            RuleKind::Local { functions, body }
         }
     }
 

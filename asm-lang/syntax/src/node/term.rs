@@ -103,9 +103,10 @@ impl Nodes<'_, '_> {
         if let TermKind::Chain { first, links } = &mut *left.kind
             && goes_on(first, links, left.span, operator)
         {
-            left.depth = match links.len() < ChainLink::NESTED as usize {
-                true => 1 + left.depth.max(link.operand.depth),
-                false => left.depth.max(ChainLink::NESTED + link.operand.depth),
+            left.depth = if links.len() < ChainLink::NESTED as usize {
+                1 + left.depth.max(link.operand.depth)
+            } else {
+                left.depth.max(ChainLink::NESTED + link.operand.depth)
             };
             left.span = span;
             links.push(link);

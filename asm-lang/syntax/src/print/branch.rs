@@ -39,13 +39,15 @@ impl PrintBranch for Rule {
     }
 
     fn as_if(&self) -> Option<If<'_, Self>> {
-        match &*self.kind {
-            RuleKind::If {
-                guard,
-                then,
-                otherwise,
-            } => Some(If::of(guard, then, otherwise)),
-            _ => None,
+        if let RuleKind::If {
+            guard,
+            then,
+            otherwise,
+        } = &*self.kind
+        {
+            Some(If::of(guard, then, otherwise))
+        } else {
+            None
         }
     }
 
@@ -60,13 +62,15 @@ impl PrintBranch for Term {
     }
 
     fn as_if(&self) -> Option<If<'_, Self>> {
-        match &*self.kind {
-            TermKind::If {
-                guard,
-                then,
-                otherwise,
-            } => Some(If::of(guard, then, otherwise)),
-            _ => None,
+        if let TermKind::If {
+            guard,
+            then,
+            otherwise,
+        } = &*self.kind
+        {
+            Some(If::of(guard, then, otherwise))
+        } else {
+            None
         }
     }
 
@@ -93,9 +97,10 @@ impl TokenLayout<'_> {
                 None => self.part(otherwise, lines),
             }
         }
-        self.separate(match chained {
-            true => LayoutBreak::Blank,
-            false => LayoutBreak::line(lines),
+        self.separate(if chained {
+            LayoutBreak::Blank
+        } else {
+            LayoutBreak::line(lines)
         });
         self.token();
     }

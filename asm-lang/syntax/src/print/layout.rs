@@ -256,7 +256,21 @@ impl<'text> TokenLayout<'text> {
         let text = match token {
             Token::Keyword(Keyword::Exist) => Keyword::Exists.spelling(),
             Token::Sign(Sign::Dots) => Sign::Colon.spelling(),
-            _ => self.tokens.text.get(start..end).unwrap_or(""),
+            Token::Keyword(_)
+            | Token::Sign(_)
+            | Token::Name(_)
+            | Token::Constant(_)
+            | Token::Rule(_)
+            | Token::Variable(_)
+            | Token::Word(_)
+            | Token::Path(_)
+            | Token::Integer(_)
+            | Token::Natural(_)
+            | Token::Real(_)
+            | Token::Complex(_)
+            | Token::Char(_)
+            | Token::Text(_)
+            | Token::Start(_) => self.tokens.text.get(start..end).unwrap_or(""),
         };
         self.push(LayoutPart::Piece(self.text(text)));
         self.last = LastPrinted::Token;

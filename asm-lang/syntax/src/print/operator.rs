@@ -30,10 +30,11 @@ impl TokenLayout<'_> {
         inside: impl FnOnce(&mut Self),
     ) {
         let around = self.brackets_around(term.span);
-        let own = match &*term.kind {
-            TermKind::Tuple(_) | TermKind::Quantified { .. } => 1,
-            _ => 0,
-        };
+        let brings_own = matches!(
+            &*term.kind,
+            TermKind::Tuple(_) | TermKind::Quantified { .. }
+        );
+        let own = usize::from(brings_own);
         let around = around.saturating_sub(own);
         let kept = around > 0 && keeps_brackets(&term.kind, place);
         let needless = around - usize::from(kept);
@@ -80,14 +81,16 @@ impl TokenLayout<'_> {
     /// Prints the first operand of a chain, removing superfluous parentheses around a chain of the
     /// same precedence.
     fn beginning(&mut self, first: &Term, place: OperandPosition) {
-        match &*first.kind {
-            TermKind::Chain {
-                first: inner,
-                links,
-            } if strength_of(&first.kind) == place.least && !self.stays_bracketed(first, place) => {
-                self.bracketed(first, place, |it| it.chain(inner, links));
-            }
-            _ => self.indent(|it| it.placed(first, place)),
+        if let TermKind::Chain {
+            first: inner,
+            links,
+        } = &*first.kind
+            && strength_of(&first.kind) == place.least
+            && !self.stays_bracketed(first, place)
+        {
+            self.bracketed(first, place, |it| it.chain(inner, links));
+        } else {
+            self.indent(|it| it.placed(first, place));
         }
     }
 
@@ -129,10 +132,10 @@ fn strength_of(kind: &TermKind) -> Strength {
 
 /// Returns the operator of a chain that is applied last.
 fn last_operator(kind: &TermKind) -> Option<Operator> {
-    match kind {
-        TermKind::Chain { links, .. } => links.last().map(|link| link.operator),
-        _ => None,
-    }
+    let TermKind::Chain { links, .. } = kind else {
+        return None;
+    };
+    links.last().map(|link| link.operator)
 }
 
 /// Returns `true` if the relative precedence of a term and its operator is not obvious to readers.

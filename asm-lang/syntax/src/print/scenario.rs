@@ -190,11 +190,13 @@ impl ScenarioPositions {
         self.whole(scenario.name.iter().map(|name| name.span));
         let paths = scenario.load.iter().map(|path| path.span.range());
         let is_quoted = |start: usize| text.get(..start).is_some_and(|text| text.ends_with('"'));
-        self.whole
-            .extend(paths.map(|path| match is_quoted(path.start) {
-                true => (path.start - 1, path.end + 1),
-                false => (path.start, path.end),
-            }));
+        self.whole.extend(paths.map(|path| {
+            if is_quoted(path.start) {
+                (path.start - 1, path.end + 1)
+            } else {
+                (path.start, path.end)
+            }
+        }));
         for invariant in &scenario.invariants {
             self.whole([invariant.name.span]);
             self.begins(invariant.condition.span);

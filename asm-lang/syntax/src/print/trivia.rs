@@ -154,14 +154,12 @@ fn partners(tokens: &[SpannedToken<'_>]) -> Vec<usize> {
     let mut partners: Vec<usize> = (0..tokens.len()).collect();
     let mut open = Vec::new();
     for (index, &(_, token, _)) in tokens.iter().enumerate() {
-        match token {
-            Token::Sign(Sign::Open) => open.push(index),
-            Token::Sign(Sign::Close) => {
-                if let Some(partner) = open.pop().and_then(|open: usize| partners.get_mut(open)) {
-                    *partner = index;
-                }
-            }
-            _ => {}
+        if token == Token::Sign(Sign::Open) {
+            open.push(index);
+        } else if token == Token::Sign(Sign::Close)
+            && let Some(partner) = open.pop().and_then(|open: usize| partners.get_mut(open))
+        {
+            *partner = index;
         }
     }
     partners

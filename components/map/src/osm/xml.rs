@@ -39,7 +39,13 @@ pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> 
             }
             Event::End(tag) => parser.close(tag.name().as_ref()).map_err(wrong)?,
             Event::Eof => break,
-            _ => {}
+            Event::Text(_)
+            | Event::CData(_)
+            | Event::Comment(_)
+            | Event::Decl(_)
+            | Event::PI(_)
+            | Event::DocType(_)
+            | Event::GeneralRef(_) => {}
         }
     }
     if !parser.whole {

@@ -18,9 +18,10 @@ pub fn read(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
     let mut text = NetpbmText(bytes.get(2..).unwrap_or_default());
     let width = text.header("width")?;
     let height = text.header("height")?;
-    let white = match is_bitmap {
-        true => 1,
-        false => text.header("largest value")?,
+    let white = if is_bitmap {
+        1
+    } else {
+        text.header("largest value")?
     };
     let Ok(white @ 1..) = u16::try_from(white) else {
         return Err(syntax("its largest value is not from 1 to 65535"));

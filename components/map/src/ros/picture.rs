@@ -114,9 +114,12 @@ fn syntax(what: impl ToString) -> MapFault {
 }
 
 fn read_png(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
-    let wrong = |error: DecodingError| match error {
-        DecodingError::LimitsExceeded => MapFault::TooManyBytes { limit },
-        error => syntax(error),
+    let wrong = |error: DecodingError| {
+        if let DecodingError::LimitsExceeded = error {
+            MapFault::TooManyBytes { limit }
+        } else {
+            syntax(error)
+        }
     };
     // a pixel may need several bytes
     let most = usize::try_from(limit.saturating_mul(2)).unwrap_or(usize::MAX);
@@ -139,7 +142,9 @@ fn read_png(bytes: &[u8], limit: u64) -> Result<MapPicture, MapFault> {
                 .map(|it| narrow(u16::from_be_bytes([it[0], it[1]])))
                 .collect()
         }
-        _ => samples,
+        png::BitDepth::One | png::BitDepth::Two | png::BitDepth::Four | png::BitDepth::Eight => {
+            samples
+        }
     };
     let channels = match frame.color_type {
         ColorType::Grayscale => Channels::Grey,

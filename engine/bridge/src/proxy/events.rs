@@ -42,7 +42,8 @@ impl ProxyEvents {
     pub(super) fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) -> bool {
         self.is_stale = false;
         let is = |condition: &Option<crate::condition::MessageCondition>| {
-            (condition.as_ref())
+            condition
+                .as_ref()
                 .filter(|condition| condition.port == port)
                 .filter(|condition| condition.holds(sample))
                 .map(|condition| sample.get(&condition.path).map(|part| part.to_string()))

@@ -76,9 +76,10 @@ fn distance(measured: &[f64], goal: &[f64]) -> f64 {
         .map(|(is, shall)| (is - shall).abs());
     // not `f64::max`, which ignores NaN
     differences.fold(0.0, |greatest, next| {
-        match next > greatest || next.is_nan() {
-            true => next,
-            false => greatest,
+        if next > greatest || next.is_nan() {
+            next
+        } else {
+            greatest
         }
     })
 }
@@ -94,7 +95,6 @@ fn numbers(value: &Datum) -> Vec<f64> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
     use std::time::Duration;

@@ -4,7 +4,7 @@
 //! Latency is the time from publishing a message of 256 bytes to receiving it, one message at a time; throughput is the
 //! number of such messages per second. The client is used as in its examples. Features that it lacks (sequence numbers,
 //! message ids, confirms, reconnecting) add cost on our side only.
-#![allow(clippy::unwrap_used, reason = "a benchmark")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark")]
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -168,7 +168,10 @@ impl Bare {
         properties.with_content_type("application/cbor");
         let arguments = BasicPublishArguments::new("robots", "bare");
         let bytes = vec![7; SIZE];
-        (channel.basic_publish(properties, bytes, arguments).await).unwrap();
+        channel
+            .basic_publish(properties, bytes, arguments)
+            .await
+            .unwrap();
     }
 
     /// Acknowledges every `each`th message together with all before it.

@@ -110,7 +110,7 @@ impl PublisherOutbox {
     /// Enqueues the retained message again, unless it is still waiting. Returns whether it was enqueued.
     pub(crate) fn repeat(&mut self, open: bool) -> bool {
         let waits =
-            |last: &OutgoingMessage| (self.waiting.iter()).any(|one| one.sequence == last.sequence);
+            |last: &OutgoingMessage| self.waiting.iter().any(|one| one.sequence == last.sequence);
         match self.last.clone().filter(|last| !waits(last)) {
             Some(last) => self.put(last, open),
             None => false,

@@ -214,7 +214,8 @@ impl PublisherTask {
             }
             session.tag += 1;
             let written = self.lane.outbox().went(session.tag, written);
-            (session.channel)
+            session
+                .channel
                 .basic_publish(*written.properties, written.bytes.to_vec(), arguments)
                 .await
                 .map_err(|_| channel::why(&mut session.words))?;
@@ -225,7 +226,8 @@ impl PublisherTask {
     }
 
     fn write(&self, item: &OutgoingMessage) -> Result<EncodedMessage, String> {
-        let bytes = (item.payload)
+        let bytes = item
+            .payload
             .encode(self.author.codec, &self.author.schema)
             .map_err(|error| error.to_string())?;
         let properties = self

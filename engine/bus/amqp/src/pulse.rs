@@ -85,7 +85,8 @@ impl PublisherPulse {
         // no queue is bound to the empty key
         let arguments = BasicPublishArguments::new(&self.exchange, "");
         let publication =
-            (self.channel).basic_publish(BasicProperties::default(), Vec::new(), arguments);
+            self.channel
+                .basic_publish(BasicProperties::default(), Vec::new(), arguments);
         if publication.await.is_ok() {
             self.waiting = Some(Instant::now());
         }

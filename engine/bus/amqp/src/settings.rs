@@ -95,6 +95,9 @@ impl Credentials {
     }
 
     /// Reads user name and password from two environment variables.
+    ///
+    /// # Errors
+    /// [`AddressError::Variable`] with the first one that is not set, or is not Unicode.
     pub fn from_environment(user: &str, password: &str) -> Result<Self, AddressError> {
         let read = |name: &str| {
             std::env::var(name).map_err(|_| AddressError::Variable {
@@ -105,6 +108,9 @@ impl Credentials {
     }
 
     /// Reads the user name from the first line of a file, and the password from the second.
+    ///
+    /// # Errors
+    /// [`AddressError::File`] if the file cannot be read or has fewer than two lines.
     pub fn from_file(path: &Path) -> Result<Self, AddressError> {
         let unread = |reason: String| AddressError::File {
             path: path.display().to_string(),
@@ -164,6 +170,9 @@ pub enum AddressError {
 impl AmqpSettings {
     /// Parses `amqp://user:password@host:port/vhost`. Defaults: user and password `guest`, port 5672, virtual host `/`.
     /// With `amqps` the link is encrypted, and the default port is 5671.
+    ///
+    /// # Errors
+    /// [`AddressError::Address`] with the part that is wrong: the scheme, the credentials, the port or an escape.
     pub fn parse(address: &str) -> Result<Self, AddressError> {
         let wrong = |reason| AddressError::Address { reason };
         let (scheme, rest) = address.split_once("://").unwrap_or_default();

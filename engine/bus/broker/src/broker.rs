@@ -79,6 +79,10 @@ impl TestBroker {
     }
 
     /// Starts a broker and waits until it accepts connections.
+    ///
+    /// # Errors
+    /// [`BrokerError::NotInstalled`] without the server's package, [`BrokerError::Process`] if a process or its folder
+    /// cannot be created, [`BrokerError::Mute`] if it does not serve in time.
     pub fn start() -> Result<Self, BrokerError> {
         if !Self::is_installed() {
             return Err(BrokerError::NotInstalled);
@@ -132,6 +136,9 @@ impl TestBroker {
     }
 
     /// Kills the broker's process, like a power failure.
+    ///
+    /// # Errors
+    /// [`BrokerError::Process`] if the system refuses the signal.
     pub fn kill(&self) -> Result<(), BrokerError> {
         let mut server = self.server();
         server.kill()?;
@@ -140,6 +147,9 @@ impl TestBroker {
     }
 
     /// Restarts a killed broker with its data on disk.
+    ///
+    /// # Errors
+    /// [`BrokerError::Process`] if the process cannot be started, [`BrokerError::Mute`] if it does not serve in time.
     pub fn revive(&self) -> Result<(), BrokerError> {
         if !self.is_running()? {
             *self.server() = process::server(&self.files, self.ports)?;
@@ -149,11 +159,17 @@ impl TestBroker {
     }
 
     /// Stops the broker's process with `SIGSTOP`: connections stay open, but it does not respond.
+    ///
+    /// # Errors
+    /// [`BrokerError::Process`] if the system refuses the signal.
     pub fn freeze(&self) -> Result<(), BrokerError> {
         Ok(process::signal("-STOP", &self.server())?)
     }
 
     /// Resumes a frozen broker.
+    ///
+    /// # Errors
+    /// [`BrokerError::Process`] if the system refuses the signal.
     pub fn thaw(&self) -> Result<(), BrokerError> {
         Ok(process::signal("-CONT", &self.server())?)
     }

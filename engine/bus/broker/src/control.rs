@@ -14,6 +14,10 @@ const ALARM: &str = "{resource_limit,memory,node()}";
 
 impl TestBroker {
     /// Evaluates an Erlang expression in the broker and returns its value as text.
+    ///
+    /// # Errors
+    /// [`BrokerError::Refused`] with the answer if the node stays unreachable or the expression fails,
+    /// [`BrokerError::Process`] if `rabbitmqctl` cannot be run.
     pub fn evaluate(&self, expression: &str) -> Result<String, BrokerError> {
         let until = Instant::now() + AWAKE;
         loop {
@@ -62,6 +66,9 @@ impl TestBroker {
     }
 
     /// Closes every connection, as an operator would.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
     pub fn close_connections(&self) -> Result<(), BrokerError> {
         // a connection that ends by itself in the meantime counts as closed
         self.command(
@@ -70,12 +77,18 @@ impl TestBroker {
     }
 
     /// Stops RabbitMQ inside its running Erlang node.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
     pub fn stop_app(&self) -> Result<(), BrokerError> {
         self.command("rabbit:stop()")
     }
 
     /// Starts RabbitMQ inside its node and waits until it serves. A node that is still stopping answers `ok` without
     /// starting, so the command is repeated.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate), and [`BrokerError::Mute`] if it does not serve in time.
     pub fn start_app(&self) -> Result<(), BrokerError> {
         let until = Instant::now() + START;
         while Instant::now() < until {
@@ -89,11 +102,17 @@ impl TestBroker {
     }
 
     /// Raises a memory alarm: the broker stops reading from publishers.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
     pub fn raise_alarm(&self) -> Result<(), BrokerError> {
         self.command(&format!("rabbit_alarm:set_alarm({{{ALARM},[]}})"))
     }
 
     /// Clears the memory alarm.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
     pub fn clear_alarm(&self) -> Result<(), BrokerError> {
         self.command(&format!("rabbit_alarm:clear_alarm({ALARM})"))
     }

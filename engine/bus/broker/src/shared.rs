@@ -34,7 +34,7 @@ pub fn alone() -> Option<ExclusiveBroker> {
     Some(ExclusiveBroker(broker))
 }
 
-#[allow(clippy::panic, reason = "a test without its broker has failed")]
+#[expect(clippy::panic, reason = "a test without its broker has failed")]
 fn shared() -> Option<&'static RwLock<TestBroker>> {
     let start = || {
         if !TestBroker::is_installed() && std::env::var_os("CI").is_none() {
@@ -74,7 +74,7 @@ impl Deref for ExclusiveBroker {
     }
 }
 
-#[allow(clippy::panic, reason = "a run without its broker has failed")]
+#[expect(clippy::panic, reason = "a run without its broker has failed")]
 impl Drop for ExclusiveBroker {
     fn drop(&mut self) {
         if let Err(error) = self.0.mend()

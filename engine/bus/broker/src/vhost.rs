@@ -14,6 +14,9 @@ pub struct Vhost<'a> {
 
 impl TestBroker {
     /// Creates a virtual host in which the administrator has all permissions.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
     pub fn vhost(&self) -> Result<Vhost<'_>, BrokerError> {
         let name = format!("test-{}", NEXT.fetch_add(1, Ordering::Relaxed));
         self.evaluate(&format!("rabbit_vhost:add(<<\"{name}\">>, <<\"test\">>)"))?;
@@ -23,6 +26,9 @@ impl TestBroker {
     }
 
     /// Creates a user without permissions.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`].
     pub fn add_user(&self, user: &str, password: &str) -> Result<(), BrokerError> {
         self.evaluate(&format!(
             "rabbit_auth_backend_internal:add_user(<<\"{user}\">>, <<\"{password}\">>, <<\"test\">>)"
@@ -49,6 +55,9 @@ impl Vhost<'_> {
     }
 
     /// Sets the names that a user may configure, write and read, as regular expressions.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`].
     pub fn permit(
         &self,
         user: &str,
@@ -66,11 +75,17 @@ impl Vhost<'_> {
     }
 
     /// Returns the number of connections.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`].
     pub fn connections(&self) -> Result<usize, BrokerError> {
         self.count("rabbit_networking:connection_info_all([vhost])")
     }
 
     /// Returns the number of channels of all connections.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`].
     pub fn channels(&self) -> Result<usize, BrokerError> {
         self.count("rabbit_channel:info_all([vhost])")
     }
@@ -86,6 +101,9 @@ impl Vhost<'_> {
     }
 
     /// Returns the names of its queues.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`].
     pub fn queues(&self) -> Result<Vec<String>, BrokerError> {
         let vhost = &self.name;
         let names = self.broker.evaluate(&format!(
@@ -101,6 +119,9 @@ impl Vhost<'_> {
     }
 
     /// Deletes a queue even while it is consumed.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`]; also if there is no such queue.
     pub fn delete_queue(&self, queue: &str) -> Result<(), BrokerError> {
         let vhost = &self.name;
         self.broker
@@ -116,7 +137,7 @@ impl Drop for Vhost<'_> {
     fn drop(&mut self) {
         // fails if a test has killed the broker, which ends its virtual hosts too
         let name = &self.name;
-        let _ = (self.broker).evaluate(&format!(
+        let _ = self.broker.evaluate(&format!(
             "rabbit_vhost:delete(<<\"{name}\">>, <<\"test\">>)"
         ));
     }

@@ -320,7 +320,8 @@ fn never_stalls(bus: &dyn Bus, name: &str) -> Result<(), String> {
 }
 
 fn serve(bus: &dyn Bus, address: &str, size: usize) -> Result<ServedAddress, String> {
-    (bus.serve(address, size, Arc::new(Notifier::new()))).map_err(said)
+    bus.serve(address, size, Arc::new(Notifier::new()))
+        .map_err(said)
 }
 
 fn call(bus: &dyn Bus, address: &str, n: i64, timeout: Duration) -> Result<PendingCall, String> {

@@ -18,6 +18,9 @@ use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
 /// Encodes any serde value as CBOR.
+///
+/// # Errors
+/// The value has no form as a datum: an integer beyond 64 bits, or a map whose keys are not text.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, DatumError> {
     let mut writer = BufWriter::new(Vec::new());
     write(&Datum::of(value)?, &mut writer).map_err(malformed)?;
@@ -25,6 +28,10 @@ pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, DatumError> {
 }
 
 /// Decodes any serde value from CBOR.
+///
+/// # Errors
+/// [`DatumProblem::Malformed`](crate::DatumProblem::Malformed) if the bytes are not exactly one CBOR item;
+/// [`DatumProblem::Mismatch`](crate::DatumProblem::Mismatch), with its path, if the data does not fit the type.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DatumError> {
     read_whole(bytes)?.to()
 }
@@ -96,7 +103,11 @@ fn read<'de>(reader: &mut SliceReader<'de>, depth: usize) -> Result<Datum, Datum
 
 fn peek(reader: &mut SliceReader<'_>) -> Result<u8, DatumError> {
     let ahead = reader.fill(1).map_err(malformed)?;
-    (ahead.as_ref().first().copied()).ok_or_else(|| malformed("it ends too early"))
+    ahead
+        .as_ref()
+        .first()
+        .copied()
+        .ok_or_else(|| malformed("it ends too early"))
 }
 
 fn bytes<'de>(reader: &mut SliceReader<'de>) -> Result<Cow<'de, [u8]>, DatumError> {

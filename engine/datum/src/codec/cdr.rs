@@ -21,11 +21,18 @@ const LITTLE: [u8; 4] = [0, 1, 0, 0];
 const BIG: [u8; 4] = [0, 0, 0, 0];
 
 /// Encodes a message as CDR.
+///
+/// # Errors
+/// The value does not fit the schema of its type, or [`carries`] refuses the schema.
 pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, DatumError> {
     write_whole(&crate::value::Datum::of(message)?, T::schema())
 }
 
 /// Decodes a message from CDR.
+///
+/// # Errors
+/// The bytes end early or have a rest, the encapsulation header is unknown, or a text is not UTF-8; or [`carries`]
+/// refuses the schema.
 pub fn decode<T: Message>(bytes: &[u8]) -> Result<T, DatumError> {
     read_whole(bytes, T::schema())?.to()
 }
@@ -34,6 +41,9 @@ pub fn decode<T: Message>(bytes: &[u8]) -> Result<T, DatumError> {
 ///
 /// It cannot encode data of unknown schema, and arrays without elements. An optional value is a sequence of at most one
 /// element, as ROS 2 defines it (`T[<=1]`); a message without fields is one byte.
+///
+/// # Errors
+/// [`DatumProblem::Uncarried`](crate::DatumProblem::Uncarried) with the path of the first such place.
 pub fn carries(schema: &Schema) -> Result<(), DatumError> {
     within(schema, DEPTH)
 }

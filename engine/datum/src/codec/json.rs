@@ -8,16 +8,25 @@ use crate::error::{DatumError, DatumProblem};
 use crate::value::Datum;
 
 /// Encodes any serde value as JSON on one line.
+///
+/// # Errors
+/// The value has no form as a datum: an integer beyond 64 bits, or a map whose keys are not text.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
     serde_json::to_string(&JsonDatum(&Datum::of(value)?)).map_err(malformed)
 }
 
 /// Encodes any serde value as indented JSON.
+///
+/// # Errors
+/// As [`encode`].
 pub fn encode_pretty<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
     serde_json::to_string_pretty(&JsonDatum(&Datum::of(value)?)).map_err(malformed)
 }
 
 /// Decodes any serde value from JSON.
+///
+/// # Errors
+/// The text is not exactly one JSON value, or its data does not fit the type; then the error has the path.
 pub fn decode<T: DeserializeOwned>(text: &str) -> Result<T, DatumError> {
     read_whole(text.as_bytes())?.to()
 }

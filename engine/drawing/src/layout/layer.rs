@@ -217,9 +217,12 @@ fn ranks(count: usize, links: &[LayerEdge], left: &[usize], right: &[usize]) -> 
     let (mut first, mut last) = (left.to_vec(), Vec::new());
     while !open.is_empty() {
         let degree = |of: usize, out: bool| {
-            let ends = links.iter().map(|link| match out {
-                true => (link.from, link.to),
-                false => (link.to, link.from),
+            let ends = links.iter().map(|link| {
+                if out {
+                    (link.from, link.to)
+                } else {
+                    (link.to, link.from)
+                }
             });
             ends.filter(|(at, other)| *at == of && other != at && open.contains(other))
                 .count() as i64

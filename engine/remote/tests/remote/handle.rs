@@ -245,7 +245,9 @@ fn j18_whatever_is_written_a_component_keeps_running() {
     // over its topic too, with a type that no process knows
     let unknown = Schema::opaque("strange/Type");
     let origin = SenderId::new("stranger", 1);
-    let publisher = (robot.bus).publisher("commands", &origin, &unknown, PublishOptions::state());
+    let publisher = robot
+        .bus
+        .publisher("commands", &origin, &unknown, PublishOptions::state());
     let mut publisher = publisher.expect("a topic");
     for value in strange {
         publisher.publish(0, Payload::of(value)).expect("a bus");

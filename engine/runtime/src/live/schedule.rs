@@ -25,7 +25,8 @@ fn class(scheduler: Scheduler, priority: u8) -> Result<(), Denied> {
         reason,
         help: format!("allow it by `ulimit -r {priority}`, or give the program CAP_SYS_NICE"),
     };
-    let level = (priority.try_into())
+    let level = priority
+        .try_into()
         .map(ThreadPriority::Crossplatform)
         .map_err(denied)?;
     let policy = ThreadSchedulePolicy::Realtime(policy);
@@ -44,7 +45,9 @@ fn processors(cpus: &[usize]) -> Result<(), Denied> {
         return Ok(());
     }
     let mut set = CpuSet::new();
-    (cpus.iter().filter(|cpu| **cpu < CpuSet::MAX_CPU)).for_each(|cpu| set.set(*cpu));
+    cpus.iter()
+        .filter(|cpu| **cpu < CpuSet::MAX_CPU)
+        .for_each(|cpu| set.set(*cpu));
     sched_setaffinity(None, &set).map_err(|error| Denied {
         wish: format!("processors {cpus:?}"),
         reason: error.to_string(),

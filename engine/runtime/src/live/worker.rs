@@ -201,7 +201,9 @@ impl WorkerMember {
             && begin >= self.due
         {
             let end = context.now();
-            self.due = (self.unit).after_period(self.due, period, (begin, end), context);
+            self.due = self
+                .unit
+                .after_period(self.due, period, (begin, end), context);
         }
         if self.unit.restart_after_fault(context.now(), context) {
             self.begin(context.now());

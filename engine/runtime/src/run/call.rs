@@ -34,7 +34,9 @@ impl<O: Operation> SentCall<O> {
 
 fn read<R: asmotion_datum::Message>(result: Result<Arc<dyn Sample>, CallError>) -> SendStatus<R> {
     let read = result.and_then(|response| {
-        (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
+        response
+            .read()
+            .map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
     });
     match read {
         Ok(response) => SendStatus::Success(response),

@@ -123,7 +123,9 @@ impl<E: Executor> Run for E {
         BuildError::compare(written, &from.name, T::schema(), "the reader")?;
         let connection = connections.number();
         let mut input = InputPort::<T>::new(T::schema().clone());
-        let opened = (input.opener()).open(connection, &policy.for_outsider(), None);
+        let opened = input
+            .opener()
+            .open(connection, &policy.for_outsider(), None);
         let (sender, end) = opened.map_err(|error| open_error(error, &from.name, "the reader"))?;
         input.join(end);
         let (notifier, link) = OutputLink::to_reader(connection, &policy);
@@ -211,9 +213,11 @@ impl<E: Executor> Run for E {
         component: &str,
         transition: Transition,
     ) -> Result<(), LifeCycleError> {
-        let index = (self.place_of(component)).map_err(|_| LifeCycleError::Unknown {
-            component: component.to_owned(),
-        })?;
+        let index = self
+            .place_of(component)
+            .map_err(|_| LifeCycleError::Unknown {
+                component: component.to_owned(),
+            })?;
         let patience = self.patience();
         self.take_through(index, transition, patience)
     }
@@ -324,7 +328,8 @@ impl<E: Executor> Run for E {
     }
 
     fn fault(&self, component: &str) -> Option<Fault> {
-        (self.descriptor(component)).and_then(|descriptor| descriptor.status.fault().clone())
+        self.descriptor(component)
+            .and_then(|descriptor| descriptor.status.fault().clone())
     }
 
     fn declaration(&self, component: &str) -> Option<Declaration> {

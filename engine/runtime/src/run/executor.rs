@@ -162,8 +162,10 @@ pub(crate) trait Executor {
 
     /// The position of the component with this name.
     fn place_of(&self, component: &str) -> Result<usize, RunError> {
-        let found =
-            (self.descriptors().iter()).position(|descriptor| *descriptor.name == *component);
+        let found = self
+            .descriptors()
+            .iter()
+            .position(|descriptor| *descriptor.name == *component);
         found.ok_or_else(|| RunError::Unknown {
             what: "component",
             name: component.to_owned(),

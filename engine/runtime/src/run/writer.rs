@@ -46,6 +46,10 @@ pub enum WriteError {
 impl<T: Message> PortWriter<T> {
     /// Writes a sample, which the component sees in its next cycle. If the connection is full, the sample is dropped
     /// and counted; if the connection is mandatory, this is an error instead.
+    ///
+    /// # Errors
+    /// [`WriteError::Gone`] after the end of the system, [`WriteError::Unreadable`] if the sample does not fit the type
+    /// of the port, [`WriteError::Full`] if a mandatory connection has no room.
     pub fn write(&mut self, sample: T) -> Result<(), WriteError> {
         let port = || self.port.clone();
         if !self.handle.is_running() {
@@ -62,9 +66,10 @@ impl<T: Message> PortWriter<T> {
         })?;
         self.dropped += u64::from(delivery != PushOutcome::Stored);
         if delivery == PushOutcome::DroppedNewest {
-            return match self.mandatory {
-                true => Err(WriteError::Full { port: port() }),
-                false => Ok(()),
+            return if self.mandatory {
+                Err(WriteError::Full { port: port() })
+            } else {
+                Ok(())
             };
         }
         if let Some(component) = self.trigger {

@@ -222,7 +222,10 @@ impl OutgoingCalls {
                 break;
             };
             // without a match, the reply is to a call that has ended: too late
-            let found = (self.outstanding.iter()).position(|one| one.number == answer.number);
+            let found = self
+                .outstanding
+                .iter()
+                .position(|one| one.number == answer.number);
             if let Some(index) = found {
                 let call = self.outstanding.remove(index);
                 match answer.result {
@@ -341,8 +344,10 @@ impl OutgoingCalls {
 
     /// Removes and returns one ended call of an operation.
     pub(crate) fn take_one(&mut self, slot: OperationSlot, call: CallId) -> Option<EndedCall> {
-        let found =
-            (self.frozen.iter()).position(|ended| ended.slot == slot && ended.number == call.0)?;
+        let found = self
+            .frozen
+            .iter()
+            .position(|ended| ended.slot == slot && ended.number == call.0)?;
         Some(self.frozen.remove(found))
     }
 

@@ -145,7 +145,8 @@ impl ProvidedService {
         }
         let alive = |deadline: Option<Time>| deadline.is_none_or(|deadline| now < deadline);
         let awaited = |ask: &ServiceRequest| ask.reply_to.as_ref().is_none_or(ReplyTo::is_awaited);
-        (self.waiting).retain(|(_, ask)| alive(ask.deadline) && awaited(ask));
+        self.waiting
+            .retain(|(_, ask)| alive(ask.deadline) && awaited(ask));
         let cancelled = &mut self.cancelled;
         self.open.retain(|open| {
             let keep = alive(open.deadline) && open.reply_to.is_awaited();

@@ -159,9 +159,10 @@ impl SimulatedEffects<'_, '_> {
         if ran {
             unit.hold_to_deadline(unit.body.lasts, now, self);
         }
-        match units[component].restart_after_fault(now, self) {
-            true => self.timeline.begin(&units[component]),
-            false => self.timeline.follow(&units[component]),
+        if units[component].restart_after_fault(now, self) {
+            self.timeline.begin(&units[component])
+        } else {
+            self.timeline.follow(&units[component])
         }
         if ran {
             self.slaves(units, component);
@@ -185,7 +186,7 @@ impl SimulatedEffects<'_, '_> {
             && unit.state().is_running()
         {
             let component = unit.index;
-            (self.timeline.queue).push(
+            self.timeline.queue.push(
                 last + period,
                 DueWork::Period {
                     component,
@@ -252,7 +253,9 @@ impl Timeline {
         let busy = |unit: &&ComponentUnit| self.each[unit.index].cycles > CYCLES_AN_INSTANT / 2;
         Fault::Loop {
             at: self.now,
-            components: (units.iter().filter(busy))
+            components: units
+                .iter()
+                .filter(busy)
                 .map(|unit| unit.name.to_string())
                 .collect(),
         }

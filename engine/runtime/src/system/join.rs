@@ -19,6 +19,10 @@ use crate::topic::SystemTopic;
 
 impl System {
     /// Connects an output to an input: `connect("TrajectoryFollower.twist", "RoverDriver.twist", Policy::data())`.
+    ///
+    /// # Errors
+    /// An end does not exist or has the wrong direction, the two are connected already, their types differ, or the
+    /// policy is impossible for their threads.
     pub fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         let to = self.end(to, inputs)?;
@@ -30,6 +34,10 @@ impl System {
 
     /// Runs a component in the thread of another one, right after it (RTT `SlaveActivity`). The slave's own period has
     /// no effect.
+    ///
+    /// # Errors
+    /// [`BuildError::Unknown`] if one of them does not exist, [`BuildError::OwnMaster`] if the slave would cycle after
+    /// itself.
     pub fn slave(&mut self, slave: &str, master: &str) -> Result<(), BuildError> {
         let [slave_index, master_index] = [self.component(slave)?.0, self.component(master)?.0];
         if self.thread(master_index) == slave_index {
@@ -54,6 +62,10 @@ impl System {
     }
 
     /// Publishes an output on a topic. An output has one topic; a topic may have several publishers.
+    ///
+    /// # Errors
+    /// [`BuildError::Joined`] if the output has a topic, [`BuildError::OwnTopic`] for the topic of the health of the
+    /// bus, or the types of output and a subscriber differ.
     pub fn publish(&mut self, from: &str, topic: &str) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         if topic == HEALTH_TOPIC {
@@ -78,6 +90,10 @@ impl System {
     }
 
     /// Subscribes an input to a topic, with this policy for each of its publishers.
+    ///
+    /// # Errors
+    /// [`BuildError::Joined`] if the input reads the topic already, [`BuildError::Types`] if it cannot read what a
+    /// publisher writes, or the policy is impossible for their threads.
     pub fn subscribe(&mut self, topic: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let to = self.end(to, inputs)?;
         let index = self.topic(topic);
@@ -99,6 +115,9 @@ impl System {
     }
 
     /// Sends the samples of an output to a sink too. The sink is called in the component's cycle.
+    ///
+    /// # Errors
+    /// There is no such output.
     pub fn stream_out(&mut self, from: &str, sink: Box<dyn Sink>) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         let link = OutputLink::to_outside(sink.name());
@@ -108,6 +127,9 @@ impl System {
 
     /// Feeds the samples of a source into an input, through a thread of its own in a live system. In simulated time a
     /// source is never read.
+    ///
+    /// # Errors
+    /// There is no such input; [`BuildError::NoZero`] if the policy asks for an initial sample and its type has none.
     pub fn stream_in(
         &mut self,
         source: Box<dyn Source>,
@@ -127,6 +149,10 @@ impl System {
 
     /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`. A
     /// reference has one service, or several that receive one-way calls ([`Wire::one_way`]).
+    ///
+    /// # Errors
+    /// [`BuildError::Joined`] if the reference has a service, [`BuildError::Interfaces`], [`BuildError::Operation`] or
+    /// [`BuildError::Types`] if the service does not offer what the reference calls.
     pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
         let to = self.end(to, services)?;
@@ -183,9 +209,10 @@ impl System {
         to: &ComponentEnd,
         policy: &Policy,
     ) -> Result<(), BuildError> {
-        match self.topics_outside {
-            true => self.compare(from, to),
-            false => self.join(from, to, policy).map(drop),
+        if self.topics_outside {
+            self.compare(from, to)
+        } else {
+            self.join(from, to, policy).map(drop)
         }
     }
 
@@ -213,7 +240,9 @@ impl System {
         self.compare(from, to)?;
         let threads = [from.unit, to.unit].map(|unit| self.thread(unit));
         let input = &mut self.units[to.unit].body.inputs[to.index];
-        let made = (self.connections).make((from, to), threads, policy, &*input.opener())?;
+        let made = self
+            .connections
+            .make((from, to), threads, policy, &*input.opener())?;
         input.join(made.reading_end);
         self.units[from.unit].body.outputs[from.index].join(made.sender, made.link);
         Ok(made.connection)
@@ -267,7 +296,10 @@ fn find_operation(
     from: &ComponentEnd,
     to: &ComponentEnd,
 ) -> Result<usize, BuildError> {
-    let found = (served.iter().enumerate()).find(|(_, served)| served.name == called.name);
+    let found = served
+        .iter()
+        .enumerate()
+        .find(|(_, served)| served.name == called.name);
     let Some((index, operation)) = found else {
         return Err(BuildError::Operation {
             from: from.name.clone(),

@@ -70,7 +70,9 @@ fn o3_a_slave_cycles_in_its_masters_thread() {
     run.stop();
     let cycles = cycles.lock().unwrap();
     let thread = |of: &str| {
-        let mut threads: Vec<_> = (cycles.iter().filter(|(name, _)| *name == of))
+        let mut threads: Vec<_> = cycles
+            .iter()
+            .filter(|(name, _)| *name == of)
             .map(|(_, id)| *id)
             .collect();
         threads.dedup();

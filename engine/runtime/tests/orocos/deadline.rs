@@ -102,9 +102,11 @@ fn live_the_clock_says_whether_a_cycle_is_late() {
         (OnDeadline::Fail, State::Exception),
     ] {
         let mut run = system(on_deadline).live();
-        let late = |_: Time, event: &Event<'_>| match event {
-            Event::Late { took, deadline, .. } => *took >= 15.ms() && *deadline == 10.ms(),
-            _ => false,
+        let late = |_: Time, event: &Event<'_>| {
+            matches!(
+                event,
+                Event::Late { took, deadline, .. } if *took >= 15.ms() && *deadline == 10.ms()
+            )
         };
         assert!(run.run_until_event(Time::ZERO + 10.s(), &mut { late }));
         let until = run.now() + 10.s();

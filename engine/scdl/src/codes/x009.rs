@@ -45,12 +45,13 @@ pub(crate) struct AmbiguousAutowire {
 impl Finding for AmbiguousAutowire {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let error = diagnostic.label(self.at, "wired by itself");
-        match self.services.is_empty() {
-            true => error.help("no service has its interface; name one with `target`"),
-            false => error.help(format!(
+        if self.services.is_empty() {
+            error.help("no service has its interface; name one with `target`")
+        } else {
+            error.help(format!(
                 "it could be {}; name one with `target`",
                 self.services.join(" or ")
-            )),
+            ))
         }
     }
 }

@@ -84,12 +84,12 @@ impl Exporter<'_> {
         setting: &here::Setting,
     ) -> Option<ScdlProperty> {
         let at = setting.value.span;
-        let source = match &setting.value.value {
-            Branch::Text(text) => text
-                .strip_prefix("${properties.")
+        let source = if let Branch::Text(text) = &setting.value.value {
+            text.strip_prefix("${properties.")
                 .and_then(|rest| rest.strip_suffix('}'))
-                .map(|name| At::new(name.to_owned(), at)),
-            _ => None,
+                .map(|name| At::new(name.to_owned(), at))
+        } else {
+            None
         };
         let Some(texts) = value::texts(&setting.value) else {
             let of = format!("{}.{}", component.name.value, setting.name.value);

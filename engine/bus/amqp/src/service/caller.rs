@@ -241,8 +241,10 @@ impl CallerTask {
 
     /// Cancels calls that were abandoned, resends the unsent ones, and asks providers about the rest.
     async fn look_after(&mut self, session: &mut CallerSession) -> AmqpResult<()> {
-        let (awaited, given_up): (HashMap<_, _>, HashMap<_, _>) =
-            (self.open.drain()).partition(|(_, open)| open.wait.is_awaited());
+        let (awaited, given_up): (HashMap<_, _>, HashMap<_, _>) = self
+            .open
+            .drain()
+            .partition(|(_, open)| open.wait.is_awaited());
         self.open = awaited;
         for open in given_up.values() {
             if let AwaitedReply::Answer(_) = open.wait {
@@ -310,7 +312,7 @@ impl CallerSession {
         let mut arguments = BasicPublishArguments::new(&self.exchange, &message.key);
         arguments.mandatory(mandatory);
         self.tag += 1;
-        (self.channel)
+        self.channel
             .basic_publish(properties, bytes, arguments)
             .await
     }

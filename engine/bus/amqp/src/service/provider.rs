@@ -302,7 +302,9 @@ impl ProviderTask {
             RequestState::Begun { pending, .. } => pending.is_over(),
             RequestState::Ended(_) => false,
         };
-        let over: Vec<_> = (self.known.iter())
+        let over: Vec<_> = self
+            .known
+            .iter()
             .filter(|(_, known)| over(known))
             .map(|(id, _)| id.clone())
             .collect();

@@ -433,9 +433,9 @@ mod raw {
             properties.with_content_type(content_type);
         }
         let arguments = BasicPublishArguments::new("robots", key);
-        (channel
+        channel
             .basic_publish(properties, bytes.to_vec(), arguments)
-            .await)
+            .await
             .unwrap();
         channel.close().await.unwrap();
         connection.close().await.unwrap();
@@ -454,9 +454,9 @@ mod raw {
             .with_content_type("application/json")
             .with_user_id(user);
         let arguments = BasicPublishArguments::new("robots", key);
-        (channel
+        channel
             .basic_publish(properties, b"1".to_vec(), arguments)
-            .await)
+            .await
             .unwrap();
         let alive = channel.flow(true).await.is_ok();
         // the client may fail if the broker closed the channel

@@ -52,8 +52,12 @@ fn two_hundred_components_talk_over_one_bus() {
         let (name, pace) = (format!("C{n}"), Activity::periodic(500.ms()));
         system.add(&name, pace, neighbour).unwrap();
         let before = format!("ring.{}", (n + MANY - 1) % MANY);
-        (system.publish(&format!("{name}.to"), &format!("ring.{n}"))).unwrap();
-        (system.subscribe(&before, &format!("{name}.from"), Policy::data())).unwrap();
+        system
+            .publish(&format!("{name}.to"), &format!("ring.{n}"))
+            .unwrap();
+        system
+            .subscribe(&before, &format!("{name}.from"), Policy::data())
+            .unwrap();
     }
     let bus = Arc::new(connect(settings(&vhost.url())));
     Network::new().attach(&mut system, bus, 1).unwrap();

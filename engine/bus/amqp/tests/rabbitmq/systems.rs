@@ -56,7 +56,9 @@ fn counting(url: &str, sending: PublishOptions) -> System {
         let out = interface.output("out", "the count");
         Box::new(Counter { count: 0, out }) as Box<dyn Component>
     };
-    (system.add("Counter", Activity::periodic(20.ms()), counter)).unwrap();
+    system
+        .add("Counter", Activity::periodic(20.ms()), counter)
+        .unwrap();
     system.publish("Counter.out", "counts").unwrap();
     let mut network = Network::new();
     network.set_sending("counts", sending);
@@ -74,7 +76,9 @@ fn telling(url: &str, names: &[&str]) -> System {
         };
         system.add(name, Activity::event(), teller).unwrap();
         let end = format!("{name}.in");
-        (system.subscribe("counts", &end, Policy::buffer(1000))).unwrap();
+        system
+            .subscribe("counts", &end, Policy::buffer(1000))
+            .unwrap();
     }
     let bus = Arc::new(connect(settings(url)));
     Network::new().attach(&mut system, bus, 2).unwrap();
@@ -162,7 +166,9 @@ fn a_call_is_tried_again_over_the_broker() {
         one_way: false,
     };
     let mut network = Network::new();
-    (network.reach(&mut above, "Asker.echo", "Sleepy.echoing", wire)).unwrap();
+    network
+        .reach(&mut above, "Asker.echo", "Sleepy.echoing", wire)
+        .unwrap();
     network.attach(&mut above, bus(), 2).unwrap();
     let _on_board = on_board.live();
     let mut attempts = Vec::new();
@@ -220,7 +226,8 @@ fn each_component_has_a_queue_of_its_own_for_a_topic() {
     let above = telling(&vhost.url(), &["One", "Other"]).live();
     let mut queues = vhost.queues().unwrap();
     queues.sort();
-    let names: Vec<_> = (queues.iter())
+    let names: Vec<_> = queues
+        .iter()
         .map(|queue| queue.split('.').take(3).collect::<Vec<_>>().join("."))
         .collect();
     assert_eq!(names, ["asmotion.One.counts", "asmotion.Other.counts"]);

@@ -156,7 +156,9 @@ impl<'b> CdrReader<'b> {
         } else {
             Numbers::from_shape(shape, bytes)
         };
-        (numbers.map(Datum::Numbers)).ok_or_else(|| malformed("numbers of no kind"))
+        numbers
+            .map(Datum::Numbers)
+            .ok_or_else(|| malformed("numbers of no kind"))
     }
 
     fn record(&mut self, fields: &[OutlineKey], depth: usize) -> Result<Datum, DatumError> {

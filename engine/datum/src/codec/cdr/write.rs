@@ -35,20 +35,17 @@ impl CdrWriter {
             Shape::U16 => self.put(integer::<u16>(datum, schema)?.to_le_bytes()),
             Shape::U32 => self.put(integer::<u32>(datum, schema)?.to_le_bytes()),
             Shape::U64 => self.put(integer::<u64>(datum, schema)?.to_le_bytes()),
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "the field has single precision"
-            )]
             Shape::F32 => self.put((float(datum, schema)? as f32).to_le_bytes()),
             Shape::F64 => self.put(float(datum, schema)?.to_le_bytes()),
             Shape::Text => self.text(datum.as_text().ok_or_else(|| misfit(datum, schema))?)?,
-            Shape::Option(element) => match datum {
-                Datum::Null => self.count(0)?,
-                some => {
+            Shape::Option(element) => {
+                if *datum == Datum::Null {
+                    self.count(0)?;
+                } else {
                     self.count(1)?;
-                    self.one(some, element, depth)?;
+                    self.one(datum, element, depth)?;
                 }
-            },
+            }
             Shape::List(element) => {
                 let count = elements(datum).ok_or_else(|| misfit(datum, schema))?;
                 self.count(count)?;
@@ -61,10 +58,12 @@ impl CdrWriter {
                 }
                 self.many(datum, element, *count, depth)?;
             }
-            Shape::Record(fields) => match datum {
-                Datum::Record(entries) => self.record(entries, fields, depth)?,
-                other => return Err(misfit(other, schema)),
-            },
+            Shape::Record(fields) => {
+                let Datum::Record(entries) = datum else {
+                    return Err(misfit(datum, schema));
+                };
+                self.record(entries, fields, depth)?;
+            }
         }
         Ok(())
     }
@@ -119,7 +118,9 @@ impl CdrWriter {
             return Ok(());
         }
         (0..count).try_for_each(|index| match run.element(index) {
-            Some(one) => (self.one(&one, element, depth)).map_err(|error| error.within(index)),
+            Some(one) => self
+                .one(&one, element, depth)
+                .map_err(|error| error.within(index)),
             None => Err(misfit(run, element)),
         })
     }
@@ -143,7 +144,8 @@ impl CdrWriter {
                 Some((_, datum)) => Cow::Borrowed(datum),
                 None => Cow::Owned(field.initial()),
             };
-            (self.one(&datum, &field.schema, depth)).map_err(|error| error.within(&field.name))?;
+            self.one(&datum, &field.schema, depth)
+                .map_err(|error| error.within(&field.name))?;
         }
         let unknown =
             |(name, _): &&(FieldName, Datum)| fields.iter().all(|field| field.name != *name);
@@ -179,7 +181,10 @@ fn integer<N: TryFrom<i64>>(datum: &Datum, schema: &Schema) -> Result<N, DatumEr
 /// A float from a number, or from a text such as `"NaN"` that stands for one.
 fn float(datum: &Datum, schema: &Schema) -> Result<f64, DatumError> {
     let special = || datum.as_text().and_then(special_float);
-    (datum.as_float().or_else(special)).ok_or_else(|| misfit(datum, schema))
+    datum
+        .as_float()
+        .or_else(special)
+        .ok_or_else(|| misfit(datum, schema))
 }
 
 fn misfit(datum: &Datum, schema: &Schema) -> DatumError {
