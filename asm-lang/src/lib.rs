@@ -13,7 +13,7 @@
 //! ");
 //! let specification = asmotion_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
 //! let mut machine = specification.machine().map_err(|fault| specification.explain(&fault).message)?;
-//! machine.step(&mut asmotion_lang::NoInputs, &mut asmotion_lang::First, 0).map_err(|fault| specification.explain(&fault).message)?;
+//! machine.step(&mut asmotion_lang::NoInputs, &mut asmotion_lang::FirstChoice, 0).map_err(|fault| specification.explain(&fault).message)?;
 //! # Ok::<(), String>(())
 //! ```
 

@@ -1,4 +1,4 @@
-//! From a path to a program that a machine can run.
+//! Opens specifications: from a path to a program for a machine.
 
 use asmotion_diagnostics::{Loader, Report, Sources, Span, Style, render_all};
 use asmotion_hir::{self as hir, Model, ReadOptions};
@@ -42,7 +42,7 @@ impl std::error::Error for OpenFailure {}
 /// Opens the specification at a path, with default options.
 ///
 /// # Errors
-/// A text cannot be read, or has errors: all of them are in the failure.
+/// A text cannot be read or contains errors; the failure lists all of them.
 pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, OpenFailure> {
     open_with(path, loader, &ReadOptions::default())
 }
@@ -50,7 +50,7 @@ pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, OpenFailur
 /// Opens the specification at a path.
 ///
 /// # Errors
-/// As [`open`], or there is no such initial state.
+/// As [`open`], or the requested initial state does not exist.
 pub fn open_with(
     path: &str,
     loader: &dyn Loader,
@@ -102,7 +102,7 @@ impl Specification {
     /// Creates a machine in the initial state.
     ///
     /// # Errors
-    /// An initial value cannot be computed, or an invariant does not hold initially.
+    /// An initial value cannot be computed, or the initial state violates an invariant.
     pub fn machine(&self) -> Result<Machine, Box<StepFault>> {
         #[cfg_attr(not(feature = "native"), expect(unused_mut, reason = "only closures"))]
         let mut machine = Machine::new(self.program.clone())?;
@@ -115,7 +115,7 @@ impl Specification {
     /// continues with the new program by [`Machine::adopt`].
     ///
     /// # Errors
-    /// What was added cannot be lowered; the program is as before.
+    /// An addition cannot be lowered; the program is unchanged.
     pub fn lower(&mut self) -> Result<(), Report> {
         if !self.program.counted.is_empty() {
             return self.lower_covered();
@@ -125,7 +125,8 @@ impl Specification {
         Ok(())
     }
 
-    /// Lowers the model anew, to a program that counts what of it runs: see [`Coverage`](crate::coverage::Coverage).
+    /// Lowers the model again, with coverage counters: see
+    /// [`Coverage`](crate::coverage::Coverage).
     ///
     /// # Errors
     /// As [`Specification::lower`].

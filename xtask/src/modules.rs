@@ -1,8 +1,8 @@
 //! Dependencies between the files of a crate; re-exports are followed to the definition.
 //!
-//! Names are resolved as the compiler does for paths between modules: `crate`, `self` and `super`,
-//! child modules, items, imports and globs. Types of expressions are not inferred, so a method call
-//! makes no arrow; the type had to be named somewhere to be called on.
+//! Paths between modules are resolved as by the compiler: `crate`, `self` and `super`, child
+//! modules, items, imports and globs. Types of expressions are not inferred, so a method call
+//! creates no arrow; its type must be named elsewhere anyway.
 
 use crate::checkout::{Checkout, SourceFile, child_folder};
 use crate::graph::Arrow;
@@ -24,7 +24,7 @@ pub struct CrateModules {
     pub files: BTreeSet<String>,
     /// First-level module of each file except the root.
     pub rooms: BTreeMap<String, String>,
-    /// From a file that names something to the file that defines it, with the paths that name it.
+    /// Arrows from a file that names an item to the file that defines it, with the paths as written.
     pub uses: BTreeMap<Arrow, BTreeSet<String>>,
     /// Items that are named through the crate's root.
     pub hub_uses: Vec<HubUse>,
@@ -42,7 +42,7 @@ pub struct HubUse {
 }
 
 impl CrateModules {
-    /// Arrows between files.
+    /// Returns the arrows between files.
     pub fn arrows(&self) -> BTreeSet<Arrow> {
         self.uses.keys().cloned().collect()
     }
@@ -88,9 +88,9 @@ pub fn of(checkout: &Checkout) -> Vec<CrateModules> {
 struct ModuleScope {
     parent: Option<usize>,
     file: String,
-    /// Child modules whose files are known.
+    /// Child modules in known files.
     children: BTreeMap<String, usize>,
-    /// Every child module; that of a generated file is no child.
+    /// Names of all child modules, including generated files.
     modules: BTreeSet<String>,
     items: BTreeSet<String>,
     imports: Vec<Import>,
@@ -285,8 +285,9 @@ impl Resolver {
         None
     }
 
-    /// Whether a path passes through the root to something that is no module and no macro, or ends at the
-    /// root, as that of `use crate::*` does. `$crate` is the only way in for the users of a macro.
+    /// Returns `true` if a path names, through the root, an item that is neither a module nor a
+    /// macro, or if it ends at the root, as in `use crate::*`. `$crate` is permitted, because users
+    /// of a macro have no other access to the crate.
     fn is_hub_use(&self, module: usize, path: &[String]) -> bool {
         let mut at = match path.first().map(String::as_str) {
             Some("crate") => Some(0),

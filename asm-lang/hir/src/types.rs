@@ -85,7 +85,7 @@ pub struct TypeTable {
     ids: BTreeMap<Type, TypeId>,
 }
 
-/// How well an argument fits a parameter: smaller is better, `None` means not at all.
+/// Fit of an argument to a parameter: smaller is better, `None` means that it does not fit.
 pub(crate) type Fit = Option<u32>;
 
 /// The bindings of type variables within one application.

@@ -1,4 +1,4 @@
-//! A file as a tree.
+//! Parsing of files.
 
 use crate::ast::File;
 use crate::explain::{Explainer, ParserError};

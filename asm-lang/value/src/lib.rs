@@ -1,8 +1,8 @@
 //! The values of the language: totally ordered, hashable, cheap to clone.
 //!
-//! A [`Value`] is two words: scalars lie in it, collections and texts are shared behind one thin
-//! pointer. Equality, order and hash agree on every value, `Real` included (by the bits, so that a
-//! set of reals and a trace are the same everywhere).
+//! A [`Value`] is two words: scalars are stored inline, collections and strings behind a shared
+//! thin pointer. Equality, order and hash agree for every value, including `Real`, which compares
+//! by bits, so that sets of reals and traces are the same on every machine.
 
 mod clone;
 mod display;

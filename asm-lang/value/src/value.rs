@@ -1,4 +1,4 @@
-//! Values, and the elements without structure among them.
+//! Values, including atoms and rules.
 
 use crate::real::Real;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,7 +15,8 @@ pub struct RuleId(pub u32);
 
 /// The value of a location or a term.
 ///
-/// The representation is fixed, see [`layout`](crate::layout): generated code reads and writes scalars in place.
+/// The representation is fixed (see [`layout`](crate::layout)), because generated code accesses
+/// scalars in place.
 #[derive(Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(C, u8)]
 pub enum Value {
