@@ -16,8 +16,8 @@ pub struct Schema {
 impl Schema {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let schema = match self.types {
-            true => asmotion_assembly::schema::types(),
-            false => asmotion_assembly::schema::composite(),
+            true => asmotion_composite::schema::types(),
+            false => asmotion_composite::schema::composite(),
         };
         terminal.result(format_args!("{schema:#}"));
         Exit::Ok

@@ -1,9 +1,8 @@
 //! What the specifications of a composite hear: the messages that are worth telling.
 
-use asmotion_assembly::Plan;
-use asmotion_assembly::plan::{Component, End, Terminal};
 use asmotion_coordinator::{Receive, Source};
 use asmotion_datum::Sample;
+use asmotion_plan::{Component, End, Plan, Terminal};
 
 use super::message;
 

@@ -1,7 +1,7 @@
 //! What stands for gateways in a build without them: a composite that needs none runs, another one does not.
 
-use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_network::Network;
+use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::System;
 
 use super::MissionGateways;

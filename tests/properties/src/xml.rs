@@ -1,7 +1,7 @@
 //! The XML formats: SCDL and CPF.
 
 use crate::composite::shown;
-use asmotion_assembly::Tables;
+use asmotion_composite::Tables;
 
 /// A composite in SCDL ends as composite files and a report that can be shown. The files are TOML.
 pub fn scdl(bytes: &[u8]) {
