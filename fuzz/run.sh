@@ -12,7 +12,7 @@ parse | check | fmt)
         asm-lang/syntax/tests/layout asm-lang/syntax/tests/scenarios specs"
     words="-dict=fuzz/words.dict"
     ;;
-composite) seeds="engine/assembly/tests/composites" ;;
+composite) seeds="engine/plan/tests/composites" ;;
 scdl) seeds="engine/scdl/tests/scdl" ;;
 *) seeds= ;;
 esac

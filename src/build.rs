@@ -1,7 +1,7 @@
 //! The components and messages of this binary, and access to environment variables.
 
-use asmotion_assembly::model::BuiltinComponent;
-use asmotion_assembly::{AsmFiles, Context, Tables, VariableSource};
+use asmotion_composite::model::BuiltinComponent;
+use asmotion_composite::{AsmFiles, Context, Tables, VariableSource};
 use asmotion_lang::Loader;
 
 /// The components, messages and interfaces of this build.
@@ -17,7 +17,7 @@ pub fn open(
     path: &str,
     settings: &[(String, String)],
     loader: &dyn Loader,
-) -> asmotion_assembly::Opened {
+) -> asmotion_plan::Opened {
     let context = Context {
         loader,
         environment: &ProcessEnvironment,
@@ -25,7 +25,7 @@ pub fn open(
         specifications: &AsmFiles::new(loader),
         settings,
     };
-    asmotion_assembly::open(path, &context)
+    asmotion_plan::open(path, &context)
 }
 
 /// Environment variables and secret files of the process.

@@ -18,7 +18,12 @@ const OF_SCDL: &[&Code] = &[];
 /// All codes of this build, by family and number.
 pub fn all() -> impl Iterator<Item = &'static Code> {
     let language = asmotion_lang::codes::all();
-    let others = [asmotion_assembly::CODES, OF_SCDL, CODES];
+    let others = [
+        asmotion_composite::CODES,
+        asmotion_plan::CODES,
+        OF_SCDL,
+        CODES,
+    ];
     let mut codes: Vec<_> = language
         .chain(others.into_iter().flatten().copied())
         .collect();

@@ -7,12 +7,13 @@ pub mod yaml;
 
 use std::sync::Arc;
 
-use asmotion_assembly::declaration::{Declaration, OperationDeclaration};
-use asmotion_assembly::plan::{Component, End, Implementation, Terminal, Topic};
-use asmotion_assembly::{Catalogue, Opened, Plan, Standard, Workshop};
+use asmotion_assembly::{Standard, Workshop};
+use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{HEALTH_TOPIC, Interface};
+use asmotion_composite::Catalogue;
 use asmotion_datum::{Schema, Shape};
 use asmotion_lang::ir::Program;
+use asmotion_plan::{Component, End, Implementation, Opened, Plan, Terminal, Topic};
 
 use crate::build::BUILD;
 use crate::files::DiskLoader;

@@ -15,12 +15,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use asmotion_assembly::plan::Terminal;
-use asmotion_assembly::{Assembled, Opened, Plan, Standard};
+use asmotion_assembly::{Assembled, Standard};
 use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::Loader;
+use asmotion_plan::{Opened, Plan, Terminal};
 use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 

@@ -14,10 +14,10 @@ mod summary;
 pub use driven_path::DrivenPath;
 pub use summary::{EventCounts, Summary};
 
-use asmotion_assembly::Plan;
 use asmotion_component::{CallError, Losses, Time};
 use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
 use asmotion_datum::{Datum, Sample};
+use asmotion_plan::Plan;
 use asmotion_runtime::Event;
 
 use self::input::StoryInput;

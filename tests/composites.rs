@@ -1,6 +1,6 @@
 //! The pages of the composite codes: the wrong example produces the code, the corrected one does not.
 
-use asmotion_assembly::{AsmFiles, CODES, Context, EmptyEnvironment, Tables};
+use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
 use asmotion_diagnostics::Code;
 use asmotion_lang::{Diagnostic, MemoryFiles, Report, Severity};
 use std::collections::BTreeSet;
@@ -18,7 +18,7 @@ const WITHOUT_EXAMPLE: &[&str] = &["C081", "C082", "C112", "C116"];
 #[test]
 fn pages_have_examples_that_are_true() {
     let mut wrong = String::new();
-    for code in CODES {
+    for code in &[asmotion_composite::CODES, asmotion_plan::CODES].concat() {
         let examples = (found(code, "toml wrong"), found(code, "toml mended"));
         let (Some(before), Some(after)) = examples else {
             let excused = WITHOUT_EXAMPLE.contains(&code.name);
@@ -51,7 +51,7 @@ fn found(code: &Code, info: &str) -> Option<Report> {
     if let Some(specification) = code.example("asm") {
         files.add("example.asm", specification);
     }
-    if let Some((report, _)) = asmotion_assembly::open_types("example.toml", &files, &BUILD) {
+    if let Some((report, _)) = asmotion_composite::open_types("example.toml", &files, &BUILD) {
         return Some(report);
     }
     let context = Context {
@@ -61,5 +61,5 @@ fn found(code: &Code, info: &str) -> Option<Report> {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    Some(asmotion_assembly::open("example.toml", &context).report)
+    Some(asmotion_plan::open("example.toml", &context).report)
 }

@@ -35,8 +35,9 @@ const FLOORS: &[&[&str]] = &[
         "asmotion-runtime",
     ],
     &["asmotion-network", "asmotion-mqueue"],
-    &["asmotion-assembly"],
-    &["asmotion-scdl", "asmotion-drawing", "asmotion-remote"],
+    &["asmotion-composite"],
+    &["asmotion-plan", "asmotion-scdl"],
+    &["asmotion-assembly", "asmotion-drawing", "asmotion-remote"],
     // the robot
     &["asmotion-messages"],
     &["asmotion-geometry"],
@@ -190,6 +191,8 @@ fn j5_the_core_is_built_without_any_transport() {
         "asmotion-network",
         "asmotion-coordinator",
         "asmotion-bridge",
+        "asmotion-composite",
+        "asmotion-plan",
         "asmotion-assembly",
         "asmotion-components",
     ] {

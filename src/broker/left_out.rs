@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use asmotion_assembly::plan;
 use asmotion_bus::{Bus, BusError};
 
 use super::BrokerAccess;
@@ -19,7 +18,7 @@ pub fn settings(address: &str, _: &BrokerAccess) -> Result<AmqpSettings, String>
 }
 
 /// Refuses: this build cannot connect to the broker that a composite names.
-pub fn named(broker: &plan::Broker, _: &BrokerAccess) -> Result<AmqpSettings, String> {
+pub fn named(broker: &asmotion_plan::Broker, _: &BrokerAccess) -> Result<AmqpSettings, String> {
     let (name, left_out) = (&broker.name, LeftOut::new::<Amqp>());
     Err(format!(
         "the broker `{name}` of the composite: {left_out}\n  `--bus local` runs without a broker"

@@ -5,9 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_amqp::{AmqpBus, ClientIdentity, Credentials};
-use asmotion_assembly::model::Tls;
-use asmotion_assembly::plan;
 use asmotion_bus::{Bus, BusError};
+use asmotion_composite::model::Tls;
 use asmotion_remote::Remote;
 use clap::Args;
 
@@ -115,9 +114,15 @@ pub fn watch(settings: &AmqpSettings) -> (String, Result<Remote, String>) {
 ///
 /// # Errors
 /// Fails if its address is invalid or contradicts `tls`, or if there is no password.
-pub fn named(broker: &plan::Broker, access: &BrokerAccess) -> Result<AmqpSettings, String> {
+pub fn named(
+    broker: &asmotion_plan::Broker,
+    access: &BrokerAccess,
+) -> Result<AmqpSettings, String> {
     let of = |reason: String| format!("the broker `{}` of the composite: {reason}", broker.name);
-    let address = broker.url.as_ref().map_or("", plan::Endpoint::reveal);
+    let address = broker
+        .url
+        .as_ref()
+        .map_or("", asmotion_plan::Endpoint::reveal);
     let address = match broker.tls {
         Tls::Prefer => address.to_owned(),
         Tls::Require => address.replacen("amqp://", "amqps://", 1),
@@ -183,9 +188,9 @@ mod tests {
     #[test]
     fn the_heartbeat_of_a_composite_s_broker_is_that_of_the_connection() {
         let address = "amqp://ann:secret@h";
-        let broker = plan::Broker {
+        let broker = asmotion_plan::Broker {
             name: "main".to_owned(),
-            url: Some(plan::Endpoint::new(address, address)),
+            url: Some(asmotion_plan::Endpoint::new(address, address)),
             exchange: "robots".to_owned(),
             codec: Default::default(),
             tls: Tls::Prefer,

@@ -1,8 +1,7 @@
 //! `asmotion describe`: the external interface of a composite.
 
-use asmotion_assembly::Plan;
-use asmotion_assembly::model::Transport;
-use asmotion_assembly::plan::{End, Promoted};
+use asmotion_composite::model::Transport;
+use asmotion_plan::{End, Plan, Promoted};
 use clap::{Args, ValueEnum};
 
 use crate::build;

@@ -38,7 +38,7 @@ impl Expand {
             ));
             return Exit::Usage;
         }
-        terminal.result(asmotion_assembly::expand(&opened, plan).trim_end());
+        terminal.result(asmotion_plan::expand(&opened, plan).trim_end());
         Exit::Ok
     }
 }

@@ -11,9 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use asmotion_assembly::{SettingValue, plan};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
+use asmotion_composite::SettingValue;
 use asmotion_datum::Datum;
 use asmotion_runtime::Event;
 use clap::{Args, ValueEnum};
@@ -210,7 +210,7 @@ impl Run {
                 None => MissionBrokers::Nothing,
                 Some(NamedBrokers::One(broker)) => MissionBrokers::One(Box::new(named(&broker)?)),
                 Some(NamedBrokers::Each(brokers)) => {
-                    let settings = |it: &plan::Broker| Ok((it.name.clone(), named(it)?));
+                    let settings = |it: &asmotion_plan::Broker| Ok((it.name.clone(), named(it)?));
                     let each: Result<_, String> = brokers.iter().map(settings).collect();
                     MissionBrokers::Each(each?)
                 }

@@ -16,9 +16,9 @@ pub struct Schema {
 impl Schema {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let schema = if self.types {
-            asmotion_assembly::schema::types()
+            asmotion_composite::schema::types()
         } else {
-            asmotion_assembly::schema::composite()
+            asmotion_composite::schema::composite()
         };
         terminal.result(format_args!("{schema:#}"));
         Exit::Ok

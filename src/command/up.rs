@@ -7,9 +7,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use asmotion_assembly::Plan;
-use asmotion_assembly::model::RestartPolicy;
-use asmotion_assembly::plan::{Process, Restart};
+use asmotion_composite::model::RestartPolicy;
+use asmotion_plan::{Plan, Process, Restart};
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 

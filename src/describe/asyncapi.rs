@@ -2,10 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use asmotion_assembly::Plan;
-use asmotion_assembly::plan::Broker;
 use asmotion_datum::Schema;
 use asmotion_datum::json_schema::{SchemaDefinitions, key};
+use asmotion_plan::{Broker, Plan};
 use asmotion_remote::{control_address, presence_topic};
 use serde_json::{Map, Value, json};
 

@@ -2,12 +2,11 @@
 
 use super::{MissionError, MissionOutcome};
 use crate::files::DiskLoader;
-use asmotion_assembly::Plan;
-use asmotion_assembly::plan::Implementation;
 use asmotion_component::Time;
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::AwaitedUpdate;
+use asmotion_plan::{Implementation, Plan};
 use asmotion_runtime::{Event, Observer};
 
 /// Returns the end conditions; by default `mode` with its usual value.
@@ -41,7 +40,7 @@ pub(super) fn awaited(
 
 /// Machines of the plan's specifications; errors of their initial states are reported at the start.
 fn machines(plan: &Plan) -> Vec<(String, Machine)> {
-    let of = |component: &asmotion_assembly::plan::Component| match &component.implementation {
+    let of = |component: &asmotion_plan::Component| match &component.implementation {
         Implementation::Asm(asm) => {
             let specification = asmotion_lang::open(&asm.path, &DiskLoader).ok()?;
             Some((asm.path.clone(), specification.machine().ok()?))

@@ -9,7 +9,7 @@ use std::fmt;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use asmotion_assembly::Part;
+use asmotion_plan::Part;
 
 use super::Mission;
 

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use asmotion_assembly::plan::Broker;
-use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_bus::{Bus, BusError, LocalBus};
 use asmotion_network::Network;
+use asmotion_plan::{Broker, Opened, Part, Plan};
 use asmotion_remote::{LastSamples, ProcessContact};
 use asmotion_runtime::System;
 

@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use asmotion_assembly::reconfigure::changes;
-use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::{Style, render_all};
+use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
 

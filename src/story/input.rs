@@ -1,9 +1,8 @@
 //! The inputs of specifications in a composite, and their messages worth reporting.
 
-use asmotion_assembly::Plan;
-use asmotion_assembly::plan::{Component, End, Terminal};
 use asmotion_coordinator::{Receive, Source};
 use asmotion_datum::Sample;
+use asmotion_plan::{Component, End, Plan, Terminal};
 
 use super::message;
 

@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion_assembly::model::BuiltinComponent;
-use asmotion_assembly::{
-    AsmFiles, Constructor, Context, EmptyEnvironment, Opened, Standard, Tables,
-};
+use asmotion_assembly::Standard;
 use asmotion_component::{Component, Cycle, Fault, Interface, Property, Provided, Required, Time};
+use asmotion_composite::model::BuiltinComponent;
+use asmotion_composite::{AsmFiles, Constructor, Context, EmptyEnvironment, Tables};
 use asmotion_datum::{Datum, Sample};
 use asmotion_lang::MemoryFiles;
 use asmotion_messages::{
     Empty, GetJointsPositions, JointPositions, JointStatus, Notify, Period, SetJointsPositions,
     SetPeriod,
 };
+use asmotion_plan::Opened;
 use asmotion_runtime::{Event, Run, Simulation};
 
 /// Makes the calls in its script: `"1.0 move 0.5 0.2"` (s, rad), `"2 period 0.05"`, `"3 read"`.
@@ -284,7 +284,7 @@ fn open(files: &MemoryFiles) -> Opened {
         specifications: &AsmFiles::new(files),
         settings: &[],
     };
-    asmotion_assembly::open("bench.composite.toml", &context)
+    asmotion_plan::open("bench.composite.toml", &context)
 }
 
 fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>>) {

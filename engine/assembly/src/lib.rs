@@ -1,50 +1,8 @@
-//! Composite files: checked plan, then running system.
+//! Plans become running systems: components are made and joined, and a running system is brought to another plan.
 
-mod address;
-mod admissible;
-mod at;
-pub mod catalogue;
-mod check;
-mod codes;
-mod context;
-mod end;
-mod environment;
-mod expand;
-mod family;
-mod finding;
-mod map;
-pub mod model;
-mod named;
-mod nearest;
-mod opened;
-pub mod plan;
-pub mod property_file;
-mod range;
-pub mod read;
 pub mod reconfigure;
-pub mod schema;
-mod scope;
-pub mod signature;
-mod specification;
-pub mod start;
-pub mod table;
-pub mod tree;
-mod types;
-mod value;
-mod wording;
+mod start;
 
-pub use asmotion_component::declaration;
-pub use at::At;
-pub use catalogue::{Catalogue, Constructor, Tables};
-pub use codes::CODES;
-pub use context::Context;
-pub use environment::{EmptyEnvironment, VariableSource};
-pub use expand::{beside, expand};
-pub use opened::{Opened, open, summary};
-pub use plan::Part;
-pub use plan::Plan;
-pub use signature::{NoSpecifications, Signature, Specifications};
-pub use specification::AsmFiles;
-pub use start::{Assembled, Standard, StartError, Workshop, start, start_part};
-pub use types::open_types;
-pub use value::{REDACTED, SettingValue};
+pub use start::{
+    Assembled, Make, SUBSCRIPTION_SIZE, Standard, StartError, Workshop, start, start_part,
+};

@@ -3,9 +3,8 @@
 use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Run};
 
-use crate::plan::Part;
-use crate::plan::{self, Component, Connection, End, Plan, PropertyValues, Terminal, Wire};
 use crate::start;
+use asmotion_plan::{Component, Connection, End, Part, Plan, PropertyValues, Terminal, Wire};
 
 /// Something that is as it was when the process started.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -257,7 +256,7 @@ fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
 fn steady(component: &Component) -> Component {
     let mut component = component.clone();
     component.properties = PropertyValues::default();
-    component.pace = plan::Pace {
+    component.pace = asmotion_plan::Pace {
         period_ms: 0,
         ..component.pace
     };

@@ -1,12 +1,15 @@
 //! Deployment (O3, O12, O13): how components are scheduled, what a site changes, in which order they stop.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+#[path = "../../plan/tests/support/render.rs"]
+mod render;
 
-use asmotion_assembly::{Context, Opened, Standard, Tables, property_file};
+use asmotion_assembly::Standard;
 use asmotion_component::{Component, Cycle, Fault, Interface, Property, Span};
+use asmotion_composite::{Context, Tables};
 use asmotion_datum::Datum;
 use asmotion_lang::MemoryFiles;
+use asmotion_plan::Opened;
 use asmotion_runtime::{Log, Run, System};
 
 const BUILD: Tables = Tables {
@@ -24,7 +27,7 @@ fn open(files: &MemoryFiles, path: &str) -> Opened {
         catalogue: &BUILD,
         ..Context::files(files)
     };
-    asmotion_assembly::open(path, &context)
+    asmotion_plan::open(path, &context)
 }
 
 fn start(files: &MemoryFiles, opened: &Opened) -> System {
@@ -39,7 +42,7 @@ fn start(files: &MemoryFiles, opened: &Opened) -> System {
 }
 
 fn said(opened: &Opened) -> String {
-    support::render::report(&opened.sources, &opened.report)
+    render::report(&opened.sources, &opened.report)
 }
 
 /// Tells how its thread is scheduled.
@@ -257,39 +260,4 @@ fn o13_components_stop_in_reverse_order_of_their_start() {
             "0.025 s Pid: Running -> Stopped"
         ]
     );
-}
-
-/// What a new `Pid` declares.
-fn declaration() -> asmotion_assembly::declaration::Declaration {
-    let mut interface = Interface::new();
-    Pid::new(&mut interface);
-    interface.declaration().clone()
-}
-
-#[test]
-fn o12_what_is_saved_is_loaded_again_and_does_not_differ() {
-    let declared = declaration();
-    let values = vec![
-        ("kp".to_owned(), Datum::Float(2.0)),
-        ("ki".to_owned(), Datum::Float(0.25)),
-        ("limits".to_owned(), Datum::of(&[-2.0, 2.5]).expect("data")),
-    ];
-    let text = property_file::write(&declared, &values);
-    insta::assert_snapshot!(text);
-    let read = property_file::read("pid.toml", &text, "Pid", &declared);
-    assert!(!read.report.has_errors() && read.missing.is_empty());
-    assert!(property_file::difference(&read.properties, &values).is_empty());
-    let other = property_file::read("pid.toml", "kp = 2\nki = 0.5\n", "Pid", &declared);
-    assert_eq!(
-        property_file::difference(&other.properties, &values),
-        [("ki", &Datum::Float(0.5), &Datum::Float(0.25))]
-    );
-    assert_eq!(other.missing, ["limits"]);
-}
-
-#[test]
-fn o12_a_file_of_properties_is_checked_before_anything_is_set() {
-    let text = "kp = 2.0\nkj = 0.5\nki = -1\nlimits = [0.0, \"a\"]\n";
-    let read = property_file::read("pid.toml", text, "Pid", &declaration());
-    insta::assert_snapshot!(support::render::report(&read.sources, &read.report));
 }

@@ -1,13 +1,16 @@
 //! C18: a running composite becomes its next version, or stays what it is.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+#[path = "../../plan/tests/support/render.rs"]
+mod render;
 
+use asmotion_assembly::Standard;
 use asmotion_assembly::reconfigure::changes;
-use asmotion_assembly::{Context, Opened, Part, Plan, Standard, Tables};
 use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, Property, Span};
+use asmotion_composite::{Context, Tables};
 use asmotion_datum::{Message, Schema};
 use asmotion_lang::MemoryFiles;
+use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::{Log, Run};
 
 asmotion_datum::message! {
@@ -116,7 +119,7 @@ fn open(text: &str) -> (MemoryFiles, Opened) {
         catalogue: &BUILD,
         ..Context::files(&files)
     };
-    let opened = asmotion_assembly::open("main.toml", &context);
+    let opened = asmotion_plan::open("main.toml", &context);
     (files, opened)
 }
 
@@ -128,7 +131,7 @@ fn version(replaced: &[(&str, &str)]) -> Plan {
         text = text.replacen(from, to, 1);
     }
     let (_, opened) = open(&text);
-    let said = support::render::report(&opened.sources, &opened.report);
+    let said = render::report(&opened.sources, &opened.report);
     opened
         .plan(None)
         .unwrap_or_else(|| panic!("{said}"))

@@ -1,20 +1,23 @@
 //! From a composite to a running system, in simulated time.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+#[path = "../../plan/tests/support/render.rs"]
+mod render;
+#[path = "../../plan/tests/support/variables.rs"]
+mod variables;
 
-use asmotion_assembly::{
-    AsmFiles, Constructor, Context, Opened, Standard, StartError, Tables, plan,
-};
+use asmotion_assembly::{Standard, StartError};
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided, Span,
 };
+use asmotion_composite::{AsmFiles, Constructor, Context, Tables};
 use asmotion_coordinator::{Action, Argument, Effect};
 use asmotion_datum::{Datum, Message, Schema};
 use asmotion_lang::MemoryFiles;
+use asmotion_plan::Opened;
 use asmotion_runtime::{Log, Run, System};
-use support::Variables;
+use variables::Variables;
 
 asmotion_datum::message! {
     /// Something happened.
@@ -233,16 +236,16 @@ fn open(files: &MemoryFiles, settings: &[(String, String)]) -> Opened {
         specifications: &specifications,
         settings,
     };
-    let opened = asmotion_assembly::open("main.toml", &context);
+    let opened = asmotion_plan::open("main.toml", &context);
     assert!(
         !opened.report.has_errors(),
         "{}",
-        support::render::report(&opened.sources, &opened.report)
+        render::report(&opened.sources, &opened.report)
     );
     opened
 }
 
-fn start(files: &MemoryFiles, plan: &plan::Plan) -> Result<System, StartError> {
+fn start(files: &MemoryFiles, plan: &asmotion_plan::Plan) -> Result<System, StartError> {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: files,
@@ -361,7 +364,7 @@ fn it_keeps_secrets_out_of_everything_that_is_shown() {
     let files = files(&composite);
     let opened = open(&files, &[]);
     let plan = opened.plan(None).expect("a plan");
-    let shown = format!("{plan:?}{}", asmotion_assembly::expand(&opened, plan));
+    let shown = format!("{plan:?}{}", asmotion_plan::expand(&opened, plan));
     assert!(!shown.contains("geheim"), "{shown}");
     let url = plan.brokers[0].url.as_ref().expect("an address");
     assert_eq!(url.reveal(), "amqp://robot:geheim@h:5672");
@@ -385,7 +388,7 @@ fn it_takes_paths_from_the_folder_of_the_file_they_are_written_in() {
         let mut files = MemoryFiles::new();
         files.add("here/main.toml", outer(set));
         files.add("here/deep/inner.toml", inner);
-        let opened = asmotion_assembly::open("here/main.toml", &Context::files(&files));
+        let opened = asmotion_plan::open("here/main.toml", &Context::files(&files));
         let plan = opened.plan(None).expect("a plan");
         let map = plan.components[0].properties.get("map").expect("a map");
         map.to_string()
@@ -492,8 +495,8 @@ fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    let opened = asmotion_assembly::open("main.toml", &context);
-    let said = support::render::report(&opened.sources, &opened.report);
+    let opened = asmotion_plan::open("main.toml", &context);
+    let said = render::report(&opened.sources, &opened.report);
     assert!(
         said.contains("C034") && said.contains("waits for the answer to `hear`"),
         "{said}"

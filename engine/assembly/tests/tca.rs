@@ -2,17 +2,22 @@
 //! by the row of the paper's table.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+#[path = "../../plan/tests/support/render.rs"]
+mod render;
+#[path = "../../plan/tests/support/variables.rs"]
+mod variables;
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion_assembly::{AsmFiles, Constructor, Context, Opened, Plan, Standard, Tables, plan};
+use asmotion_assembly::Standard;
 use asmotion_component::{Component, Cycle, Fault, Interface, State, Time, Transition};
+use asmotion_composite::{AsmFiles, Constructor, Context, Tables};
 use asmotion_coordinator::StepRecord;
 use asmotion_lang::MemoryFiles;
+use asmotion_plan::{Opened, Plan};
 use asmotion_runtime::{Event, Run, Simulation};
-use support::Variables;
+use variables::Variables;
 
 asmotion_datum::message! {
     /// A number.
@@ -62,18 +67,18 @@ fn open(text: &str) -> Opened {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    asmotion_assembly::open("tca.toml", &context)
+    asmotion_plan::open("tca.toml", &context)
 }
 
 /// What is found in it: the codes and the texts.
 fn findings(text: &str) -> String {
     let opened = open(text);
-    support::render::report(&opened.sources, &opened.report)
+    render::report(&opened.sources, &opened.report)
 }
 
 fn plan(text: &str) -> Plan {
     let opened = open(text);
-    let said = support::render::report(&opened.sources, &opened.report);
+    let said = render::report(&opened.sources, &opened.report);
     opened
         .plan(None)
         .unwrap_or_else(|| panic!("{said}"))
@@ -81,7 +86,7 @@ fn plan(text: &str) -> Plan {
 }
 
 /// The component with this `task`.
-fn task(keys: &str) -> plan::Component {
+fn task(keys: &str) -> asmotion_plan::Component {
     let plan = plan(&composite(&format!("task = {{ {keys} }}")));
     plan.component("Task").expect("the task").clone()
 }
@@ -188,7 +193,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    let opened = asmotion_assembly::open("tca.toml", &context);
+    let opened = asmotion_plan::open("tca.toml", &context);
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
@@ -280,7 +285,7 @@ fn t23_all_ten_stand_in_the_plan() {
         "task = {{ {keys} }}\npublish = {{ path = \"test/Number\" }}\nrename = {{ path = \"plan\" }}{BROKER}"
     );
     let opened = open(&composite(&lines));
-    let shown = asmotion_assembly::expand(&opened, opened.plan(None).expect("a plan"));
+    let shown = asmotion_plan::expand(&opened, opened.plan(None).expect("a plan"));
     for property in [
         "id = \"planner\"",
         "period_ms = 10",

@@ -9,7 +9,7 @@ mod mermaid;
 mod picture;
 mod svg;
 
-use asmotion_assembly::Plan;
+use asmotion_plan::Plan;
 use picture::Picture;
 
 /// Draws a plan in Graphviz' DOT language.

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asmotion_assembly::Plan;
-use asmotion_assembly::plan::{Component, End, Implementation, Terminal};
+use asmotion_plan::{Component, End, Implementation, Plan, Terminal};
 
 /// A picture without coordinates.
 pub(crate) struct Picture {
@@ -151,8 +150,7 @@ impl<'d> PictureBuilder<'d> {
                 name: name.clone(),
                 service,
             };
-            let used =
-                |port: &&asmotion_assembly::plan::Port| self.is_used(&component.name, &port.name);
+            let used = |port: &&asmotion_plan::Port| self.is_used(&component.name, &port.name);
             let services = component.services.iter().map(|it| port(&it.name, true));
             let references = component.references.iter().map(|it| port(&it.name, true));
             let inputs = component

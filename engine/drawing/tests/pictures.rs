@@ -3,8 +3,9 @@
 
 use std::sync::Arc;
 
-use asmotion_assembly::{AsmFiles, Context, EmptyEnvironment, Opened, Tables};
+use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
 use asmotion_diagnostics::{LoadError, Loader};
+use asmotion_plan::Opened;
 
 /// Loads files from `specs`.
 struct Specs;
@@ -36,7 +37,7 @@ fn open(file: &str) -> Opened {
         specifications: &AsmFiles::new(&Specs),
         settings: &[],
     };
-    asmotion_assembly::open(file, &context)
+    asmotion_plan::open(file, &context)
 }
 
 /// Draws a composite in all formats, and checks that drawing it again gives the same.

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use asmotion_assembly::{Part, Plan};
 use asmotion_bus::{
     Bus, BusError, IncomingCall, Notifier, Overflow, Pattern, Payload, PublishOptions, QueuePolicy,
     Refusal, SenderId, ServedAddress, Subscription,
 };
 use asmotion_datum::{Datum, Schema};
+use asmotion_plan::{Part, Plan};
 use asmotion_runtime::{Asked, Run};
 
 use crate::last_samples::LastSamples;

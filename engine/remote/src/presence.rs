@@ -3,11 +3,10 @@
 
 use std::time::Duration;
 
-use asmotion_assembly::Part;
-use asmotion_assembly::plan::{self, End, Plan};
 use asmotion_bus::Envelope;
 use asmotion_component::{Losses, State};
 use asmotion_datum::Datum;
+use asmotion_plan::{End, Part, Plan};
 use asmotion_runtime::Run;
 use serde::{Deserialize, Serialize};
 
@@ -223,7 +222,7 @@ fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
         let here = ends.iter().filter(|end| part.has(&end.component));
         here.map(End::to_string).collect()
     };
-    let topic = |topic: &plan::Topic| PresentTopic {
+    let topic = |topic: &asmotion_plan::Topic| PresentTopic {
         name: topic.name.clone(),
         kind: topic.kind.clone(),
         publishers: here(&topic.publishers),

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use asmotion_assembly::{Part, Plan};
 use asmotion_bus::{Bus, BusError, Payload, PublishOptions, Publisher, SenderId};
 use asmotion_datum::{Codec, Datum, Schema};
+use asmotion_plan::{Part, Plan};
 use asmotion_runtime::Run;
 
 use crate::last_samples::now;

@@ -3,8 +3,8 @@
 use crate::codes::x003::MissingAttribute;
 use crate::codes::x006::UnknownScdlName;
 use crate::codes::x007::WrongAttributeValue;
-use asmotion_assembly::At;
-use asmotion_assembly::tree::{Branch, Entry, Node, Table};
+use asmotion_composite::At;
+use asmotion_composite::tree::{Branch, Entry, Node, Table};
 use asmotion_diagnostics::{Finding, Report, Sources, Span};
 
 use crate::xml::{self, XmlElement};

@@ -3,9 +3,9 @@
 mod component;
 
 use crate::codes::x010::NoScdlForm;
-use asmotion_assembly::At;
-use asmotion_assembly::model::{self as here, Amount, Piece, Promoted, Template, Transport};
-use asmotion_assembly::tree::Node;
+use asmotion_composite::At;
+use asmotion_composite::model::{self as here, Amount, Piece, Promoted, Template, Transport};
+use asmotion_composite::tree::Node;
 use asmotion_diagnostics::{Finding, Report, Span};
 
 use crate::model::{

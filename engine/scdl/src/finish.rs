@@ -5,7 +5,7 @@ use crate::codes::x004::NoCounterpart;
 use crate::codes::x008::AssumedValue;
 use std::collections::BTreeMap;
 
-use asmotion_assembly::At;
+use asmotion_composite::At;
 use asmotion_diagnostics::{Finding, Report};
 
 use crate::model::{

@@ -3,7 +3,7 @@
 use crate::codes::x006::UnknownScdlName;
 use std::collections::BTreeMap;
 
-use asmotion_assembly::Catalogue;
+use asmotion_composite::Catalogue;
 use asmotion_diagnostics::{Finding, Report, Sources};
 
 use crate::model::{ScdlComposite, ScdlImplementation};

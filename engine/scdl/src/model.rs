@@ -1,6 +1,6 @@
 //! The SCDL model of a composite; every part has its place in the file it was read from.
 
-use asmotion_assembly::At;
+use asmotion_composite::At;
 
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlComposite {

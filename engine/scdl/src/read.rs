@@ -6,7 +6,7 @@ use crate::codes::x003::MissingAttribute;
 use crate::codes::x004::NoCounterpart;
 use crate::codes::x007::WrongAttributeValue;
 use crate::codes::x011::RenamedForToml;
-use asmotion_assembly::At;
+use asmotion_composite::At;
 use asmotion_diagnostics::{FileId, Finding, Report};
 
 use crate::model::{

@@ -5,7 +5,7 @@ use crate::codes::x006::UnknownScdlName;
 use crate::codes::x009::AmbiguousAutowire;
 use std::collections::BTreeMap;
 
-use asmotion_assembly::{At, Catalogue};
+use asmotion_composite::{At, Catalogue};
 use asmotion_diagnostics::{Finding, Report, similar};
 
 use crate::model::{

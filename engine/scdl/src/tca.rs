@@ -5,7 +5,7 @@
 
 use crate::codes::x005::PasswordInScdl;
 use crate::codes::x007::WrongAttributeValue;
-use asmotion_assembly::At;
+use asmotion_composite::At;
 use asmotion_diagnostics::{Finding, Report, Span};
 
 use crate::model::{ScdlComponent, ScdlProperty};

@@ -9,8 +9,8 @@ use crate::codes::x012::UndirectedTopic;
 use crate::codes::x013::SeveralPromoted;
 use std::collections::BTreeMap;
 
-use asmotion_assembly::model::Scalar;
-use asmotion_assembly::{At, Catalogue};
+use asmotion_composite::model::Scalar;
+use asmotion_composite::{At, Catalogue};
 use asmotion_diagnostics::{Finding, Report};
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value as item};
 

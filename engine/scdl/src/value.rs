@@ -1,7 +1,7 @@
 //! Converts values between the simple types of XML Schema and the types of properties.
 
-use asmotion_assembly::model::Scalar;
-use asmotion_assembly::tree::{Branch, Node};
+use asmotion_composite::model::Scalar;
+use asmotion_composite::tree::{Branch, Node};
 use toml_edit::{Array, Formatted, Value};
 
 /// The XML Schema types and their property types. When a property type occurs several times, its first row is written.

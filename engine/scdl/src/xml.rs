@@ -7,7 +7,7 @@ use quick_xml::events::{BytesRef, BytesStart, Event};
 use quick_xml::name::ResolveResult;
 use quick_xml::reader::NsReader;
 
-use asmotion_assembly::At;
+use asmotion_composite::At;
 
 /// Limit on the size of a file, against hostile input.
 const MAX_BYTES: usize = 1 << 20;

@@ -3,7 +3,7 @@
 
 mod support;
 
-use asmotion_assembly::Tables;
+use asmotion_composite::Tables;
 use asmotion_diagnostics::{Code, Diagnostic, Report, Severity};
 use asmotion_scdl::CODES;
 

@@ -89,7 +89,7 @@ fn it_refuses_what_is_no_scdl() {
     ] {
         let imported = asmotion_scdl::import(
             &[("a".to_owned(), text.to_owned())],
-            &asmotion_assembly::Tables::EMPTY,
+            &asmotion_composite::Tables::EMPTY,
         );
         assert!(imported.files.is_empty(), "{text:.60}");
         assert!(imported.report.has_errors(), "{text:.60}");

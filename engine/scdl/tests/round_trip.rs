@@ -26,7 +26,7 @@ fn t23_the_ten_properties_come_back_as_they_went() {
 fn t23_a_password_stays_out_of_all_that_is_written() {
     let written = text("planner.composite").replace("${ROVER_PASSWORD}", "geheim");
     let files = [("planner.composite".to_owned(), written)];
-    let imported = asmotion_scdl::import(&files, &asmotion_assembly::Tables::EMPTY);
+    let imported = asmotion_scdl::import(&files, &asmotion_composite::Tables::EMPTY);
     let found = rendered(&imported.report, &imported.sources);
     assert!(
         found.contains("X005") && found.contains("TRAJECTORYPLANNER_PASSWORD"),
@@ -51,7 +51,7 @@ fn c14_what_comes_back_of_nested_composites_is_imported_to_the_same() {
             asmotion_scdl::export(&open(&files).composite.expect("a composite")).expect("no fault");
         let again = asmotion_scdl::import(
             &[(name.clone(), back.text)],
-            &asmotion_assembly::Tables::EMPTY,
+            &asmotion_composite::Tables::EMPTY,
         );
         let (_, again) = again.files.first().expect("a composite");
         let without_comments = |text: &str| {

@@ -4,7 +4,7 @@ use crate::build;
 use crate::files::DiskLoader;
 use crate::table;
 use crate::terminal::TerminalOutput;
-use asmotion_assembly::Plan;
+use asmotion_plan::Plan;
 
 /// Prints the connections of a composite for each of its profiles; prints nothing for other files.
 pub fn show(path: &str, terminal: &mut TerminalOutput) {

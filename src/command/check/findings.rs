@@ -24,7 +24,7 @@ pub fn findings(path: &str, options: &ReadOptions, loader: &dyn Loader) -> (Repo
 
 /// Checks a composite or a file of message types.
 fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
-    if let Some(types) = asmotion_assembly::open_types(path, loader, &build::BUILD) {
+    if let Some(types) = asmotion_composite::open_types(path, loader, &build::BUILD) {
         return types;
     }
     let opened = build::open(path, &[], loader);

@@ -3,8 +3,8 @@
 use crate::build::BUILD;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
-use asmotion_assembly::Catalogue;
 use asmotion_bus::Envelope;
+use asmotion_composite::Catalogue;
 use asmotion_datum::{Datum, Message};
 use asmotion_remote::Remote;
 use clap::Args;

@@ -1,7 +1,7 @@
 //! Replacement for gateways in a build without the feature `http`: composites with gateways cannot be run.
 
-use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_network::Network;
+use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::System;
 
 use super::MissionGateways;

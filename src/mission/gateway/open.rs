@@ -4,10 +4,10 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_assembly::{Opened, Part, Plan, plan};
 use asmotion_bus::LocalBus;
 use asmotion_gateway::{Gateway, GatewayOperation, GatewayService, GatewaySettings};
 use asmotion_network::{Network, NetworkError};
+use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::System;
 
 use super::MissionGateways;
@@ -35,25 +35,27 @@ impl Mission {
         let serving = network.serve_on(system, bus.clone(), &served);
         serving.map_err(launch)?;
         let operations = describe::describe(opened, plan).operations;
-        let open = |(gateway, promoted): &(&plan::Gateway, Vec<&plan::Promoted>)| {
-            let other = elsewhere.iter().find(|(name, _)| *name == gateway.name);
-            let listen = other.map(|(_, address)| *address).or(gateway.listen);
-            // a missing variable has already been reported
-            let listen = listen.unwrap_or_else(|| SocketAddr::from(([127, 0, 0, 1], 0)));
-            let services = promoted.iter().map(|it| service(it, &operations));
-            let open = Gateway::open(settings(gateway, listen), services.collect(), bus.clone());
-            let open = open.map_err(|reason| MissionError::Gateway {
-                name: gateway.name.clone(),
-                reason: reason.to_string(),
-            })?;
-            (told.0)(&gateway.name, open.address());
-            Ok(open)
-        };
+        let open =
+            |(gateway, promoted): &(&asmotion_plan::Gateway, Vec<&asmotion_plan::Promoted>)| {
+                let other = elsewhere.iter().find(|(name, _)| *name == gateway.name);
+                let listen = other.map(|(_, address)| *address).or(gateway.listen);
+                // a missing variable has already been reported
+                let listen = listen.unwrap_or_else(|| SocketAddr::from(([127, 0, 0, 1], 0)));
+                let services = promoted.iter().map(|it| service(it, &operations));
+                let open =
+                    Gateway::open(settings(gateway, listen), services.collect(), bus.clone());
+                let open = open.map_err(|reason| MissionError::Gateway {
+                    name: gateway.name.clone(),
+                    reason: reason.to_string(),
+                })?;
+                (told.0)(&gateway.name, open.address());
+                Ok(open)
+            };
         gateways.iter().map(open).collect()
     }
 }
 
-fn settings(gateway: &plan::Gateway, listen: SocketAddr) -> GatewaySettings {
+fn settings(gateway: &asmotion_plan::Gateway, listen: SocketAddr) -> GatewaySettings {
     let count = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
     GatewaySettings {
         max_connections: count(gateway.max_connections),
@@ -63,7 +65,7 @@ fn settings(gateway: &plan::Gateway, listen: SocketAddr) -> GatewaySettings {
 }
 
 /// The interface of a promoted service for HTTP clients.
-fn service(promoted: &plan::Promoted, operations: &[ServedOperation]) -> GatewayService {
+fn service(promoted: &asmotion_plan::Promoted, operations: &[ServedOperation]) -> GatewayService {
     let own = operations.iter();
     let own: Vec<&ServedOperation> = own
         .filter(|it| it.service.to_string() == promoted.inside)
@@ -75,7 +77,9 @@ fn service(promoted: &plan::Promoted, operations: &[ServedOperation]) -> Gateway
         response: served.operation.response.clone(),
         one_way: served.one_way,
     });
-    let timeout_ms = promoted.timeout_ms.unwrap_or(plan::DEFAULT_TIMEOUT_MS);
+    let timeout_ms = promoted
+        .timeout_ms
+        .unwrap_or(asmotion_composite::model::DEFAULT_TIMEOUT_MS);
     GatewayService {
         name: promoted.name.clone(),
         interface: interface.to_owned(),

@@ -1,11 +1,10 @@
 //! Composite files and property files.
 
-use asmotion_assembly::{
-    AsmFiles, Context, EmptyEnvironment, Opened, Tables, expand, property_file as file,
-};
 use asmotion_component::{Declaration, Interface};
+use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables, property_file as file};
 use asmotion_diagnostics::{Report, Sources, Style, render_all};
 use asmotion_lang::MemoryFiles;
+use asmotion_plan::{Opened, expand};
 
 const BUILD: Tables = Tables {
     components: asmotion_components::COMPONENTS,
@@ -70,7 +69,7 @@ fn open(text: &str) -> Opened {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    asmotion_assembly::open("fuzz.toml", &context)
+    asmotion_plan::open("fuzz.toml", &context)
 }
 
 /// A report can be rendered, so its places are within the texts.

@@ -1,7 +1,7 @@
 //! The XML formats: SCDL and CPF.
 
 use crate::composite::shown;
-use asmotion_assembly::Tables;
+use asmotion_composite::Tables;
 
 /// A composite in SCDL is converted to composite files, which are TOML, and a report that can be rendered.
 pub fn scdl(bytes: &[u8]) {

@@ -194,7 +194,7 @@ fn map(format: &str) -> Vec<Vec<u8>> {
 fn composites_are_read() {
     holds(
         composite,
-        &files("engine/assembly/tests/composites", ".toml"),
+        &files("engine/plan/tests/composites", ".toml"),
         true,
         2_000,
     );

@@ -4,11 +4,11 @@ use std::time::Duration;
 
 use asmotion_component::{Activity, Scheduler};
 
-use crate::model;
-use crate::plan::{self, Plan, Process, Terminal};
+use asmotion_composite::model;
+use asmotion_plan::{Plan, Process, Terminal};
 
 /// The activity of a component.
-pub(crate) fn of(component: &plan::Component, plan: &Plan) -> Activity {
+pub(crate) fn of(component: &asmotion_plan::Component, plan: &Plan) -> Activity {
     let pace = &component.pace;
     let process = plan.process_of(&component.name);
     let period_ms = match pace.period_ms {
@@ -33,7 +33,7 @@ pub(crate) fn of(component: &plan::Component, plan: &Plan) -> Activity {
 }
 
 /// How often a component looks that has no period of its own but polls a connection.
-fn polls(component: &plan::Component, plan: &Plan) -> Option<u64> {
+fn polls(component: &asmotion_plan::Component, plan: &Plan) -> Option<u64> {
     let into = |to: &Terminal| match to {
         Terminal::Port(end) => end.component == component.name,
         Terminal::Topic(_) | Terminal::Mqueue(_) => false,
@@ -50,19 +50,19 @@ fn polls(component: &plan::Component, plan: &Plan) -> Option<u64> {
 const LOWEST_PRIORITY: u8 = 1;
 
 /// The class that the component names, or else its process.
-fn scheduler(pace: &plan::Pace, process: Option<&Process>) -> Scheduler {
+fn scheduler(pace: &asmotion_plan::Pace, process: Option<&Process>) -> Scheduler {
     let class = pace.scheduler.or(process.map(|it| it.scheduler));
     class.unwrap_or_default()
 }
 
 /// The priority in that class.
-fn priority(pace: &plan::Pace, process: Option<&Process>) -> u8 {
+fn priority(pace: &asmotion_plan::Pace, process: Option<&Process>) -> u8 {
     let priority = pace.priority.or(process.and_then(|it| it.priority));
     let priority = priority.and_then(|given| u8::try_from(given).ok());
     priority.unwrap_or(LOWEST_PRIORITY)
 }
 
-fn processors(pace: &plan::Pace, process: Option<&Process>) -> Vec<usize> {
+fn processors(pace: &asmotion_plan::Pace, process: Option<&Process>) -> Vec<usize> {
     let own = Some(&pace.cpu).filter(|own| !own.is_empty());
     let cpus = own.or(process.map(|it| &it.cpu)).into_iter().flatten();
     cpus.filter_map(|cpu| usize::try_from(*cpu).ok()).collect()

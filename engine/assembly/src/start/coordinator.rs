@@ -9,11 +9,11 @@ use asmotion_datum::Schema;
 use asmotion_diagnostics::Loader;
 
 use super::Make;
-use crate::plan::{self, Asm};
+use asmotion_plan::Asm;
 
 /// Opens the specification, and makes the component that runs it.
 pub(super) fn make(
-    component: &plan::Component,
+    component: &asmotion_plan::Component,
     asm: &Asm,
     types: &BTreeMap<String, Schema>,
     loader: &dyn Loader,
@@ -31,18 +31,21 @@ pub(super) fn make(
     }))
 }
 
-fn interfaces(component: &plan::Component, types: &BTreeMap<String, Schema>) -> Interfaces {
+fn interfaces(
+    component: &asmotion_plan::Component,
+    types: &BTreeMap<String, Schema>,
+) -> Interfaces {
     let schema = |kind: &String| {
         let known = types.get(kind).cloned();
         known.unwrap_or_else(|| Schema::opaque(kind.clone()))
     };
-    let ports = |ports: &[plan::Port]| {
+    let ports = |ports: &[asmotion_plan::Port]| {
         ports
             .iter()
             .map(|port| (port.name.clone(), schema(&port.kind)))
             .collect()
     };
-    let services = |services: &[plan::Service]| {
+    let services = |services: &[asmotion_plan::Service]| {
         services
             .iter()
             .map(|it| (it.name.clone(), it.interface.clone()))

@@ -14,10 +14,9 @@ use asmotion_component::{Component, Interface, Policy, PropertyError, Wire};
 use asmotion_network::{Network, port_topic};
 use asmotion_runtime::{BuildError, ComponentId, System};
 
-use crate::model::{self, Transport};
-use crate::plan::{self, Plan, Terminal};
+use asmotion_composite::model::{self, Transport};
+use asmotion_plan::{Part, Plan, Terminal};
 
-pub use crate::plan::Part;
 pub(crate) use activity::of as activity;
 pub(crate) use policy::of as policy;
 pub use workshop::{Make, Standard, Workshop};
@@ -111,7 +110,7 @@ pub fn start_part(
     if part.takes_the_bus_inside() {
         building.system.leave_topics_to_adapters();
     }
-    let here = |component: &&plan::Component| part.has(&component.name);
+    let here = |component: &&asmotion_plan::Component| part.has(&component.name);
     for component in plan.components.iter().filter(here) {
         building.component(component, workshop)?;
     }
@@ -149,7 +148,7 @@ struct Building<'p> {
 impl Building<'_> {
     fn component(
         &mut self,
-        component: &plan::Component,
+        component: &asmotion_plan::Component,
         workshop: &mut dyn Workshop,
     ) -> Result<(), StartError> {
         let not_made = |reason| StartError::NotMade {
@@ -185,7 +184,7 @@ impl Building<'_> {
     }
 
     /// Joins the ports that are on a topic by themselves.
-    fn topics(&mut self, component: &plan::Component) -> Result<(), StartError> {
+    fn topics(&mut self, component: &asmotion_plan::Component) -> Result<(), StartError> {
         for port in &component.outputs {
             if let Some(topic) = &port.topic
                 && self.has(&component.name, |declared| {
@@ -211,7 +210,7 @@ impl Building<'_> {
     }
 
     /// Offers the services of a component to those outside of this part.
-    fn services(&mut self, component: &plan::Component) -> Result<(), StartError> {
+    fn services(&mut self, component: &asmotion_plan::Component) -> Result<(), StartError> {
         if self.part.is_alone() {
             return Ok(());
         }
@@ -236,7 +235,7 @@ impl Building<'_> {
             .is_some_and(what)
     }
 
-    fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
+    fn connection(&mut self, connection: &asmotion_plan::Connection) -> Result<(), StartError> {
         let joint = &connection.policy;
         let policy = policy::of(connection);
         match (&connection.from, &connection.to) {
@@ -263,8 +262,8 @@ impl Building<'_> {
     /// Connects two ports, of which one or both may be of another part.
     fn ports(
         &mut self,
-        from: &plan::End,
-        to: &plan::End,
+        from: &asmotion_plan::End,
+        to: &asmotion_plan::End,
         policy: Policy,
     ) -> Result<(), BuildError> {
         let (writer, reader) = (from.to_string(), to.to_string());
@@ -279,7 +278,7 @@ impl Building<'_> {
         }
     }
 
-    fn wire(&mut self, wire: &plan::Wire) -> Result<(), StartError> {
+    fn wire(&mut self, wire: &asmotion_plan::Wire) -> Result<(), StartError> {
         let reference = &wire.reference;
         if !self.part.has(&reference.component) {
             return Ok(());
@@ -314,7 +313,7 @@ impl Building<'_> {
 }
 
 /// The attempts and the patience of a wire.
-pub(crate) fn how(wire: &plan::Wire) -> Wire {
+pub(crate) fn how(wire: &asmotion_plan::Wire) -> Wire {
     Wire {
         timeout: Duration::from_millis(wire.timeout_ms),
         retries: u32::try_from(wire.retry.attempts).unwrap_or(u32::MAX),
@@ -325,7 +324,11 @@ pub(crate) fn how(wire: &plan::Wire) -> Wire {
 }
 
 /// Whether a service is called without a bus by a component of this part.
-pub(crate) fn stays_here(wire: &plan::Wire, service: &plan::End, part: &Part) -> bool {
+pub(crate) fn stays_here(
+    wire: &asmotion_plan::Wire,
+    service: &asmotion_plan::End,
+    part: &Part,
+) -> bool {
     let abroad = part.takes_the_bus_inside() || (wire.goes_abroad() && !part.is_alone());
     part.has(&service.component) && !abroad
 }
@@ -343,6 +346,6 @@ impl Component for Nothing {
 }
 
 /// Makes a component of this build.
-fn of_build(constructor: crate::Constructor) -> Make {
+fn of_build(constructor: asmotion_composite::Constructor) -> Make {
     Box::new(move |interface: &mut Interface| Ok(constructor(interface)))
 }

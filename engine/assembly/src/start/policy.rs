@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use asmotion_component::{BufferKind, Policy};
 
-use crate::{model, plan};
+use asmotion_composite::model;
 
-pub(crate) fn of(connection: &plan::Connection) -> Policy {
+pub(crate) fn of(connection: &asmotion_plan::Connection) -> Policy {
     let policy = &connection.policy;
     let size = usize::try_from(policy.size).unwrap_or(usize::MAX);
     Policy {

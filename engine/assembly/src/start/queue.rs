@@ -8,8 +8,7 @@ use asmotion_mqueue::{
 use asmotion_runtime::System;
 
 use super::StartError;
-use crate::model::ConnectionType;
-use crate::plan;
+use asmotion_composite::model::ConnectionType;
 
 /// As many messages as RTT gives a queue where nobody says.
 const MESSAGES: usize = 10;
@@ -17,9 +16,9 @@ const MESSAGES: usize = 10;
 /// An output writes to a queue.
 pub(super) fn to(
     system: &mut System,
-    from: &plan::End,
+    from: &asmotion_plan::End,
     queue: &str,
-    policy: &plan::Policy,
+    policy: &asmotion_plan::Policy,
 ) -> Result<(), StartError> {
     let layout = layout(system, from, Declaration::output)?;
     let number = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
@@ -39,8 +38,8 @@ pub(super) fn to(
 pub(super) fn from(
     system: &mut System,
     queue: &str,
-    to: &plan::End,
-    joint: &plan::Policy,
+    to: &asmotion_plan::End,
+    joint: &asmotion_plan::Policy,
     policy: &Policy,
 ) -> Result<(), StartError> {
     let layout = layout(system, to, Declaration::input)?;
@@ -55,7 +54,7 @@ pub(super) fn from(
 
 fn layout(
     system: &System,
-    end: &plan::End,
+    end: &asmotion_plan::End,
     port: impl for<'d> Fn(&'d Declaration, &str) -> Option<&'d PortDeclaration>,
 ) -> Result<QueueLayout, StartError> {
     let declared = system.id(&end.component);
@@ -65,7 +64,7 @@ fn layout(
     QueueLayout::of(&port.schema).map_err(|error| refused(end, error))
 }
 
-fn refused(end: &plan::End, reason: impl ToString) -> StartError {
+fn refused(end: &asmotion_plan::End, reason: impl ToString) -> StartError {
     StartError::Queue {
         port: end.to_string(),
         reason: reason.to_string(),

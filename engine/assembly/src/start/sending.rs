@@ -6,9 +6,9 @@ use asmotion_bus::{Assurance, Outage, PublishOptions};
 use asmotion_component::BufferKind;
 use asmotion_datum::Codec;
 
-use super::{Part, policy};
-use crate::model::{self, PlannedSending};
-use crate::plan::{Connection, End, Plan, Terminal};
+use super::policy;
+use asmotion_composite::model::{self, PlannedSending};
+use asmotion_plan::{Connection, End, Part, Plan, Terminal};
 
 /// How each topic that this part writes to is sent.
 pub(super) fn of_topics<'p>(

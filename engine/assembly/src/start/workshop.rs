@@ -5,8 +5,8 @@ use asmotion_component::{Component, Interface};
 use asmotion_diagnostics::Loader;
 
 use super::{coordinator, of_build};
-use crate::catalogue::Catalogue;
-use crate::plan::{self, Implementation, Plan};
+use asmotion_composite::Catalogue;
+use asmotion_plan::{Implementation, Plan};
 
 /// Makes a component: declares it on the interface, or says why that cannot be.
 pub type Make = Box<dyn FnOnce(&mut Interface) -> Result<Box<dyn Component>, String>>;
@@ -17,7 +17,7 @@ pub trait Workshop {
     ///
     /// # Errors
     /// Why it cannot be made here.
-    fn make(&mut self, component: &plan::Component, plan: &Plan) -> Result<Make, String>;
+    fn make(&mut self, component: &asmotion_plan::Component, plan: &Plan) -> Result<Make, String>;
 }
 
 /// The usual workshop: components of the build from the catalogue, specifications run by the
@@ -30,11 +30,11 @@ pub struct Standard<'a> {
     /// The seed of all choices; two coordinators choose differently all the same.
     pub seed: u64,
     /// Makes the built-ins that this crate does not know.
-    pub builtins: &'a mut dyn FnMut(&plan::Component, &Plan) -> Option<Make>,
+    pub builtins: &'a mut dyn FnMut(&asmotion_plan::Component, &Plan) -> Option<Make>,
 }
 
 impl Workshop for Standard<'_> {
-    fn make(&mut self, component: &plan::Component, plan: &Plan) -> Result<Make, String> {
+    fn make(&mut self, component: &asmotion_plan::Component, plan: &Plan) -> Result<Make, String> {
         match &component.implementation {
             Implementation::Rust(name) => {
                 let constructor = self.catalogue.constructor(name);

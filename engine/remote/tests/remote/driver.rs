@@ -1,12 +1,13 @@
 //! A driver of two joints, and a composite with it.
 
-use asmotion_assembly::declaration::OperationDeclaration;
-use asmotion_assembly::{Constructor, Context, EmptyEnvironment, NoSpecifications, Opened, Tables};
+use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided,
 };
+use asmotion_composite::{Constructor, Context, EmptyEnvironment, NoSpecifications, Tables};
 use asmotion_datum::{Message, Schema};
 use asmotion_lang::MemoryFiles;
+use asmotion_plan::Opened;
 
 asmotion_datum::message! {
     /// Positions of the joints.
@@ -112,7 +113,7 @@ pub fn open(settings: &[(String, String)]) -> Opened {
         specifications: &NoSpecifications,
         settings,
     };
-    let opened = asmotion_assembly::open("arm.composite.toml", &context);
+    let opened = asmotion_plan::open("arm.composite.toml", &context);
     assert!(
         !opened.report.has_errors(),
         "{:?}",

@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use asmotion_assembly::{Assembled, Part, Standard};
+use asmotion_assembly::{Assembled, Standard};
 use asmotion_bus::LocalBus;
 use asmotion_component::Span;
+use asmotion_plan::Part;
 use asmotion_remote::{LastSamples, ProcessContact, Remote};
 use asmotion_runtime::Run;
 

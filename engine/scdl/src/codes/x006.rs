@@ -1,4 +1,4 @@
-use asmotion_assembly::At;
+use asmotion_composite::At;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unknown name

@@ -1,8 +1,8 @@
 //! Exports a component and its wires.
 
-use asmotion_assembly::At;
-use asmotion_assembly::model::{self as here, Implementation as Made};
-use asmotion_assembly::tree::Branch;
+use asmotion_composite::At;
+use asmotion_composite::model::{self as here, Implementation as Made};
+use asmotion_composite::tree::Branch;
 use asmotion_diagnostics::Span;
 
 use super::{Exporter, contract, target, written};

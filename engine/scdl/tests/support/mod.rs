@@ -1,9 +1,10 @@
 //! Helpers shared by the tests.
 #![allow(dead_code, reason = "not every test uses all of it")]
 
-use asmotion_assembly::{Context, Opened, Tables};
+use asmotion_composite::{Context, Tables};
 use asmotion_diagnostics::{Report, Sources};
 use asmotion_lang::{MemoryFiles, Style};
+use asmotion_plan::Opened;
 use asmotion_scdl::Imported;
 
 /// Reads a file of `tests/scdl`.
@@ -34,5 +35,5 @@ pub fn open(files: &[(String, String)]) -> Opened {
         loader.add(name, text.as_str());
     }
     let first = files.first().map_or("", |(name, _)| name);
-    asmotion_assembly::open(first, &Context::files(&loader))
+    asmotion_plan::open(first, &Context::files(&loader))
 }

@@ -1,0 +1,77 @@
+//! Addresses that may have a password in them.
+
+use crate::value::REDACTED;
+
+/// An address with its secrets; shows itself without them.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Endpoint {
+    full: String,
+    shown: String,
+}
+
+impl Endpoint {
+    /// An address and how it is shown.
+    pub fn new(full: impl Into<String>, shown: impl Into<String>) -> Self {
+        let shown = mask(&shown.into());
+        Self {
+            full: full.into(),
+            shown,
+        }
+    }
+
+    /// The address with its secrets; not for logs.
+    pub fn reveal(&self) -> &str {
+        &self.full
+    }
+
+    /// The address without its secrets.
+    pub fn shown(&self) -> &str {
+        &self.shown
+    }
+}
+
+/// Blots out the password of `scheme://user:password@host`.
+pub(crate) fn mask(url: &str) -> String {
+    match password(url) {
+        Some(range) => format!("{}{REDACTED}{}", &url[..range.start], &url[range.end..]),
+        None => url.to_owned(),
+    }
+}
+
+/// Where the password of an address stands.
+pub fn password(url: &str) -> Option<std::ops::Range<usize>> {
+    let start = url.find("://")? + 3;
+    // up to the last `@`, since a password may be written with a `/` that should be escaped
+    let at = start + url[start..].rfind('@')?;
+    let colon = start + url[start..at].find(':')?;
+    Some(colon + 1..at)
+}
+
+impl std::fmt::Debug for Endpoint {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.shown)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Endpoint;
+
+    #[test]
+    fn it_never_shows_a_password() {
+        let endpoint = Endpoint::new(
+            "amqp://guest:geheim@host:5672/%2f",
+            "amqp://guest:geheim@host:5672/%2f",
+        );
+        assert_eq!(format!("{endpoint:?}"), "amqp://guest:***@host:5672/%2f");
+        assert_eq!(endpoint.reveal(), "amqp://guest:geheim@host:5672/%2f");
+    }
+
+    #[test]
+    fn it_shows_an_address_without_a_password_as_it_is() {
+        assert_eq!(
+            Endpoint::new("http://a:80/x", "http://a:80/x").shown(),
+            "http://a:80/x"
+        );
+    }
+}

@@ -1,0 +1,131 @@
+//! What an update of an out function does: calls and messages.
+
+use crate::codes::c091::WrongFunctionKind;
+use asmotion_datum::Schema;
+use asmotion_diagnostics::{Report, Span};
+
+use super::{Bound, argument, function};
+use crate::at::At;
+use crate::check::component::unknown;
+use crate::check::endpoints::{find, nearest_service};
+use crate::finding::Findings;
+use crate::model::binding::{Action, Bind, Call, Effect};
+use crate::nearest::nearest;
+use crate::signature::FunctionKind;
+
+/// The functions that tell the ASM how calls ended.
+pub(super) fn events(bind: &Bind) -> Vec<&str> {
+    calls(bind)
+        .filter_map(|call| call.event.as_ref())
+        .map(|event| event.value.as_str())
+        .collect()
+}
+
+/// All calls of a binding.
+pub(super) fn calls(bind: &Bind) -> impl Iterator<Item = &Call> {
+    let cases = bind.out.iter().flat_map(|out| match &out.effect {
+        Effect::Publish(_) => &[],
+        Effect::Literals(cases) => cases.as_slice(),
+    });
+    cases
+        .flat_map(|(_, actions)| actions)
+        .filter_map(|action| match action {
+            Action::Call(call) => Some(call.as_ref()),
+            Action::Publish { .. } => None,
+        })
+}
+
+pub(super) fn check(bound: &Bound<'_>, action: &Action, report: &mut Report) {
+    match action {
+        Action::Call(call) => self::call(bound, call, report),
+        Action::Publish { topic, value } => {
+            let kind = function::output(bound, topic, report).and_then(|port| port.kind.as_ref());
+            let schema = kind.and_then(|kind| bound.scene.types.schema(&kind.text));
+            argument::check(bound, topic, value, schema.as_ref(), report);
+        }
+    }
+}
+
+fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
+    let wanted = operation(bound, call, report);
+    if let Some(with) = &call.with {
+        argument::check(bound, &call.operation.name, with, wanted.as_ref(), report);
+    }
+    if let Some(service) = &call.reply {
+        let services = &bound.part.face.services;
+        if find(services, service).is_none() {
+            report.found(unknown(
+                "service",
+                service,
+                nearest_service(services, service),
+            ));
+        }
+    }
+    let Some(event) = &call.event else {
+        return;
+    };
+    let Some(signature) = bound.signature else {
+        return;
+    };
+    let Some(told) = function::function(signature, event, report) else {
+        return;
+    };
+    if !matches!(told.kind, FunctionKind::Monitored | FunctionKind::Shared) {
+        let at: Span = event.span;
+        report.found(WrongFunctionKind {
+            function: told,
+            reason: "a reply cannot change it",
+            help: "name a monitored function",
+            at,
+        });
+        return;
+    }
+    for literal in [&call.ok, &call.failed, &call.timeout, &call.unavailable]
+        .into_iter()
+        .flatten()
+    {
+        function::literal(&told, literal, report);
+    }
+}
+
+/// The argument of the operation, if the build knows it.
+fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<Schema> {
+    let references = &bound.part.face.references;
+    let name: &At<String> = &call.operation.component;
+    let Some(reference) = find(references, name) else {
+        report.found(unknown(
+            "reference",
+            name,
+            nearest_service(references, name),
+        ));
+        return None;
+    };
+    let operations = bound
+        .scene
+        .catalogue
+        .operations(&reference.interface.text)?;
+    let name = &call.operation.name;
+    let found = operations
+        .iter()
+        .find(|operation| operation.name == name.value);
+    if found.is_none() {
+        let known = operations
+            .iter()
+            .map(|operation| (operation.name.as_str(), None));
+        report.found(unknown("operation", name, nearest(name, known)));
+    }
+    found.map(|operation| operation.request.clone())
+}
+
+/// A reply that is kept under this name, and what it looks like, if the build knows it.
+pub(super) fn kept(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
+    let keeps = |call: &&Call| call.keep.as_ref().is_some_and(|keep| keep.value == name);
+    let call = calls(&bound.part.component.bind).find(keeps)?;
+    let reference = find(&bound.part.face.references, &call.operation.component);
+    let operations = reference.and_then(|it| bound.scene.catalogue.operations(&it.interface.text));
+    let operation = operations
+        .into_iter()
+        .flatten()
+        .find(|operation| operation.name == call.operation.name.value);
+    Some(operation.map(|operation| operation.response))
+}

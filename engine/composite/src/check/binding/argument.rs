@@ -1,0 +1,180 @@
+//! Messages and arguments that are put together.
+
+use crate::codes::c099::UnknownKept;
+use crate::codes::c100::WrongArgument;
+use crate::codes::c115::UnknownField;
+use asmotion_datum::{Schema, Shape};
+use asmotion_diagnostics::Report;
+
+use super::{Bound, action, function};
+use crate::at::At;
+use crate::finding::Findings;
+use crate::model::binding::{Argument, Source};
+use crate::tree::{Branch, Node};
+
+/// Checks that a message can be put together for `what`, whose type is `wanted`.
+pub(super) fn check(
+    bound: &Bound<'_>,
+    what: &At<String>,
+    argument: &Argument,
+    wanted: Option<&Schema>,
+    report: &mut Report,
+) {
+    match argument {
+        Argument::Kept { name, path } => kept(bound, what, (name, path), wanted, report),
+        Argument::Record(span, fields) => record(bound, what, (*span, fields), wanted, report),
+        Argument::Value(node) => {
+            if let Some(wanted) = wanted {
+                value(what, node, wanted, report);
+            }
+        }
+    }
+}
+
+fn kept(
+    bound: &Bound<'_>,
+    what: &At<String>,
+    (name, path): (&At<String>, &[At<String>]),
+    wanted: Option<&Schema>,
+    report: &mut Report,
+) {
+    let inputs = &bound.part.face.inputs;
+    let input = inputs.iter().find(|port| port.name.text == name.value);
+    let message = match input {
+        Some(port) => port
+            .kind
+            .as_ref()
+            .and_then(|kind| bound.scene.types.schema(&kind.text)),
+        None => match action::kept(bound, name).or_else(|| asked(bound, name)) {
+            Some(response) => response,
+            None => {
+                let kept = action::calls(&bound.part.component.bind);
+                let kept = kept
+                    .filter_map(|call| call.keep.as_ref())
+                    .map(|it| it.value.clone());
+                let known = inputs.iter().map(|port| port.name.text.clone()).chain(kept);
+                report.found(UnknownKept {
+                    name: name.value.clone(),
+                    at: name.span,
+                    known: known.collect(),
+                });
+                return;
+            }
+        },
+    };
+    let Some(message) = message else {
+        return;
+    };
+    match bound.scene.types.within(message, path) {
+        Err(error) => report.found(error),
+        Ok(Some(found)) => {
+            if let Some(wanted) = wanted
+                && wanted.compare(&found).is_err()
+            {
+                let at = path.iter().fold(name.span, |span, step| span.to(step.span));
+                let steps = path.iter().map(|step| format!(".{}", step.value));
+                let given = format!("`@{}{}`", name.value, steps.collect::<String>());
+                wrong(what, wanted, &given, format!("`{found}`"), at, report);
+            }
+        }
+        Ok(None) => {}
+    }
+}
+
+/// What a service is asked that a monitored function is bound to, and what it looks like, if the build knows it.
+fn asked(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
+    let mut monitored = bound.part.component.bind.monitored.iter();
+    let end = monitored.find_map(|monitored| match &monitored.from {
+        Source::Request(end) if end.component.value == name => Some(end),
+        Source::Request(_) | Source::Topic(_) => None,
+    })?;
+    Some(function::request(bound, end, &mut Report::new()))
+}
+
+fn record(
+    bound: &Bound<'_>,
+    what: &At<String>,
+    (span, fields): (asmotion_diagnostics::Span, &[(At<String>, Argument)]),
+    wanted: Option<&Schema>,
+    report: &mut Report,
+) {
+    let known = match wanted.map(|wanted| (wanted, &wanted.shape)) {
+        Some((_, Shape::Record(known))) => Some(known),
+        None | Some((_, Shape::Any)) => None,
+        Some((wanted, _)) => {
+            if !fields.is_empty() {
+                wrong(what, wanted, "this", "a table".to_owned(), span, report);
+            }
+            return;
+        }
+    };
+    for (name, argument) in fields {
+        let Some(known) = known else {
+            check(bound, name, argument, None, report);
+            continue;
+        };
+        match known.iter().find(|field| field.name == name.value.as_str()) {
+            Some(field) => check(bound, name, argument, Some(&field.schema), report),
+            None => report.found(UnknownField {
+                name: wanted.map(Schema::to_string).unwrap_or_default(),
+                field: name.value.clone(),
+                at: name.span,
+                known: known.iter().map(|field| field.name.to_string()).collect(),
+                declared: wanted.and_then(|wanted| bound.scene.types.declared(&wanted.name)),
+            }),
+        }
+    }
+}
+
+/// A value as written; a text with substitutions can become anything.
+fn value(what: &At<String>, node: &Node, wanted: &Schema, report: &mut Report) {
+    let fits = match (&wanted.shape, &node.value) {
+        (Shape::Any, _) => true,
+        (_, Branch::Text(text)) if text.contains("${") => true,
+        (Shape::Text, Branch::Text(_)) | (Shape::Bool, Branch::Boolean(_)) => true,
+        (Shape::F32 | Shape::F64, Branch::Integer(_) | Branch::Float(_)) => true,
+        (Shape::List(item) | Shape::Array(item, _), Branch::List(items)) => {
+            items
+                .iter()
+                .for_each(|node| value(what, node, item, report));
+            true
+        }
+        (
+            Shape::I8
+            | Shape::I16
+            | Shape::I32
+            | Shape::I64
+            | Shape::U8
+            | Shape::U16
+            | Shape::U32
+            | Shape::U64,
+            Branch::Integer(_),
+        ) => true,
+        (Shape::Option(inner), _) => {
+            value(what, node, inner, report);
+            true
+        }
+        _ => false,
+    };
+    if !fits {
+        let found = node.value.describe().to_owned();
+        wrong(what, wanted, "this", found, node.span, report);
+    }
+}
+
+fn wrong(
+    what: &At<String>,
+    wanted: &Schema,
+    given: &str,
+    found: String,
+    at: asmotion_diagnostics::Span,
+    report: &mut Report,
+) {
+    report.found(WrongArgument {
+        what: what.value.clone(),
+        wanted: wanted.to_string(),
+        given: given.to_owned(),
+        found,
+        at,
+    });
+}

@@ -1,0 +1,310 @@
+//! Components: what the composite says of each, against what its implementation declares.
+
+use crate::codes::c018::DuplicatePort;
+use crate::codes::c020::UnknownName;
+use crate::codes::c023::DuplicateId;
+use crate::codes::c024::UnknownImplementation;
+use crate::codes::c025::ImplementationNotInBuild;
+use crate::codes::c028::UnknownProperty;
+use crate::codes::c035::OwnMaster;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+
+use asmotion_diagnostics::{Report, Span};
+
+use super::declared::declared;
+use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt};
+use super::scene::{CheckedComponent, CheckedComposite};
+use crate::at::At;
+use crate::finding::Findings;
+use crate::model::{BuiltinComponent, Component, Implementation, Listed, Wanted};
+use crate::nearest::{Nearest, nearest_name};
+use asmotion_datum::Word;
+
+/// The components that take part, with what they show.
+pub(crate) fn parts<'s>(
+    scene: &CheckedComposite<'s>,
+    nested: &BTreeMap<String, Rc<Endpoints>>,
+    report: &mut Report,
+) -> Vec<CheckedComponent<'s>> {
+    let mut ids: BTreeMap<String, Span> = BTreeMap::new();
+    types(scene, report);
+    let mut parts = Vec::new();
+    for component in &scene.composite.components {
+        if !scene.active(&component.profiles) {
+            continue;
+        }
+        id(component, &mut ids, report);
+        names(scene, component, report);
+        let face = face(scene, component, nested, report);
+        parts.push(CheckedComponent { component, face });
+    }
+    parts
+}
+
+/// Types that nobody describes, each where it is named first.
+fn types(scene: &CheckedComposite<'_>, report: &mut Report) {
+    let components = scene.composite.components.iter();
+    let active = components.filter(|component| scene.active(&component.profiles));
+    let listed = active.flat_map(|it| {
+        let ports = &it.ports;
+        [&ports.inputs, &ports.outputs, &it.subscribe, &it.publish]
+    });
+    let mut seen = BTreeSet::new();
+    for Listed { kind, .. } in listed.flatten() {
+        if seen.insert(kind.value.as_str()) {
+            scene.types.known(kind, kind.span, report);
+        }
+    }
+}
+
+/// The id names the queue, the log and the metrics of a component.
+fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Report) {
+    let id = component.pace().and_then(|pace| pace.id.as_ref());
+    let id = id.unwrap_or(&component.name);
+    if let Some(first) = ids.insert(id.value.clone(), id.span) {
+        report.found(DuplicateId {
+            id: id.value.clone(),
+            at: id.span,
+            first,
+        });
+    }
+}
+
+/// The names of other things that a component refers to.
+fn names(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
+    let Some(pace) = component.pace() else {
+        return;
+    };
+    scene.broker(None, pace.broker.as_ref(), report);
+    if let Some(master) = &pace.master {
+        if scene.composite.component(master).is_none() {
+            scene.unknown_component(master, report);
+        } else if masters(scene, &component.name.value).any(|one| one == component.name.value) {
+            report.found(OwnMaster {
+                component: component.name.value.clone(),
+                at: master.span,
+            });
+        }
+    }
+}
+
+/// The master of a component, its master, and so on; in a circle, each of it once.
+pub(crate) fn masters<'s>(
+    scene: &CheckedComposite<'s>,
+    name: &'s str,
+) -> impl Iterator<Item = &'s str> {
+    let master = |name: &&str| {
+        let component = scene.composite.component(name)?;
+        let master = component.pace()?.master.as_ref()?;
+        Some(master.value.as_str())
+    };
+    let most = scene.composite.components.len();
+    std::iter::successors(master(&name), master).take(most)
+}
+
+fn face(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    nested: &BTreeMap<String, Rc<Endpoints>>,
+    report: &mut Report,
+) -> Endpoints {
+    let Some(implementation) = &component.implementation else {
+        return Endpoints {
+            blank: true,
+            ..listed(component, report)
+        };
+    };
+    match implementation {
+        Implementation::Composite(file) => match nested.get(&file.value) {
+            Some(face) => {
+                let face = Endpoints::clone(face);
+                properties(component, &face, implementation.span(), report);
+                face
+            }
+            None => Endpoints {
+                blank: true,
+                ..Endpoints::default()
+            },
+        },
+        Implementation::Rust(name) => {
+            let face = listed(component, report);
+            match scene.catalogue.declaration(name) {
+                Some(declaration) => {
+                    let face = declared(scene, face, name, &declaration, report);
+                    properties(component, &face, name.span, report);
+                    face
+                }
+                None => {
+                    absent(scene, name, report);
+                    face
+                }
+            }
+        }
+        Implementation::Builtin { name, .. } => {
+            builtin(scene, name, implementation.builtin(), report);
+            listed(component, report)
+        }
+        Implementation::Asm { .. }
+        | Implementation::Process { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => listed(component, report),
+    }
+}
+
+/// A name that the catalogue does not have: misspelt, or from another build.
+fn absent(scene: &CheckedComposite<'_>, name: &At<String>, report: &mut Report) {
+    let known = scene.catalogue.components();
+    let (what, at) = ("component", name.span);
+    match nearest_name(name, known.iter().map(String::as_str)) {
+        nearest @ Some(_) => report.found(UnknownImplementation {
+            what,
+            name: name.value.clone(),
+            at,
+            nearest,
+        }),
+        None => report.found(ImplementationNotInBuild {
+            what,
+            name: name.value.clone(),
+            at,
+        }),
+    }
+}
+
+fn builtin(
+    scene: &CheckedComposite<'_>,
+    name: &At<String>,
+    kind: Option<BuiltinComponent>,
+    report: &mut Report,
+) {
+    match kind {
+        Some(kind) if scene.catalogue.has(kind) => {}
+        Some(_) => report.found(ImplementationNotInBuild {
+            what: "built-in",
+            name: name.value.clone(),
+            at: name.span,
+        }),
+        None => report.found(UnknownImplementation {
+            what: "built-in",
+            name: name.value.clone(),
+            at: name.span,
+            nearest: nearest_name(name, BuiltinComponent::words()),
+        }),
+    }
+}
+
+/// What the composite lists of a component.
+fn listed(component: &Component, report: &mut Report) -> Endpoints {
+    let mut face = Endpoints::default();
+    let mut first: BTreeMap<(&str, &str), Span> = BTreeMap::new();
+    let lists = [
+        (PortDirection::In, &component.ports.inputs, false),
+        (PortDirection::In, &component.subscribe, true),
+        (PortDirection::Out, &component.ports.outputs, false),
+        (PortDirection::Out, &component.publish, true),
+    ];
+    for (way, list, on_topic) in lists {
+        for entry in list {
+            let key = (way.word(), entry.name.as_str());
+            if let Some(first) = first.insert(key, entry.name.span) {
+                report.found(DuplicatePort {
+                    way: way.word(),
+                    component: component.name.value.clone(),
+                    name: entry.name.value.clone(),
+                    at: entry.name.span,
+                    first,
+                });
+                let ports = match way {
+                    PortDirection::In => &mut face.inputs,
+                    PortDirection::Out => &mut face.outputs,
+                };
+                let known = ports
+                    .iter_mut()
+                    .find(|port| port.name.text == entry.name.value);
+                if let Some(port) = known.filter(|_| on_topic) {
+                    port.topic = Some(topic(component, &entry.name));
+                }
+                continue;
+            }
+            let port = EndpointPort {
+                name: NamedAt::new(&entry.name.value, Some(entry.name.span)),
+                kind: TypeAt::new(&entry.kind.value, Some(entry.kind.span)),
+                topic: on_topic.then(|| topic(component, &entry.name)),
+                listed: true,
+            };
+            match way {
+                PortDirection::In => face.inputs.push(port),
+                PortDirection::Out => face.outputs.push(port),
+            }
+        }
+    }
+    face.services = component.services.iter().map(provided).collect();
+    face.references = component.references.iter().map(wanted).collect();
+    face
+}
+
+/// The topic that a name of a component is on: the name itself, or what it is renamed to.
+pub fn topic(component: &Component, name: &str) -> String {
+    let rename = component
+        .rename
+        .iter()
+        .find(|rename| rename.from.value == name);
+    rename.map_or_else(|| name.to_owned(), |rename| rename.to.value.clone())
+}
+
+fn provided(listed: &Listed) -> EndpointService {
+    EndpointService {
+        name: NamedAt::new(&listed.name.value, Some(listed.name.span)),
+        interface: TypeAt {
+            text: listed.kind.value.clone(),
+            at: Some(listed.kind.span),
+        },
+        optional: false,
+    }
+}
+
+fn wanted(wanted: &Wanted) -> EndpointService {
+    EndpointService {
+        name: NamedAt::new(&wanted.name.value, Some(wanted.name.span)),
+        interface: TypeAt {
+            text: wanted.interface.value.clone(),
+            at: Some(wanted.interface.span),
+        },
+        optional: wanted.optional,
+    }
+}
+
+/// Properties that are set are there.
+fn properties(component: &Component, face: &Endpoints, made_of: Span, report: &mut Report) {
+    let Some(known) = &face.properties else {
+        return;
+    };
+    for setting in &component.properties {
+        if !known
+            .iter()
+            .any(|property| property.text == setting.name.value)
+        {
+            report.found(UnknownProperty::OfComponent {
+                component: component.name.value.clone(),
+                name: setting.name.value.clone(),
+                at: setting.name.span,
+                made_of,
+                known: known.clone(),
+            });
+        }
+    }
+}
+
+/// A thing that a built-in refers to.
+pub(crate) fn unknown(
+    what: &'static str,
+    name: &At<String>,
+    nearest: Option<Nearest>,
+) -> UnknownName {
+    UnknownName {
+        what,
+        name: name.value.clone(),
+        at: name.span,
+        nearest,
+    }
+}

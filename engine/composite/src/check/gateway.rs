@@ -1,0 +1,146 @@
+//! What is called over HTTP: services, each through one gateway.
+
+use crate::codes::c009::InvalidName;
+use crate::codes::c010::ExclusiveKeys;
+use crate::codes::c020::UnknownName;
+use crate::codes::c063::NoGateway;
+use crate::codes::c066::GatewayInTwoProcesses;
+use std::collections::BTreeMap;
+
+use asmotion_diagnostics::{Report, Span};
+
+use super::across::processes;
+use super::scene::CheckedComposite;
+use crate::at::At;
+use crate::finding::Findings;
+use crate::model::{Promoted, Promotion, Transport};
+use crate::nearest::nearest;
+
+pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
+    let mut gateways = Gateways {
+        scene,
+        processes: scene.composite.deploy.as_ref().map(processes),
+        homes: BTreeMap::new(),
+        report,
+    };
+    for promotion in &scene.composite.promotions {
+        if scene.active(&promotion.profiles) {
+            gateways.promotion(promotion);
+        }
+    }
+}
+
+struct Gateways<'s, 'r> {
+    scene: &'s CheckedComposite<'s>,
+    /// Which process each component is in, if the composite says.
+    processes: Option<BTreeMap<&'s str, &'s str>>,
+    /// Which process a gateway is in, and the promotion that put it there.
+    homes: BTreeMap<&'s str, (&'s str, Span)>,
+    report: &'r mut Report,
+}
+
+impl<'s> Gateways<'s, '_> {
+    fn promotion(&mut self, promotion: &'s Promotion) {
+        let kind = promotion.what.kind();
+        let Some(binding) = promotion.over(Transport::Http) else {
+            let reason = "only what goes over HTTP has it";
+            let gateway = promotion.gateway.as_ref().map(|it| ("gateway", it.span));
+            let timeout = promotion
+                .timeout_ms
+                .as_ref()
+                .map(|it| ("timeout_ms", it.span));
+            for (key, at) in [gateway, timeout].into_iter().flatten() {
+                self.excluded(kind, promotion, key, at, reason);
+            }
+            return;
+        };
+        let end = match &promotion.what {
+            Promoted::Service(end) => end,
+            // calls go out
+            Promoted::Reference(_) => return self.scene.transport(Some(binding), self.report),
+            Promoted::Property(_) | Promoted::Port(_) | Promoted::Topic(_) => {
+                let reason = "only a service is called over HTTP";
+                return self.excluded(kind, promotion, "binding", binding.span, reason);
+            }
+        };
+        self.name(&promotion.name);
+        let Some(gateway) = self.gateway(promotion, binding.span) else {
+            return;
+        };
+        let processes = self.processes.as_ref();
+        let process = processes.and_then(|it| it.get(end.component.value.as_str()).copied());
+        let Some(process) = process else {
+            return;
+        };
+        let (home, first) = *(self.homes)
+            .entry(gateway)
+            .or_insert((process, end.component.span));
+        if home != process {
+            self.report.found(GatewayInTwoProcesses {
+                gateway: gateway.to_owned(),
+                processes: (home.to_owned(), process.to_owned()),
+                at: end.component.span,
+                first,
+            });
+        }
+    }
+
+    /// The gateway that a promotion goes through.
+    fn gateway(&mut self, promotion: &'s Promotion, binding: Span) -> Option<&'s str> {
+        let gateways = &self.scene.composite.gateways;
+        let Some(name) = &promotion.gateway else {
+            if let [only] = gateways.as_slice() {
+                return Some(&only.name.value);
+            }
+            self.report.found(NoGateway {
+                several: !gateways.is_empty(),
+                at: binding,
+            });
+            return None;
+        };
+        let found = gateways.iter().find(|it| it.name.value == name.value);
+        if found.is_none() {
+            let known = gateways
+                .iter()
+                .map(|it| (it.name.value.as_str(), Some(it.name.span)));
+            self.report.found(UnknownName {
+                what: "gateway",
+                name: name.value.clone(),
+                at: name.span,
+                nearest: nearest(name, known),
+            });
+        }
+        found.map(|it| it.name.value.as_str())
+    }
+
+    /// The name is a part of the address that is called.
+    fn name(&mut self, name: &At<String>) {
+        let plain =
+            |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-' | '.');
+        if !name.chars().all(plain) {
+            self.report.found(InvalidName {
+                text: name.value.clone(),
+                what: "called over HTTP",
+                rule: "it stands in `/services/NAME`: letters of ASCII, digits, `_`, `-` and `.`",
+                at: name.span,
+            });
+        }
+    }
+
+    fn excluded(
+        &mut self,
+        kind: &str,
+        promotion: &Promotion,
+        key: &str,
+        at: Span,
+        reason: &'static str,
+    ) {
+        self.report.found(ExclusiveKeys {
+            first: kind.to_owned(),
+            first_at: promotion.name.span,
+            second: key.to_owned(),
+            at,
+            reason,
+        });
+    }
+}

@@ -1,0 +1,351 @@
+//! The port-proxy: its map from operations to ports of its target, and the events it tells.
+
+use crate::codes::c120::WrongPortDirection;
+use crate::codes::c121::PortOfOtherComponent;
+use crate::codes::c124::ShapeMismatch;
+use crate::codes::c125::InvalidCondition;
+use crate::codes::c126::NoIdleNotification;
+use crate::codes::c127::StaleWithoutPeriod;
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_datum::{Schema, Shape};
+use asmotion_diagnostics::{Report, Span};
+
+use super::builtin::missing;
+use super::component::unknown;
+use super::endpoints::{
+    EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt, find, nearest_service,
+};
+use super::scene::CheckedComposite;
+use crate::at::At;
+use crate::finding::Findings;
+use crate::map;
+use crate::model::{
+    Component, Condition, Delivery, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode, Terminal,
+};
+use crate::nearest::nearest;
+
+/// A port-proxy mirrors the ports of its target: what is an input there is an output here.
+pub(super) fn check(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    target: Option<&At<String>>,
+    listed: &Endpoints,
+    report: &mut Report,
+) -> Option<Endpoints> {
+    let Some(target) = target else {
+        let example = "\"youBotDriver\"";
+        missing(component, "target", example, "a port-proxy", report);
+        return None;
+    };
+    scene.part(target, report)?;
+    let mut face = listed.clone();
+    for entry in &component.map {
+        if let MapEntry::Proxy(entry) = entry {
+            mirror(scene, entry, target, &mut face, report);
+            motion(entry, component.notify.as_ref(), report);
+        }
+    }
+    if let Some(told) = &component.notify {
+        notify(scene, told, &face, report);
+        pace(scene, component, told, report);
+    }
+    Some(face)
+}
+
+fn mirror(
+    scene: &CheckedComposite<'_>,
+    entry: &ProxyEntry,
+    target: &At<String>,
+    face: &mut Endpoints,
+    report: &mut Report,
+) {
+    let service = &entry.operation.component;
+    let declared = match find(&face.services, service) {
+        Some(provided) => operation(scene, entry, &provided.interface.text, report),
+        None => {
+            let nearest = nearest_service(&face.services, service);
+            report.found(unknown("service", service, nearest));
+            None
+        }
+    };
+    if entry.port.component.value != target.value {
+        report.found(PortOfOtherComponent {
+            port: entry.port.to_string(),
+            target: target.value.clone(),
+            at: entry.port.span(),
+            target_at: target.span,
+        });
+        return;
+    }
+    let wanted = match entry.mode.value {
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => PortDirection::In,
+        ProxyMode::Last | ProxyMode::All => PortDirection::Out,
+    };
+    let Some((_, way, port)) = scene.port(&entry.port, wanted, report) else {
+        return;
+    };
+    if way != wanted {
+        report.found(WrongPortDirection {
+            mode: entry.mode.value,
+            wanted: wanted.word(),
+            found: way.word(),
+            port: entry.port.to_string(),
+            at: entry.port.name.span,
+            declared: port.name.at,
+        });
+        return;
+    }
+    if let Some(kind) = &port.kind {
+        shapes(scene, entry, kind, declared.as_ref(), report);
+    }
+    let mirror = match way {
+        PortDirection::In => PortDirection::Out,
+        PortDirection::Out => PortDirection::In,
+    };
+    if face
+        .port(&entry.port.name, mirror)
+        .is_some_and(|(found, _)| found == mirror)
+    {
+        return;
+    }
+    let mirrored = EndpointPort {
+        name: NamedAt::new(&entry.port.name.value, Some(entry.port.name.span)),
+        kind: port.kind.clone(),
+        topic: None,
+        listed: true,
+    };
+    match way {
+        PortDirection::In => face.outputs.push(mirrored),
+        PortDirection::Out => face.inputs.push(mirrored),
+    }
+}
+
+/// The operation, where the build knows the interface; it is reported if the interface has none of this name.
+fn operation(
+    scene: &CheckedComposite<'_>,
+    entry: &ProxyEntry,
+    interface: &str,
+    report: &mut Report,
+) -> Option<OperationDeclaration> {
+    let name = &entry.operation.name;
+    let operations = scene.catalogue.operations(interface)?;
+    let found = operations.iter().find(|known| known.name == name.value);
+    if found.is_none() {
+        let known = operations.iter().map(|known| (known.name.as_str(), None));
+        report.found(unknown("operation", name, nearest(name, known)));
+    }
+    found.cloned()
+}
+
+/// Argument and message, or message and result, are of shapes that become one another.
+fn shapes(
+    scene: &CheckedComposite<'_>,
+    entry: &ProxyEntry,
+    kind: &TypeAt,
+    operation: Option<&OperationDeclaration>,
+    report: &mut Report,
+) {
+    if let Some(field) = &entry.field
+        && let Err(error) = scene.types.field(&kind.text, field)
+    {
+        report.found(error);
+        return;
+    }
+    let (Some(operation), Some(message)) = (operation, scene.types.schema(&kind.text)) else {
+        return;
+    };
+    if map::conversion(entry, operation, &message).is_some() {
+        return;
+    }
+    let (what, argument) = match entry.mode.value {
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => ("the argument", true),
+        ProxyMode::Last | ProxyMode::All => ("the result", false),
+    };
+    let (mine, named) = match argument {
+        true => (&operation.request, &message),
+        false => (&operation.response, &message),
+    };
+    report.found(ShapeMismatch {
+        what,
+        operation: entry.operation.to_string(),
+        wanted: match (argument, &entry.field) {
+            (_, Some(field)) => format!("`{field}` of a `{named}`"),
+            (true, None) => format!("`{named}`"),
+            (false, None) => format!("part of a `{named}`"),
+        },
+        here: format!("`{}`", mine.shape),
+        there: format!("`{}`", named.shape),
+        at: entry.operation.span(),
+        declared: scene.types.declared(&kind.text).or(kind.at),
+    });
+}
+
+/// Who waits for the end of a motion needs somebody who knows it.
+fn motion(entry: &ProxyEntry, told: Option<&Notify>, report: &mut Report) {
+    if entry.mode.value != ProxyMode::Done {
+        return;
+    }
+    let idle = told.and_then(|told| told.idle.as_ref());
+    let port = &entry.port.name;
+    let of = idle.and_then(|idle| idle.of.steps.first());
+    if of.is_none_or(|of| of.value != port.value) {
+        report.found(NoIdleNotification {
+            port: port.value.clone(),
+            at: entry.mode.span,
+            idle: idle.map(|idle| idle.of.span),
+        });
+    }
+}
+
+/// Who is to notice that nothing comes must look at the clock.
+fn pace(scene: &CheckedComposite<'_>, component: &Component, told: &Notify, report: &mut Report) {
+    let Some(stale_ms) = &told.stale_ms else {
+        return;
+    };
+    let cycles = component.pace().and_then(|pace| pace.period_ms.as_ref());
+    let polls = scene.composite.connections.iter().any(|connection| {
+        let delivery = connection.policy.delivery.as_ref();
+        let into = |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component.name.value);
+        delivery.is_some_and(|delivery| delivery.value == Delivery::Poll)
+            && connection.to.iter().any(into)
+    });
+    if cycles.is_none() && !polls {
+        report.found(StaleWithoutPeriod {
+            component: component.name.value.clone(),
+            at: stale_ms.span,
+            declared: component.name.span,
+        });
+    }
+}
+
+/// The listener is there, and what it is told can be known.
+fn notify(scene: &CheckedComposite<'_>, told: &Notify, face: &Endpoints, report: &mut Report) {
+    match find(&face.references, &told.reference) {
+        None => {
+            let nearest = nearest_service(&face.references, &told.reference);
+            report.found(unknown("reference", &told.reference, nearest));
+        }
+        Some(reference) => listener(scene, told, reference, report),
+    }
+    for path in told.idle.iter().flat_map(|idle| [&idle.of, &idle.on]) {
+        if let Some((schema, at)) = field(scene, path, face, report)
+            && !is_number(&schema)
+        {
+            let reason = format!("`{path}` is no number and no run of numbers");
+            condition(reason, &schema, path.span, at, report);
+        }
+    }
+    for told in told.refresh.iter().chain(&told.fault) {
+        asked(scene, told, face, report);
+    }
+}
+
+/// The interface of the listener has an operation that takes an event.
+fn listener(
+    scene: &CheckedComposite<'_>,
+    told: &Notify,
+    reference: &EndpointService,
+    report: &mut Report,
+) {
+    let interface = &reference.interface;
+    let Some(operations) = scene.catalogue.operations(&interface.text) else {
+        return;
+    };
+    if map::listener(&operations).is_none() {
+        report.found(ShapeMismatch {
+            what: "no operation",
+            operation: interface.text.clone(),
+            wanted: "listener of events".to_owned(),
+            here: format!("`{}`", map::notice().shape),
+            there: "the interface".to_owned(),
+            at: told.reference.span,
+            declared: interface.at,
+        });
+    }
+}
+
+/// A condition can be read, and asked of the messages of its port.
+fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, report: &mut Report) {
+    let read = match told.text.parse::<asmotion_bridge::MessageCondition>() {
+        Ok(read) => read,
+        Err(error) => {
+            report.found(InvalidCondition {
+                reason: error.to_string(),
+                found: "not understood".to_owned(),
+                at: told.text.span,
+                declared: None,
+            });
+            return;
+        }
+    };
+    let Some(mut path) = told.path.clone() else {
+        return;
+    };
+    if read.path.is_empty() {
+        // `port.new` is no field: it says that a message came
+        path.steps.pop();
+    }
+    if let Some((schema, at)) = field(scene, &path, face, report)
+        && !read.suits(&schema)
+    {
+        let reason = format!("`{}` cannot be asked of `{path}`", told.text.value);
+        condition(reason, &schema, told.text.span, at, report);
+    }
+}
+
+fn condition(
+    reason: String,
+    schema: &Schema,
+    at: Span,
+    declared: Option<Span>,
+    report: &mut Report,
+) {
+    report.found(InvalidCondition {
+        reason,
+        found: format!("it is `{schema}`"),
+        at,
+        declared,
+    });
+}
+
+/// `port.field`: the port is one of the proxy, and its messages have the field: its shape, and where the message is
+/// described.
+fn field(
+    scene: &CheckedComposite<'_>,
+    path: &MessagePath,
+    face: &Endpoints,
+    report: &mut Report,
+) -> Option<(Schema, Option<Span>)> {
+    let (port, steps) = path.steps.split_first()?;
+    let Some((_, found)) = face.port(port, PortDirection::In) else {
+        report.found(unknown("port", port, face.nearest_port(port)));
+        return None;
+    };
+    let kind = found.kind.as_ref()?;
+    match scene.types.steps(&kind.text, steps) {
+        Ok(schema) => Some((schema?, scene.types.declared(&kind.text))),
+        Err(error) => {
+            report.found(error);
+            None
+        }
+    }
+}
+
+/// Numbers can be near each other.
+fn is_number(schema: &Schema) -> bool {
+    match &schema.shape {
+        Shape::Any
+        | Shape::I8
+        | Shape::I16
+        | Shape::I32
+        | Shape::I64
+        | Shape::U8
+        | Shape::U16
+        | Shape::U32
+        | Shape::U64
+        | Shape::F32
+        | Shape::F64 => true,
+        Shape::List(element) | Shape::Array(element, _) => is_number(element),
+        Shape::Bool | Shape::Text | Shape::Option(_) | Shape::Record(_) => false,
+    }
+}

@@ -1,0 +1,157 @@
+//! Wires: every reference has a service of its interface, once.
+
+use crate::codes::c030::WireMismatch;
+use crate::codes::c031::DanglingReference;
+use crate::codes::c032::{ReferenceWiredTwice, WIRED_TWICE};
+use crate::codes::c033::NoTimeout;
+use std::collections::{BTreeMap, BTreeSet};
+
+use asmotion_diagnostics::{Report, Span};
+
+use super::endpoints::{EndpointService, nearest_service};
+use super::fan_out;
+use super::scene::{CheckedComponent, CheckedComposite};
+use crate::finding::Findings;
+use crate::model::{End, Promoted, Wire};
+
+pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
+    let mut joined = Joined::default();
+    for wire in &scene.composite.wires {
+        if scene.active(&wire.profiles) {
+            self::wire(scene, wire, &mut joined, report);
+        }
+    }
+    for promotion in &scene.composite.promotions {
+        if let Promoted::Reference(end) = &promotion.what
+            && scene.active(&promotion.profiles)
+        {
+            let key = (end.component.value.clone(), end.name.value.clone());
+            joined.take(key, end.span(), false, report);
+        }
+    }
+    for part in &scene.parts {
+        for reference in &part.face.references {
+            dangling(part, reference, &joined, report);
+        }
+    }
+}
+
+/// The references that lead somewhere, the places that say where, and whether those are wires.
+#[derive(Default)]
+struct Joined {
+    places: BTreeMap<(String, String), (Span, bool)>,
+    /// Those that a misspelt wire means: it has its finding.
+    meant: BTreeSet<(String, String)>,
+}
+
+impl Joined {
+    fn take(&mut self, key: (String, String), at: Span, wire: bool, report: &mut Report) {
+        let reference = format!("{}.{}", key.0, key.1);
+        if let Some((first, first_wire)) = self.places.insert(key, (at, wire)) {
+            let how = match (first_wire, wire) {
+                (true, true) => WIRED_TWICE,
+                (false, false) => "promoted twice",
+                (true, false) | (false, true) => "wired and promoted",
+            };
+            report.found(ReferenceWiredTwice {
+                reference,
+                how,
+                at,
+                first,
+            });
+        }
+    }
+}
+
+fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report) {
+    let found = scene.reference(&wire.reference, report);
+    let reference = found.map(|(_, reference)| reference);
+    let mut answered = false;
+    for end in &wire.services {
+        let absent = scene.composite.component(&end.component).is_some()
+            && !scene
+                .parts
+                .iter()
+                .any(|part| part.component.name.value == end.component.value);
+        answered |= !absent;
+        let Some((_, service)) = scene.service(end, report) else {
+            continue;
+        };
+        let Some(reference) = reference else {
+            continue;
+        };
+        if reference.interface.text != service.interface.text {
+            report.found(WireMismatch {
+                reference: wire.reference.to_string(),
+                wanted: reference.interface.clone(),
+                service: end.to_string(),
+                found: service.interface.clone(),
+                at: end.span(),
+                reference_at: wire.reference.span(),
+            });
+        }
+    }
+    if !answered {
+        return;
+    }
+    let end = &wire.reference;
+    let key = (end.component.value.clone(), end.name.value.clone());
+    joined.take(key, end.span(), true, report);
+    if reference.is_none() {
+        joined.meant.extend(meant(scene, end));
+    }
+    scene.broker(wire.binding.as_ref(), wire.broker.as_ref(), report);
+    scene.transport(wire.binding.as_ref(), report);
+    if let Some((part, reference)) = found {
+        fan_out::check(scene, wire, part, reference, report);
+    }
+    if reference.is_some() && waits(wire) && wire.timeout_ms.is_none() {
+        let (reference, at) = (wire.reference.to_string(), wire.reference.span());
+        report.found(NoTimeout { reference, at });
+    }
+}
+
+/// The reference that a wire means whose own name is not known: the one that is called like it, or the only one.
+fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
+    let parts = &scene.parts;
+    let part = (parts.iter()).find(|part| part.component.name.value == end.component.value)?;
+    let references = &part.face.references;
+    let name = match (nearest_service(references, &end.name), &**references) {
+        (Some(nearest), _) => nearest.name,
+        (None, [only]) => only.name.text.clone(),
+        (None, _) => return None,
+    };
+    Some((end.component.value.clone(), name))
+}
+
+/// Whether the caller waits for a reply; nobody can wait for several.
+pub fn waits(wire: &Wire) -> bool {
+    let oneway = wire.oneway.as_ref().is_some_and(|oneway| oneway.value);
+    !oneway && wire.services.len() == 1
+}
+
+fn dangling(
+    part: &CheckedComponent<'_>,
+    reference: &EndpointService,
+    joined: &Joined,
+    report: &mut Report,
+) {
+    let component = part.component.name.value.clone();
+    let key = (component, reference.name.text.clone());
+    if reference.optional || joined.places.contains_key(&key) || joined.meant.contains(&key) {
+        return;
+    }
+    report.found(DanglingReference {
+        component: key.0,
+        reference: key.1,
+        interface: reference.interface.text.clone(),
+        at: own_place(part, reference.name.at),
+    });
+}
+
+/// The place of something of a component: where this composite names it, or the component itself.
+/// What a nested composite declares stands in its own file, which may be right.
+pub(crate) fn own_place(part: &CheckedComponent<'_>, at: Option<Span>) -> Span {
+    let name = part.component.name.span;
+    at.filter(|at| at.file == name.file).unwrap_or(name)
+}

@@ -1,0 +1,280 @@
+//! A composite with everything it names: nested composites, types, specifications.
+
+mod layers;
+
+use crate::codes::c002::UnreadableComposite;
+use crate::codes::c080::CircularInclusion;
+use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
+use std::collections::BTreeMap;
+
+use asmotion_diagnostics::{Report, Sources, Span};
+
+use crate::at::At;
+use crate::catalogue::Catalogue;
+use crate::context::Context;
+use crate::finding::Findings;
+use crate::model::{Composite, Implementation};
+use crate::read;
+use crate::signature::Signature;
+use crate::types::{TypeFile, Types};
+
+/// All files of a composite, by the path the loader gave them.
+pub struct Family {
+    /// The path of the outermost composite.
+    pub root: String,
+    members: BTreeMap<String, Member>,
+    types: BTreeMap<String, TypeFile>,
+    specifications: BTreeMap<String, Box<dyn Signature>>,
+}
+
+/// A composite file and where the names in it lead.
+pub struct Member {
+    /// The composite as it was written.
+    pub composite: Composite,
+    /// What each name of a file in it resolved to; absent where there is no such file, or where
+    /// the file would include itself.
+    paths: BTreeMap<String, String>,
+}
+
+impl Family {
+    /// Reads a composite and everything it names.
+    pub fn read(
+        path: &str,
+        context: &Context<'_>,
+        sources: &mut Sources,
+        report: &mut Report,
+    ) -> Self {
+        let root = context
+            .loader
+            .resolve("", path)
+            .unwrap_or_else(|| path.to_owned());
+        let mut visit = Visit {
+            context,
+            sources,
+            report,
+            members: BTreeMap::new(),
+            types: BTreeMap::new(),
+            specifications: BTreeMap::new(),
+            broken: Vec::new(),
+            chain: Vec::new(),
+        };
+        visit.composite(&root, None);
+        let Visit {
+            members,
+            types,
+            specifications,
+            ..
+        } = visit;
+        Self {
+            root,
+            members,
+            types,
+            specifications,
+        }
+    }
+
+    /// The composite at a path.
+    pub fn member(&self, path: &str) -> Option<&Member> {
+        self.members.get(path)
+    }
+
+    /// The files of composites, by path.
+    pub fn members(&self) -> impl Iterator<Item = (&str, &Member)> {
+        self.members
+            .iter()
+            .map(|(path, member)| (path.as_str(), member))
+    }
+
+    /// The composites in order of their paths.
+    pub(crate) fn composites(&self) -> impl Iterator<Item = &Composite> {
+        self.members.values().map(|member| &member.composite)
+    }
+
+    /// The nested composite that `file` names.
+    pub fn nested<'f>(&'f self, member: &'f Member, file: &str) -> Option<(&'f str, &'f Member)> {
+        let path = member.path(file)?;
+        Some((path, self.members.get(path)?))
+    }
+
+    /// The specification that `file` names.
+    pub(crate) fn specification(&self, member: &Member, file: &str) -> Option<&dyn Signature> {
+        self.specifications.get(member.path(file)?).map(Box::as_ref)
+    }
+
+    /// The message types that each composite can name, by the path of its file. Two composites may name one file
+    /// of types; a finding in it is reported once.
+    pub fn all_types<'f>(
+        &'f self,
+        catalogue: &'f dyn Catalogue,
+        report: &mut Report,
+    ) -> BTreeMap<&'f str, Types<'f>> {
+        let mut found = Report::new();
+        let types = self.members().map(|(path, member)| {
+            let files = self.types(member);
+            (path, Types::new(files, catalogue, &mut found))
+        });
+        let types = types.collect();
+        report.extend(found.finish());
+        types
+    }
+
+    /// The files of types that the composite names.
+    pub(crate) fn types<'f>(&'f self, member: &'f Member) -> impl Iterator<Item = &'f TypeFile> {
+        let files = member.composite.head.types.iter();
+        files.filter_map(|file| self.types.get(member.path(file)?))
+    }
+}
+
+impl Member {
+    /// What the name of a file in this composite resolved to.
+    pub fn path(&self, file: &str) -> Option<&str> {
+        self.paths.get(file).map(String::as_str)
+    }
+}
+
+struct Visit<'v, 'c> {
+    context: &'v Context<'c>,
+    sources: &'v mut Sources,
+    report: &'v mut Report,
+    members: BTreeMap<String, Member>,
+    types: BTreeMap<String, TypeFile>,
+    specifications: BTreeMap<String, Box<dyn Signature>>,
+    /// Files that were tried and are not to be tried again.
+    broken: Vec<String>,
+    /// The composites being read, outermost first, each with the place that includes the next one.
+    chain: Vec<(String, Option<Span>)>,
+}
+
+impl Visit<'_, '_> {
+    fn composite(&mut self, path: &str, at: Option<Span>) {
+        if self.members.contains_key(path) || self.broken.iter().any(|broken| broken == path) {
+            return;
+        }
+        let tree = self.tree(path, at);
+        let read = tree.zip(self.sources.find(path)).and_then(|(tree, file)| {
+            let (composite, report) = read::composite(file, self.sources.text(file), &tree);
+            self.report.extend(report);
+            composite
+        });
+        let Some(composite) = read else {
+            self.broken.push(path.to_owned());
+            return;
+        };
+        self.chain.push((path.to_owned(), None));
+        let mut paths = BTreeMap::new();
+        for file in &composite.head.types {
+            if let Some(found) = self.resolve(file) {
+                self.types(&found, file.span);
+                paths.insert(file.value.clone(), found);
+            }
+        }
+        for component in &composite.components {
+            match &component.implementation {
+                Some(Implementation::Asm { file, .. }) => {
+                    if let Some(found) = self.resolve(file) {
+                        self.specification(&found);
+                        paths.insert(file.value.clone(), found);
+                    }
+                }
+                Some(Implementation::Composite(file)) => {
+                    if let Some(found) = self.resolve(file)
+                        && self.nest(&found, file.span)
+                    {
+                        paths.insert(file.value.clone(), found);
+                    }
+                }
+                _ => {}
+            }
+        }
+        self.chain.pop();
+        self.members
+            .insert(path.to_owned(), Member { composite, paths });
+    }
+
+    /// Reads a nested composite, unless that would never end.
+    fn nest(&mut self, path: &str, at: Span) -> bool {
+        if let Some(innermost) = self.chain.last_mut() {
+            innermost.1 = Some(at);
+        }
+        if let Some(first) = self.chain.iter().position(|(open, _)| open == path) {
+            let circle = &self.chain[first..];
+            let mut chain: Vec<String> = circle.iter().map(|(path, _)| path.clone()).collect();
+            chain.push(path.to_owned());
+            let places = circle.iter().filter_map(|(_, place)| *place).collect();
+            self.report.found(CircularInclusion::Composite {
+                path: path.to_owned(),
+                chain,
+                places,
+            });
+            return false;
+        }
+        if self.chain.len() >= MAX_DEPTH {
+            self.report.found(CompositesTooDeep { at });
+            return false;
+        }
+        self.composite(path, Some(at));
+        true
+    }
+
+    fn types(&mut self, path: &str, at: Span) {
+        if self.types.contains_key(path) || self.broken.iter().any(|broken| broken == path) {
+            return;
+        }
+        let read = self.load(path, Some(at)).and_then(|(file, text)| {
+            let (types, report) = crate::types::read(file, path, &text);
+            self.report.extend(report);
+            types
+        });
+        match read {
+            Some(types) => {
+                self.types.insert(path.to_owned(), types);
+            }
+            None => self.broken.push(path.to_owned()),
+        }
+    }
+
+    fn specification(&mut self, path: &str) {
+        if self.specifications.contains_key(path) || self.broken.iter().any(|it| it == path) {
+            return;
+        }
+        match self.context.specifications.open(path, self.sources) {
+            Ok(Some(signature)) => {
+                self.specifications.insert(path.to_owned(), signature);
+            }
+            Ok(None) => self.broken.push(path.to_owned()),
+            Err(report) => {
+                self.report.extend(report);
+                self.broken.push(path.to_owned());
+            }
+        }
+    }
+
+    /// The file of a name, beside that in which the name stands.
+    fn resolve(&mut self, file: &At<String>) -> Option<String> {
+        let from = self.sources.path(file.span.file);
+        let found = self.context.loader.resolve(from, file);
+        if found.is_none() {
+            self.report.found(UnreadableComposite {
+                path: file.value.clone(),
+                reason: format!("there is no such file beside `{from}`"),
+                at: Some(file.span),
+            });
+        }
+        found
+    }
+
+    fn load(
+        &mut self,
+        path: &str,
+        at: Option<Span>,
+    ) -> Option<(asmotion_diagnostics::FileId, std::sync::Arc<str>)> {
+        match self.context.loader.read(path) {
+            Ok(text) => Some((self.sources.add(path, text.clone()), text)),
+            Err(error) => {
+                let (path, reason) = (error.path, error.reason);
+                self.report.found(UnreadableComposite { path, reason, at });
+                None
+            }
+        }
+    }
+}

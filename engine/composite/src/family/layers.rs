@@ -1,0 +1,96 @@
+//! What a composite file is laid over, and what its components load: several files become one tree, in which every
+//! key and value keeps the place it comes from.
+
+use crate::codes::c080::CircularInclusion;
+use asmotion_diagnostics::Span;
+
+use super::Visit;
+use crate::at::At;
+use crate::finding::Findings;
+use crate::read;
+use crate::tree::{Branch, Entry, Table};
+
+impl Visit<'_, '_> {
+    /// The tree of a composite file: laid over its base, if it has one, with the files that its components load.
+    pub(super) fn tree(&mut self, path: &str, at: Option<Span>) -> Option<Table> {
+        let mut table = self.laid_over(path, at, &mut Vec::new())?;
+        if let Some(Branch::Table(components)) = value_mut(&mut table, "components") {
+            for component in &mut components.entries {
+                if let Branch::Table(component) = &mut component.node.value {
+                    self.load_properties(component);
+                }
+            }
+        }
+        Some(table)
+    }
+
+    /// The tree of a file over that of its base. `above` are the files that lie over this one.
+    fn laid_over(
+        &mut self,
+        path: &str,
+        at: Option<Span>,
+        above: &mut Vec<String>,
+    ) -> Option<Table> {
+        let (file, text) = self.load(path, at)?;
+        let (table, report) = read::tree(file, path, &text);
+        self.report.extend(report);
+        let table = table?;
+        let Some(base) = text_at(&table, "base") else {
+            return Some(table);
+        };
+        above.push(path.to_owned());
+        let found = self.resolve(&base)?;
+        if above.contains(&found) {
+            let at = base.span;
+            self.report
+                .found(CircularInclusion::Layer { path: found, at });
+            return None;
+        }
+        let mut under = self.laid_over(&found, Some(base.span), above)?;
+        under.lay(table);
+        Some(under)
+    }
+
+    /// Adds to the properties of a component those of the file that it loads. What it says itself holds.
+    fn load_properties(&mut self, component: &mut Table) {
+        let Some(named) = text_at(component, "load") else {
+            return;
+        };
+        let Some(path) = self.resolve(&named) else {
+            return;
+        };
+        let Some((file, text)) = self.load(&path, Some(named.span)) else {
+            return;
+        };
+        let (loaded, report) = read::tree(file, &path, &text);
+        self.report.extend(report);
+        let own = match value_mut(component, "properties") {
+            Some(Branch::Table(own)) => std::mem::take(own),
+            // what else it may be is told by the reader
+            Some(_) => return,
+            None => Table::default(),
+        };
+        let mut properties = loaded.unwrap_or_default();
+        properties.lay(own);
+        component.set("properties", properties, named.span);
+    }
+}
+
+fn value_mut<'t>(table: &'t mut Table, key: &str) -> Option<&'t mut Branch> {
+    let entry = table.entries.iter_mut().find(|it| it.key.value == key)?;
+    Some(&mut entry.node.value)
+}
+
+/// A text that a key has; what else it may have is told by the reader.
+fn text_at(table: &Table, key: &str) -> Option<At<String>> {
+    let Entry { node, .. } = table.get(key)?;
+    match &node.value {
+        Branch::Text(text) => Some(At::new(text.clone(), node.span)),
+        Branch::Integer(_)
+        | Branch::Float(_)
+        | Branch::Boolean(_)
+        | Branch::Date(_)
+        | Branch::List(_)
+        | Branch::Table(_) => None,
+    }
+}

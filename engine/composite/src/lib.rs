@@ -1,0 +1,40 @@
+//! Composite files: text → model → check. A composite is read with everything it names, every value with its place, and
+//! checked in every profile; nothing here plans or starts anything.
+
+pub mod address;
+pub mod admissible;
+pub mod at;
+pub mod catalogue;
+pub mod check;
+mod codes;
+mod context;
+pub mod end;
+mod environment;
+pub mod family;
+pub mod finding;
+pub mod map;
+pub mod model;
+mod named;
+mod nearest;
+pub mod property_file;
+mod range;
+pub mod read;
+pub mod schema;
+pub mod scope;
+pub mod signature;
+mod specification;
+pub mod table;
+pub mod tree;
+pub mod types;
+pub mod value;
+mod wording;
+
+pub use at::At;
+pub use catalogue::{Catalogue, Constructor, Tables};
+pub use codes::CODES;
+pub use context::Context;
+pub use environment::{EmptyEnvironment, VariableSource};
+pub use signature::{NoSpecifications, Signature, Specifications};
+pub use specification::AsmFiles;
+pub use types::open_types;
+pub use value::{REDACTED, SettingValue};

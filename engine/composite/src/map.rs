@@ -1,0 +1,60 @@
+//! The map of a port-proxy: how arguments become messages, messages results, and events arguments. The checker asks
+//! whether they do, the plan how.
+
+use asmotion_bridge::{Conversion, Use, inside};
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
+
+use crate::model::{ProxyEntry, ProxyMode};
+
+/// How an operation and the messages of its port become one another, if they do.
+pub fn conversion(
+    entry: &ProxyEntry,
+    operation: &OperationDeclaration,
+    message: &Schema,
+) -> Option<Conversion> {
+    let path = entry.field.as_ref().map(ToString::to_string);
+    let path = path.as_deref();
+    let part = inside(message, path.unwrap_or_default())?;
+    match entry.mode.value {
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => {
+            let argument = Conversion::between(&operation.request, &part, Use::All)?;
+            Some(Conversion::at(path, argument, Use::All))
+        }
+        ProxyMode::Last => {
+            let result = Conversion::between(&part, &operation.response, Use::Fill)?;
+            Some(Conversion::at(path, result, Use::Fill))
+        }
+        ProxyMode::All => {
+            let parts = Schema::many(part, None);
+            let result = Conversion::between(&parts, &operation.response, Use::Fill)?;
+            let part = Conversion::at(path, Conversion::Same, Use::Fill);
+            Some(part.each().then(result))
+        }
+    }
+}
+
+/// The operation that takes an event, and how.
+pub fn listener(operations: &[OperationDeclaration]) -> Option<(String, Conversion)> {
+    let takes = |operation: &OperationDeclaration| {
+        let event = Schema::plain(Shape::Text);
+        let whole = Conversion::between(&notice(), &operation.request, Use::Fill);
+        let conversion = whole.or_else(|| {
+            let event = Conversion::between(&event, &operation.request, Use::Fill)?;
+            Some(Conversion::OutOf("event".to_owned(), Box::new(event)))
+        })?;
+        Some((operation.name.clone(), conversion))
+    };
+    operations.iter().find_map(takes)
+}
+
+/// What a port-proxy tells.
+pub(crate) fn notice() -> Schema {
+    let text = |name: &'static str| OutlineKey {
+        name: name.into(),
+        doc: "".into(),
+        schema: Schema::plain(Shape::Text),
+        initial: Datum::Null,
+    };
+    Schema::record("", vec![text("event"), text("detail")])
+}

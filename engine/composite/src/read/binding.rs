@@ -1,0 +1,146 @@
+//! `bind.monitored` and `bind.out`: what is no plain table in them.
+
+use asmotion_coordinator::Receive;
+use serde_json::{Value as Json, json};
+
+use super::keys::{Keys, Reader};
+use super::{name, setting};
+use crate::at::At;
+use crate::model::binding::{Action, Argument, Call, Effect, Monitored, Out, Published};
+use crate::table::{Key, Many, Table as _, Value};
+use crate::tree::{Branch, Node, Table};
+
+/// Keys of a monitored function that belong together, or do not.
+pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) {
+    keys.either("field", "map", "one field is the value");
+    if monitored.on_stale.is_some() {
+        keys.need("stale_ms", "300");
+    }
+    // `edge = true` is a way to receive
+    let Some(edge) = monitored.edge.as_ref().filter(|edge| edge.value) else {
+        return;
+    };
+    if let Some(receive) = &monitored.receive
+        && receive.value != Receive::Edge
+    {
+        let (first, second) = (("receive", receive.span), ("edge", edge.span));
+        let reason = "an edge is true in the step in which a message came";
+        keys.excluded(first, second, reason);
+    }
+    monitored.receive = Some(At::new(Receive::Edge, edge.span));
+}
+
+/// A call that tells how it ended tells it to somebody.
+pub(crate) fn call(call: &mut Call, keys: &mut Keys<'_, '_, '_>) {
+    let told = [&call.ok, &call.failed, &call.timeout, &call.unavailable];
+    if told.iter().any(|literal| literal.is_some()) {
+        keys.need("event", "\"ev\"");
+    }
+}
+
+/// `{ topic, publish }` or a table of literals.
+impl Value for Out {
+    const MANY: Many = Many::Names;
+
+    fn schema(_: &Key) -> Json {
+        let action = Action::outline().schema();
+        let actions = json!({ "anyOf": [action, { "type": "array", "items": action }] });
+        let literals = json!({ "type": "object", "additionalProperties": actions });
+        json!({ "anyOf": [literals, Published::outline().schema()] })
+    }
+
+    fn table(_: &Key) -> Option<crate::table::Outline> {
+        let mut outline = Published::outline();
+        outline.append(Action::outline());
+        outline.one_of.insert(0, "topic");
+        Some(outline)
+    }
+
+    fn read(
+        reader: &mut Reader<'_>,
+        function: &At<String>,
+        spec: &Key,
+        node: &Node,
+    ) -> Option<Self> {
+        let Branch::Table(table) = &node.value else {
+            let example = "{ topic = \"command\", publish = \"on_update\" }";
+            reader.wrong_type(function, "a table", node, example);
+            return None;
+        };
+        let effect = match is_publish(table) {
+            true => Effect::Publish(Published::read(reader, function, spec, node)?),
+            false => {
+                let entries = table.entries.iter();
+                let literals = entries.map(|it| (it.key.clone(), actions(reader, it, spec)));
+                Effect::Literals(literals.collect())
+            }
+        };
+        let function = function.clone();
+        Some(Self { function, effect })
+    }
+}
+
+fn actions(reader: &mut Reader<'_>, entry: &crate::tree::Entry, spec: &Key) -> Vec<Action> {
+    let items = match &entry.node.value {
+        Branch::List(items) => items.as_slice(),
+        _ => std::slice::from_ref(&entry.node),
+    };
+    let read = items.iter();
+    read.filter_map(|item| Action::read(reader, &entry.key, spec, item))
+        .collect()
+}
+
+/// Literals have tables as values; the keys of the short form have texts.
+fn is_publish(table: &Table) -> bool {
+    let entry = table.get("topic").or(table.get("publish"));
+    entry.is_some_and(|entry| match entry.node.value {
+        Branch::Text(_) | Branch::Integer(_) | Branch::Float(_) | Branch::Boolean(_) => true,
+        Branch::Date(_) | Branch::List(_) | Branch::Table(_) => false,
+    })
+}
+
+/// `"@name.field"`, a record of arguments, or a plain value.
+impl Value for Argument {
+    fn schema(_: &Key) -> Json {
+        json!({})
+    }
+
+    #[expect(
+        clippy::only_used_in_recursion,
+        reason = "of the trait; arguments need no more than their node"
+    )]
+    fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
+        Some(match &node.value {
+            Branch::Text(text) if text.starts_with("@@") => {
+                let plain = Branch::Text(text[1..].to_owned());
+                Self::Value(Node {
+                    span: node.span,
+                    value: plain,
+                })
+            }
+            Branch::Text(text) if text.starts_with('@') => {
+                let whole = At::new(text.clone(), node.span);
+                let name = At::new(text[1..].to_owned(), reader.part(&whole, 1..text.len()));
+                match name::path(reader, &name) {
+                    Some(mut path) => {
+                        let name = path.steps.remove(0);
+                        let path = path.steps;
+                        Self::Kept { name, path }
+                    }
+                    None => Self::Value(node.clone()),
+                }
+            }
+            Branch::Table(table) => {
+                let fields = table.entries.iter().filter_map(|entry| {
+                    let value = Self::read(reader, &entry.key, spec, &entry.node)?;
+                    Some((entry.key.clone(), value))
+                });
+                Self::Record(node.span, fields.collect())
+            }
+            _ => {
+                setting::templates(reader, key, node);
+                Self::Value(node.clone())
+            }
+        })
+    }
+}

@@ -1,0 +1,116 @@
+//! `[components.<name>]`: keys that exclude each other, and lists of names.
+
+use serde_json::{Value as Json, json};
+
+use super::keys::{Keys, Reader};
+use super::{name, setting};
+use crate::at::At;
+use crate::model::{
+    BuiltinComponent, Component, Implementation, Listed, MapEntry, Rename, Setting,
+};
+use crate::table::{Key, Many, Value};
+use crate::tree::Node;
+
+/// `scan = "sensor_msgs/LaserScan"`: names with types or interfaces.
+impl Value for Listed {
+    const MANY: Many = Many::Names;
+
+    fn schema(_: &Key) -> Json {
+        json!({ "type": "string" })
+    }
+
+    fn read(reader: &mut Reader<'_>, key: &At<String>, _: &Key, node: &Node) -> Option<Self> {
+        let name = name::thing(reader, key);
+        let kind = reader.text(key, node, "\"sensor_msgs/LaserScan\"")?;
+        Some(Self { name: name?, kind })
+    }
+}
+
+/// `trajectory = "plan"`.
+impl Value for Rename {
+    const MANY: Many = Many::Names;
+
+    fn schema(_: &Key) -> Json {
+        json!({ "type": "string" })
+    }
+
+    fn read(reader: &mut Reader<'_>, key: &At<String>, _: &Key, node: &Node) -> Option<Self> {
+        let to = reader.text(key, node, "\"plan\"")?;
+        let (from, to) = (key.clone(), name::topic(reader, &to)?);
+        Some(Self { from, to })
+    }
+}
+
+/// A property, being set.
+impl Value for Setting {
+    const MANY: Many = Many::Names;
+
+    fn schema(_: &Key) -> Json {
+        json!({})
+    }
+
+    fn read(reader: &mut Reader<'_>, key: &At<String>, _: &Key, node: &Node) -> Option<Self> {
+        setting::templates(reader, key, node);
+        let (name, value) = (key.clone(), node.clone());
+        Some(Self { name, value })
+    }
+}
+
+/// Keys that belong to one kind of component only stand nowhere else.
+pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
+    let one = "a component cycles by one table: `task` (over a broker) or `activity`";
+    keys.either("task", "activity", one);
+    let Some(made_of) = &component.implementation else {
+        return;
+    };
+    let asm = matches!(made_of, Implementation::Asm { .. });
+    let nested = matches!(made_of, Implementation::Composite(_));
+    let builtin = made_of.builtin();
+    let (ros, proxy) = (
+        builtin == Some(BuiltinComponent::RosBridge),
+        builtin == Some(BuiltinComponent::PortProxy),
+    );
+    let rules: [(&'static str, bool, &'static str); 12] = [
+        ("bind", asm, "only functions of an ASM are bound"),
+        ("verify", asm, "only an ASM can be verified"),
+        (
+            "map",
+            ros || proxy,
+            "only the built-ins `ros-bridge` and `port-proxy` have a map",
+        ),
+        ("notify", proxy, "only the built-in `port-proxy` notifies"),
+        (
+            "plots",
+            builtin == Some(BuiltinComponent::WebMonitor),
+            "only the built-in `web-monitor` plots",
+        ),
+        ("task", !nested, NESTED),
+        ("activity", !nested, NESTED),
+        ("lifecycle", !nested, NESTED),
+        ("ports", !nested, NESTED),
+        ("services", !nested, NESTED),
+        ("references", !nested, NESTED),
+        ("operations", !nested, NESTED),
+    ];
+    let first = ("implementation", made_of.span());
+    for (key, allowed, reason) in rules {
+        if let Some(at) = keys.place(key).filter(|_| !allowed) {
+            keys.excluded(first, (key, at), reason);
+        }
+    }
+    for entry in &component.map {
+        let (at, reason) = match entry {
+            MapEntry::Proxy(entry) if ros => {
+                (entry.span, "a ros-bridge maps topics: `from`, `ros`")
+            }
+            MapEntry::Ros(entry) if proxy => (
+                entry.span,
+                "a port-proxy maps operations: `operation`, `port`",
+            ),
+            MapEntry::Proxy(_) | MapEntry::Ros(_) => continue,
+        };
+        keys.excluded(first, ("map", at), reason);
+    }
+}
+
+const NESTED: &str = "a nested composite says this in its own file, and promotes it";

@@ -1,0 +1,333 @@
+//! Reads a table key by key, and says everything that is wrong with it.
+//!
+//! The keys that are asked for are the keys that exist: whatever is left over when [`Keys`] goes is an unknown key.
+
+use std::collections::BTreeSet;
+
+use asmotion_datum::Word;
+use asmotion_diagnostics::{Report, Span};
+
+use super::template;
+use crate::at::At;
+use crate::codes::c003::UnknownKey;
+use crate::codes::c004::MissingKey;
+use crate::codes::c005::WrongKeyType;
+use crate::codes::c006::UnknownOption;
+use crate::codes::c007::KeyOutOfRange;
+use crate::codes::c010::ExclusiveKeys;
+use crate::codes::c011::SubstitutionNotAllowed;
+use crate::codes::c012::InvalidSubstitution;
+use crate::finding::Findings;
+use crate::model::Template;
+use crate::nearest::{Nearest, nearest_name};
+use crate::table::{Key, Many, Outline, Value};
+use crate::tree::{Branch, Entry, Node, Table};
+
+/// The text being read and what was found in it.
+pub(crate) struct Reader<'t> {
+    text: &'t str,
+    pub report: Report,
+}
+
+impl<'t> Reader<'t> {
+    pub(crate) fn new(text: &'t str) -> Self {
+        let report = Report::new();
+        Self { text, report }
+    }
+
+    /// Opens a table.
+    pub(crate) fn keys<'r, 'n>(
+        &'r mut self,
+        table: &'n Table,
+        of: &'static str,
+        span: Span,
+    ) -> Keys<'r, 't, 'n> {
+        Keys {
+            reader: self,
+            table,
+            span,
+            of,
+            within: "",
+            known: BTreeSet::new(),
+        }
+    }
+
+    /// Opens a value that must be a table.
+    pub(crate) fn keys_of<'r, 'n>(
+        &'r mut self,
+        node: &'n Node,
+        key: &str,
+        of: &'static str,
+        example: &str,
+    ) -> Option<Keys<'r, 't, 'n>> {
+        match &node.value {
+            Branch::Table(table) => Some(self.keys(table, of, node.span)),
+            _ => {
+                self.wrong_type(key, "a table", node, example);
+                None
+            }
+        }
+    }
+
+    /// A text without substitution.
+    pub(crate) fn text(&mut self, key: &str, node: &Node, example: &str) -> Option<At<String>> {
+        let Branch::Text(text) = &node.value else {
+            self.wrong_type(key, "a text", node, example);
+            return None;
+        };
+        if text.contains("${") {
+            self.report.found(SubstitutionNotAllowed {
+                key: key.to_owned(),
+                at: node.span,
+            });
+            return None;
+        }
+        Some(At::new(text.clone(), node.span))
+    }
+
+    /// A text with substitutions.
+    pub(crate) fn template(&mut self, key: &str, node: &Node, example: &str) -> Option<Template> {
+        let Branch::Text(text) = &node.value else {
+            self.wrong_type(key, "a text", node, example);
+            return None;
+        };
+        match template::parse(text, node.span, self.exact(text, node.span)) {
+            Ok(template) => Some(template),
+            Err((reason, at)) => {
+                self.report.found(InvalidSubstitution { reason, at });
+                None
+            }
+        }
+    }
+
+    /// A number, if it lies within the range of its key.
+    pub(crate) fn within(
+        &mut self,
+        key: &str,
+        spec: &Key,
+        number: f64,
+        node: &Node,
+    ) -> Option<f64> {
+        if (spec.least..=spec.greatest).contains(&number) {
+            return Some(number);
+        }
+        self.report.found(KeyOutOfRange {
+            key: key.to_owned(),
+            value: number.to_string(),
+            least: spec.least.to_string(),
+            greatest: spec.greatest.to_string(),
+            at: node.span,
+        });
+        None
+    }
+
+    /// A word out of a list.
+    pub(crate) fn word<T: Word>(&mut self, key: &str, spec: &Key, node: &Node) -> Option<T> {
+        let known = T::words();
+        let first = known.first().map(|word| format!("\"{word}\""));
+        let example = match spec.example {
+            "" => first.unwrap_or_default(),
+            example => example.to_owned(),
+        };
+        let word = self.text(key, node, &example)?;
+        let found = T::of_word(&word);
+        if found.is_none() {
+            let nearest = nearest_name(&word, known.iter().copied());
+            self.unknown_word(key, &word, known, nearest);
+        }
+        found
+    }
+
+    pub(crate) fn unknown_word(
+        &mut self,
+        key: &str,
+        word: &At<String>,
+        known: Vec<&'static str>,
+        nearest: Option<Nearest>,
+    ) {
+        self.report.found(UnknownOption {
+            key: key.to_owned(),
+            word: word.value.clone(),
+            at: word.span,
+            known,
+            nearest,
+        });
+    }
+
+    /// Whether every character of the text stands in the file as it is, without escapes, so that
+    /// a part of it can be pointed at.
+    pub(crate) fn exact(&self, text: &str, span: Span) -> bool {
+        self.text.get(span.range()) == Some(text)
+    }
+
+    /// The place of a part of a text; all of it where escapes hide the part.
+    pub(crate) fn part(&self, text: &At<String>, range: std::ops::Range<usize>) -> Span {
+        if !self.exact(text, text.span) {
+            return text.span;
+        }
+        let start = text.span.start as usize;
+        Span::new(text.span.file, start + range.start, start + range.end)
+    }
+
+    pub(crate) fn wrong_type(
+        &mut self,
+        key: &str,
+        expected: &'static str,
+        found: &Node,
+        example: &str,
+    ) {
+        self.report.found(WrongKeyType {
+            key: key.to_owned(),
+            expected,
+            found: found.value.describe(),
+            at: found.span,
+            example: example.to_owned(),
+        });
+    }
+}
+
+/// A table being read.
+pub(crate) struct Keys<'r, 't, 'n> {
+    pub reader: &'r mut Reader<'t>,
+    table: &'n Table,
+    /// Where a missing key should stand.
+    pub span: Span,
+    of: &'static str,
+    /// The key that has the table as its value.
+    pub within: &'static str,
+    /// What was asked for so far.
+    known: BTreeSet<&'static str>,
+}
+
+impl<'n> Keys<'_, '_, 'n> {
+    fn find(&mut self, key: &'static str) -> Option<&'n Entry> {
+        self.known.insert(key);
+        self.table.get(key)
+    }
+
+    /// These keys are none that are unknown, whether they are read or not.
+    pub(crate) fn know(&mut self, outline: &Outline) {
+        self.known
+            .extend(outline.keys.iter().map(|(key, _)| key.name));
+    }
+
+    /// The place of a key, if it is there.
+    pub(crate) fn place(&mut self, key: &'static str) -> Option<Span> {
+        self.find(key).map(|entry| entry.key.span)
+    }
+
+    /// The value of a key that may be left out, unless it is needed.
+    pub(crate) fn optional<V: Value>(&mut self, key: &'static Key) -> Option<V> {
+        if key.needed {
+            self.need(key.name, key.example);
+        }
+        let Entry { key: name, node } = self.find(key.name)?;
+        V::read(self.reader, name, key, node)
+    }
+
+    /// The values of a key that has several.
+    pub(crate) fn many<V: Value>(&mut self, key: &'static Key) -> Vec<V> {
+        if key.needed {
+            self.need(key.name, key.example);
+        }
+        let Some(Entry { key: name, node }) = self.find(key.name) else {
+            return Vec::new();
+        };
+        let reader = &mut *self.reader;
+        let expected = match (V::MANY, &node.value) {
+            (Many::OneOrList | Many::List(_) | Many::Tables, Branch::List(items)) => {
+                let items = items.iter();
+                let read = items.filter_map(|item| V::read(reader, name, key, item));
+                return read.collect();
+            }
+            (Many::Names, Branch::Table(table)) => {
+                let entries = table.entries.iter();
+                let read = entries.filter_map(|it| V::read(reader, &it.key, key, &it.node));
+                return read.collect();
+            }
+            (Many::OneOrList, _) => {
+                return V::read(reader, name, key, node).into_iter().collect();
+            }
+            (Many::List(expected), _) => expected,
+            (Many::Tables, _) => "a list of tables",
+            (Many::Names, _) => "a table of names",
+        };
+        reader.wrong_type(name, expected, node, key.example);
+        Vec::new()
+    }
+
+    /// Which of these keys is there; that there are several is said, and that there is none.
+    pub(crate) fn one_of(&mut self, keys: &[&'static Key], reason: &'static str) -> Option<usize> {
+        let mut found = Vec::new();
+        for (index, key) in keys.iter().enumerate() {
+            found.extend(self.place(key.name).map(|at| (index, key.name, at)));
+        }
+        let mut found = found.into_iter();
+        let Some((index, first, first_at)) = found.next() else {
+            if let Some(key) = keys.first() {
+                self.need(key.name, key.example);
+            }
+            return None;
+        };
+        for (_, second, at) in found {
+            self.excluded((first, first_at), (second, at), reason);
+        }
+        Some(index)
+    }
+
+    /// Says that two keys cannot stand together, if both are there.
+    pub(crate) fn either(
+        &mut self,
+        first: &'static str,
+        second: &'static str,
+        reason: &'static str,
+    ) {
+        if let (Some(first_at), Some(at)) = (self.place(first), self.place(second)) {
+            self.excluded((first, first_at), (second, at), reason);
+        }
+    }
+
+    pub(crate) fn excluded(
+        &mut self,
+        (first, first_at): (&str, Span),
+        (second, at): (&str, Span),
+        reason: &'static str,
+    ) {
+        self.reader.report.found(ExclusiveKeys {
+            first: first.to_owned(),
+            first_at,
+            second: second.to_owned(),
+            at,
+            reason,
+        });
+    }
+
+    /// Says that the key is missing, if it is.
+    pub(crate) fn need(&mut self, key: &'static str, example: &str) {
+        if self.find(key).is_none() {
+            self.reader.report.found(MissingKey {
+                key,
+                of: self.of,
+                at: self.span,
+                example: example.to_owned(),
+            });
+        }
+    }
+}
+
+impl Drop for Keys<'_, '_, '_> {
+    fn drop(&mut self) {
+        for entry in &self.table.entries {
+            let key = entry.key.value.as_str();
+            if !self.known.contains(key) {
+                self.reader.report.found(UnknownKey {
+                    key: key.to_owned(),
+                    of: self.of,
+                    at: entry.key.span,
+                    nearest: nearest_name(key, self.known.iter().copied()),
+                    known: self.known.iter().copied().collect(),
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Names, ends (`Component.port`), terminals (`topic:plan`) and paths into messages.
+
+use super::keys::Reader;
+use crate::at::At;
+use crate::codes::c009::InvalidName;
+use crate::finding::Findings;
+use crate::model::{Condition, End, MessagePath, Terminal};
+
+/// A name of a thing of the composite: letters, digits, `_` and `-`; where composites are opened up, with
+/// the names of those around it in front: `Driver/youBotDriver`.
+pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    let rule = "a name has letters, digits, `_` and `-`, and begins with a letter";
+    let letters = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
+    let good = |part: &str| {
+        let starts = part.starts_with(|first: char| first.is_alphabetic() || first == '_');
+        starts && part.chars().all(letters)
+    };
+    accept(reader, name, name.split('/').all(good), "a name", rule)
+}
+
+/// A topic: as a name, with `/` and `.` in it.
+pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    let rule = "a topic has letters, digits, `_`, `-`, `/` and `.`";
+    let letters =
+        |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '/' | '.');
+    accept(
+        reader,
+        name,
+        !name.is_empty() && name.chars().all(letters),
+        "a topic",
+        rule,
+    )
+}
+
+/// Any name.
+pub(crate) fn any(_: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    Some(name.clone())
+}
+
+fn accept(
+    reader: &mut Reader<'_>,
+    name: &At<String>,
+    good: bool,
+    what: &'static str,
+    rule: &'static str,
+) -> Option<At<String>> {
+    if !good {
+        let text: String = name.chars().take(60).collect();
+        reader.report.found(InvalidName {
+            text,
+            what,
+            rule,
+            at: name.span,
+        });
+        return None;
+    }
+    Some(name.clone())
+}
+
+/// `Component.name`.
+pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
+    let split = text.split_once('.').filter(|(component, name)| {
+        !component.is_empty() && !name.is_empty() && !name.contains('.')
+    });
+    let Some((component, name)) = split else {
+        let rule = "an end has two parts, as in `Component.port`";
+        let text_shown = text.value.clone();
+        reader.report.found(InvalidName {
+            text: text_shown,
+            what: "an end",
+            rule,
+            at: text.span,
+        });
+        return None;
+    };
+    let (dot, length) = (component.len(), text.len());
+    Some(End {
+        component: At::new(component.to_owned(), reader.part(text, 0..dot)),
+        name: At::new(name.to_owned(), reader.part(text, dot + 1..length)),
+    })
+}
+
+/// `Component.port`, `topic:name` or `mqueue:/name`.
+pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Terminal> {
+    let after = |prefix: &str| {
+        let name = text.strip_prefix(prefix)?;
+        let span = reader.part(text, prefix.len()..text.len());
+        Some(At::new(name.to_owned(), span))
+    };
+    if let Some(name) = after("topic:") {
+        return topic(reader, &name).map(Terminal::Topic);
+    }
+    match after("mqueue:") {
+        Some(name) => queue(reader, &name).map(Terminal::Mqueue),
+        None => end(reader, text).map(Terminal::Port),
+    }
+}
+
+/// A queue of the kernel: `/jointStatus`.
+fn queue(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    let rule = "a message queue is a `/` and a name without one, as in `mqueue:/jointStatus`";
+    let good = asmotion_mqueue::QueueName::new(name).is_ok();
+    accept(reader, name, good, "a message queue", rule)
+}
+
+/// `pose.position.x`.
+pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<MessagePath> {
+    let mut steps = Vec::new();
+    let mut start = 0;
+    for step in text.split('.') {
+        if step.is_empty() {
+            let rule = "a path has fields with dots in between, as in `pose.position.x`";
+            reader.report.found(InvalidName {
+                text: text.value.clone(),
+                what: "a path",
+                rule,
+                at: text.span,
+            });
+            return None;
+        }
+        let end = start + step.len();
+        steps.push(At::new(step.to_owned(), reader.part(text, start..end)));
+        start = end + 1;
+    }
+    Some(MessagePath {
+        steps,
+        span: text.span,
+    })
+}
+
+/// A text that begins with `port.field`.
+pub(crate) fn condition(reader: &mut Reader<'_>, text: At<String>) -> Condition {
+    let belongs = |letter: char| letter.is_alphanumeric() || letter == '.' || letter == '_';
+    let head = text.split(|letter| !belongs(letter)).next().unwrap_or("");
+    let at = At::new(head.to_owned(), reader.part(&text, 0..head.len()));
+    let path = match head.contains('.') {
+        true => path(reader, &at),
+        false => None,
+    };
+    Condition { text, path }
+}

@@ -1,0 +1,185 @@
+//! The types of properties and their ranges.
+
+use crate::codes::c015::InvalidSetting;
+use crate::codes::c016::SettingOutOfRange;
+use asmotion_diagnostics::Span;
+
+use super::SubstitutionNotes;
+use crate::finding::Findings;
+use crate::model::{Property, PropertyType, Scalar};
+use crate::range::Range;
+use crate::value::SettingValue;
+
+/// A value for a property of a composite, if it has its type and lies in its range.
+pub(super) fn accept(
+    property: &Property,
+    value: SettingValue,
+    at: Option<Span>,
+    notes: &mut SubstitutionNotes,
+) -> Option<SettingValue> {
+    let name = &property.name.value;
+    let declared = Some(property.kind.span);
+    let found = value.describe();
+    let Some(value) = of_type(value, property.kind.value) else {
+        notes.found(InvalidSetting::WrongType {
+            name: name.clone(),
+            wanted: describe(property.kind.value),
+            found,
+            at,
+            declared,
+        });
+        return None;
+    };
+    let (least, greatest) = limits(property.kind.scalar);
+    let range = Range {
+        min: property.min.as_ref().map(|min| min.value).or(least),
+        max: property.max.as_ref().map(|max| max.value).or(greatest),
+        unit: String::new(),
+    };
+    let limit = property.min.as_ref().or(property.max.as_ref());
+    let declared = limit.map(|limit| limit.span).or(declared);
+    within(name, &value, &range, at, declared, notes).then_some(value)
+}
+
+/// Whether all numbers of a value lie in a range.
+pub(crate) fn within(
+    name: &str,
+    value: &SettingValue,
+    range: &Range,
+    at: Option<Span>,
+    declared: Option<Span>,
+    notes: &mut SubstitutionNotes,
+) -> bool {
+    if let SettingValue::List(items) = value {
+        return items
+            .iter()
+            .all(|item| within(name, item, range, at, declared, notes));
+    }
+    match value.number() {
+        Some(number) if !range.contains(number) => {
+            let (name, value) = (name.to_owned(), value.to_string());
+            let range = range.clone();
+            notes.found(SettingOutOfRange {
+                name,
+                value,
+                range,
+                at,
+                declared,
+            });
+            false
+        }
+        Some(_) | None => true,
+    }
+}
+
+/// What a property takes, for people.
+fn describe(kind: PropertyType) -> String {
+    let one = match kind.scalar {
+        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => "text",
+        Scalar::Boolean => "Boolean",
+        Scalar::F32 | Scalar::F64 => "number",
+        Scalar::I8
+        | Scalar::I16
+        | Scalar::I32
+        | Scalar::I64
+        | Scalar::U8
+        | Scalar::U16
+        | Scalar::U32
+        | Scalar::U64 => "whole number",
+    };
+    match kind.list {
+        true => format!("a list of {one}s"),
+        false => format!("a {one}"),
+    }
+}
+
+/// The numbers a type can hold.
+fn limits(scalar: Scalar) -> (Option<f64>, Option<f64>) {
+    match scalar {
+        Scalar::I8 => (Some(i8::MIN.into()), Some(i8::MAX.into())),
+        Scalar::I16 => (Some(i16::MIN.into()), Some(i16::MAX.into())),
+        Scalar::I32 => (Some(i32::MIN.into()), Some(i32::MAX.into())),
+        Scalar::U8 => (Some(0.0), Some(u8::MAX.into())),
+        Scalar::U16 => (Some(0.0), Some(u16::MAX.into())),
+        Scalar::U32 => (Some(0.0), Some(u32::MAX.into())),
+        Scalar::U64 => (Some(0.0), None),
+        Scalar::I64
+        | Scalar::F32
+        | Scalar::F64
+        | Scalar::Text
+        | Scalar::Boolean
+        | Scalar::Uri
+        | Scalar::Path
+        | Scalar::Secret => (None, None),
+    }
+}
+
+/// A value as a type wants it.
+fn of_type(value: SettingValue, kind: PropertyType) -> Option<SettingValue> {
+    if kind.list {
+        let SettingValue::List(items) = value else {
+            return None;
+        };
+        let scalar = PropertyType {
+            list: false,
+            ..kind
+        };
+        let items = items.into_iter().map(|item| of_type(item, scalar));
+        return items.collect::<Option<_>>().map(SettingValue::List);
+    }
+    match (kind.scalar, value) {
+        (
+            Scalar::Text | Scalar::Uri | Scalar::Path,
+            value @ (SettingValue::Text(_) | SettingValue::Secret(_)),
+        ) => Some(value),
+        (Scalar::Secret, SettingValue::Text(text) | SettingValue::Secret(text)) => {
+            Some(SettingValue::Secret(text))
+        }
+        (Scalar::Boolean, value @ SettingValue::Boolean(_)) => Some(value),
+        (Scalar::F32 | Scalar::F64, SettingValue::Integer(number)) => {
+            Some(SettingValue::Real(number as f64))
+        }
+        (Scalar::F32 | Scalar::F64, value @ SettingValue::Real(_)) => Some(value),
+        (
+            Scalar::I8
+            | Scalar::I16
+            | Scalar::I32
+            | Scalar::I64
+            | Scalar::U8
+            | Scalar::U16
+            | Scalar::U32
+            | Scalar::U64,
+            value @ SettingValue::Integer(_),
+        ) => Some(value),
+        (_, _) => None,
+    }
+}
+
+/// A text from outside, as a property of this type takes it.
+pub(super) fn from_text(text: &str, kind: PropertyType) -> Option<SettingValue> {
+    if kind.list {
+        if text.trim_start().starts_with('[') {
+            return of_type(SettingValue::from_toml(text)?, kind);
+        }
+        let scalar = PropertyType {
+            list: false,
+            ..kind
+        };
+        let items = text.split(',').map(|item| from_text(item.trim(), scalar));
+        return items.collect::<Option<_>>().map(SettingValue::List);
+    }
+    match kind.scalar {
+        Scalar::Text | Scalar::Uri | Scalar::Path => Some(SettingValue::Text(text.to_owned())),
+        Scalar::Secret => Some(SettingValue::Secret(text.to_owned())),
+        Scalar::Boolean => text.parse().ok().map(SettingValue::Boolean),
+        Scalar::F32 | Scalar::F64 => text.parse().ok().map(SettingValue::Real),
+        Scalar::I8
+        | Scalar::I16
+        | Scalar::I32
+        | Scalar::I64
+        | Scalar::U8
+        | Scalar::U16
+        | Scalar::U32
+        | Scalar::U64 => text.parse().ok().map(SettingValue::Integer),
+    }
+}

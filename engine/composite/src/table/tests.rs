@@ -1,0 +1,140 @@
+//! The derive on a small table: what is read, said, filled in, written and documented.
+
+use asmotion_derive::Table;
+use asmotion_diagnostics::{FileId, Sources, Span};
+use serde_json::json;
+
+use super::{Resolver, Table as _, WrittenTable};
+use crate::at::At;
+use crate::environment::EmptyEnvironment;
+use crate::model::{Amount, Delivery};
+use crate::read::keys::Reader;
+use crate::scope::{PropertyScope, SubstitutionNotes};
+use crate::tree;
+
+/// A lamp.
+#[derive(Clone, Debug, Table)]
+#[table(of = "a lamp", example = "{ watt = 5 }", resolved = PlannedLamp)]
+struct Lamp {
+    /// How bright.
+    #[key(unit = "watts", range = 1..=60, example = "5")]
+    watt: At<u64>,
+    /// How long.
+    #[key(range = 0..=100, default = 9)]
+    time: Option<At<Amount>>,
+    /// When it looks.
+    #[key(name = "when", default)]
+    delivery: Option<At<Delivery>>,
+    /// Other lamps.
+    #[key(local)]
+    near: Vec<At<String>>,
+    /// What it hangs from.
+    #[key(flatten)]
+    from: Hook,
+}
+
+/// What a lamp hangs from.
+#[derive(Clone, Debug, PartialEq, Table)]
+#[table(of = "a lamp", reason = "it hangs once")]
+enum Hook {
+    /// The wall.
+    Wall(bool),
+    /// The ceiling.
+    Ceiling {
+        /// The ceiling: how high.
+        #[key(name = "ceiling", range = 0.0..=4.5)]
+        height: f64,
+        /// The room.
+        room: Option<String>,
+    },
+}
+
+/// The hook is of no use in a plan.
+impl super::Resolve for Hook {
+    type Resolved = bool;
+
+    fn resolve(&self, _: &super::Key, _: &mut Resolver<'_>) -> Option<bool> {
+        Some(matches!(self, Self::Wall(true)))
+    }
+}
+
+fn read(text: &str) -> (Option<Lamp>, Vec<String>) {
+    let file = FileId::default();
+    let (table, _) = tree::parse(file, text);
+    let mut reader = Reader::new(text);
+    let mut keys = reader.keys(&table, "a lamp", Span::new(file, 0, 0));
+    let name = At::new("lamp".to_owned(), Span::new(file, 0, 0));
+    let lamp = Lamp::read_keys(&mut keys, &name);
+    drop(keys);
+    let found = reader.report.diagnostics.iter();
+    let found = found.map(|it| format!("{} {}", it.code, it.message));
+    (lamp, found.collect())
+}
+
+#[test]
+fn it_reads_what_is_there_and_says_what_is_wrong() {
+    let (lamp, found) = read("watt = 5\nnear = \"b\"\nceiling = 2\nroom = \"hall\"");
+    let lamp = lamp.unwrap();
+    assert_eq!(found, [""; 0]);
+    assert_eq!((lamp.watt.value, lamp.near.len()), (5, 1));
+    let room = Some("hall".to_owned());
+    assert_eq!(lamp.from, Hook::Ceiling { height: 2.0, room });
+    let (lamp, found) =
+        read("watt = 99\nwhen = \"cycl\"\nwall = true\nceiling = 1.0\nroom = \"a\"");
+    assert!(lamp.is_none());
+    assert_eq!(
+        found,
+        [
+            "C007 `watt` is 99, but must lie between 1 and 60",
+            "C006 `when` cannot be `cycl`",
+            "C010 `ceiling` cannot stand beside `wall`",
+            "C003 a lamp has no key `room`",
+        ]
+    );
+    let (_, found) = read("");
+    assert_eq!(
+        found,
+        [
+            "C004 a lamp needs the key `watt`",
+            "C004 a lamp needs the key `wall`"
+        ]
+    );
+}
+
+#[test]
+fn its_twin_has_the_defaults_and_is_written_again() {
+    let (lamp, _) = read("watt = 5\nnear = [\"b\"]\nwall = true");
+    let (sources, mut notes) = (Sources::new(), SubstitutionNotes::default());
+    let scope = PropertyScope::new(
+        &[],
+        Default::default(),
+        &EmptyEnvironment,
+        &sources,
+        &mut notes,
+    );
+    let mut to = Resolver::new(&scope, "house/", &mut notes);
+    let lamp: PlannedLamp = to.of(&lamp.unwrap()).unwrap();
+    assert_eq!((lamp.time, lamp.delivery), (9, Delivery::Event));
+    assert_eq!(lamp.near, ["house/b"]);
+    let written = lamp.keys("").inline().unwrap().to_string();
+    assert_eq!(
+        written.trim(),
+        "{ watt = 5, time = 9, when = \"event\", near = [\"house/b\"], from = true }"
+    );
+}
+
+#[test]
+fn its_schema_has_documentation_units_ranges_and_defaults() {
+    let schema = Lamp::outline().schema();
+    assert_eq!(
+        schema["properties"]["watt"],
+        json!({ "type": "integer", "minimum": 1, "maximum": 60, "examples": [5], "description": "How bright. In watts." })
+    );
+    assert_eq!(schema["properties"]["time"]["default"], json!(9));
+    assert_eq!(schema["required"], json!(["watt"]));
+    assert_eq!(
+        schema["oneOf"],
+        json!([{ "required": ["wall"] }, { "required": ["ceiling"] }])
+    );
+    assert_eq!(schema["dependencies"], json!({ "room": ["ceiling"] }));
+}

@@ -1,0 +1,300 @@
+//! Message types: those of the build, and those that a composite describes in a file.
+
+mod alone;
+mod build;
+mod read;
+
+use crate::codes::c114::TypeNotInBuild;
+use crate::codes::c115::UnknownField;
+use std::collections::BTreeMap;
+
+use asmotion_component::BusHealth;
+use asmotion_datum::{Message, OutlineKey, Schema, Shape};
+use asmotion_derive::Table;
+use asmotion_diagnostics::{Report, Span};
+
+pub use self::alone::open_types;
+use self::build::Builder;
+pub(crate) use self::read::read;
+use crate::at::At;
+use crate::catalogue::Catalogue;
+use crate::finding::Findings;
+use crate::nearest::nearest_name;
+use crate::table::Dialect;
+
+/// The types of the engine itself.
+fn own(name: &str) -> Option<Schema> {
+    (name == BusHealth::NAME).then(|| BusHealth::schema().clone())
+}
+
+/// A file of message types.
+#[derive(Clone, Debug, Table)]
+#[table(of = "a file of types")]
+pub(crate) struct TypeFile {
+    /// The dialect of the file.
+    #[key(needed, example = "\"composite-types/1\"")]
+    #[expect(dead_code, reason = "read for what is wrong with it alone")]
+    pub schema: Option<Dialect>,
+    /// Message types, by name.
+    #[key(name = "type", example = "{ }")]
+    pub definitions: Vec<Definition>,
+}
+
+/// A message type.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a type",
+    example = "{ fields = { stamp = \"time\", position = \"f64[5]\" } }"
+)]
+pub(crate) struct Definition {
+    /// Its name, as in `youbot/JointStatus`.
+    #[key(entry = any)]
+    pub name: At<String>,
+    /// What it is for.
+    #[key(example = "\"what it is for\"")]
+    #[expect(dead_code, reason = "for people")]
+    pub doc: Option<At<String>>,
+    /// Its fields, each with its type: a name, a list `name[]` or an array `name[5]`.
+    #[key(needed, example = "{ stamp = \"time\", position = \"f64[5]\" }")]
+    pub fields: Vec<FieldText>,
+}
+
+/// A field and its type.
+#[derive(Clone, Debug)]
+pub(crate) struct FieldText {
+    pub name: At<String>,
+    pub text: TypeText,
+}
+
+/// `f64`, `f64[]`, `nav/Event[5]`.
+#[derive(Clone, Debug)]
+pub(crate) struct TypeText {
+    pub base: At<String>,
+    pub many: Many,
+}
+
+/// How many values a field has.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Many {
+    One,
+    Any,
+    Exactly(usize),
+}
+
+/// All types a composite can name.
+pub struct Types<'c> {
+    described: BTreeMap<String, (Span, Schema)>,
+    catalogue: &'c dyn Catalogue,
+}
+
+impl<'c> Types<'c> {
+    /// The types of the build and of these files.
+    pub(crate) fn new<'f>(
+        files: impl IntoIterator<Item = &'f TypeFile>,
+        catalogue: &'c dyn Catalogue,
+        report: &mut Report,
+    ) -> Self {
+        let mut definitions: BTreeMap<&str, Vec<&Definition>> = BTreeMap::new();
+        for definition in files.into_iter().flat_map(|file| &file.definitions) {
+            definitions
+                .entry(&definition.name)
+                .or_default()
+                .push(definition);
+        }
+        let mut builder = Builder {
+            definitions: &definitions,
+            catalogue,
+            report,
+            open: Vec::new(),
+            fields: 0,
+        };
+        let mut described = BTreeMap::new();
+        for (name, all) in &definitions {
+            let schemas: Vec<_> = all
+                .iter()
+                .map(|definition| (*definition, builder.record(definition)))
+                .collect();
+            builder.agree(&schemas);
+            if let Some((definition, schema)) = schemas.into_iter().next() {
+                described.insert((*name).to_owned(), (definition.name.span, schema));
+            }
+        }
+        Self {
+            described,
+            catalogue,
+        }
+    }
+
+    /// What a type looks like, if anybody says.
+    pub fn schema(&self, name: &str) -> Option<Schema> {
+        if let Some((_, schema)) = self.described.get(name) {
+            return Some(schema.clone());
+        }
+        let (base, count) = split(name)?;
+        let base = match primitive(base) {
+            Some(shape) => shape,
+            None => match self.described.get(base) {
+                Some((_, schema)) => schema.clone(),
+                None => own(base).or_else(|| self.catalogue.schema(base))?,
+            },
+        };
+        Some(many(base, count))
+    }
+
+    /// Whether two names mean one type: `f64` and ROS's `float64` do.
+    pub(crate) fn same(&self, one: &str, other: &str) -> bool {
+        one == other
+            || match (self.schema(one), self.schema(other)) {
+                (Some(one), Some(other)) => one.compare(&other).is_ok(),
+                _ => false,
+            }
+    }
+
+    /// Whether a name means this type; what is known by nobody agrees with everything.
+    pub(crate) fn means(&self, name: &str, schema: &Schema) -> bool {
+        let known_by_name = schema.shape == Shape::Any;
+        if known_by_name {
+            return schema.name.is_empty() || schema.name == name;
+        }
+        name == schema.to_string()
+            || self
+                .schema(name)
+                .is_some_and(|named| named.compare(schema).is_ok())
+    }
+
+    /// Where a type is described.
+    pub(crate) fn declared(&self, name: &str) -> Option<Span> {
+        self.described.get(name).map(|(span, _)| *span)
+    }
+
+    /// Says that nobody knows the type, if so.
+    pub(crate) fn known(&self, name: &str, at: Span, report: &mut Report) {
+        if self.schema(name).is_none() {
+            let messages = self.catalogue.messages();
+            let known = self.described.keys().chain(&messages).map(String::as_str);
+            let nearest = nearest_name(name, known);
+            report.found(TypeNotInBuild {
+                name: name.to_owned(),
+                at,
+                nearest,
+            });
+        }
+    }
+
+    /// The schema at a path into a message, or the finding that there is none.
+    pub(crate) fn field(
+        &self,
+        name: &str,
+        path: &crate::model::MessagePath,
+    ) -> Result<Option<Schema>, UnknownField> {
+        self.steps(name, &path.steps)
+    }
+
+    /// The same for the steps of a path.
+    pub(crate) fn steps(
+        &self,
+        name: &str,
+        steps: &[At<String>],
+    ) -> Result<Option<Schema>, UnknownField> {
+        match self.schema(name) {
+            Some(schema) => self.within(schema, steps),
+            None => Ok(None),
+        }
+    }
+
+    /// The same inside a message whose schema is known.
+    pub(crate) fn within(
+        &self,
+        mut schema: Schema,
+        steps: &[At<String>],
+    ) -> Result<Option<Schema>, UnknownField> {
+        for step in steps {
+            schema = match &schema.shape {
+                Shape::Any => return Ok(None),
+                Shape::Record(fields) => {
+                    match fields
+                        .iter()
+                        .find(|field| field.name == step.value.as_str())
+                    {
+                        Some(field) => field.schema.clone(),
+                        None => return Err(self.no_field(&schema, step, fields)),
+                    }
+                }
+                Shape::List(item) | Shape::Array(item, _)
+                    if step.chars().all(|digit| digit.is_ascii_digit()) =>
+                {
+                    item.as_ref().clone()
+                }
+                Shape::Option(inner) => inner.as_ref().clone(),
+                _ => return Err(self.no_field(&schema, step, &[])),
+            };
+        }
+        Ok(Some(schema))
+    }
+
+    fn no_field(&self, schema: &Schema, step: &At<String>, fields: &[OutlineKey]) -> UnknownField {
+        UnknownField {
+            name: schema.to_string(),
+            field: step.value.clone(),
+            at: step.span,
+            known: fields.iter().map(|field| field.name.to_string()).collect(),
+            declared: self.declared(&schema.name),
+        }
+    }
+}
+
+fn many(base: Schema, many: Many) -> Schema {
+    match many {
+        Many::One => base,
+        Many::Any => Schema::many(base, None),
+        Many::Exactly(count) => Schema::many(base, Some(count)),
+    }
+}
+
+/// Splits `f64[5]`; `None` where the brackets make no sense.
+pub(crate) fn split(written: &str) -> Option<(&str, Many)> {
+    let (base, many) = match written.split_once('[') {
+        None => (written, Many::One),
+        Some((base, rest)) => match rest.strip_suffix(']')? {
+            "" => (base, Many::Any),
+            digits => (base, Many::Exactly(digits.parse().ok()?)),
+        },
+    };
+    (!base.is_empty()).then_some((base, many))
+}
+
+/// The types that are no messages, by our names and by those of ROS.
+const PRIMITIVES: [(&str, Shape); 22] = [
+    ("bool", Shape::Bool),
+    ("i8", Shape::I8),
+    ("i16", Shape::I16),
+    ("i32", Shape::I32),
+    ("i64", Shape::I64),
+    ("u8", Shape::U8),
+    ("u16", Shape::U16),
+    ("u32", Shape::U32),
+    ("u64", Shape::U64),
+    ("f32", Shape::F32),
+    ("f64", Shape::F64),
+    ("string", Shape::Text),
+    ("int8", Shape::I8),
+    ("int16", Shape::I16),
+    ("int32", Shape::I32),
+    ("int64", Shape::I64),
+    ("uint8", Shape::U8),
+    ("uint16", Shape::U16),
+    ("uint32", Shape::U32),
+    ("uint64", Shape::U64),
+    ("float32", Shape::F32),
+    ("float64", Shape::F64),
+];
+
+fn primitive(name: &str) -> Option<Schema> {
+    if name == "time" {
+        let field = |name: &'static str, shape| OutlineKey::new(name, "", Schema::plain(shape));
+        let fields = vec![field("sec", Shape::I32), field("nanosec", Shape::U32)];
+        return Some(Schema::record("builtin_interfaces/Time", fields));
+    }
+    let found = PRIMITIVES.iter().find(|(known, _)| *known == name);
+    found.map(|(_, shape)| Schema::plain(shape.clone()))
+}

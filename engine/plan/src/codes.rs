@@ -1,0 +1,16 @@
+//! The findings about composites that flattening makes, one file a code.
+
+pub(crate) mod c019;
+pub(crate) mod c054;
+pub(crate) mod c065;
+pub(crate) mod c082;
+
+use asmotion_diagnostics::Code;
+
+/// The codes of this crate, in order.
+pub const CODES: &[&Code] = &[
+    c019::SecretInFile::CODE,
+    c054::PollTooSlow::CODE,
+    c065::DuplicateAddress::CODE,
+    c082::TooManyComponents::CODE,
+];

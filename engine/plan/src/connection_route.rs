@@ -1,0 +1,141 @@
+//! The way from a writer to its reader, or from a caller to its service: inside a process, where real time holds, or
+//! over something that knows no real time.
+
+use std::fmt;
+
+use crate::joint::{Connection, Topic};
+use crate::plan::{End, Plan, Terminal, Wire};
+use asmotion_composite::model::{Lock, Transport};
+
+/// The way from a writer to its reader, or from a caller to its service.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ConnectionRoute {
+    /// The writer or caller.
+    pub from: Terminal,
+    /// The reader or service.
+    pub to: Terminal,
+    /// The topic that joins them, if one does.
+    pub topic: Option<String>,
+    /// What lies between.
+    pub over: RouteTransport,
+}
+
+/// What lies between a writer and its reader.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RouteTransport {
+    /// Nothing: both are in one process.
+    Nothing(Lock),
+    /// A message queue of the kernel.
+    Mqueue,
+    /// A broker; its name, where the composite names one.
+    Broker(Option<String>),
+    /// Another middleware.
+    Other(Transport),
+}
+
+impl Plan {
+    /// All ways, as the composite is deployed: connections, topics, then wires.
+    pub fn ways(&self) -> Vec<ConnectionRoute> {
+        let connections = (self.connections.iter()).filter_map(|it| self.way_of_connection(it));
+        let topics = self.topics.iter().flat_map(|it| self.ways_of_topic(it));
+        let wires = self.wires.iter().flat_map(|it| self.ways_of_wire(it));
+        connections.chain(topics).chain(wires).collect()
+    }
+
+    /// A topic's ways depend on all who are on it.
+    fn way_of_connection(&self, connection: &Connection) -> Option<ConnectionRoute> {
+        let over = match (&connection.from, &connection.to) {
+            (Terminal::Port(from), Terminal::Port(to)) => {
+                self.between(from, to, connection.policy.lock)
+            }
+            (Terminal::Mqueue(_), _) | (_, Terminal::Mqueue(_)) => RouteTransport::Mqueue,
+            (Terminal::Topic(_), _) | (_, Terminal::Topic(_)) => return None,
+        };
+        Some(ConnectionRoute {
+            from: connection.from.clone(),
+            to: connection.to.clone(),
+            topic: None,
+            over,
+        })
+    }
+
+    fn ways_of_topic<'p>(&'p self, topic: &'p Topic) -> impl Iterator<Item = ConnectionRoute> + 'p {
+        let way = |from: &End, to: &End| ConnectionRoute {
+            from: Terminal::Port(from.clone()),
+            to: Terminal::Port(to.clone()),
+            topic: Some(topic.name.clone()),
+            over: self.between(from, to, self.lock_of(topic, to)),
+        };
+        let from = topic.publishers.iter();
+        from.flat_map(move |from| topic.subscribers.iter().map(move |to| way(from, to)))
+    }
+
+    fn ways_of_wire<'p>(&'p self, wire: &'p Wire) -> impl Iterator<Item = ConnectionRoute> + 'p {
+        let way = |to: &End| ConnectionRoute {
+            from: Terminal::Port(wire.reference.clone()),
+            to: Terminal::Port(to.clone()),
+            topic: None,
+            over: match wire.binding {
+                // a component's inbox takes requests without a lock
+                Transport::Local => self.between(&wire.reference, to, Lock::LockFree),
+                Transport::Amqp => {
+                    RouteTransport::Broker(self.broker_of_wire(wire).map(str::to_owned))
+                }
+                other @ (Transport::Ros | Transport::Http) => RouteTransport::Other(other),
+            },
+        };
+        wire.services.iter().map(way)
+    }
+
+    fn between(&self, from: &End, to: &End, lock: Lock) -> RouteTransport {
+        match self.process_of(&from.component) == self.process_of(&to.component) {
+            true => RouteTransport::Nothing(lock),
+            false => RouteTransport::Broker(self.broker_of(&from.component).map(str::to_owned)),
+        }
+    }
+
+    /// How a reader of a topic is kept apart from its writers.
+    fn lock_of(&self, topic: &Topic, reader: &End) -> Lock {
+        let is_it = |it: &&Connection| {
+            matches!(&it.from, Terminal::Topic(name) if *name == topic.name)
+                && matches!(&it.to, Terminal::Port(end) if end == reader)
+        };
+        let connection = self.connections.iter().find(is_it);
+        connection.map_or_else(Lock::default, |it| it.policy.lock)
+    }
+}
+
+impl ConnectionRoute {
+    /// Those of its ends that are components'.
+    pub fn ends(&self) -> impl Iterator<Item = &End> {
+        let both = [&self.from, &self.to].into_iter();
+        both.filter_map(|terminal| match terminal {
+            Terminal::Port(end) => Some(end),
+            Terminal::Topic(_) | Terminal::Mqueue(_) => None,
+        })
+    }
+}
+
+impl RouteTransport {
+    /// Whether neither side waits for anybody, and nothing but memory lies between.
+    pub fn is_real_time(&self) -> bool {
+        match self {
+            Self::Nothing(Lock::LockFree | Lock::Unsync) => true,
+            Self::Nothing(Lock::Locked) | Self::Mqueue | Self::Broker(_) | Self::Other(_) => false,
+        }
+    }
+}
+
+impl fmt::Display for RouteTransport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nothing(Lock::LockFree) => f.write_str("inside, lock-free"),
+            Self::Nothing(Lock::Locked) => f.write_str("inside, by a lock"),
+            Self::Nothing(Lock::Unsync) => f.write_str("inside, in one thread"),
+            Self::Mqueue => f.write_str("over a message queue"),
+            Self::Broker(Some(name)) => write!(f, "over the broker `{name}`"),
+            Self::Broker(None) => f.write_str("over the broker"),
+            Self::Other(transport) => write!(f, "over {transport}"),
+        }
+    }
+}

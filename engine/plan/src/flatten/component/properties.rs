@@ -1,0 +1,48 @@
+//! The properties of a component, as it takes them.
+
+use super::PartSource;
+use crate::plan::PropertyValues;
+use asmotion_composite::admissible::lawful;
+use asmotion_composite::model;
+use asmotion_composite::scope::{OutsideSettings, SubstitutionNotes};
+
+/// The properties that are set, in the order of the file, then those set from outside.
+pub(super) fn properties(
+    source: &PartSource<'_>,
+    mut set: OutsideSettings,
+    notes: &mut SubstitutionNotes,
+) -> PropertyValues {
+    let declaration = match &source.component.implementation {
+        Some(model::Implementation::Rust(name)) => source.catalogue.declaration(name),
+        _ => None,
+    };
+    let order = source
+        .component
+        .properties
+        .iter()
+        .map(|setting| setting.name.value.clone());
+    let names: Vec<String> = order.collect();
+    let later: Vec<String> = set
+        .keys()
+        .filter(|name| !names.contains(name))
+        .cloned()
+        .collect();
+    let mut settings = PropertyValues::default();
+    for name in names.into_iter().chain(later) {
+        let Some((Some(value), at)) = set.remove(&name) else {
+            continue;
+        };
+        let declared = declaration.as_ref().and_then(|declaration| {
+            declaration
+                .properties
+                .iter()
+                .find(|property| property.name == name)
+        });
+        let value = match declared {
+            Some(declared) => lawful(declared, value, at, notes),
+            None => Some(value),
+        };
+        settings.0.extend(value.map(|value| (name, value)));
+    }
+    settings
+}

@@ -1,0 +1,129 @@
+//! The port-proxy in a plan, as the bridge executes it.
+
+use std::time::Duration;
+
+use asmotion_bridge::{Conversion, Mapped, ProxyPort, ReplyMode};
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_datum::Schema;
+
+use super::PartSource;
+use asmotion_composite::check::endpoints::{EndpointPort, find};
+use asmotion_composite::map;
+use asmotion_composite::model::{self, BuiltinComponent, MapEntry, ProxyMode};
+
+/// What the bridge does, with every conversion decided; `None` for what is no port-proxy.
+pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::ProxySettings> {
+    let component = source.component;
+    let made_of = component.implementation.as_ref()?;
+    if made_of.builtin() != Some(BuiltinComponent::PortProxy) {
+        return None;
+    }
+    let ports = |ports: &[EndpointPort]| ports.iter().map(|it| port(source, it)).collect();
+    Some(asmotion_bridge::ProxySettings {
+        inputs: ports(&source.face.inputs),
+        outputs: ports(&source.face.outputs),
+        operations: (component.map.iter())
+            .filter_map(|entry| match entry {
+                MapEntry::Proxy(entry) => mapped(source, entry),
+                MapEntry::Ros(_) => None,
+            })
+            .collect(),
+        notify: component
+            .notify
+            .as_ref()
+            .and_then(|told| listener(source, told)),
+    })
+}
+
+/// A port as the target declares it.
+fn port(source: &PartSource<'_>, port: &EndpointPort) -> ProxyPort {
+    let kind = port.kind.as_ref().map_or("", |kind| &kind.text);
+    ProxyPort {
+        name: port.name.text.clone(),
+        message: schema(source, kind),
+    }
+}
+
+fn schema(source: &PartSource<'_>, kind: &str) -> Schema {
+    let known = source.types.schema(kind);
+    known.unwrap_or_else(|| Schema::opaque(kind.to_owned()))
+}
+
+fn mapped(source: &PartSource<'_>, entry: &model::ProxyEntry) -> Option<Mapped> {
+    let (service, operation) = (&entry.operation.component, &entry.operation.name);
+    let interface = &find(&source.face.services, service)?.interface.text;
+    let way = match entry.mode.value {
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => &source.face.outputs,
+        ProxyMode::Last | ProxyMode::All => &source.face.inputs,
+    };
+    let port = way
+        .iter()
+        .find(|port| port.name.text == entry.port.name.value)?;
+    let message = schema(source, port.kind.as_ref().map_or("", |kind| &kind.text));
+    let operations = source.catalogue.operations(interface).unwrap_or_default();
+    let declared = operations
+        .into_iter()
+        .find(|known| known.name == operation.value);
+    // of an interface that nobody knows, the data decides
+    let declared = declared.unwrap_or_else(|| OperationDeclaration {
+        name: operation.value.clone(),
+        request: Schema::opaque(""),
+        response: Schema::opaque(""),
+    });
+    Some(Mapped {
+        service: service.value.clone(),
+        interface: interface.clone(),
+        operation: operation.value.clone(),
+        port: port.name.text.clone(),
+        mode: match entry.mode.value {
+            ProxyMode::Oneway => ReplyMode::OneWay,
+            ProxyMode::Taken => ReplyMode::Taken,
+            ProxyMode::Done => ReplyMode::Done,
+            ProxyMode::Last => ReplyMode::Last,
+            ProxyMode::All => ReplyMode::All,
+        },
+        conversion: map::conversion(entry, &declared, &message)?,
+    })
+}
+
+fn listener(
+    source: &PartSource<'_>,
+    told: &model::Notify,
+) -> Option<asmotion_bridge::ProxyNotification> {
+    let interface = &find(&source.face.references, &told.reference)?
+        .interface
+        .text;
+    let (operation, conversion) = match source.catalogue.operations(interface) {
+        Some(operations) => map::listener(&operations)?,
+        None => ("notify".to_owned(), Conversion::Same),
+    };
+    let condition = |told: &Option<model::Condition>| told.as_ref()?.text.parse().ok();
+    Some(asmotion_bridge::ProxyNotification {
+        reference: told.reference.value.clone(),
+        interface: interface.clone(),
+        operation,
+        conversion,
+        busy: told.busy.is_some(),
+        idle: told.idle.as_ref().and_then(idle),
+        refresh: condition(&told.refresh),
+        fault: condition(&told.fault),
+        stale: told
+            .stale_ms
+            .as_ref()
+            .map(|it| Duration::from_millis(it.value)),
+    })
+}
+
+fn idle(idle: &model::Idle) -> Option<asmotion_bridge::IdleCriterion> {
+    let split = |path: &model::MessagePath| {
+        let text = path.to_string();
+        let (port, field) = text.split_once('.').unwrap_or((&text, ""));
+        (port.to_owned(), field.to_owned())
+    };
+    Some(asmotion_bridge::IdleCriterion {
+        within: idle.within.value,
+        commanded: split(&idle.of),
+        measured: split(&idle.on),
+        held: Duration::from_millis(idle.for_ms.as_ref().map_or(0, |it| it.value)),
+    })
+}

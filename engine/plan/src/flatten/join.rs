@@ -1,0 +1,230 @@
+//! Connections, wires and promotions, followed down to the components that run.
+
+use crate::codes::c054::PollTooSlow;
+use asmotion_diagnostics::Span;
+
+use super::Flattener;
+use crate::joint::{Connection, Promoted};
+use crate::plan::{End, Policy, Terminal};
+use asmotion_composite::finding::Findings;
+use asmotion_composite::model::{self, ConnectionType, Delivery, Sharing, Transport};
+use asmotion_composite::table::Resolver;
+use asmotion_composite::{At, check};
+
+impl<'p> Flattener<'p, '_> {
+    /// Adds the connections and wires of a composite.
+    pub(super) fn join(&mut self, index: usize) {
+        let Some(composite) = self.composite(index) else {
+            return;
+        };
+        for connection in &composite.connections {
+            if check::takes_part(&connection.profiles, self.parts.profile) {
+                self.connection(index, connection);
+            }
+        }
+        for wire in &composite.wires {
+            if check::takes_part(&wire.profiles, self.parts.profile) {
+                self.wire(index, wire);
+            }
+        }
+    }
+
+    fn connection(&mut self, index: usize, connection: &model::Connection) {
+        let Some(policy) = self.policy(index, &connection.policy) else {
+            return;
+        };
+        let ends = |terminals: &[model::Terminal]| -> Vec<Terminal> {
+            let ends = terminals.iter();
+            ends.filter_map(|end| self.terminal(index, end)).collect()
+        };
+        let (from, to) = (ends(&connection.from), ends(&connection.to));
+        let shared = policy.buffer == Sharing::Shared;
+        let queue = shared.then(|| format!("{} -> {}", listed(&from), listed(&to)));
+        for from in &from {
+            for to in &to {
+                self.poll(from, to, &policy, connection.policy.span);
+                self.plan.connections.push(Connection {
+                    from: from.clone(),
+                    to: to.clone(),
+                    policy: policy.clone(),
+                    queue: queue.clone(),
+                });
+            }
+        }
+    }
+
+    /// Whoever polls must look at least twice as often as somebody writes.
+    fn poll(&mut self, from: &Terminal, to: &Terminal, policy: &Policy, at: Span) {
+        let (Terminal::Port(end), Some(poll_ms)) = (from, policy.poll_ms) else {
+            return;
+        };
+        let writer = self.plan.component(&end.component);
+        let period_ms = writer.map_or(0, |component| component.pace.period_ms);
+        if policy.delivery == Delivery::Poll && period_ms > 0 && poll_ms * 2 > period_ms {
+            let (from, to) = (from.to_string(), to.to_string());
+            self.notes.found(PollTooSlow {
+                from,
+                to,
+                poll_ms,
+                period_ms,
+                at,
+            });
+        }
+    }
+
+    fn terminal(&self, index: usize, terminal: &model::Terminal) -> Option<Terminal> {
+        match terminal {
+            model::Terminal::Topic(topic) => Some(Terminal::Topic(self.topic(index, topic))),
+            model::Terminal::Mqueue(name) => Some(Terminal::Mqueue(name.value.clone())),
+            model::Terminal::Port(end) => {
+                let port = |what: &'p model::Promoted| match what {
+                    model::Promoted::Port(end) => Some(end),
+                    _ => None,
+                };
+                self.inside(index, end, &port).map(Terminal::Port)
+            }
+        }
+    }
+
+    fn wire(&mut self, index: usize, wire: &'p model::Wire) {
+        let reference = |what: &'p model::Promoted| match what {
+            model::Promoted::Reference(end) => Some(end),
+            _ => None,
+        };
+        let service = |what: &'p model::Promoted| match what {
+            model::Promoted::Service(end) => Some(end),
+            _ => None,
+        };
+        let Some(reference) = self.inside(index, &wire.reference, &reference) else {
+            return;
+        };
+        let services: Vec<End> = wire
+            .services
+            .iter()
+            .filter_map(|end| self.inside(index, end, &service))
+            .collect();
+        if services.is_empty() {
+            return;
+        }
+        let Some(mut made) = self.resolver(index).and_then(|mut to| to.of(wire)) else {
+            return;
+        };
+        made.reference = reference;
+        made.services = services;
+        made.broker = self.broker(index, made.binding, wire.broker.as_ref());
+        made.oneway = !check::waits(wire);
+        self.plan.wires.push(made);
+    }
+
+    /// What values of a composite are resolved with.
+    fn resolver(&mut self, index: usize) -> Option<Resolver<'_>> {
+        let instance = self.instances.get(index)?;
+        Some(Resolver::new(&instance.scope, &instance.prefix, self.notes))
+    }
+
+    fn policy(&mut self, index: usize, written: &model::Policy) -> Option<Policy> {
+        let mut policy = self.resolver(index)?.of(written)?;
+        // the last value has no size
+        if policy.kind == ConnectionType::Data {
+            policy.size = 1;
+        }
+        Some(policy)
+    }
+
+    /// The broker that something goes over.
+    fn broker(
+        &self,
+        index: usize,
+        binding: Transport,
+        named: Option<&At<String>>,
+    ) -> Option<String> {
+        let instance = self.instances.get(index)?;
+        let only = || match instance.member.composite.brokers.as_slice() {
+            [only] if binding == Transport::Amqp => Some(&only.name),
+            _ => None,
+        };
+        let name = named.or_else(only)?;
+        Some(format!("{}{}", instance.prefix, name.value))
+    }
+
+    /// The component that runs, and its part, behind a name that may be promoted.
+    fn inside(
+        &self,
+        index: usize,
+        end: &model::End,
+        select: &impl Fn(&'p model::Promoted) -> Option<&'p model::End>,
+    ) -> Option<End> {
+        let instance = self.instances.get(index)?;
+        if let Some(child) = instance.children.get(end.component.value.as_str()) {
+            let promotions = &self.composite(*child)?.promotions;
+            let promotion = promotions.iter().find(|promotion| {
+                promotion.name.value == end.name.value
+                    && select(&promotion.what).is_some()
+                    && check::takes_part(&promotion.profiles, self.parts.profile)
+            })?;
+            return self.inside(*child, select(&promotion.what)?, select);
+        }
+        let component = format!("{}{}", instance.prefix, end.component.value);
+        self.plan.component(&component)?;
+        Some(End {
+            component,
+            name: end.name.value.clone(),
+        })
+    }
+
+    pub(super) fn promotion(&mut self, promotion: &'p model::Promotion) {
+        use asmotion_composite::model::Promoted as What;
+        let own = |what: &'p What| match what {
+            What::Service(end) | What::Reference(end) | What::Property(end) | What::Port(end) => {
+                Some(end)
+            }
+            What::Topic(_) => None,
+        };
+        let kind = promotion.what.kind();
+        let same = |what: &'p What| own(what).filter(|_| what.kind() == kind);
+        let inside = match &promotion.what {
+            What::Topic(topic) => Some(topic.value.clone()),
+            what => own(what)
+                .and_then(|end| self.inside(0, end, &same))
+                .map(|end| end.to_string()),
+        };
+        let Some(inside) = inside else {
+            return;
+        };
+        let mut bindings: Vec<Transport> = Vec::new();
+        for binding in &promotion.bindings {
+            if binding.value != Transport::Local && !bindings.contains(&binding.value) {
+                bindings.push(binding.value);
+            }
+        }
+        let over_broker = promotion.over(Transport::Amqp);
+        let over_broker = over_broker.map_or(Transport::Local, |it| it.value);
+        let called = promotion.over(Transport::Http);
+        let timeout_ms = promotion.timeout_ms.as_ref().map(|it| it.value);
+        let timeout_ms = timeout_ms.unwrap_or(model::DEFAULT_TIMEOUT_MS);
+        self.plan.promoted.push(Promoted {
+            what: promotion.what.kind(),
+            name: promotion.name.value.clone(),
+            inside,
+            bindings,
+            broker: self.broker(0, over_broker, promotion.broker.as_ref()),
+            gateway: called.and_then(|_| self.gateway(promotion)),
+            timeout_ms: called.map(|_| timeout_ms),
+        });
+    }
+
+    /// The gateway that a promotion names, or the only one.
+    fn gateway(&self, promotion: &model::Promotion) -> Option<String> {
+        let only = || match &*self.composite(0)?.gateways {
+            [only] => Some(&only.name),
+            _ => None,
+        };
+        let name = promotion.gateway.as_ref().or_else(only)?;
+        Some(name.value.clone())
+    }
+}
+
+fn listed(ends: &[Terminal]) -> String {
+    let names: Vec<String> = ends.iter().map(Terminal::to_string).collect();
+    names.join(", ")
+}

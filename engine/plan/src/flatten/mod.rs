@@ -1,0 +1,285 @@
+//! Opens nested composites, follows promotions and renames down to the components that run.
+
+mod component;
+mod endpoint;
+mod join;
+mod order;
+mod place;
+mod topic;
+
+use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
+use std::collections::BTreeMap;
+
+use asmotion_diagnostics::{Sources, Span};
+
+use crate::plan::{Plan, PropertyValues};
+use asmotion_composite::Context;
+use asmotion_composite::check::{self, Faces};
+use asmotion_composite::family::{Family, Member};
+use asmotion_composite::finding::Findings;
+use asmotion_composite::model::{self, Composite};
+use asmotion_composite::scope::{
+    OutsideSettings, PropertyScope, SubstitutionNotes, outside_settings,
+};
+use asmotion_composite::table::Resolver;
+use asmotion_composite::types::Types;
+use asmotion_composite::value::SettingValue;
+
+/// What the plan is made of.
+pub(crate) struct Parts<'p> {
+    pub family: &'p Family,
+    pub types: &'p BTreeMap<&'p str, Types<'p>>,
+    pub faces: &'p BTreeMap<String, Faces>,
+    pub context: &'p Context<'p>,
+    pub sources: &'p Sources,
+    pub profile: Option<&'p str>,
+}
+
+/// Flattens a composite in one profile. What is wrong goes to the notes; the plan is then of use
+/// only to those who look at it.
+pub(crate) fn flatten(parts: &Parts<'_>, notes: &mut SubstitutionNotes) -> Option<Plan> {
+    let member = parts.family.member(&parts.family.root)?;
+    let plan = blank(&member.composite, parts.profile);
+    let mut flattener = Flattener {
+        parts,
+        notes,
+        plan,
+        instances: Vec::new(),
+        full: false,
+    };
+    let set = outside_settings(&member.composite, parts.context.settings, flattener.notes);
+    flattener.instance(&parts.family.root, member, None, set);
+    for index in 0..flattener.instances.len() {
+        flattener.join(index);
+    }
+    flattener.finish(member)
+}
+
+fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
+    Plan {
+        name: composite.name().value,
+        version: composite.head.version.as_ref().map(|it| it.value.clone()),
+        profile: profile.map(str::to_owned),
+        missing: Vec::new(),
+        start_order: Vec::new(),
+        properties: PropertyValues::default(),
+        brokers: Vec::new(),
+        gateways: Vec::new(),
+        bridges: Vec::new(),
+        components: Vec::new(),
+        topics: Vec::new(),
+        connections: Vec::new(),
+        wires: Vec::new(),
+        promoted: Vec::new(),
+        processes: Vec::new(),
+        restart: None,
+        record: None,
+        types: BTreeMap::new(),
+    }
+}
+
+/// The same for properties of components: by component and property.
+type Overrides = BTreeMap<(String, String), (Option<SettingValue>, Option<Span>)>;
+
+/// A composite at one place of the system.
+pub(super) struct Instance<'p> {
+    /// The names of the composites it is nested in: `Driver/`; empty for the outermost.
+    pub prefix: String,
+    /// The path of its file.
+    path: &'p str,
+    pub member: &'p Member,
+    /// Which instance it is nested in, and as which component.
+    pub parent: Option<(usize, &'p model::Component)>,
+    /// Its nested composites.
+    pub children: BTreeMap<&'p str, usize>,
+    pub scope: PropertyScope<'p>,
+    /// Promoted properties of its components that were set from outside.
+    overrides: Overrides,
+}
+
+pub(super) struct Flattener<'p, 'n> {
+    pub parts: &'p Parts<'p>,
+    pub notes: &'n mut SubstitutionNotes,
+    pub plan: Plan,
+    pub instances: Vec<Instance<'p>>,
+    /// There are too many components.
+    full: bool,
+}
+
+impl<'p> Flattener<'p, '_> {
+    /// Adds a composite and everything in it.
+    fn instance(
+        &mut self,
+        path: &'p str,
+        member: &'p Member,
+        parent: Option<(usize, &'p model::Component)>,
+        set: OutsideSettings,
+    ) -> usize {
+        let composite = &member.composite;
+        let prefix = parent.map_or(String::new(), |(parent, component)| {
+            let outer = self
+                .instances
+                .get(parent)
+                .map_or("", |parent| &parent.prefix);
+            format!("{outer}{}/", component.name.value)
+        });
+        let (own, overrides) = split(composite, set);
+        let scope = PropertyScope::new(
+            &composite.properties,
+            own,
+            self.parts.context.environment,
+            self.parts.sources,
+            self.notes,
+        );
+        if parent.is_none() {
+            let known = composite.properties.iter().filter_map(|property| {
+                let name = &property.name.value;
+                Some((name.clone(), scope.value(name)?.clone()))
+            });
+            self.plan.properties = PropertyValues(known.collect());
+        }
+        let index = self.instances.len();
+        let children = BTreeMap::new();
+        self.instances.push(Instance {
+            prefix,
+            path,
+            member,
+            parent,
+            children,
+            scope,
+            overrides,
+        });
+        self.endpoints(index, composite);
+        for component in &composite.components {
+            if check::takes_part(&component.profiles, self.parts.profile) {
+                self.component(index, member, component);
+            }
+        }
+        index
+    }
+
+    fn component(&mut self, index: usize, member: &'p Member, component: &'p model::Component) {
+        if self.plan.components.len() + self.instances.len() >= MAX_COMPONENTS {
+            if !self.full {
+                self.notes.found(TooManyComponents {
+                    at: component.name.span,
+                });
+            }
+            self.full = true;
+            return;
+        }
+        let Some(instance) = self.instances.get(index) else {
+            return;
+        };
+        let mut set = OutsideSettings::new();
+        for setting in &component.properties {
+            let value = instance.scope.node(&setting.value, self.notes);
+            set.insert(
+                setting.name.value.clone(),
+                (value, Some(setting.value.span)),
+            );
+        }
+        for ((owner, property), value) in &instance.overrides {
+            if *owner == component.name.value {
+                set.insert(property.clone(), value.clone());
+            }
+        }
+        let file = check::nested(component);
+        if let Some((path, nested)) = file.and_then(|file| self.parts.family.nested(member, file)) {
+            if self.full {
+                return;
+            }
+            let child = self.instance(path, nested, Some((index, component)), set);
+            if let Some(instance) = self.instances.get_mut(index) {
+                instance.children.insert(&component.name.value, child);
+            }
+            return;
+        }
+        if file.is_some() {
+            return;
+        }
+        let faces = self.parts.faces.get(instance.path);
+        let Some(face) = faces.and_then(|faces| faces.get(&component.name.value)) else {
+            return;
+        };
+        let Some(types) = self.parts.types.get(instance.path) else {
+            return;
+        };
+        let source = component::PartSource {
+            member,
+            component,
+            face,
+            types,
+            prefix: &instance.prefix,
+            scope: &instance.scope,
+            catalogue: self.parts.context.catalogue,
+        };
+        let mut made = component::component(&source, set, self.notes);
+        for port in made.inputs.iter_mut().chain(&mut made.outputs) {
+            port.topic = port.topic.take().map(|topic| self.topic(index, &topic));
+        }
+        self.plan.components.push(made);
+    }
+
+    /// The composite of an instance.
+    pub(super) fn composite(&self, index: usize) -> Option<&'p Composite> {
+        self.instances
+            .get(index)
+            .map(|instance| &instance.member.composite)
+    }
+
+    fn finish(mut self, member: &'p Member) -> Option<Plan> {
+        let composite = &member.composite;
+        self.gateways(composite);
+        for promotion in &composite.promotions {
+            if check::takes_part(&promotion.profiles, self.parts.profile) {
+                self.promotion(promotion);
+            }
+        }
+        self.topics(composite);
+        let nested = self.instances_by_name();
+        if let Some(outermost) = self.instances.first() {
+            let mut to = Resolver::new(&outermost.scope, &outermost.prefix, self.notes);
+            place::place(composite, &nested, &mut to, &mut self.plan);
+        }
+        self.plan.start_order = order::start_order(&self.plan);
+        self.plan.missing = self.notes.missing.clone();
+        Some(self.plan)
+    }
+
+    /// The components of each nested composite of the outermost one.
+    fn instances_by_name(&self) -> BTreeMap<&'p str, String> {
+        let outermost = self.instances.first();
+        let children = outermost
+            .into_iter()
+            .flat_map(|instance| &instance.children);
+        children
+            .filter_map(|(name, child)| Some((*name, self.instances.get(*child)?.prefix.clone())))
+            .collect()
+    }
+}
+
+/// Which of the values go to properties of the composite, and which to promoted ones.
+fn split(composite: &Composite, set: OutsideSettings) -> (OutsideSettings, Overrides) {
+    let mut own = OutsideSettings::new();
+    let mut overrides = Overrides::new();
+    for (name, value) in set {
+        let promoted = composite
+            .promotions
+            .iter()
+            .find_map(|promotion| match &promotion.what {
+                model::Promoted::Property(end) if promotion.name.value == name => Some(end),
+                _ => None,
+            });
+        match promoted {
+            Some(end) => {
+                let key = (end.component.value.clone(), end.name.value.clone());
+                overrides.insert(key, value);
+            }
+            None => {
+                own.insert(name, value);
+            }
+        }
+    }
+    (own, overrides)
+}

@@ -1,0 +1,55 @@
+//! Which process runs what.
+
+use std::collections::BTreeMap;
+
+use crate::plan::{Plan, Process};
+use asmotion_composite::model::{Composite, Scheduler};
+use asmotion_composite::table::Resolver;
+
+/// Fills in processes, restarts and recording. `nested` has the prefix of every nested composite:
+/// its components all go where the composite goes.
+pub(super) fn place(
+    composite: &Composite,
+    nested: &BTreeMap<&str, String>,
+    to: &mut Resolver<'_>,
+    plan: &mut Plan,
+) {
+    let Some(deploy) = &composite.deploy else {
+        plan.processes = vec![Process {
+            name: composite.name().value,
+            host: None,
+            components: plan.components.iter().map(|it| it.name.clone()).collect(),
+            scheduler: Scheduler::default(),
+            priority: None,
+            cpu: Vec::new(),
+        }];
+        return;
+    };
+    for process in &deploy.processes {
+        plan.processes.extend(to.of(process).map(|mut process| {
+            process.components = placed(&process.components, nested, plan);
+            process
+        }));
+    }
+    plan.restart = deploy.restart.as_ref().and_then(|it| to.of(it));
+    plan.record = deploy.record.as_ref().and_then(|it| to.of(it));
+    if let Some(record) = &mut plan.record
+        && record.topics.is_empty()
+    {
+        record.topics.push("*".to_owned());
+    }
+}
+
+/// The components of a plan that these names place.
+fn placed(names: &[String], nested: &BTreeMap<&str, String>, plan: &Plan) -> Vec<String> {
+    let is_placed = |component: &str| {
+        names.iter().any(|name| match nested.get(name.as_str()) {
+            Some(prefix) => component.starts_with(prefix),
+            None => component == name,
+        })
+    };
+    let components = plan.components.iter().map(|it| it.name.clone());
+    components
+        .filter(|component| is_placed(component))
+        .collect()
+}

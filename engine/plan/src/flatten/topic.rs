@@ -1,0 +1,129 @@
+//! Topics: what each is called in the whole system, who writes it, who reads it.
+
+use std::collections::BTreeMap;
+
+use asmotion_component::HEALTH_TOPIC;
+
+use super::Flattener;
+use crate::joint::Topic;
+use crate::plan::{End, Terminal};
+use asmotion_composite::check;
+use asmotion_composite::model::{self, Composite, PlannedSending};
+use asmotion_composite::table::Resolver;
+
+impl Flattener<'_, '_> {
+    /// What a topic is called in the whole system: a nested composite keeps its topics to itself,
+    /// unless it promotes them.
+    pub(super) fn topic(&self, index: usize, name: &str) -> String {
+        // everywhere the same: how the bus of the whole system is
+        if name == HEALTH_TOPIC {
+            return name.to_owned();
+        }
+        let Some(instance) = self.instances.get(index) else {
+            return name.to_owned();
+        };
+        let Some((parent, component)) = instance.parent else {
+            return name.to_owned();
+        };
+        let promotion = instance.member.composite.promotions.iter().find(|promotion| {
+            check::takes_part(&promotion.profiles, self.parts.profile)
+                && matches!(&promotion.what, model::Promoted::Topic(topic) if topic.value == name)
+        });
+        match promotion {
+            Some(promotion) => self.topic(parent, &check::topic(component, &promotion.name.value)),
+            None => format!("{}{name}", instance.prefix),
+        }
+    }
+
+    /// Collects the topics out of ports and connections.
+    pub(super) fn topics(&mut self, composite: &Composite) {
+        let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
+        let mut roles: Vec<(String, End, bool)> = Vec::new();
+        for component in &self.plan.components {
+            for (ports, writes) in [(&component.inputs, false), (&component.outputs, true)] {
+                for port in ports {
+                    if let Some(topic) = &port.topic {
+                        let (component, name) = (component.name.clone(), port.name.clone());
+                        roles.push((topic.clone(), End { component, name }, writes));
+                    }
+                }
+            }
+        }
+        for connection in &self.plan.connections {
+            match (&connection.from, &connection.to) {
+                (Terminal::Port(end), Terminal::Topic(topic)) => {
+                    roles.push((topic.clone(), end.clone(), true));
+                }
+                (Terminal::Topic(topic), Terminal::Port(end)) => {
+                    roles.push((topic.clone(), end.clone(), false));
+                }
+                // the others are not about topics; the checker refuses topics joined to topics
+                (Terminal::Port(_), Terminal::Port(_))
+                | (Terminal::Mqueue(_), _)
+                | (_, Terminal::Mqueue(_))
+                | (Terminal::Topic(_), Terminal::Topic(_)) => {}
+            }
+        }
+        for (name, end, writes) in roles {
+            let kind = self.kind(&end, writes);
+            let topic = topics.entry(name.clone()).or_insert_with(|| Topic {
+                name: name.clone(),
+                kind: None,
+                promoted: false,
+                sending: PlannedSending {
+                    name,
+                    confirm: None,
+                    outage: None,
+                    size: None,
+                    codec: None,
+                },
+                publishers: Vec::new(),
+                subscribers: Vec::new(),
+            });
+            topic.kind = topic.kind.take().or(kind);
+            match writes {
+                true => topic.publishers.push(end),
+                false => topic.subscribers.push(end),
+            }
+        }
+        for promotion in &composite.promotions {
+            if let model::Promoted::Topic(topic) = &promotion.what
+                && check::takes_part(&promotion.profiles, self.parts.profile)
+                && let Some(topic) = topics.get_mut(&topic.value)
+            {
+                topic.promoted = true;
+            }
+        }
+        self.sending(&mut topics);
+        self.plan.topics = topics.into_values().collect();
+    }
+
+    /// How the composites want topics sent; of a topic that two share, the outer one says it.
+    fn sending(&mut self, topics: &mut BTreeMap<String, Topic>) {
+        for (index, instance) in self.instances.iter().enumerate() {
+            for written in &instance.member.composite.topics {
+                let name = self.topic(index, &written.name.value);
+                let mut to = Resolver::new(&instance.scope, &instance.prefix, self.notes);
+                let (Some(topic), Some(outer)) = (topics.get_mut(&name), to.of(written)) else {
+                    continue;
+                };
+                let sending = &mut topic.sending;
+                sending.confirm = sending.confirm.or(outer.confirm);
+                sending.outage = sending.outage.or(outer.outage);
+                sending.size = sending.size.or(outer.size);
+                sending.codec = sending.codec.or(outer.codec);
+            }
+        }
+    }
+
+    fn kind(&self, end: &End, writes: bool) -> Option<String> {
+        let component = self.plan.component(&end.component)?;
+        let ports = if writes {
+            &component.outputs
+        } else {
+            &component.inputs
+        };
+        let port = ports.iter().find(|port| port.name == end.name)?;
+        (!port.kind.is_empty()).then(|| port.kind.clone())
+    }
+}

@@ -1,0 +1,27 @@
+//! Checked composites, flattened: a plan is a composite in one profile, with nested composites opened, substitutions made
+//! and defaults filled in. It can be started, drawn, described, and written as a composite again.
+
+mod codes;
+mod component;
+mod connection_route;
+mod expand;
+mod flatten;
+mod graph;
+mod joint;
+mod opened;
+mod part;
+mod plan;
+mod route;
+
+pub use codes::CODES;
+pub use component::{Asm, BuiltinSettings, Component, Implementation, Port, Service};
+pub use connection_route::{ConnectionRoute, RouteTransport};
+pub use expand::{beside, expand};
+pub use graph::Dependency;
+pub use joint::{Connection, Promoted, Topic};
+pub use opened::{Opened, open, summary};
+pub use part::Part;
+pub use plan::{
+    Bridge, Broker, End, Endpoint, Gateway, Lifecycle, Pace, Plan, Policy, Process, PropertyValues,
+    Record, Restart, Terminal, Wire,
+};

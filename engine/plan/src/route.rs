@@ -1,0 +1,126 @@
+//! Over which broker what goes, and through which gateway.
+//!
+//! A component's broker is the one that [`asmotion_composite::model::Composite::broker_of`] gave it; where no component has one, all are
+//! on the only one there is.
+
+use std::collections::BTreeSet;
+
+use crate::component::Component;
+use crate::joint::Promoted;
+use crate::part::Part;
+use crate::plan::{Broker, End, Gateway, Plan, Wire};
+use asmotion_composite::model::Transport;
+
+impl Plan {
+    /// Whether components, wires or promotions say over which broker they go.
+    pub fn names_brokers(&self) -> bool {
+        let of_components = self.components.iter().map(|it| &it.pace.broker);
+        let of_wires = self.wires.iter().map(|it| &it.broker);
+        let of_promotions = self.promoted.iter().map(|it| &it.broker);
+        let mut all = of_components.chain(of_wires).chain(of_promotions);
+        all.any(Option::is_some)
+    }
+
+    /// The broker that a component is on.
+    pub fn broker_of(&self, component: &str) -> Option<&str> {
+        let named = |it: &'_ Component| it.pace.broker.is_some();
+        match (self.components.iter().any(named), &*self.brokers) {
+            (true, _) => self.component(component)?.pace.broker.as_deref(),
+            (false, [only]) => Some(&only.name),
+            (false, _) => None,
+        }
+    }
+
+    /// The broker that a wire goes over where it does not stay inside: its own, that of the caller, that of the service.
+    pub fn broker_of_wire<'p>(&'p self, wire: &'p Wire) -> Option<&'p str> {
+        let of_ends = || {
+            let mut ends = std::iter::once(&wire.reference).chain(&wire.services);
+            ends.find_map(|end| self.broker_of(&end.component))
+        };
+        wire.broker.as_deref().or_else(of_ends)
+    }
+
+    /// Where a service is offered to those outside of a part: its name there, and the broker.
+    pub fn doors(
+        &self,
+        component: &str,
+        service: &str,
+        part: &Part,
+    ) -> Vec<(String, Option<&str>)> {
+        let own = format!("{component}.{service}");
+        let mut doors = vec![(own.clone(), self.broker_of(component))];
+        for wire in &self.wires {
+            let is_wired = wire.services.iter().any(|end| end.to_string() == own);
+            if is_wired && (wire.goes_abroad() || !part.has(&wire.reference.component)) {
+                doors.push((own.clone(), self.broker_of_wire(wire)));
+            }
+        }
+        let end = End {
+            component: component.to_owned(),
+            name: service.to_owned(),
+        };
+        let promoted = self.promoted_over_brokers(&end);
+        doors.extend(promoted.map(|(name, broker)| (name.to_owned(), broker)));
+        doors
+    }
+
+    /// The names that a service is promoted under over brokers, and which.
+    pub fn promoted_over_brokers<'p>(
+        &'p self,
+        service: &End,
+    ) -> impl Iterator<Item = (&'p str, Option<&'p str>)> {
+        let inside = service.to_string();
+        let own = self.broker_of(&service.component);
+        let promoted = self.promoted.iter();
+        let promoted =
+            promoted.filter(move |it| it.is_served_over(Transport::Amqp) && it.inside == inside);
+        promoted.map(move |it| (it.name.as_str(), it.broker.as_deref().or(own)))
+    }
+
+    /// The gateways through which a part of the system is called, each with what is promoted there.
+    pub fn gateways_of(&self, part: &Part) -> Vec<(&Gateway, Vec<&Promoted>)> {
+        let is_here = |promoted: &Promoted| {
+            let (component, _) = promoted.inside.split_once('.').unwrap_or_default();
+            part.has(component)
+        };
+        let through = |gateway: &Gateway| {
+            let promoted = self.promoted.iter().filter(|it| {
+                let is_its = it.gateway.as_ref() == Some(&gateway.name);
+                is_its && it.is_served_over(Transport::Http) && is_here(it)
+            });
+            promoted.collect::<Vec<_>>()
+        };
+        let gateways = self.gateways.iter().map(|it| (it, through(it)));
+        gateways
+            .filter(|(_, promoted)| !promoted.is_empty())
+            .collect()
+    }
+
+    /// The brokers that a part of the system speaks to.
+    pub fn brokers_of(&self, part: &Part) -> Vec<&Broker> {
+        let here = self.components.iter().filter(|it| part.has(&it.name));
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        for component in here {
+            names.extend(self.broker_of(&component.name));
+            for service in &component.services {
+                let doors = self.doors(&component.name, &service.name, part);
+                names.extend(doors.into_iter().filter_map(|(_, broker)| broker));
+            }
+        }
+        let calls = self
+            .wires
+            .iter()
+            .filter(|it| part.has(&it.reference.component));
+        let leaves = |wire: &&Wire| {
+            let mut services = wire.services.iter();
+            wire.goes_abroad() || services.any(|service| !part.has(&service.component))
+        };
+        names.extend(
+            calls
+                .filter(leaves)
+                .filter_map(|it| self.broker_of_wire(it)),
+        );
+        let brokers = self.brokers.iter();
+        brokers.filter(|it| names.contains(&*it.name)).collect()
+    }
+}

@@ -1,0 +1,153 @@
+//! A composite, opened up and written as one, can be checked and expands to itself.
+#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
+
+mod support;
+
+use std::sync::Arc;
+
+use asmotion_composite::{AsmFiles, Context, Tables};
+use asmotion_diagnostics::{LoadError, Loader};
+use asmotion_plan::{Opened, expand};
+use support::{Files, Variables};
+
+/// The files of a folder, and one more.
+struct With<'w> {
+    files: Files,
+    name: &'w str,
+    text: &'w str,
+}
+
+impl Loader for With<'_> {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        match path == self.name {
+            true => Ok(Arc::from(self.text)),
+            false => self.files.read(path),
+        }
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        match import == self.name {
+            true => Some(import.to_owned()),
+            false => self.files.resolve(from, import),
+        }
+    }
+}
+
+fn open(loader: &dyn Loader, file: &str) -> Opened {
+    let context = Context {
+        loader,
+        environment: &Variables,
+        catalogue: &Tables::EMPTY,
+        specifications: &AsmFiles::new(loader),
+        settings: &[],
+    };
+    asmotion_plan::open(file, &context)
+}
+
+/// The expansions of a composite, by profile; each was expanded once more, to the same.
+fn expansions(folder: &str, file: &str) -> Vec<String> {
+    let opened = open(&Files::new(folder), file);
+    let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
+        true => vec![None],
+        false => opened.profiles.iter().map(|it| Some(it.as_str())).collect(),
+    };
+    let plans = profiles
+        .into_iter()
+        .filter_map(|profile| opened.plan(profile));
+    // without its variables nobody knows what a composite is
+    let plans = plans.filter(|plan| plan.missing.is_empty());
+    let expand_again = |plan| {
+        let text = expand(&opened, plan);
+        let name = "expanded.toml";
+        let loader = With {
+            files: Files::new(folder),
+            name,
+            text: &text,
+        };
+        let again = open(&loader, name);
+        let said = support::render::report(&again.sources, &again.report);
+        let Some(plan) = again.plan(None) else {
+            panic!("{file}\n{text}\n{said}");
+        };
+        assert!(!again.report.has_errors(), "{file}\n{said}");
+        assert_eq!(expand(&again, plan), text, "{file}");
+        text
+    };
+    plans.map(expand_again).collect()
+}
+
+#[test]
+fn c11_three_composites_in_each_other_are_opened_up() {
+    let expansions = expansions("tests/composites", "c11_three_levels.toml");
+    insta::assert_snapshot!(expansions.first().expect("an expansion"));
+}
+
+#[test]
+fn c12_a_promoted_property_overrides_the_one_inside() {
+    let expansions = expansions("tests/composites", "c11_three_levels.toml");
+    let text = expansions.first().expect("an expansion");
+    let (_, motor) = text
+        .split_once("[components.\"Robot/Base/Motor\"]")
+        .expect("the motor");
+    let (_, properties) = motor.split_once("\nproperties = ").expect("its properties");
+    let line = properties.lines().next();
+    assert_eq!(line, Some("{ gain = 2.5, wheels = 4, colour = \"red\" }"));
+}
+
+#[test]
+fn it_expands_every_composite_of_this_repository_to_itself() {
+    for folder in ["navigation", "youbot", "courier"] {
+        let folder = format!("../../specs/{folder}");
+        for entry in std::fs::read_dir(&folder).expect("a folder") {
+            let file = entry.expect("an entry").file_name();
+            let file = file.to_str().expect("a name");
+            if file.ends_with(".composite.toml") {
+                assert!(!expansions(&folder, file).is_empty(), "{file}");
+            }
+        }
+    }
+    for file in std::fs::read_dir("tests/composites").expect("a folder") {
+        let file = file.expect("an entry").file_name();
+        let file = file.to_str().expect("a name");
+        if file.ends_with(".toml") {
+            expansions("tests/composites", file);
+        }
+    }
+}
+
+#[test]
+fn ends_that_share_one_queue_stay_together() {
+    let text = "schema = \"composite/1\"\n[composite]\nname = \"shared\"\n\
+        [components.A]\nimplementation = { process = \"a\" }\nports.out = { n = \"f64\", m = \"f64\" }\n\
+        [components.B]\nimplementation = { process = \"b\" }\nports.in = { n = \"f64\", m = \"f64\" }\n\
+        [[connections]]\nfrom = [\"A.n\", \"A.m\"]\nto = [\"B.n\", \"B.m\"]\n\
+        policy = { type = \"buffer\", size = 8, buffer = \"shared\" }\n";
+    let loader = With {
+        files: Files::new("tests/composites"),
+        name: "shared.toml",
+        text,
+    };
+    let opened = open(&loader, "shared.toml");
+    let expanded = expand(&opened, opened.plan(None).expect("a plan"));
+    assert_eq!(expanded.matches("[[connections]]").count(), 1, "{expanded}");
+    assert!(
+        expanded.contains("from = [\"A.n\", \"A.m\"]\nto = [\"B.n\", \"B.m\"]"),
+        "{expanded}"
+    );
+}
+
+#[test]
+fn it_shows_no_secret() {
+    let text = "schema = \"composite/1\"\n[composite]\nname = \"secret\"\n[properties]\nword = { type = \"secret\", default = \"${ROBOT_PASSWORD_FILE}\" }\n\
+        [brokers.main]\nurl = \"amqp://${ROBOT_USER}:${ROBOT_PASSWORD_FILE}@desk\"\n\
+        [components.A]\nimplementation = { process = \"a\" }\nproperties = { word = \"${properties.word}\" }\ntask = { broker = \"main\" }\n";
+    let loader = With {
+        files: Files::new("tests/composites"),
+        name: "secret.toml",
+        text,
+    };
+    let opened = open(&loader, "secret.toml");
+    let expanded = expand(&opened, opened.plan(None).expect("a plan"));
+    assert!(!expanded.contains("geheim"), "{expanded}");
+    assert_eq!(expanded.matches("***").count(), 2, "{expanded}");
+}

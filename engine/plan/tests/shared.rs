@@ -1,0 +1,225 @@
+//! The composites of `shared/specs`: no error in any profile, and the five mistakes of robotics
+//! §4.4 when they are planted in them. Left out, with a notice, where the folder is not there.
+#![allow(clippy::expect_used, reason = "tests")]
+
+mod support;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use asmotion_composite::{AsmFiles, Context, Tables};
+use asmotion_diagnostics::{LoadError, Loader, Severity};
+use asmotion_plan::Opened;
+use support::{Files, Variables};
+
+const FOLDER: &str = "../../../shared/specs";
+
+fn is_there() -> bool {
+    let there = Path::new(FOLDER).is_dir();
+    if !there {
+        eprintln!("left out: there is no {FOLDER}");
+    }
+    there
+}
+
+/// The files, one of them changed.
+struct Changed<'c> {
+    files: Files,
+    path: &'c str,
+    from: &'c str,
+    to: &'c str,
+}
+
+impl Loader for Changed<'_> {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        let text = self.files.read(path)?;
+        if path != self.path {
+            return Ok(text);
+        }
+        assert!(text.contains(self.from), "`{}` is not in {path}", self.from);
+        Ok(Arc::from(text.replacen(self.from, self.to, 1)))
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        self.files.resolve(from, import)
+    }
+}
+
+fn open(loader: &dyn Loader, file: &str) -> Opened {
+    let specifications = AsmFiles::new(loader);
+    let context = Context {
+        loader,
+        environment: &Variables,
+        catalogue: &Tables::EMPTY,
+        specifications: &specifications,
+        settings: &[],
+    };
+    asmotion_plan::open(file, &context)
+}
+
+fn errors(opened: &Opened) -> Vec<String> {
+    let errors = opened.report.diagnostics.iter();
+    let errors = errors.filter(|finding| finding.severity == Severity::Error);
+    errors
+        .map(|finding| format!("{}: {}", finding.code, finding.message))
+        .collect()
+}
+
+#[test]
+fn it_finds_no_error_in_any_of_them() {
+    if !is_there() {
+        return;
+    }
+    for file in ["navigation", "youbot", "youbot_driver"] {
+        let path = format!("{file}.composite.toml");
+        let opened = open(&Files::new(FOLDER), &path);
+        let rendered = support::render::report(&opened.sources, &opened.report);
+        assert_eq!(errors(&opened), [""; 0], "{rendered}");
+        insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+            insta::assert_snapshot!(format!("shared_{file}"), rendered);
+        });
+        let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
+            true => vec![None],
+            false => opened
+                .profiles
+                .iter()
+                .map(|name| Some(name.as_str()))
+                .collect(),
+        };
+        for profile in profiles {
+            let plan = format!("{:#?}", opened.plan(profile).expect("a plan"));
+            let name = format!("plan_{file}_{}", profile.unwrap_or("any"));
+            insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+                insta::assert_snapshot!(name, plan);
+            });
+        }
+    }
+}
+
+#[test]
+fn it_finds_no_error_in_the_composites_of_this_repository() {
+    let specs = Path::new("../../specs");
+    let Ok(folders) = std::fs::read_dir(specs) else {
+        eprintln!("left out: there is no {}", specs.display());
+        return;
+    };
+    for folder in folders {
+        let folder = folder.expect("an entry").path();
+        let Ok(entries) = std::fs::read_dir(&folder) else {
+            continue;
+        };
+        for entry in entries {
+            let name = entry
+                .expect("an entry")
+                .file_name()
+                .into_string()
+                .expect("a name");
+            if name.ends_with(".composite.toml") {
+                let opened = open(&Files::new(&folder.to_string_lossy()), &name);
+                let rendered = support::render::report(&opened.sources, &opened.report);
+                assert_eq!(errors(&opened), [""; 0], "{rendered}");
+            }
+        }
+    }
+}
+
+fn planted(path: &str, from: &str, to: &str, file: &str) -> Vec<String> {
+    let loader = Changed {
+        files: Files::new(FOLDER),
+        path,
+        from,
+        to,
+    };
+    errors(&open(&loader, file))
+}
+
+#[test]
+fn it_finds_a_misspelt_port_and_the_input_that_nobody_drives() {
+    if !is_there() {
+        return;
+    }
+    let path = "youbot_driver.composite.toml";
+    let found = planted(
+        path,
+        "to     = \"youBotDriver.commands\"",
+        "to = \"youBotDriver.command\"",
+        path,
+    );
+    assert_eq!(
+        found,
+        [
+            "C045: nothing is connected to input `youBotDriver.commands`",
+            "C021: `youBotDriver` has no port `command`",
+        ]
+    );
+}
+
+#[test]
+fn it_finds_a_clash_of_types() {
+    if !is_there() {
+        return;
+    }
+    let path = "youbot_driver.composite.toml";
+    let found = planted(
+        path,
+        "to     = \"youBotDriver.commands\"",
+        "to = \"youBotDriver.period\"",
+        path,
+    );
+    assert_eq!(
+        found,
+        [
+            "C045: nothing is connected to input `youBotDriver.commands`",
+            "C042: `SCAyouBotDriver.commands` is `youbot/JointCommand`, but `youBotDriver.period` is `f64`",
+            "C043: `youBotDriver.period` keeps the last value, and two write it",
+        ]
+    );
+}
+
+#[test]
+fn it_finds_a_misspelt_rename() {
+    if !is_there() {
+        return;
+    }
+    let path = "navigation.composite.toml";
+    let found = planted(
+        path,
+        "{ trajectory = \"plan\"",
+        "{ trajectroy = \"plan\"",
+        path,
+    );
+    assert_eq!(
+        found,
+        [
+            "C052: `TrajectoryPlanner` neither subscribes nor publishes `trajectroy`, so it cannot be renamed"
+        ]
+    );
+    // the connection that dangles because of it
+    let loader = Changed {
+        files: Files::new(FOLDER),
+        path,
+        from: "{ trajectory = \"plan\"",
+        to: "{ trajectroy = \"plan\"",
+    };
+    let opened = open(&loader, path);
+    let silent = opened
+        .report
+        .diagnostics
+        .iter()
+        .any(|it| it.message == "no component publishes `plan`");
+    assert!(silent);
+}
+
+#[test]
+fn it_finds_a_forgotten_wire() {
+    if !is_there() {
+        return;
+    }
+    let wire = "[[wires]]\nreference = \"Monitor.period\"\nservice   = \"Driver.settingPeriod\"\nbinding   = \"amqp\"\n";
+    let path = "youbot.composite.toml";
+    let found = planted(path, wire, "", path);
+    assert_eq!(
+        found,
+        ["C031: reference `Monitor.period` is neither wired nor promoted"]
+    );
+}

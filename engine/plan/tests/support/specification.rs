@@ -1,0 +1,119 @@
+//! A signature read line by line: enough of AsmetaL for the tests, and no more.
+//! One with annotations is read by those who know them.
+
+use asmotion_composite::AsmFiles;
+use asmotion_composite::signature::{
+    Codomain, FunctionInfo, FunctionKind, Signature, Specifications,
+};
+use asmotion_diagnostics::{Loader, Report, Sources, Span};
+
+use super::Files;
+
+impl Specifications for Files {
+    fn open(
+        &self,
+        path: &str,
+        sources: &mut Sources,
+    ) -> Result<Option<Box<dyn Signature>>, Report> {
+        let Ok(text) = self.read(path) else {
+            return Ok(None);
+        };
+        if text.contains("//@") {
+            return AsmFiles::new(self).open(path, sources);
+        }
+        let file = sources.add(path, text.clone());
+        let mut scanner = Scanner::default();
+        let mut offset = 0;
+        for line in text.split_inclusive('\n') {
+            let start = offset + line.len() - line.trim_start().len();
+            scanner.line(line.trim(), |length| Span::new(file, start, start + length));
+            offset += line.len();
+        }
+        Ok(Some(Box::new(scanner)))
+    }
+}
+
+/// The functions of a specification.
+#[derive(Default)]
+pub struct Scanner {
+    domains: Vec<(String, Vec<String>, Span)>,
+    functions: Vec<(FunctionKind, String, String, Span)>,
+    main: Option<(String, Span)>,
+}
+
+impl Scanner {
+    fn line(&mut self, line: &str, span: impl Fn(usize) -> Span) {
+        if let Some(rest) = line.strip_prefix("enum domain ")
+            && let Some((name, literals)) = rest.split_once('=')
+        {
+            let literals = literals.trim().trim_matches(['{', '}']).split('|');
+            let literals = literals.map(|literal| literal.trim().to_owned()).collect();
+            self.domains
+                .push((name.trim().to_owned(), literals, span(line.len())));
+        }
+        if let Some(rest) = line.strip_prefix("main rule ") {
+            let name: String = rest
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect();
+            self.main = Some((name, span(line.len())));
+        }
+        let kinds = [
+            FunctionKind::Monitored,
+            FunctionKind::Shared,
+            FunctionKind::Out,
+            FunctionKind::Controlled,
+            FunctionKind::Static,
+        ];
+        for kind in kinds {
+            if let Some(rest) = line.strip_prefix(kind.word())
+                && let Some((name, domains)) =
+                    rest.strip_prefix(' ').and_then(|it| it.split_once(':'))
+            {
+                let domains = domains.trim().to_owned();
+                self.functions
+                    .push((kind, name.trim().to_owned(), domains, span(line.len())));
+            }
+        }
+    }
+
+    fn codomain(&self, name: &str) -> Codomain {
+        match name {
+            "Boolean" => Codomain::Boolean,
+            "Integer" | "Natural" => Codomain::Integer,
+            "Real" => Codomain::Real,
+            "String" => Codomain::Text,
+            _ => match self.domains.iter().find(|(domain, _, _)| domain == name) {
+                Some((name, literals, declared)) => Codomain::Enum {
+                    name: name.clone(),
+                    literals: literals.clone(),
+                    declared: Some(*declared),
+                },
+                None => Codomain::Other(name.to_owned()),
+            },
+        }
+    }
+}
+
+impl Signature for Scanner {
+    fn functions(&self) -> Vec<FunctionInfo> {
+        let functions = self
+            .functions
+            .iter()
+            .map(|(kind, name, domains, declared)| {
+                let (domain, codomain) = domains.split_once(" -> ").unwrap_or(("", domains));
+                FunctionInfo {
+                    name: name.clone(),
+                    kind: *kind,
+                    domain: domain.to_owned(),
+                    codomain: self.codomain(codomain),
+                    declared: *declared,
+                }
+            });
+        functions.collect()
+    }
+
+    fn main_rule(&self) -> Option<(String, Span)> {
+        self.main.clone()
+    }
+}
