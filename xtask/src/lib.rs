@@ -15,6 +15,7 @@ pub mod graph;
 pub mod history;
 pub mod licences;
 pub mod lines;
+pub mod module_laws;
 pub mod modules;
 pub mod new_component;
 pub mod printing;
