@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::LazyLock;
 use xtask::checkout::Checkout;
-use xtask::debts::{self, HouseDebts};
-use xtask::{printing, type_names};
+use xtask::type_names::{self, NameReuse};
+use xtask::{module_laws, modules, printing};
 
 /// The crates by layer, lowest first; a crate depends only on lower layers.
 const FLOORS: &[&[&str]] = &[
@@ -222,21 +222,25 @@ fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
     }
 }
 
-/// Names used through `lib.rs`, upward dependencies between first-level modules, cycles of more than five files, type
-/// names with several meanings, `_ =>` beside our own variants, and errors without a message.
+/// Inside a crate: names from their modules, no cycle of first-level modules, no large cycle of files.
 #[test]
-fn debts_only_shrink() {
+fn modules_keep_the_laws_of_the_house() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let record = std::fs::read_to_string(root.join(debts::RECORD)).expect(debts::RECORD);
-    let recorded = HouseDebts::parse(&record).expect(debts::RECORD);
-    let now = HouseDebts::of(&Checkout::working_tree(root).expect("the sources"));
-    let grown = now.grown(&recorded);
-    assert!(grown.is_empty(), "{}", grown.join("\n"));
-    assert_eq!(
-        recorded,
-        now.lowered(&recorded),
-        "the code is better than {} allows: run `cargo xtask debts`",
-        debts::RECORD
+    let crates = modules::of(&Checkout::working_tree(root).expect("the sources"));
+    assert!(crates.len() > FLOORS.len());
+    let found = module_laws::breaches(&crates);
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn type_names_have_one_meaning() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let checkout = Checkout::working_tree(root).expect("the sources");
+    let reuse = NameReuse::of(&type_names::definitions(&checkout));
+    let percent = reuse.percent();
+    assert!(
+        percent < 8.0,
+        "{percent:.1} % are reused: `cargo xtask names` lists them"
     );
 }
 

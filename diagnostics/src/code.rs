@@ -1,6 +1,6 @@
 //! Diagnostic codes and their pages.
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::severity::Severity;
 use std::fmt;
 
 /// A stable diagnostic code and its page, printed by `asmotion check --explain`.
@@ -63,15 +63,4 @@ impl PartialEq<str> for Code {
 pub trait Coded {
     /// Returns the code of this finding.
     fn code(&self) -> &'static Code;
-}
-
-/// A finding as facts: `Display` is the message, [`Finding::explain`] adds the labels and the fix.
-pub trait Finding: Coded + fmt::Display {
-    /// Adds labels, notes, helps and a fix to a diagnostic that has only its code and message.
-    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic;
-
-    /// Renders the finding as a [`Diagnostic`].
-    fn diagnostic(&self) -> Diagnostic {
-        self.explain(Diagnostic::new(self.code(), self))
-    }
 }

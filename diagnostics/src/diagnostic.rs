@@ -2,16 +2,8 @@
 
 use crate::code::Code;
 use crate::fix::Fix;
+use crate::severity::Severity;
 use crate::span::Span;
-
-/// Severity of a finding, fixed by its code; errors order before warnings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Severity {
-    /// The specification or composite cannot be used.
-    Error,
-    /// Usable, but probably not as intended.
-    Warning,
-}
 
 /// A span and a text that annotates it.
 #[derive(Clone, Debug, PartialEq, Eq)]

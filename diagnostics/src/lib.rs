@@ -6,21 +6,27 @@
 //! [`apply`], [`similar`] finds the name that was probably meant, and [`render()`] formats a
 //! diagnostic as text. Nothing here prints or reads a file: texts come from a [`Loader`].
 
+mod apply;
 mod code;
 mod diagnostic;
+mod finding;
 mod fix;
 mod loader;
 mod render;
+mod severity;
 mod similar;
 mod sources;
 mod span;
 
+pub use apply::{Fixed, apply};
 pub use asmotion_diagnostics_derive::Coded;
-pub use code::{Code, Coded, Finding};
-pub use diagnostic::{Diagnostic, Label, Report, Severity};
-pub use fix::{Applicability, Edit, Fix, Fixed, apply};
+pub use code::{Code, Coded};
+pub use diagnostic::{Diagnostic, Label, Report};
+pub use finding::Finding;
+pub use fix::{Applicability, Edit, Fix};
 pub use loader::{LoadError, Loader};
 pub use render::{Style, concise, render, render_all};
+pub use severity::Severity;
 pub use similar::similar;
 pub use sources::Sources;
 pub use span::{FileId, Span};

@@ -1,7 +1,8 @@
 //! Diagnostics as text, in a long form with snippets and a concise one.
 
-use crate::diagnostic::{Diagnostic, Label, Report, Severity};
+use crate::diagnostic::{Diagnostic, Label, Report};
 use crate::fix::{Edit, Fix};
+use crate::severity::Severity;
 use crate::sources::Sources;
 use crate::span::FileId;
 use annotate_snippets::renderer::DecorStyle;

@@ -1,24 +1,27 @@
 //! `asmotion test`: runs scenarios.
 
 mod coverage;
+mod difference;
 mod find;
 mod junit;
 mod report;
+mod result;
 mod review;
 pub(super) mod snapshot;
 
+use self::result::{TestEnd, TestResult};
 use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::terminal::TerminalOutput;
 use asmotion_lang::coverage::Coverage;
 use asmotion_lang::scenario::{ScenarioResult, ScenarioSettings};
-use asmotion_lang::simulate::scenario::{ScenarioOptions, Verdict};
-use asmotion_lang::{OpenFailure, Report, Sources, hir};
+use asmotion_lang::simulate::scenario::ScenarioOptions;
+use asmotion_lang::{OpenFailure, hir};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Runs scenarios: single files, or all of a folder.
 ///
@@ -71,69 +74,6 @@ pub struct Test {
     /// Writes a JUnit report
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-}
-
-/// The result of one scenario.
-struct TestResult {
-    /// Path as it was found.
-    path: PathBuf,
-    /// Name of the scenario.
-    name: String,
-    end: TestEnd,
-    steps: u64,
-    checks: u64,
-    took: Duration,
-    /// Findings, and the texts they refer to.
-    report: Report,
-    sources: Sources,
-    /// Coverage, if requested.
-    coverage: Option<Coverage>,
-    /// Difference between a snapshot and the run, if there is one.
-    difference: Option<snapshot::SnapshotDifference>,
-}
-
-impl TestResult {
-    /// A result that is `Unusable` until the scenario has run.
-    fn unusable(path: PathBuf) -> Self {
-        Self {
-            path,
-            name: String::new(),
-            end: TestEnd::Unusable,
-            steps: 0,
-            checks: 0,
-            took: Duration::ZERO,
-            report: Report::new(),
-            sources: Sources::new(),
-            coverage: None,
-            difference: None,
-        }
-    }
-}
-
-/// How a scenario ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum TestEnd {
-    /// Ran to a verdict.
-    Ran(Verdict),
-    /// Cannot be run.
-    Unusable,
-}
-
-impl TestEnd {
-    fn word(self) -> &'static str {
-        match self {
-            Self::Ran(verdict) => verdict.word(),
-            Self::Unusable => "unusable",
-        }
-    }
-
-    fn exit(self) -> Exit {
-        match self {
-            Self::Ran(Verdict::Pass) => Exit::Ok,
-            Self::Ran(Verdict::Fail | Verdict::Invariant | Verdict::Fault) => Exit::Findings,
-            Self::Unusable => Exit::Usage,
-        }
-    }
 }
 
 impl Test {

@@ -8,13 +8,13 @@
 pub mod arms;
 pub mod build_cost;
 pub mod checkout;
-pub mod debts;
 pub mod doc_blocks;
 pub mod functions;
 pub mod graph;
 pub mod history;
 pub mod licences;
 pub mod lines;
+pub mod module_laws;
 pub mod modules;
 pub mod new_component;
 pub mod printing;

@@ -11,7 +11,6 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use xtask::checkout::Checkout;
-use xtask::debts::{self, HouseDebts};
 use xtask::modules::{self, CrateModules};
 use xtask::{build_cost, graph, new_component, report, table, type_names};
 
@@ -36,12 +35,6 @@ enum Chore {
         /// Replace the table in docs/house.md instead of printing it
         #[arg(long)]
         write: bool,
-    },
-    /// Lowers the recorded debts in tests/house.toml to what they are now
-    Debts {
-        /// Record debts that have grown, too
-        #[arg(long)]
-        grow: bool,
     },
     /// Lists the cycles of files and of first-level modules, and the arrows that climb
     Cycles {
@@ -97,7 +90,6 @@ fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
     let root = root();
     match chore {
         Chore::House { at, write } => house(&root, &at, write),
-        Chore::Debts { grow } => debts(&root, grow),
         Chore::Cycles { package } => cycles(&root, package.as_deref()),
         Chore::Hubs { package } => hubs(&root, package.as_deref()),
         Chore::NewComponent { name } => make_component(&root, &name),
@@ -185,21 +177,6 @@ fn names(root: &Path) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-fn debts(root: &Path, grow: bool) -> Result<(), Box<dyn Error>> {
-    let path = root.join(debts::RECORD);
-    let now = HouseDebts::of(&Checkout::working_tree(root)?);
-    if grow {
-        std::fs::write(path, now.to_toml())?;
-        return Ok(());
-    }
-    let recorded = HouseDebts::parse(&std::fs::read_to_string(&path)?)?;
-    std::fs::write(path, now.lowered(&recorded).to_toml())?;
-    match now.grown(&recorded).as_slice() {
-        [] => Ok(()),
-        grown => Err(grown.join("\n").into()),
-    }
 }
 
 /// Returns the modules of all crates, or of those of one package.

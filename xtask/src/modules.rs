@@ -521,3 +521,59 @@ fn token_paths(tokens: TokenStream, found: &mut Vec<(Vec<String>, usize)>) {
         token_paths(stream, found);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{CrateModules, of};
+    use crate::checkout::Checkout;
+
+    /// The modules of a crate with these files in `src`.
+    fn modules(files: &[(&str, &str)]) -> CrateModules {
+        let folder = tempfile::tempdir().unwrap();
+        let manifest = "[package]\nname = \"one\"\n";
+        std::fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
+        std::fs::create_dir(folder.path().join("src")).unwrap();
+        for (name, text) in files {
+            std::fs::write(folder.path().join("src").join(name), text).unwrap();
+        }
+        let checkout = Checkout::working_tree(folder.path()).unwrap();
+        of(&checkout).pop().unwrap()
+    }
+
+    fn hub_uses(text: &str) -> Vec<String> {
+        let root = "mod a; mod b; mod generated; pub use b::Name;";
+        let found = modules(&[
+            ("lib.rs", root),
+            ("a.rs", text),
+            ("b.rs", "pub struct Name;"),
+        ]);
+        found.hub_uses.into_iter().map(|hub| hub.name).collect()
+    }
+
+    #[test]
+    fn a_name_through_the_root_is_found_and_one_from_its_module_is_not() {
+        assert_eq!(hub_uses("use crate::Name;"), ["crate::Name"]);
+        assert_eq!(hub_uses("use super::Name as Other;"), ["super::Name"]);
+        assert_eq!(hub_uses("use crate::*;"), ["crate"]);
+        assert!(hub_uses("use crate::b::Name; use crate::{b, generated::Parser};").is_empty());
+    }
+
+    #[test]
+    fn macros_name_their_own_crate() {
+        let text = "macro_rules! new { () => { $crate::Name } }";
+        assert!(hub_uses(text).is_empty());
+        assert_eq!(hub_uses("fn new() { one!(crate::Name) }"), ["crate::Name"]);
+    }
+
+    #[test]
+    fn a_re_export_is_followed_to_the_definition() {
+        let found = modules(&[
+            ("lib.rs", "mod a; mod b; mod c;"),
+            ("a.rs", "use crate::b::Name;"),
+            ("b.rs", "pub use crate::c::Name;"),
+            ("c.rs", "pub struct Name;"),
+        ]);
+        let arrow = |from: &str, to: &str| (format!("src/{from}.rs"), format!("src/{to}.rs"));
+        assert_eq!(found.arrows(), [arrow("a", "c"), arrow("b", "c")].into());
+    }
+}

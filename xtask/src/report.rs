@@ -2,11 +2,11 @@
 
 use crate::arms::{self, MatchCount};
 use crate::checkout::{Checkout, CheckoutError};
-use crate::debts::LARGEST_CYCLE;
 use crate::doc_blocks::{self, DocCount};
 use crate::functions::{self, percentile};
 use crate::history::{self, Addition};
 use crate::lines::{self, LineCount};
+use crate::module_laws::LARGEST_CYCLE;
 use crate::modules::{self, CrateModules};
 use crate::table::Rows;
 use crate::type_names::{self, NameReuse};

@@ -10,6 +10,7 @@ mod analyse;
 mod apply;
 mod codes;
 mod collection;
+mod compatibility;
 mod declare;
 mod id;
 mod import;

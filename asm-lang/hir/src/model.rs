@@ -466,11 +466,6 @@ impl Model {
             && function.parameters.first().is_some_and(is_agent)
             && has_messages()
     }
-
-    /// Formats a type as text, as in `Prod(Integer,Robot)`.
-    pub fn show_type(&self, ty: TypeId) -> String {
-        self.types.show(ty, &self.domains)
-    }
 }
 
 /// Terms and rules added to a model after its analysis.

@@ -1,7 +1,8 @@
 //! The executable form of terms and rules.
 
-use crate::cover::Counter;
-use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Slot, ValueShape};
+use crate::counter::Counter;
+use crate::id::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Slot};
+use crate::value_shape::ValueShape;
 use asmotion_stdlib::MessageAction;
 use asmotion_value::Value;
 

@@ -8,17 +8,22 @@
 
 mod code;
 mod codes;
+mod counter;
 mod cover;
+mod id;
 mod interval;
 mod lower;
 mod program;
+mod value_shape;
 mod visit;
 
 pub use code::*;
 pub use codes::CODES;
-pub use cover::{Counted, Counter, CoveragePoint};
+pub use counter::{Counted, Counter, CoveragePoint};
+pub use id::*;
 pub use interval::IntegerInterval;
 pub use lower::{
     Lowered, MessageRole, MessageUse, lower, lower_with, message_uses, visit_rules, visit_terms,
 };
 pub use program::*;
+pub use value_shape::ValueShape;

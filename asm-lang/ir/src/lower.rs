@@ -15,10 +15,8 @@ mod term;
 
 use crate::code::{Body, Rule, RuleNode, Term};
 use crate::codes::a035::CircularDomain;
-use crate::program::{
-    BodyId, DomainElements, FunctionId, Initial, Invariant, Origin, Program, RoutineId, RuleValue,
-    Symbols,
-};
+use crate::id::{BodyId, FunctionId, Origin, RoutineId};
+use crate::program::{DomainElements, Initial, Invariant, Program, RuleValue, Symbols};
 pub use facts::{visit as visit_terms, walk as visit_rules};
 
 pub use message::{MessageRole, MessageUse, message_uses};

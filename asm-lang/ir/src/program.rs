@@ -1,39 +1,14 @@
 //! Programs: plain data that back ends compile and machines execute.
 
 use crate::code::{Body, Rule, Term};
-use crate::cover::Counted;
+use crate::counter::Counted;
+use crate::id::{BodyId, DomainId, FunctionId, Origin, RoutineId, Slot};
+use crate::value_shape::ValueShape;
 use asmotion_stdlib::MessageQuery;
 use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
 
 pub use asmotion_hir::{AddedRule, AddedTerm, Assignment};
-
-/// Number of a location in the state.
-pub type Slot = u32;
-
-/// Number of a variable in its frame.
-pub type Local = u32;
-
-/// Number of a place in the sources, an index into [`crate::Lowered::origins`]. 0 stands for no
-/// place.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Origin(pub u32);
-
-/// Index of a function in a [`Program`]; the same as in the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FunctionId(pub u32);
-
-/// Index of a domain in a [`Program`]; the same as in the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct DomainId(pub u32);
-
-/// Index into [`Program::bodies`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct BodyId(pub u32);
-
-/// Index into [`Program::routines`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct RoutineId(pub u32);
 
 /// A specification in executable form.
 #[derive(Debug)]
@@ -225,41 +200,6 @@ pub enum FunctionKind {
     Local,
     /// Nobody: static or derived.
     Fixed,
-}
-
-/// The structure of a type's values, as needed to read inputs and to enumerate domains.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ValueShape {
-    /// Truth values.
-    Bool,
-    /// Integers.
-    Int,
-    /// Non-negative integers.
-    Natural,
-    /// Real numbers, as 64-bit floats.
-    Real,
-    /// Characters.
-    Char,
-    /// Character strings.
-    Text,
-    /// Complex numbers.
-    Complex,
-    /// Rules as values.
-    Rule,
-    /// The elements of a domain.
-    Domain(DomainId),
-    /// Tuples, by their components.
-    Tuple(Vec<ValueShape>),
-    /// Sequences of one element shape.
-    Seq(Box<ValueShape>),
-    /// Sets of one element shape.
-    Set(Box<ValueShape>),
-    /// Bags of one element shape.
-    Bag(Box<ValueShape>),
-    /// Maps, by the shapes of key and value.
-    Map(Box<ValueShape>, Box<ValueShape>),
-    /// Values of any shape.
-    Any,
 }
 
 /// Storage of a function's locations.

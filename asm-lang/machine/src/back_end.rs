@@ -13,9 +13,11 @@
 //! therefore contains no unsafe code for the back end; the back end's guarantees are stated next to
 //! its own unsafe code.
 
-pub use crate::code::{NativeCompiler, NativeRule, NoNativeCode, RuleCode, TermCode, TruthCode};
 pub use crate::compile::Compiler;
 pub use crate::limits::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
+pub use crate::run::code::{
+    NativeCompiler, NativeRule, NoNativeCode, RuleCode, TermCode, TruthCode,
+};
 pub use crate::run::{KleeneTruth, RuleStopped, StepContext, on_enough_stack};
 pub use crate::updates::{CoveredMark, Mark, SavedValue, UpdateLists};
 

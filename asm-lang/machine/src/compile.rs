@@ -14,9 +14,9 @@ mod term;
 mod truth;
 mod watched;
 
-use crate::code::{Compiled, CompiledProgram, TermCode};
 use crate::packed::Layout;
 use crate::run::StepContext;
+use crate::run::code::{Compiled, CompiledProgram, TermCode};
 use crate::watch::{watched_rule, watched_term};
 use asmotion_ir::{DomainId, Local, Program, Rule, SlotAxis, Term};
 use std::borrow::Cow;

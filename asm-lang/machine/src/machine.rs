@@ -2,7 +2,6 @@
 
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
-use crate::code::{CompiledProgram, NativeCompiler, NoNativeCode};
 use crate::environment::Environment;
 use crate::fault::{FaultKind, StepFault};
 use crate::messages::{MessagesInTransit, SentMessage};
@@ -10,6 +9,7 @@ use crate::naming::Naming;
 use crate::notes::WitnessNotes;
 use crate::plain;
 use crate::record::{StepChoice, StepInput, StepLog};
+use crate::run::code::{CompiledProgram, NativeCompiler, NoNativeCode};
 use crate::run::{RuleStopped, StepContext};
 use crate::state::MachineState;
 use crate::updates::{Update, Updates};

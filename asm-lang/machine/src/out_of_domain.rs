@@ -1,12 +1,12 @@
 //! Operations on a machine between its steps: evaluating terms, firing rules, setting locations.
 
 use crate::choose::{Chooser, FirstChoice};
-use crate::code::CompiledProgram;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{FaultKind, StepFault};
 use crate::machine::{Machine, Step};
 use crate::messages::{CallFault, MessageId};
 use crate::run::CodomainCheck;
+use crate::run::code::CompiledProgram;
 use asmotion_ir::{
     AddedRule, AddedTerm, Assignment, FunctionId, FunctionKind, Origin, Program, Slot,
 };

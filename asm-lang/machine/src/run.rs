@@ -1,8 +1,9 @@
 //! The context in which compiled code runs during a step.
 
+pub(crate) mod code;
+
 use crate::bounds::is_bounded;
 use crate::choose::Chooser;
-use crate::code::CompiledProgram;
 use crate::environment::Environment;
 use crate::fault::{FaultKind, StepFault};
 use crate::limits::{MAX_CALLS, MAX_DEPTH, MAX_ITERATIONS};
@@ -10,6 +11,7 @@ use crate::messages::MessagesInTransit;
 use crate::misfit::DomainMisfit;
 use crate::notes::WitnessNotes;
 use crate::record::{StepInput, StepLog};
+use crate::run::code::CompiledProgram;
 use crate::state::{MachineState, dense};
 use crate::updates::{Layer, Updates, WritableState};
 use asmotion_ir::{

@@ -5,12 +5,12 @@
 //! every rule.
 
 use crate::choose::Chooser;
-use crate::code::CompiledProgram;
 use crate::environment::Environment;
 use crate::fault::{FaultKind, StepFault};
 use crate::machine::Machine;
 use crate::notes::Witness;
 use crate::record::StepChoice;
+use crate::run::code::CompiledProgram;
 use asmotion_ir::{FunctionId, Origin, Program};
 use asmotion_value::Value;
 use std::collections::BTreeMap;

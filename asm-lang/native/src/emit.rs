@@ -18,6 +18,14 @@ use cranelift_module::Module;
 /// A value of the function under construction, in static single assignment form.
 pub(crate) type Ssa = clif::Value;
 
+/// The enclosing loops of a quantifier, `choose` or `forall`.
+pub(crate) struct Loops {
+    /// Number of bindings before the loops; `None` if they are counted one by one.
+    pub before: Option<Ssa>,
+    /// For each loop, the number of completed iterations and of bindings in each iteration.
+    pub rounds: Vec<(Ssa, u64)>,
+}
+
 /// Limit for the number of rules in the function; macros beyond it are not inlined.
 const MAX_RULES: u32 = 20_000;
 
@@ -142,7 +150,7 @@ pub(crate) struct Emitter<'a> {
     bail: Bail,
     pub scope: EmitScope,
     pub mode: UpdateMode,
-    pub loops: Vec<crate::rule::Loops>,
+    pub loops: Vec<Loops>,
     /// The routines that are being inlined, outermost first.
     pub inlined: Vec<RoutineId>,
     /// Number of rules that may still be inlined.

@@ -1,6 +1,6 @@
 //! Generates code for rules.
 
-use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, NativeInt, Ssa, UpdateMode};
+use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, Loops, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::known::{StaticRange, counts, is_repeatable, rule_counts};
 use asmotion_ir::{
@@ -30,14 +30,6 @@ pub(crate) enum Counting {
     EachInRule,
     /// One by one, in a term; exceeding the limit is left to the detour.
     EachInTerm,
-}
-
-/// The enclosing loops of a quantifier, `choose` or `forall`.
-pub(crate) struct Loops {
-    /// Number of bindings before the loops; `None` if they are counted one by one.
-    before: Option<Ssa>,
-    /// For each loop, the number of completed iterations and of bindings in each iteration.
-    rounds: Vec<(Ssa, u64)>,
 }
 
 impl Emitter<'_> {

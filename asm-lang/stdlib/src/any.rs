@@ -3,7 +3,7 @@
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, BuiltinBody, BuiltinContext, strict, total};
 use crate::fault::BuiltinFault;
-use crate::real;
+use crate::to_string::{TO_STRING, to_string};
 use asmotion_value::{Value, ValueNames};
 
 /// Returns `true` if two values are equal. Total: `undef` equals `undef`, reals compare by bits
@@ -20,30 +20,6 @@ pub fn same_number(integer: i64, real: f64) -> bool {
     const END: f64 = 9_223_372_036_854_775_808.0;
     (-END..END).contains(&real) && real.fract() == 0.0 && real as i64 == integer
 }
-
-/// Converts a value to a string: as displayed, but strings and characters without quotes.
-pub fn to_string(value: &Value, names: &dyn ValueNames) -> String {
-    match value {
-        Value::Text(text) => text.as_ref().clone(),
-        Value::Char(character) => character.to_string(),
-        Value::Real(number) => real::text(number.get()),
-        Value::Undef
-        | Value::Bool(_)
-        | Value::Int(_)
-        | Value::Atom(_)
-        | Value::Rule(_)
-        | Value::Complex(_)
-        | Value::Tuple(_)
-        | Value::Seq(_)
-        | Value::Set(_)
-        | Value::Bag(_)
-        | Value::Map(_) => value.show(names).to_string(),
-    }
-}
-
-/// The body of every `toString` in the library.
-pub(crate) const TO_STRING: BuiltinBody =
-    |arguments, context| unary(arguments, |value: &Value| to_string(value, context.names));
 
 const EQ: BuiltinBody = |arguments, _| binary(arguments, eq);
 const NEQ: BuiltinBody = |arguments, _| binary(arguments, |a: &Value, b: &Value| !eq(a, b));

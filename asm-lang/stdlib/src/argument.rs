@@ -1,6 +1,5 @@
 //! Conversion between values and typed arguments, which makes a body a plain Rust function.
 
-use crate::complex::Complex;
 use crate::fault::BuiltinFault;
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -131,7 +130,6 @@ shape!(i64, "an Integer or a Natural", Value::Int(number) => *number);
 shape!(f64, "a Real", Value::Real(number) => number.get());
 shape!(char, "a Char", Value::Char(character) => *character);
 shape!(&'a str, "a String", Value::Text(text) => text);
-shape!(Complex, "a Complex", Value::Complex(parts) => Complex::from(**parts));
 shape!(&'a [Value], "a sequence", Value::Seq(elements) => elements);
 shape!(TupleArguments<'a>, "a tuple", Value::Tuple(components) => TupleArguments(components));
 shape!(&'a BTreeSet<Value>, "a set", Value::Set(elements) => elements);
@@ -190,12 +188,6 @@ impl IntoValue for char {
 impl IntoValue for String {
     fn answer(self) -> Result<Value, BuiltinFault> {
         Ok(Value::text(self))
-    }
-}
-
-impl IntoValue for Complex {
-    fn answer(self) -> Result<Value, BuiltinFault> {
-        Ok(self.value())
     }
 }
 

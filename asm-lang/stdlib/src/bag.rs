@@ -3,14 +3,10 @@
 
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict, total};
+use crate::collection::{BagValue, SetValue};
 use crate::fault::{BuiltinFault, LIMIT};
 use crate::integer;
-use crate::set::{self, SetValue};
 use asmotion_value::Value;
-use std::collections::BTreeMap;
-
-/// A bag: elements with their multiplicities.
-pub type BagValue = BTreeMap<Value, usize>;
 
 /// Returns `true` if `bag` contains `element`.
 pub fn contains(bag: &BagValue, element: &Value) -> bool {
@@ -118,7 +114,7 @@ pub(crate) const TABLE: &[Builtin] = &[
         binary(arguments, union)
     }),
     strict("union", "Prod(Bag(D),Powerset(D))", |arguments, _| {
-        binary(arguments, |bag, set| union(bag, &set::as_bag(set)))
+        binary(arguments, |bag, set| union(bag, &of_set(set)))
     }),
     strict("intersection", "Prod(Bag(D),Bag(D))", |arguments, _| {
         binary(arguments, intersection)
@@ -126,7 +122,7 @@ pub(crate) const TABLE: &[Builtin] = &[
     strict(
         "intersection",
         "Prod(Bag(D),Powerset(D))",
-        |arguments, _| binary(arguments, |bag, set| intersection(bag, &set::as_bag(set))),
+        |arguments, _| binary(arguments, |bag, set| intersection(bag, &of_set(set))),
     ),
     total("including", "Prod(Bag(D),D)", |arguments, _| {
         binary(arguments, |bag: Option<_>, element| {
@@ -143,6 +139,11 @@ pub(crate) const TABLE: &[Builtin] = &[
     }),
     strict("asSet", "Bag(D)", |arguments, _| unary(arguments, as_set)),
 ];
+
+/// Each element of a set once.
+pub fn of_set(set: &SetValue) -> BagValue {
+    set.iter().map(|element| (element.clone(), 1)).collect()
+}
 
 #[cfg(test)]
 mod tests {

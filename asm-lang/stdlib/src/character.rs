@@ -1,8 +1,8 @@
 //! Characters, ordered by code point.
 
-use crate::any::TO_STRING;
 use crate::argument::binary;
 use crate::builtin::{Builtin, strict};
+use crate::to_string::TO_STRING;
 
 /// Returns `true` if `left` has the lesser code point.
 #[inline]

@@ -1,8 +1,9 @@
 //! Complex numbers: pairs of reals with the usual arithmetic.
 
-use crate::any::TO_STRING;
-use crate::argument::{binary, unary};
+use crate::argument::{FromValue, IntoValue, binary, unary};
 use crate::builtin::{Builtin, strict};
+use crate::fault::BuiltinFault;
+use crate::to_string::TO_STRING;
 use asmotion_value::{Real, Value};
 use std::sync::Arc;
 
@@ -30,6 +31,22 @@ impl Complex {
 impl From<(Real, Real)> for Complex {
     fn from((re, im): (Real, Real)) -> Self {
         Self::new(re.get(), im.get())
+    }
+}
+
+impl FromValue<'_> for Complex {
+    const EXPECTED: &'static str = "a Complex";
+    fn read(value: &Value) -> Option<Self> {
+        match value {
+            Value::Complex(parts) => Some(Self::from(**parts)),
+            _ => None,
+        }
+    }
+}
+
+impl IntoValue for Complex {
+    fn answer(self) -> Result<Value, BuiltinFault> {
+        Ok(self.value())
     }
 }
 

@@ -1,9 +1,9 @@
 //! Integers of 64 bits with checked arithmetic: overflow is a fault.
 
-use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::fault::BuiltinFault;
+use crate::to_string::TO_STRING;
 
 /// Checked addition.
 ///

@@ -11,6 +11,7 @@
 
 mod argument;
 mod builtin;
+mod collection;
 mod fault;
 mod library;
 mod sum;
@@ -32,6 +33,7 @@ pub mod sequence;
 pub mod set;
 pub mod text;
 pub mod time;
+mod to_string;
 pub mod tuple;
 
 pub use builtin::{Builtin, BuiltinBody, BuiltinContext, RESERVED, TEMPORAL};

@@ -1,9 +1,9 @@
 //! Naturals: 64-bit integers that static types restrict to non-negative values.
 
-use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::fault::{BuiltinFault, LIMIT};
+use crate::to_string::TO_STRING;
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 

@@ -1,30 +1,11 @@
 //! Reals: 64-bit floats with IEEE 754 arithmetic and comparison. Only conversions to Integer and
 //! Natural can fail.
 
-use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::fault::BuiltinFault;
+use crate::to_string::TO_STRING;
 use asmotion_value::Real;
-
-/// Formats a number as the reference does: with an exponent below 10⁻³ and from 10⁷ on.
-pub fn text(number: f64) -> String {
-    let size = number.abs();
-    if number.is_nan() {
-        "NaN".to_owned()
-    } else if size.is_infinite() {
-        let sign = if number < 0.0 { "-" } else { "" };
-        format!("{sign}Infinity")
-    } else if size == 0.0 || (1e-3..1e7).contains(&size) {
-        format!("{number:?}")
-    } else {
-        let text = format!("{number:E}");
-        match text.split_once('E') {
-            Some((digits, exponent)) if !digits.contains('.') => format!("{digits}.0E{exponent}"),
-            _ => text,
-        }
-    }
-}
 
 /// Addition according to IEEE 754; overflow is infinite.
 #[inline]

@@ -2,11 +2,11 @@
 //! result, except that `contains` is false.
 
 use crate::argument::{binary, ternary, unary};
-use crate::bag::BagValue;
 use crate::builtin::{Builtin, strict, total};
+use crate::collection::BagValue;
+use crate::collection::SetValue;
 use crate::fault::{BuiltinFault, LIMIT};
 use crate::integer;
-use crate::set::SetValue;
 use asmotion_value::Value;
 
 /// Returns the number of elements.

@@ -2,14 +2,10 @@
 //! `contains` is false.
 
 use crate::argument::{binary, unary};
-use crate::bag::BagValue;
 use crate::builtin::{Builtin, strict, total};
+use crate::collection::{BagValue, SetValue};
 use crate::{bag, integer};
 use asmotion_value::Value;
-use std::collections::BTreeSet;
-
-/// A finite set of values.
-pub type SetValue = BTreeSet<Value>;
 
 /// Returns the number of elements.
 pub fn size(set: &SetValue) -> i64 {
@@ -88,11 +84,6 @@ pub fn as_sequence(set: &SetValue) -> Vec<Value> {
     set.iter().cloned().collect()
 }
 
-/// Returns the bag of the elements, each with multiplicity 1.
-pub fn as_bag(set: &SetValue) -> BagValue {
-    set.iter().map(|element| (element.clone(), 1)).collect()
-}
-
 pub(crate) const TABLE: &[Builtin] = &[
     strict("size", "Powerset(D)", |arguments, _| unary(arguments, size)),
     strict("isEmpty", "Powerset(D)", |arguments, _| {
@@ -136,7 +127,7 @@ pub(crate) const TABLE: &[Builtin] = &[
         binary(arguments, union)
     }),
     strict("union", "Prod(Powerset(D),Bag(D))", |arguments, _| {
-        binary(arguments, |set, bag| bag::union(bag, &as_bag(set)))
+        binary(arguments, |set, bag| bag::union(bag, &bag::of_set(set)))
     }),
     strict(
         "intersection",
@@ -175,7 +166,7 @@ pub(crate) const TABLE: &[Builtin] = &[
         unary(arguments, as_sequence)
     }),
     strict("asBag", "Powerset(D)", |arguments, _| {
-        unary(arguments, as_bag)
+        unary(arguments, bag::of_set)
     }),
 ];
 

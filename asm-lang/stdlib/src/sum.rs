@@ -1,11 +1,11 @@
 //! `sum` over sets and bags of numbers.
 
 use crate::argument::{kind, unary};
-use crate::bag::BagValue;
 use crate::builtin::{Builtin, strict};
+use crate::collection::BagValue;
+use crate::collection::SetValue;
 use crate::complex::{self, Complex};
 use crate::fault::BuiltinFault;
-use crate::set::SetValue;
 use crate::{integer, real};
 use asmotion_value::Value;
 

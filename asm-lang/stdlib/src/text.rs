@@ -382,7 +382,7 @@ mod tests {
     proptest! {
         #[test]
         fn numbers_survive_their_text(integer: i64, re: f64, im: f64) {
-            let shown = |value: Value| crate::any::to_string(&value, &Nameless);
+            let shown = |value: Value| crate::to_string::to_string(&value, &Nameless);
             prop_assert_eq!(to_integer(&shown(Value::Int(integer))), Ok(integer));
             prop_assert_eq!(to_real(&shown(Value::real(re))).map(Value::real), Ok(Value::real(re)));
             let complex = Complex::new(re, im).value();

@@ -12,7 +12,7 @@ use asmotion_messages::{
 };
 
 use crate::advice::{Advice, Adviser, BlockedCause, Patience};
-use crate::bend::BendLimits;
+use crate::bend_limits::BendLimits;
 use crate::memory::ScanMemory;
 use crate::news::{Blockers, everything, on_the_path};
 use crate::trail::Trail;

@@ -7,7 +7,8 @@ use asmotion_geometry::{Distances, Point, Pose};
 use asmotion_messages::Path;
 use serde::{Deserialize, Serialize};
 
-use crate::bend::{Barrier, BendLimits, BendObstacles, Bender, Window};
+use crate::bend::{Barrier, BendObstacles, Bender, Window};
+use crate::bend_limits::BendLimits;
 use crate::route::BendableRoute;
 
 /// When the robot holds before an obstacle, and when its path counts as blocked.

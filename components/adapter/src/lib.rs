@@ -6,6 +6,7 @@
 mod adapter;
 mod advice;
 mod bend;
+mod bend_limits;
 mod cluster;
 mod memory;
 mod news;
@@ -14,6 +15,7 @@ mod trail;
 
 pub use adapter::TrajectoryAdapter;
 pub use advice::{Advice, Adviser, BlockedCause, Patience};
-pub use bend::{Barrier, BendLimits};
+pub use bend::Barrier;
+pub use bend_limits::BendLimits;
 pub use memory::ScanMemory;
 pub use trail::Trail;

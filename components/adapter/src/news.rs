@@ -3,7 +3,7 @@
 use asmotion_geometry::{Point, RoundObstacle};
 use serde::{Deserialize, Serialize};
 
-use crate::bend::BendLimits;
+use crate::bend_limits::BendLimits;
 use crate::cluster::{clusters, cover};
 use crate::route::BendableRoute;
 

@@ -4,7 +4,7 @@ use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, Vector, heading, m
 use asmotion_messages::{Path, PoseStamped};
 use serde::{Deserialize, Serialize};
 
-use crate::bend::BendLimits;
+use crate::bend_limits::BendLimits;
 
 /// Largest distance between two stations, m.
 pub const STEP: f64 = 0.1;

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::grid::{Grid, Occupancy};
+use crate::grid::{Grid, OCCUPIED, Occupancy};
 use crate::layout::{Cell, GridLayout};
 
 /// Squared distances to the nearest obstacle cell, centre to centre.
@@ -176,6 +176,22 @@ fn read_envelope(columns: &[u32], envelope: &[(i64, i64)], squared: &mut [u32]) 
             let distance = (x - column) * (x - column) + depth * depth;
             *cell = u32::try_from(distance).unwrap_or(Distances::NONE - 1);
         }
+    }
+}
+
+impl Grid {
+    /// The grid in which all cells are occupied whose centre is at most `radius` metres from that of an occupied cell:
+    /// those in which a round robot of this radius cannot stand.
+    pub fn inflated(&self, radius: f64) -> Self {
+        let distances = Distances::to_occupied(self);
+        let limit = distances.limit(radius);
+        let mut inflated = self.clone();
+        for (value, squared) in inflated.cells_mut().iter_mut().zip(distances.squared()) {
+            if *squared <= limit {
+                *value = (*value).max(OCCUPIED);
+            }
+        }
+        inflated
     }
 }
 

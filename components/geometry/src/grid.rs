@@ -1,6 +1,5 @@
 //! Occupancy grids: `nav_msgs/OccupancyGrid` as a value with queries.
 
-use crate::distances::Distances;
 use crate::layout::{Cell, GridLayout, GridLayoutError};
 use crate::pose::Point;
 
@@ -108,20 +107,6 @@ impl Grid {
             .cell(point)
             .and_then(|cell| self.get(cell))
             .map_or(Occupancy::Unknown, Occupancy::of)
-    }
-
-    /// The grid in which all cells are occupied whose centre is at most `radius` metres from that of an occupied cell:
-    /// those in which a round robot of this radius cannot stand.
-    pub fn inflated(&self, radius: f64) -> Self {
-        let distances = Distances::to_occupied(self);
-        let limit = distances.limit(radius);
-        let mut inflated = self.clone();
-        for (value, squared) in inflated.cells.iter_mut().zip(distances.squared()) {
-            if *squared <= limit {
-                *value = (*value).max(OCCUPIED);
-            }
-        }
-        inflated
     }
 
     /// The grid with blocks of `factor` × `factor` cells merged. A merged cell has the value of its most occupied cell

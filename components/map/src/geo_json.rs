@@ -366,7 +366,7 @@ fn tags(properties: Option<&JsonObject>) -> Tags {
 mod tests {
     use super::*;
     use crate::files::FilesInMemory;
-    use crate::format::load;
+    use crate::formats::load;
     use asmotion_geometry::{Cell, yaw};
 
     fn read(text: &str) -> Result<Map, MapError> {

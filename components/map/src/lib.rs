@@ -6,6 +6,7 @@ mod drawing;
 mod error;
 mod files;
 mod format;
+mod formats;
 mod geo_json;
 mod library;
 mod map;
@@ -18,7 +19,8 @@ mod server;
 
 pub use error::{MapError, MapFault, Where};
 pub use files::{DiskFiles, FileFault, FileSource, FilesInMemory};
-pub use format::{FORMATS, MapFormat, MapSettings, MapSource, load};
+pub use format::{MapFormat, MapSettings, MapSource};
+pub use formats::{FORMATS, load};
 pub use library::{
     Load, LoadedPlace, Lookup, MapLibrary, PlaceEntry, Places, Refresh, ServeError, ServedMap,
 };

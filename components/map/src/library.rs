@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{MapError, MapFault, Where};
 use crate::files::FileSource;
-use crate::format::{FORMATS, MapSettings, MapSource, load, stem};
+use crate::format::{MapSettings, MapSource};
+use crate::formats::{FORMATS, load, stem};
 use crate::map::Map;
 
 /// The name of the file that lists places.

@@ -245,7 +245,7 @@ pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), MapFault> {
 mod tests {
     use super::*;
     use crate::files::FilesInMemory;
-    use crate::format::load;
+    use crate::formats::load;
 
     /// Reads a map with one row of pixels of the given brightness.
     fn cells(shades: &[u8], more: &str) -> Vec<i8> {

@@ -9,7 +9,8 @@ use asmotion_messages::{
     GetMap, Obstacles, OccupancyGrid, Path, Place, Plan as PlanOperation, PlanRequest,
 };
 
-use crate::planner::{NoPath, PLANNERS, Planner, PlannerSettings, planner};
+use crate::planner::{NoPath, Planner, PlannerSettings};
+use crate::planners::{PLANNERS, planner};
 
 /// `nav::TrajectoryPlanner`: provides `plan`, and publishes each path that it finds.
 ///

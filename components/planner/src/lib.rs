@@ -6,11 +6,11 @@ mod astar;
 mod component;
 mod costs;
 mod planner;
+mod planners;
 mod search;
 mod smooth;
 
 pub use self::component::TrajectoryPlanner;
 pub use astar::AStar;
-pub use planner::{
-    Blocked, MakePlanner, NoPath, PLANNERS, PathEnd, PlannedPath, Planner, PlannerSettings, planner,
-};
+pub use planner::{Blocked, NoPath, PathEnd, PlannedPath, Planner, PlannerSettings};
+pub use planners::{MakePlanner, PLANNERS, planner};

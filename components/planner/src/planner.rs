@@ -1,9 +1,7 @@
-//! The trait of planners, its results, and the table of implementations.
+//! The trait of planners and its results.
 
 use asmotion_component::Properties;
 use asmotion_geometry::{Grid, Point, Pose};
-
-use crate::astar::AStar;
 
 /// Finds a path, or the reason that there is none. Called for each request, with the map of that request.
 pub trait Planner: Send {
@@ -14,19 +12,6 @@ pub trait Planner: Send {
     /// # Errors
     /// An error if an end is outside of the map, if the robot cannot stand at an end, or if no path connects the ends.
     fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<PlannedPath, NoPath>;
-}
-
-/// Creates a planner with these settings.
-pub type MakePlanner = fn(&PlannerSettings) -> Box<dyn Planner>;
-
-/// All planners by name.
-pub const PLANNERS: &[(&str, MakePlanner)] =
-    &[("astar", |settings| Box::new(AStar::new(settings)))];
-
-/// Creates the planner with this name; `None` if it is not in [`PLANNERS`].
-pub fn planner(name: &str, settings: &PlannerSettings) -> Option<Box<dyn Planner>> {
-    let row = PLANNERS.iter().find(|(known, _)| *known == name)?;
-    Some((row.1)(settings))
 }
 
 /// The robot's needs and preferences.

@@ -11,6 +11,7 @@ use crate::pattern::Pattern;
 use crate::publish_options::{PublishOptions, PublisherCounts};
 use crate::queue::{QueuePolicy, Subscription};
 use crate::request::{PendingCall, Request, ServedAddress};
+use crate::sender_id::SenderId;
 use crate::trace_context::TraceContext;
 use asmotion_connection::Notifier;
 
@@ -96,25 +97,6 @@ pub trait Bus: Send + Sync {
 
     /// Waits until all messages have been sent and, if requested, confirmed. Returns `false` if `at_most` passes first.
     fn drain(&self, at_most: Duration) -> bool;
-}
-
-/// Identity of a publisher or caller.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SenderId {
-    /// Name of the component.
-    pub source: Arc<str>,
-    /// Number of its process's current run; grows with every restart.
-    pub incarnation: u64,
-}
-
-impl SenderId {
-    /// Creates an identity from the component's name and the number of the process's run.
-    pub fn new(source: impl Into<Arc<str>>, incarnation: u64) -> Self {
-        Self {
-            source: source.into(),
-            incarnation,
-        }
-    }
 }
 
 /// Publishes on one topic, and numbers the messages from 1.

@@ -14,10 +14,11 @@ mod pattern;
 mod publish_options;
 mod queue;
 mod request;
+mod sender_id;
 mod trace_context;
 
 pub use asmotion_connection::Notifier;
-pub use bus::{Bus, BusError, Publisher, SenderId};
+pub use bus::{Bus, BusError, Publisher};
 pub use deadline::later;
 pub use envelope::{Envelope, Payload};
 pub use health::{Health, LinkState};
@@ -29,4 +30,5 @@ pub use request::{
     AddressQueue, CallFailure, DeliveryReceipt, IncomingCall, PendingCall, Refusal, Request,
     ServedAddress,
 };
+pub use sender_id::SenderId;
 pub use trace_context::{InvalidTraceparent, SpanGenerator, TraceContext};

@@ -9,13 +9,14 @@ use std::time::Duration;
 
 use asmotion_datum::Schema;
 
-use crate::bus::{Bus, BusError, Publisher, SenderId};
+use crate::bus::{Bus, BusError, Publisher};
 use crate::envelope::{Envelope, Payload};
 use crate::health::{Health, LinkState};
 use crate::pattern::Pattern;
 use crate::publish_options::{PublishOptions, PublisherCounts};
 use crate::queue::{QueuePolicy, Subscription, SubscriptionSender};
 use crate::request::{AddressQueue, CallFailure, PendingCall, Request, ServedAddress};
+use crate::sender_id::SenderId;
 use crate::trace_context::{SpanGenerator, TraceContext};
 use asmotion_connection::Notifier;
 

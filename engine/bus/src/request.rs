@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
 
-use crate::bus::SenderId;
 use crate::deadline::later;
 use crate::envelope::Payload;
+use crate::sender_id::SenderId;
 use crate::trace_context::TraceContext;
 use asmotion_connection::Notifier;
 

@@ -12,7 +12,7 @@ use crate::declaration::{
 };
 use crate::handle::{In, Out, Property, Provided, Required};
 use crate::operation::{Dynamic, Handler, Operation, OperationSlot, ServiceFault, unreadable};
-use crate::property::{self, AnyProperty, PropertyValue, Setting};
+use crate::property::{self, AnyProperty, PropertyValue};
 
 /// Collects the declarations of a component. Construction only declares; it performs no I/O.
 pub struct Interface {
@@ -176,22 +176,6 @@ impl Interface {
             reference.optional = true;
         }
         required
-    }
-
-    /// Declares a property without limits.
-    pub fn property<T: PropertyValue>(&mut self, name: &str, default: T, doc: &str) -> Property<T> {
-        self.setting(name, default, doc).declare()
-    }
-
-    /// Begins the declaration of a property with a range, a unit or choices:
-    /// `interface.setting(…).range(0.0..=5.0).unit("m").declare()`.
-    pub fn setting<T: PropertyValue>(
-        &mut self,
-        name: &str,
-        default: T,
-        doc: &str,
-    ) -> Setting<'_, T> {
-        Setting::new(self, name, default, doc)
     }
 
     /// The counter of property changes.

@@ -25,6 +25,7 @@ mod losses;
 mod operation;
 mod property;
 mod reference;
+mod setting;
 mod setup;
 mod suggestion;
 mod wire;
@@ -57,7 +58,8 @@ pub use operation::{
     CallError, CallId, Dynamic, Handler, Operation, OperationSlot, Reply, Request, RequestId,
     SendStatus, ServiceFault, unreadable,
 };
-pub use property::{AnyProperty, PropertyError, PropertyProblem, PropertyValue, Setting};
+pub use property::{AnyProperty, PropertyError, PropertyProblem, PropertyValue};
+pub use setting::Setting;
 pub use setup::Setup;
 pub use suggestion::{suggestion, suggestion_among};
 pub use wire::Wire;

@@ -11,8 +11,6 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::declaration::PropertyDeclaration;
-use crate::handle;
-use crate::interface::Interface;
 use crate::suggestion::suggestion;
 
 /// A type that a property may have: numbers, Booleans, text, lists, arrays, messages.
@@ -86,95 +84,23 @@ fn list(choices: &[Datum]) -> String {
     words.join(", ")
 }
 
-/// The declaration of a property in progress:
-/// `interface.setting("speed_mps", 0.6, "cruise speed").range(0.0..=5.0).unit("m/s").declare()`.
-#[must_use = "a setting is declared by `declare`"]
-pub struct Setting<'a, T: PropertyValue> {
-    pub(crate) interface: &'a mut Interface,
-    pub(crate) declaration: PropertyDeclaration,
-    pub(crate) value: T,
-    check: Check<T>,
-}
-
 /// Checks values against the declared range.
-struct Check<T> {
-    range: Option<(Contains<T>, RangeInclusive<T>)>,
+pub(crate) struct Check<T> {
+    pub range: Option<(Contains<T>, RangeInclusive<T>)>,
 }
 
 /// Tests whether a range contains a value. Stored as a function because only the `range` method requires `PartialOrd`.
-type Contains<T> = fn(&T, &RangeInclusive<T>) -> bool;
-
-impl<'a, T: PropertyValue> Setting<'a, T> {
-    pub(crate) fn new(interface: &'a mut Interface, name: &str, default: T, doc: &str) -> Self {
-        let declaration = PropertyDeclaration {
-            name: name.to_owned(),
-            doc: doc.to_owned(),
-            schema: T::describe(),
-            unit: String::new(),
-            default: interface.datum_of(name, &default),
-            range: None,
-            choices: Vec::new(),
-        };
-        Self {
-            interface,
-            declaration,
-            value: default,
-            check: Check { range: None },
-        }
-    }
-
-    /// Sets the range of allowed values, both ends inclusive.
-    pub fn range(mut self, range: RangeInclusive<T>) -> Self
-    where
-        T: PartialOrd,
-    {
-        let least = self
-            .interface
-            .datum_of(&self.declaration.name, range.start());
-        let greatest = self.interface.datum_of(&self.declaration.name, range.end());
-        self.declaration.range = Some((least, greatest));
-        self.check.range = Some((|value, range| range.contains(value), range));
-        self
-    }
-
-    /// Sets the unit, for example `m/s`.
-    pub fn unit(mut self, unit: &str) -> Self {
-        unit.clone_into(&mut self.declaration.unit);
-        self
-    }
-
-    /// Restricts the value to these choices.
-    pub fn choices(mut self, choices: impl IntoIterator<Item = impl Into<T>>) -> Self {
-        let name = self.declaration.name.clone();
-        self.declaration.choices = choices
-            .into_iter()
-            .map(|choice| self.interface.datum_of(&name, &choice.into()))
-            .collect();
-        self
-    }
-
-    /// Declares the property and returns its handle.
-    pub fn declare(self) -> handle::Property<T> {
-        let slot = Slot {
-            declaration: self.declaration,
-            value: self.value,
-            next: None,
-            check: self.check,
-            revision: Arc::clone(self.interface.revision()),
-        };
-        self.interface.add_property(slot)
-    }
-}
+pub(crate) type Contains<T> = fn(&T, &RangeInclusive<T>) -> bool;
 
 /// A property at run time.
 pub(crate) struct Slot<T> {
-    declaration: PropertyDeclaration,
+    pub declaration: PropertyDeclaration,
     pub value: T,
     /// The staged value, which `apply` puts into effect.
-    next: Option<T>,
-    check: Check<T>,
+    pub next: Option<T>,
+    pub check: Check<T>,
     /// Number of changes of all properties of the component.
-    revision: Arc<AtomicU64>,
+    pub revision: Arc<AtomicU64>,
 }
 
 /// A property at run time, without its static type. Used by its component's thread only.

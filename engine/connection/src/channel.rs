@@ -1,25 +1,9 @@
 //! The two typed ends of a bounded connection.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-use crossbeam_queue::ArrayQueue;
-
 use crate::buffer_kind::BufferKind;
-use crate::pool::Pool;
-use crate::store::Store;
-use crate::unsync::Unsync;
+use crate::push_outcome::PushOutcome;
+use crate::shared_buffer::SharedBuffer;
 use crate::{ring, triple};
-
-/// Outcome of sending a sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PushOutcome {
-    /// Stored for the reader.
-    Stored,
-    /// The new sample was dropped: the queue was full.
-    DroppedNewest,
-    /// Stored; an older sample was dropped for it.
-    DroppedOldest,
-}
 
 /// Writing end of a connection.
 pub struct Sender<T>(SenderKind<T>);
@@ -37,15 +21,6 @@ enum ReceiverKind<T> {
     Newest(triple::TripleReader<T>),
     Buffer(ring::RingReader<T>),
     Shared(SharedBuffer<T>),
-}
-
-/// A queue that several ends share.
-pub(crate) enum SharedBuffer<T> {
-    Newest(Arc<ArrayQueue<T>>),
-    Buffer(Arc<ArrayQueue<T>>),
-    Circular(Arc<ArrayQueue<T>>),
-    Locked(Arc<Mutex<Store<T>>>),
-    Unsync(Unsync<Store<T>>),
 }
 
 /// Creates a lock-free connection of one writer and one reader.
@@ -67,8 +42,8 @@ pub fn channel<T>(kind: BufferKind) -> (Sender<T>, Receiver<T>) {
         }
         // not a ring: the writer also removes samples from the front
         BufferKind::Circular(_) => {
-            let pool = Pool::lock_free(kind);
-            (pool.sender(), pool.receiver())
+            let queue = SharedBuffer::lock_free(kind);
+            (Sender::shared(queue.clone()), Receiver::shared(queue))
         }
     }
 }
@@ -141,83 +116,10 @@ impl<T> Receiver<T> {
     }
 }
 
-impl<T> SharedBuffer<T> {
-    fn push(&self, sample: T) -> PushOutcome {
-        match self {
-            Self::Newest(queue) => {
-                queue.force_push(sample);
-                PushOutcome::Stored
-            }
-            Self::Buffer(queue) => match queue.push(sample) {
-                Ok(()) => PushOutcome::Stored,
-                Err(_) => PushOutcome::DroppedNewest,
-            },
-            Self::Circular(queue) => match queue.force_push(sample) {
-                None => PushOutcome::Stored,
-                Some(_) => PushOutcome::DroppedOldest,
-            },
-            // the displaced sample is dropped after the lock is released, because its destructor may be slow
-            Self::Locked(store) => {
-                let (delivery, gone) = locked(store).push(sample);
-                drop(gone);
-                delivery
-            }
-            Self::Unsync(store) => {
-                let (delivery, gone) = store.with(|store| store.push(sample));
-                drop(gone);
-                delivery
-            }
-        }
-    }
-
-    fn pop(&self) -> Option<T> {
-        match self {
-            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.pop(),
-            Self::Locked(store) => locked(store).pop(),
-            Self::Unsync(store) => store.with(Store::pop),
-        }
-    }
-
-    fn is_last(&self) -> bool {
-        let shares = match self {
-            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => {
-                Arc::strong_count(queue)
-            }
-            Self::Locked(store) => Arc::strong_count(store),
-            Self::Unsync(store) => store.shares(),
-        };
-        shares == 1
-    }
-
-    fn len(&self) -> usize {
-        match self {
-            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.len(),
-            Self::Locked(store) => locked(store).len(),
-            Self::Unsync(store) => store.with(|store| store.len()),
-        }
-    }
-}
-
-impl<T> Clone for SharedBuffer<T> {
-    fn clone(&self) -> Self {
-        match self {
-            Self::Newest(queue) => Self::Newest(Arc::clone(queue)),
-            Self::Buffer(queue) => Self::Buffer(Arc::clone(queue)),
-            Self::Circular(queue) => Self::Circular(Arc::clone(queue)),
-            Self::Locked(store) => Self::Locked(Arc::clone(store)),
-            Self::Unsync(store) => Self::Unsync(store.clone()),
-        }
-    }
-}
-
-/// Locks the store. A poisoned lock is safe to use: every change leaves the queue consistent.
-fn locked<T>(store: &Mutex<Store<T>>) -> MutexGuard<'_, Store<T>> {
-    store.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 #[cfg(all(test, not(feature = "loom")))]
 mod tests {
     use super::*;
+    use crate::pool::Pool;
 
     /// All implementations for a kind of buffer, each with one writer and one reader.
     fn every_way(kind: BufferKind) -> [(Sender<u64>, Receiver<u64>); 4] {
@@ -226,7 +128,7 @@ mod tests {
             channel(kind),
             ends(Pool::lock_free(kind)),
             ends(Pool::locked(kind)),
-            ends(crate::unsync::tests::in_this_thread(kind)),
+            ends(crate::pool::unsync::tests::in_this_thread(kind)),
         ]
     }
 

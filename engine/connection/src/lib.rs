@@ -8,13 +8,16 @@ mod buffer_kind;
 mod channel;
 mod notifier;
 mod pool;
+mod push_outcome;
 mod ring;
+mod shared_buffer;
 mod store;
 mod sync;
 mod triple;
 mod unsync;
 
 pub use buffer_kind::BufferKind;
-pub use channel::{PushOutcome, Receiver, Sender, channel};
+pub use channel::{Receiver, Sender, channel};
 pub use notifier::Notifier;
 pub use pool::Pool;
+pub use push_outcome::PushOutcome;

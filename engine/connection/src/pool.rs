@@ -1,11 +1,12 @@
 //! A pool is one queue shared by several writers and readers. Each sample goes to the first reader that takes it.
 
+pub(crate) mod unsync;
+
 use std::sync::{Arc, Mutex};
 
-use crossbeam_queue::ArrayQueue;
-
 use crate::buffer_kind::BufferKind;
-use crate::channel::{Receiver, Sender, SharedBuffer};
+use crate::channel::{Receiver, Sender};
+use crate::shared_buffer::SharedBuffer;
 use crate::store::Store;
 
 /// A queue with any number of writing and reading ends.
@@ -14,12 +15,7 @@ pub struct Pool<T>(pub(crate) SharedBuffer<T>);
 impl<T> Pool<T> {
     /// Creates a lock-free pool. (A data pool is a circular buffer of one sample.)
     pub fn lock_free(kind: BufferKind) -> Self {
-        let queue = Arc::new(ArrayQueue::new(kind.size()));
-        Self(match kind {
-            BufferKind::Data => SharedBuffer::Newest(queue),
-            BufferKind::Buffer(_) => SharedBuffer::Buffer(queue),
-            BufferKind::Circular(_) => SharedBuffer::Circular(queue),
-        })
+        Self(SharedBuffer::lock_free(kind))
     }
 
     /// Creates a pool guarded by a lock, so that ends may wait for each other (RTT LOCKED).

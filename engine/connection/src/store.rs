@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::buffer_kind::BufferKind;
-use crate::channel::PushOutcome;
+use crate::push_outcome::PushOutcome;
 
 /// A bounded queue, used by one thread at a time.
 pub(crate) struct Store<T> {

@@ -7,11 +7,6 @@
 use std::cell::UnsafeCell;
 use std::sync::Arc;
 
-use crate::buffer_kind::BufferKind;
-use crate::channel::SharedBuffer as Kept;
-use crate::pool::Pool;
-use crate::store::Store;
-
 /// A shared reference to content that one thread at a time uses.
 pub(crate) struct Unsync<T>(Arc<UnsyncCell<T>>);
 
@@ -35,7 +30,7 @@ impl<T> Unsync<T> {
     #[inline]
     pub(crate) fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R {
         // SAFETY: no other thread is here, by the contract of `new`. This call is not nested, because all callers are
-        // in `channel` and only move values in and out of a `Store`, which calls no foreign code.
+        // in `shared_buffer` and only move values in and out of a `Store`, which calls no foreign code.
         act(unsafe { &mut *self.0.0.get() })
     }
 }
@@ -50,28 +45,5 @@ impl<T> Unsync<T> {
 impl<T> Clone for Unsync<T> {
     fn clone(&self) -> Self {
         Self(Arc::clone(&self.0))
-    }
-}
-
-impl<T> Pool<T> {
-    /// Creates a pool without synchronisation (RTT UNSYNC).
-    ///
-    /// # Safety
-    /// The pool and its ends must be used by one thread. If they move to another thread, they must move together, and
-    /// all accesses before the move must happen before those after it.
-    pub unsafe fn unsync(kind: BufferKind) -> Self {
-        // SAFETY: upheld by the caller
-        Self(Kept::Unsync(unsafe { Unsync::new(Store::new(kind)) }))
-    }
-}
-
-#[cfg(all(test, not(feature = "loom")))]
-pub(crate) mod tests {
-    use super::*;
-
-    /// Creates a pool for tests, each of which runs in one thread.
-    pub(crate) fn in_this_thread<T>(kind: BufferKind) -> Pool<T> {
-        // SAFETY: the test keeps the pool and its ends in its thread
-        unsafe { Pool::unsync(kind) }
     }
 }

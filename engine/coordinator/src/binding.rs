@@ -1,7 +1,7 @@
 //! The binding between the functions of a specification and its environment, as plain data.
 //!
 //! Names and kinds are checked when the composite is read; remaining errors become a
-//! [`BindError`](crate::coordinator::BindError) when the coordinator is built.
+//! [`BindError`](crate::bind_error::BindError) when the coordinator is built.
 
 use std::fmt;
 
@@ -242,4 +242,17 @@ impl Serialize for Constant {
             self.datum.serialize(serializer)
         }
     }
+}
+
+pub(crate) fn calls(binding: &Binding) -> impl Iterator<Item = &Call> {
+    let cases = binding.out.iter().flat_map(|out| match &out.effect {
+        Effect::Literals(cases) => cases.as_slice(),
+        Effect::Publish { .. } => &[],
+    });
+    cases
+        .flat_map(|case| &case.actions)
+        .filter_map(|action| match action {
+            Action::Call(call) => Some(call),
+            Action::Publish { .. } => None,
+        })
 }

@@ -1,6 +1,7 @@
 //! The component that runs a specification.
 
-use crate::binding::{Action, Binding, Effect, Interfaces};
+use crate::bind_error::BindError;
+use crate::binding::{Binding, Interfaces, calls};
 use crate::effects::{EffectHandles, EffectOutbox};
 use crate::frame::InputFrame;
 use crate::freeze::fingerprint;
@@ -17,42 +18,6 @@ use asmotion_lang::machine::{BackEnd, Machine};
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{Specification, Style};
 use std::sync::Arc;
-
-/// A binding that does not fit its specification or component.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BindError {
-    /// The specification has no function with this name and without arguments.
-    #[error("the specification declares no function `{function}` without arguments")]
-    UnknownFunction {
-        /// Name of the function in the binding.
-        function: String,
-    },
-    /// The component has no such port.
-    #[error("the component has no port `{port}`")]
-    UnknownPort {
-        /// Name of the port in the binding.
-        port: String,
-    },
-    /// The component has no such reference.
-    #[error("the component has no reference `{reference}` with an operation `{operation}`")]
-    UnknownOperation {
-        /// Name of the reference in the binding.
-        reference: String,
-        /// Name of the operation in the binding.
-        operation: String,
-    },
-    /// The function's codomain does not contain the value.
-    #[error("`{function}` does not take the value `{value}`")]
-    NotAValue {
-        /// Name of the function.
-        function: String,
-        /// The value as text.
-        value: String,
-    },
-    /// The initial state cannot be built; the machine's error as text.
-    #[error("{0}")]
-    Initial(String),
-}
 
 /// A component that runs a specification: its cycle is one step of the machine.
 pub struct Coordinator {
@@ -259,17 +224,4 @@ fn declare(
         handles.operations.push((name, operation));
     }
     Ok(handles)
-}
-
-pub(crate) fn calls(binding: &Binding) -> impl Iterator<Item = &crate::binding::Call> {
-    let cases = binding.out.iter().flat_map(|out| match &out.effect {
-        Effect::Literals(cases) => cases.as_slice(),
-        Effect::Publish { .. } => &[],
-    });
-    cases
-        .flat_map(|case| &case.actions)
-        .filter_map(|action| match action {
-            Action::Call(call) => Some(call),
-            Action::Publish { .. } => None,
-        })
 }

@@ -1,8 +1,8 @@
 //! Turns updates of out functions into messages and calls.
 
+use crate::bind_error::BindError;
 use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
 use crate::convert::{datum_of, literal_of};
-use crate::coordinator::BindError;
 use crate::inputs::MessageInputs;
 use crate::requests::{Requests, WaitingCaller, superseded};
 use asmotion_component::{

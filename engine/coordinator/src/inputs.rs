@@ -3,9 +3,9 @@
 //! A step sees at most one event of a function with `receive = "all"`; further events wait in order for the following
 //! steps. Otherwise one event could hide another in the same frame, for example a REACHED a BLOCKED.
 
+use crate::bind_error::BindError;
 use crate::binding::{Binding, Constant, Monitored, Receive, Source};
 use crate::convert::{literal_of, value_of};
-use crate::coordinator::BindError;
 use crate::frame::InputFrame;
 use crate::requests::Requests;
 use asmotion_component::{Cycle, In, Losses, Time};

@@ -4,6 +4,7 @@
 //! monitored functions, and updates of out functions to messages and service calls. The specification does not depend
 //! on it: the same file is simulated, tested and verified.
 
+mod bind_error;
 mod binding;
 mod convert;
 mod coordinator;
@@ -15,10 +16,11 @@ mod partners;
 mod requests;
 mod step;
 
+pub use bind_error::BindError;
 pub use binding::{
     Action, Argument, Binding, Call, Case, Constant, Effect, Interfaces, Monitored, Out,
     PublishWhen, Receive, Source,
 };
-pub use coordinator::{BindError, Coordinator, LOSSES_REPORT};
+pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::UNSENT_REPORT;
 pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

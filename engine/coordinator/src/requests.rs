@@ -2,8 +2,9 @@
 //!
 //! A request gets its reply after the step that reads it or, if a call is made on its behalf, when that call ends.
 
+use crate::bind_error::BindError;
+use crate::binding::calls;
 use crate::binding::{Binding, Interfaces, Source};
-use crate::coordinator::{BindError, calls};
 use asmotion_component::{Cycle, Dynamic, Interface, Provided, RequestId, ServiceFault};
 use asmotion_datum::Datum;
 

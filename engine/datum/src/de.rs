@@ -16,9 +16,11 @@ use crate::error::{DatumError, DatumProblem};
 use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
-/// Converts a datum to a value of type `T`.
-pub(crate) fn value_of<T: DeserializeOwned>(datum: &Datum) -> Result<T, DatumError> {
-    T::deserialize(DatumDeserializer(datum))
+impl Datum {
+    /// Converts the datum to a type. An error names the place that does not fit.
+    pub fn to<T: DeserializeOwned>(&self) -> Result<T, DatumError> {
+        T::deserialize(DatumDeserializer(self))
+    }
 }
 
 /// Deserialises from one datum.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::error::DatumError;
 use crate::sample::Sample;
 use crate::schema::{Schema, Shape};
 use crate::value::Datum;
@@ -29,6 +30,50 @@ pub trait Message:
     /// Makes a pointer to a message; `None` unless the type is a pointer to messages of this type.
     fn pointing_to(_: &Arc<dyn Sample>) -> Option<Self> {
         None
+    }
+}
+
+impl<T: Message> Sample for T {
+    fn type_name(&self) -> &'static str {
+        T::NAME
+    }
+
+    fn to_datum(&self) -> Result<Datum, DatumError> {
+        Datum::of(self)
+    }
+
+    fn to_shared(&self) -> Arc<dyn Sample> {
+        Arc::new(self.clone())
+    }
+
+    fn behind(&self) -> Option<Arc<dyn Sample>> {
+        Message::behind(self)
+    }
+}
+
+impl dyn Sample {
+    /// The message itself, if it has this type.
+    pub fn downcast_ref<T: Message>(&self) -> Option<&T> {
+        (self as &dyn Any).downcast_ref()
+    }
+
+    /// Converts the message to type `T`: without copying if it has that type, otherwise through its datum.
+    pub fn read<T: Message>(self: Arc<Self>) -> Result<T, DatumError> {
+        let sample = Sample::behind(&*self).unwrap_or(self);
+        if let Some(pointer) = T::pointing_to(&sample) {
+            return Ok(pointer);
+        }
+        let any: Arc<dyn Any + Send + Sync> = sample.clone();
+        match any.downcast::<T>() {
+            Ok(same) => {
+                drop(sample);
+                Ok(Arc::unwrap_or_clone(same))
+            }
+            Err(_) => match sample.downcast_ref::<Datum>() {
+                Some(datum) => datum.to(),
+                None => sample.to_datum()?.to(),
+            },
+        }
     }
 }
 

@@ -9,9 +9,11 @@ use crate::error::{DatumError, DatumProblem};
 use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
-/// Converts a value to a datum.
-pub(crate) fn datum_of<T: Serialize + ?Sized>(value: &T) -> Result<Datum, DatumError> {
-    value.serialize(DatumSerializer)
+impl Datum {
+    /// Converts any serialisable value to a datum.
+    pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DatumError> {
+        value.serialize(DatumSerializer)
+    }
 }
 
 struct DatumSerializer;
@@ -228,7 +230,7 @@ struct ListSerializer {
 
 impl ListSerializer {
     fn push<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), DatumError> {
-        let element = datum_of(value).map_err(|error| error.within(self.made.len()))?;
+        let element = Datum::of(value).map_err(|error| error.within(self.made.len()))?;
         self.made.push(element);
         Ok(())
     }
@@ -257,7 +259,7 @@ impl RecordSerializer {
         name: FieldName,
         value: &T,
     ) -> Result<(), DatumError> {
-        let entry = datum_of(value).map_err(|error| error.within(&name))?;
+        let entry = Datum::of(value).map_err(|error| error.within(&name))?;
         self.made.push((name, entry));
         Ok(())
     }
@@ -323,7 +325,7 @@ impl ser::SerializeMap for RecordSerializer {
     type Error = DatumError;
 
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Result<(), DatumError> {
-        let Datum::Text(key) = datum_of(key)? else {
+        let Datum::Text(key) = Datum::of(key)? else {
             return Err(DatumError::new(DatumProblem::KeyNotText));
         };
         self.key = Cow::Owned(key);

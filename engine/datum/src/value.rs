@@ -4,12 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-
-use crate::error::DatumError;
 use crate::numbers::Numbers;
-use crate::{de, ser};
 
 /// The name of a record's entry. Borrowed for names in the program text, which avoids allocation.
 pub type FieldName = Cow<'static, str>;
@@ -39,22 +34,6 @@ pub enum Datum {
 }
 
 impl Datum {
-    /// Converts any serialisable value to a datum.
-    ///
-    /// # Errors
-    /// An integer does not fit 64 bits with a sign, a map has keys that are not text, or `T::serialize` fails.
-    pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DatumError> {
-        ser::datum_of(value)
-    }
-
-    /// Converts the datum to a type. An error names the place that does not fit.
-    ///
-    /// # Errors
-    /// [`DatumProblem::Mismatch`](crate::DatumProblem::Mismatch) with the path of the first value that does not fit.
-    pub fn to<T: DeserializeOwned>(&self) -> Result<T, DatumError> {
-        de::value_of(self)
-    }
-
     /// A record with these entries.
     pub fn record<N: Into<FieldName>>(entries: impl IntoIterator<Item = (N, Datum)>) -> Self {
         Self::Record(

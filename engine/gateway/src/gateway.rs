@@ -19,36 +19,12 @@ use tokio::time::{sleep, timeout};
 
 use crate::handler::RequestHandler;
 use crate::service::GatewayService;
+use crate::settings::GatewaySettings;
 
 /// Time that calls under way have to end when the gateway closes.
 const DRAIN: Duration = Duration::from_secs(2);
 /// Pause before listening again after an error of `accept`, for example for want of file descriptors.
 const REST: Duration = Duration::from_millis(50);
-
-/// Address and limits of a gateway.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct GatewaySettings {
-    /// Address to listen at; port 0 selects a free one.
-    pub listen: SocketAddr,
-    /// Limit on simultaneous connections; further ones wait (default: 64).
-    pub max_connections: usize,
-    /// Limit on the size of a request's body, in bytes (default: 1 MiB).
-    pub max_body: usize,
-    /// Limit on the time in which a request's header must arrive, and on the idle time of a connection (default: 10 s).
-    pub patience: Duration,
-}
-
-impl GatewaySettings {
-    /// The default settings for this address.
-    pub fn at(listen: SocketAddr) -> Self {
-        Self {
-            listen,
-            max_connections: 64,
-            max_body: 1 << 20,
-            patience: Duration::from_secs(10),
-        }
-    }
-}
 
 /// An error when a gateway opens.
 #[derive(Debug, thiserror::Error)]

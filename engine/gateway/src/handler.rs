@@ -12,12 +12,12 @@ use serde_json::json;
 use tokio::time::timeout;
 
 use crate::call::call;
-use crate::gateway::GatewaySettings;
 use crate::listing;
 use crate::parameters::CallParameters;
 use crate::problem::Problem;
 use crate::response::{self, HttpResponse};
 use crate::service::{GatewayOperation, GatewayService};
+use crate::settings::GatewaySettings;
 
 /// What comes in.
 type HttpRequest = hyper::Request<Incoming>;

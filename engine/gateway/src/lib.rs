@@ -13,6 +13,8 @@ mod parameters;
 mod problem;
 mod response;
 mod service;
+mod settings;
 
-pub use gateway::{Gateway, GatewayCheckError, GatewaySettings};
+pub use gateway::{Gateway, GatewayCheckError};
 pub use service::{GatewayOperation, GatewayService};
+pub use settings::GatewaySettings;

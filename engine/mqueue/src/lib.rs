@@ -19,6 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod capacity;
 mod error;
 mod layout;
 mod name;
@@ -31,8 +32,9 @@ mod reader;
 mod wire;
 mod writer;
 
+pub use capacity::QueueCapacity;
 pub use error::{QueueCheckError, UnsupportedTypeError};
 pub use layout::QueueLayout;
 pub use name::QueueName;
 pub use reader::{FirstMessage, QueueReader};
-pub use writer::{FullQueuePolicy, QueueCapacity, QueueWriter};
+pub use writer::{FullQueuePolicy, QueueWriter};

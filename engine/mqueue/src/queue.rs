@@ -12,9 +12,9 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, getrlimit};
 use nix::sys::stat::{Mode, fstat};
 
+use crate::capacity::QueueCapacity;
 use crate::error::QueueCheckError;
 use crate::name::QueueName;
-use crate::writer::QueueCapacity;
 
 /// An open queue, which is closed on drop.
 pub(crate) struct KernelQueue {

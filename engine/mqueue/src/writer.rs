@@ -5,19 +5,11 @@ use std::sync::Arc;
 use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
 use asmotion_runtime::{PushOutcome, Sink};
 
+use crate::capacity::QueueCapacity;
 use crate::error::QueueCheckError;
 use crate::layout::QueueLayout;
 use crate::name::QueueName;
 use crate::queue::{KernelQueue, SendOutcome};
-
-/// The capacity of a queue.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct QueueCapacity {
-    /// Number of messages.
-    pub messages: usize,
-    /// Size of the largest message, in bytes (RTT `data_size`).
-    pub size: usize,
-}
 
 /// The messages that are kept when the queue is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

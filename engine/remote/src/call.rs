@@ -1,12 +1,15 @@
 //! Calls of operations from outside of a system: sent first, collected when they have ended.
 
-use asmotion_bus::{CallFailure, Payload, PendingCall};
+use std::sync::Arc;
+use std::time::Duration;
+
+use asmotion_bus::{CallFailure, Notifier, Payload, PendingCall};
 use asmotion_component::{CallError, SendStatus, ServiceFault};
 use asmotion_datum::Datum;
 use asmotion_network::call_error;
 
 use crate::error::RemoteError;
-use crate::remote::Remote;
+use crate::remote::{Remote, request};
 
 /// A call under way (RTT `SendHandle`). Dropping it cancels the call.
 pub struct SendHandle {
@@ -14,6 +17,38 @@ pub struct SendHandle {
     operation: String,
     pending: PendingCall,
     collected: bool,
+}
+
+impl Remote {
+    /// Calls an operation such as `navigation.MapServer.maps.getMap` and waits for the response.
+    ///
+    /// # Errors
+    /// An error if the operation has no provider, the provider replies with a fault, or the time is up.
+    pub fn call(
+        &self,
+        operation: &str,
+        argument: Datum,
+        patience: Duration,
+    ) -> Result<Datum, RemoteError> {
+        self.send(operation, argument, patience)?.collect()
+    }
+
+    /// Calls an operation without waiting. The response is collected, or passed to a listener.
+    ///
+    /// # Errors
+    /// An error of the bus.
+    pub fn send(
+        &self,
+        operation: &str,
+        argument: Datum,
+        patience: Duration,
+    ) -> Result<SendHandle, RemoteError> {
+        let request = request(argument, patience);
+        let pending = self
+            .bus()
+            .call(operation, request, Arc::new(Notifier::new()))?;
+        Ok(SendHandle::new(self.clone(), operation, pending))
+    }
 }
 
 impl SendHandle {

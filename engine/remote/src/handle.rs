@@ -30,6 +30,24 @@ pub struct RemoteServiceHandle {
     present: PresentService,
 }
 
+impl Remote {
+    /// The components of all running processes.
+    pub fn components(&self) -> Vec<RemoteComponent> {
+        let found = self.settled_roster().components(self.robot());
+        let component = |found| RemoteComponent::new(self.clone(), found);
+        found.into_iter().map(component).collect()
+    }
+
+    /// The component with a name such as `RoverDriver` or, with the robot, `rover1.RoverDriver`.
+    ///
+    /// # Errors
+    /// An error if no component or several components have this name.
+    pub fn component(&self, name: &str) -> Result<RemoteComponent, RemoteError> {
+        self.find(name)
+            .map(|it| RemoteComponent::new(self.clone(), it))
+    }
+}
+
 impl RemoteComponent {
     pub(crate) fn new(remote: Remote, found: ComponentLocation) -> Self {
         Self { remote, found }

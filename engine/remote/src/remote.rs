@@ -13,9 +13,7 @@ use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_network::call_error;
 
-use crate::call::SendHandle;
 use crate::error::RemoteError;
-use crate::handle::RemoteComponent;
 use crate::order::{Order, OrderKind, control_address};
 use crate::presence::{RobotPresence, key};
 use crate::roster::{ComponentLocation, Roster, WORDS, named};
@@ -89,53 +87,6 @@ impl Remote {
         self.settled_roster().words(self.robot())
     }
 
-    /// The components of all running processes.
-    pub fn components(&self) -> Vec<RemoteComponent> {
-        let found = self.settled_roster().components(self.robot());
-        let component = |found| RemoteComponent::new(self.clone(), found);
-        found.into_iter().map(component).collect()
-    }
-
-    /// The component with a name such as `RoverDriver` or, with the robot, `rover1.RoverDriver`.
-    ///
-    /// # Errors
-    /// An error if no component or several components have this name.
-    pub fn component(&self, name: &str) -> Result<RemoteComponent, RemoteError> {
-        self.find(name)
-            .map(|it| RemoteComponent::new(self.clone(), it))
-    }
-
-    /// Calls an operation such as `navigation.MapServer.maps.getMap` and waits for the response.
-    ///
-    /// # Errors
-    /// An error if the operation has no provider, the provider replies with a fault, or the time is up.
-    pub fn call(
-        &self,
-        operation: &str,
-        argument: Datum,
-        patience: Duration,
-    ) -> Result<Datum, RemoteError> {
-        self.send(operation, argument, patience)?.collect()
-    }
-
-    /// Calls an operation without waiting. The response is collected, or passed to a listener.
-    ///
-    /// # Errors
-    /// An error of the bus.
-    pub fn send(
-        &self,
-        operation: &str,
-        argument: Datum,
-        patience: Duration,
-    ) -> Result<SendHandle, RemoteError> {
-        let request = request(argument, patience);
-        let pending = self
-            .0
-            .bus
-            .call(operation, request, Arc::new(Notifier::new()))?;
-        Ok(SendHandle::new(self.clone(), operation, pending))
-    }
-
     /// Sends an order to a component's process and waits for the reply.
     pub(crate) fn order(
         &self,
@@ -203,7 +154,7 @@ impl Remote {
         similar(name, &known).cloned()
     }
 
-    fn robot(&self) -> Option<&str> {
+    pub(crate) fn robot(&self) -> Option<&str> {
         self.0.robot.as_deref()
     }
 
@@ -212,7 +163,7 @@ impl Remote {
     }
 
     /// The roster, once every process has had time to publish its presence.
-    fn settled_roster(&self) -> MutexGuard<'_, Roster> {
+    pub(crate) fn settled_roster(&self) -> MutexGuard<'_, Roster> {
         let mut roster = self.roster();
         roster.listen(Duration::ZERO);
         loop {
@@ -238,7 +189,8 @@ pub fn listen(bus: &dyn Bus, pattern: &str) -> Result<Subscription, BusError> {
     bus.subscribe("tool", &Pattern::new(pattern), queue, notifier)
 }
 
-fn request(argument: Datum, patience: Duration) -> Request {
+/// A request of ours.
+pub(crate) fn request(argument: Datum, patience: Duration) -> Request {
     Request::new(SenderId::new(TOOL, 0), Payload::of(argument), patience)
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use asmotion_lang::simulate::scenario::Verdict;
 use asmotion_lang::{Style, render_all};
 
-use super::{TestEnd, TestResult};
+use super::result::{TestEnd, TestResult};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 

@@ -1,6 +1,6 @@
 //! Prints results of scenarios, as text or JSON.
 
-use super::{TestEnd, TestResult};
+use super::result::{TestEnd, TestResult};
 use crate::exit::Exit;
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 use asmotion_lang::Severity;

@@ -1,6 +1,6 @@
 //! Accepts differences of snapshots, all at once or one by one.
 
-use super::TestResult;
+use super::result::{TestEnd, TestResult};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_lang::Report;
@@ -52,7 +52,7 @@ fn take(one: &mut TestResult, terminal: &mut TerminalOutput) -> Exit {
     match difference.accept() {
         Ok(()) => {
             terminal.status("Accepted", difference.path.display());
-            one.end = super::TestEnd::Ran(Verdict::Pass);
+            one.end = TestEnd::Ran(Verdict::Pass);
             one.report = Report::new();
             Exit::Ok
         }

@@ -3,11 +3,11 @@
 //! `patrol.corridor.env.toml` runs `patrol.asm` in the same folder for as many steps as the script has; the expected
 //! inputs, updates and output are in `patrol.corridor.snap`.
 
-use super::{TestEnd, TestResult};
+use super::difference::SnapshotDifference;
+use super::result::{TestEnd, TestResult};
 use crate::codes::s000::UnreadableScript;
 use crate::codes::v030::NoSnapshot;
 use crate::codes::v031::SnapshotDiffers;
-use crate::diff::unified;
 use crate::files::DiskLoader;
 use asmotion_diagnostics::Finding;
 use asmotion_lang::coverage::Coverage;
@@ -25,29 +25,6 @@ const SCRIPT: &str = ".env.toml";
 /// Returns `true` if the file is the script of a snapshot scenario.
 pub fn is_script(path: &Path) -> bool {
     path.to_string_lossy().ends_with(SCRIPT)
-}
-
-/// A run that differs from its snapshot.
-pub struct SnapshotDifference {
-    /// Path of the snapshot.
-    pub path: PathBuf,
-    /// Accepted text, if there is a snapshot.
-    accepted: Option<String>,
-    /// Text of the run.
-    actual: String,
-}
-
-impl SnapshotDifference {
-    /// The changes from the accepted text to that of the run.
-    pub fn diff(&self) -> String {
-        let accepted = self.accepted.as_deref().unwrap_or("");
-        unified(&self.path.to_string_lossy(), accepted, &self.actual)
-    }
-
-    /// Writes the text of the run as the new snapshot.
-    pub fn accept(&self) -> std::io::Result<()> {
-        std::fs::write(&self.path, &self.actual)
-    }
 }
 
 /// Runs the scenario of a script, with coverage if `covers` is set.

@@ -6,7 +6,7 @@ use super::{Lowering, facts};
 use crate::code::{RuleNode, Term, TermNode, ValueKind};
 use crate::codes::a031::MacroGrows;
 use crate::codes::a032::NotALocation;
-use crate::program::{Local, Origin, RoutineId};
+use crate::id::{Local, Origin, RoutineId};
 use asmotion_diagnostics::{Finding, Span};
 use asmotion_hir::{TermKind, VarId};
 use asmotion_value::RuleId;

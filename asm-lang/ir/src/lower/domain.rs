@@ -2,7 +2,9 @@
 
 use super::Lowering;
 use crate::code::BinderRange;
-use crate::program::{Domain, DomainElements, DomainId, ValueShape};
+use crate::id::DomainId;
+use crate::program::{Domain, DomainElements};
+use crate::value_shape::ValueShape;
 use asmotion_hir::{DomainKind, Meaning, Term, TermKind, Type, TypeId};
 use asmotion_value::{Atom, Value};
 

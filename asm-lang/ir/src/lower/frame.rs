@@ -1,7 +1,7 @@
 //! Bindings of variables while a body is lowered.
 
 use super::facts;
-use crate::program::Local;
+use crate::id::Local;
 use asmotion_hir::{TermKind, VarId};
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;

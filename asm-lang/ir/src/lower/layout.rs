@@ -1,9 +1,8 @@
 //! Layout: assigns slots to the locations of functions.
 
 use super::{Lowering, domain, order, reach};
-use crate::program::{
-    AxisRange, DomainElements, Function, FunctionId, FunctionKind, SlotAxis, Storage,
-};
+use crate::id::FunctionId;
+use crate::program::{AxisRange, DomainElements, Function, FunctionKind, SlotAxis, Storage};
 use asmotion_hir::{Meaning, Type, TypeId};
 use asmotion_stdlib::MessageQuery;
 

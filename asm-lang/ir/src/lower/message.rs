@@ -4,7 +4,8 @@
 use super::facts::walk;
 use crate::codes::a040::UnknownOperation;
 use crate::codes::a041::MessageMismatch;
-use crate::program::{FunctionId, Messages};
+use crate::id::FunctionId;
+use crate::program::Messages;
 use asmotion_diagnostics::{Diagnostic, Finding, Report, Span};
 use asmotion_hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
 use asmotion_value::{Atom, Value};

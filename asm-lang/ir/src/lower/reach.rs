@@ -5,11 +5,10 @@
 //! The result only decides which locations get slots. All other arguments remain possible.
 
 use crate::code::{AssignTarget, Binder, BinderRange, Rule, RuleNode, Term, TermNode};
+use crate::id::{BodyId, FunctionId, RoutineId};
 use crate::interval::IntegerInterval;
-use crate::program::{
-    AxisRange, BodyId, DomainElements, FunctionId, FunctionKind, Program, RoutineId, Storage,
-    ValueShape,
-};
+use crate::program::{AxisRange, DomainElements, FunctionKind, Program, Storage};
+use crate::value_shape::ValueShape;
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 

@@ -3,7 +3,7 @@
 use super::frame::{LoweringFrame, VariableBinding};
 use super::{Lowering, domain};
 use crate::code::{AssignTarget, Endless, Rule, RuleNode, Term, TermNode, ValueKind};
-use crate::program::{Local, Origin};
+use crate::id::{Local, Origin};
 use asmotion_diagnostics::Span;
 use asmotion_hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
 use asmotion_value::{RuleId, Value};

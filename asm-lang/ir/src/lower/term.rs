@@ -7,7 +7,8 @@ use crate::code::{
     Arithmetic, AssignTarget, Binder, BinderRange, Comparison, Connective, Term, TermNode,
     ValueKind,
 };
-use crate::program::{FunctionId, Local, Origin, Slot, Storage};
+use crate::id::{FunctionId, Local, Origin, Slot};
+use crate::program::Storage;
 use asmotion_hir::{Meaning, TermKind, Type, TypeId};
 use asmotion_value::Value;
 

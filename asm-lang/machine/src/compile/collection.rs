@@ -2,9 +2,9 @@
 
 use super::Compiler;
 use super::range::Ranges;
-use crate::code::TermCode;
 use crate::fault::FaultKind;
 use crate::limits::MAX_ELEMENTS;
+use crate::run::code::TermCode;
 use asmotion_ir::{Collection, Origin, Term};
 use asmotion_value::{Real, Value};
 use std::ops::ControlFlow;

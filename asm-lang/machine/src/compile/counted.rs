@@ -1,7 +1,7 @@
 //! Compilation of rules with a coverage counter.
 
 use super::Compiler;
-use crate::code::RuleCode;
+use crate::run::code::RuleCode;
 use asmotion_ir::{Counter, Rule};
 
 impl Compiler<'_> {

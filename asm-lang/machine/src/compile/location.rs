@@ -1,9 +1,9 @@
 //! Compilation of locations: computes the slot of a location and reads it.
 
 use super::Compiler;
-use crate::code::TermCode;
 use crate::limits::MAX_AXES;
 use crate::run::StepContext;
+use crate::run::code::TermCode;
 use asmotion_ir::{
     AxisRange, FunctionId, FunctionKind, Origin, Slot, SlotAxis, Storage, Term, TermNode, ValueKind,
 };

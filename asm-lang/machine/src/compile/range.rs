@@ -1,9 +1,9 @@
 //! Compilation of variables that range over domains and collections.
 
 use super::Compiler;
-use crate::code::{TermCode, TruthCode};
 use crate::fault::FaultKind;
 use crate::limits::MAX_BINDINGS;
+use crate::run::code::{TermCode, TruthCode};
 use crate::run::{KleeneTruth, StepContext};
 use asmotion_ir::{Binder, BinderRange, DomainId, Local, Origin, Term, TermNode, ValueShape};
 use asmotion_value::{Atom, Value};

@@ -3,9 +3,9 @@
 use super::Compiler;
 use super::collection::collect;
 use super::rule::program_of;
-use crate::code::TermCode;
 use crate::fault::FaultKind;
 use crate::naming::Naming;
+use crate::run::code::TermCode;
 use crate::run::{KleeneTruth, StepContext};
 use asmotion_ir::{BodyId, DomainId, Origin, Term, TermNode};
 use asmotion_value::Value;

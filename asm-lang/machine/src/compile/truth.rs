@@ -2,9 +2,9 @@
 
 use super::Compiler;
 use super::range::Ranges;
-use crate::code::TruthCode;
 use crate::fault::FaultKind;
 use crate::run::KleeneTruth;
+use crate::run::code::TruthCode;
 use asmotion_ir::{Comparison, Connective, Quantifier, Term, TermNode, ValueKind};
 use std::ops::ControlFlow;
 

@@ -2,7 +2,7 @@
 //! failed step and never runs otherwise.
 
 use super::Compiler;
-use crate::code::{RuleCode, TermCode};
+use crate::run::code::{RuleCode, TermCode};
 use asmotion_ir::{Rule, RuleNode, Term, TermNode};
 
 impl Compiler<'_> {

@@ -1,13 +1,14 @@
 //! The test broker: started, stopped, killed, frozen.
 
 use std::io::{self, Read, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::path::PathBuf;
 use std::process::Child;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::files::{BrokerFiles, PASSWORD, USER};
+use crate::ports::BrokerPorts;
 use crate::process::{self, SERVER};
 
 /// Timeout of a start: a cold start takes 5 s on an idle machine, twice that on a loaded one.
@@ -21,15 +22,6 @@ pub struct TestBroker {
     server: Mutex<Child>,
     epmd: Child,
     reaper: Child,
-}
-
-/// Ports of a broker on the loopback interface.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BrokerPorts {
-    pub amqp: u16,
-    pub amqps: u16,
-    pub distribution: u16,
-    pub epmd: u16,
 }
 
 /// Error of the test broker.
@@ -55,21 +47,6 @@ pub enum BrokerError {
         /// Reply of the node.
         answer: String,
     },
-}
-
-impl BrokerPorts {
-    fn free() -> io::Result<Self> {
-        // bound at the same time, so that they differ
-        let bind = || TcpListener::bind((Ipv4Addr::LOCALHOST, 0));
-        let (amqp, amqps) = (bind()?, bind()?);
-        let (distribution, epmd) = (bind()?, bind()?);
-        Ok(Self {
-            amqp: amqp.local_addr()?.port(),
-            amqps: amqps.local_addr()?.port(),
-            distribution: distribution.local_addr()?.port(),
-            epmd: epmd.local_addr()?.port(),
-        })
-    }
 }
 
 impl TestBroker {

@@ -9,7 +9,7 @@ use rcgen::{
 };
 use tempfile::TempDir;
 
-use crate::broker::BrokerPorts;
+use crate::ports::BrokerPorts;
 
 /// Name of every node. Each node has its own epmd, so the names do not clash.
 pub(crate) const NODE: &str = "rmq@localhost";

@@ -8,6 +8,7 @@
 mod broker;
 mod control;
 mod files;
+mod ports;
 mod process;
 mod shared;
 mod vhost;

@@ -4,8 +4,8 @@ use std::io;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use crate::broker::BrokerPorts;
 use crate::files::{BrokerFiles, NODE};
+use crate::ports::BrokerPorts;
 
 /// The package's inner script, which runs as any user. The outer script changes to the package's user.
 pub(crate) const SERVER: &str = "/usr/lib/rabbitmq/bin/rabbitmq-server";

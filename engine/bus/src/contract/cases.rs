@@ -6,12 +6,13 @@ use std::time::{Duration, Instant};
 
 use asmotion_datum::{Codec, Datum, Message, Schema};
 
-use crate::bus::{Bus, BusError, Publisher, SenderId};
+use crate::bus::{Bus, BusError, Publisher};
 use crate::envelope::{Envelope, Payload};
 use crate::pattern::Pattern;
 use crate::publish_options::PublishOptions;
 use crate::queue::{Overflow, QueuePolicy, Subscription};
 use crate::request::{CallFailure, PendingCall, Refusal, Request, ServedAddress};
+use crate::sender_id::SenderId;
 use crate::trace_context::SpanGenerator;
 use asmotion_connection::Notifier;
 

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
+use crate::capacity::QueueCapacity;
 use crate::error::QueueCheckError;
 use crate::name::QueueName;
-use crate::writer::QueueCapacity;
 
 /// A queue that cannot be opened, and therefore has no values.
 pub(crate) enum KernelQueue {}

@@ -1,0 +1,148 @@
+//! An enum as a table: its keys choose one of the variants.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+use syn::{DataEnum, DeriveInput, Error, Fields, Ident, Result, Type, Variant};
+
+use super::common::common;
+use super::key::KeyDeclaration;
+use super::options::TableOptions;
+use crate::word::snake;
+
+/// A variant and its keys; the first key selects the variant.
+struct VariantKeys {
+    rows: Vec<KeyDeclaration>,
+    /// The table wrapped by a variant with one unnamed field, which provides the keys.
+    inner: Option<Type>,
+    /// The variant has named fields.
+    named: bool,
+    ident: Ident,
+}
+
+impl VariantKeys {
+    fn of(variant: &Variant) -> Result<Self> {
+        let ident = variant.ident.clone();
+        match &variant.fields {
+            Fields::Named(fields) => Ok(Self {
+                rows: fields
+                    .named
+                    .iter()
+                    .map(KeyDeclaration::of_field)
+                    .collect::<Result<_>>()?,
+                inner: None,
+                named: true,
+                ident,
+            }),
+            Fields::Unnamed(fields) if fields.unnamed.len() == 1 => {
+                let kind = &fields.unnamed[0].ty;
+                let row = KeyDeclaration::of(&ident, kind, &variant.attrs)?;
+                let inner = row.flatten.then(|| kind.clone());
+                Ok(Self {
+                    rows: vec![row],
+                    inner,
+                    named: false,
+                    ident,
+                })
+            }
+            Fields::Unnamed(_) | Fields::Unit => Err(Error::new_spanned(
+                variant,
+                "a variant has named fields, or one",
+            )),
+        }
+    }
+}
+
+pub(super) fn of_enum(
+    input: &DeriveInput,
+    data: &DataEnum,
+    options: &TableOptions,
+) -> Result<TokenStream> {
+    let name = &input.ident;
+    let choices = data
+        .variants
+        .iter()
+        .map(VariantKeys::of)
+        .collect::<Result<Vec<_>>>()?;
+    let reason = &options.reason;
+    let constants = choices
+        .iter()
+        .filter(|it| it.inner.is_none())
+        .map(|choice| {
+            let keys = choice.rows.iter().map(KeyDeclaration::key);
+            let constant = constant(&choice.ident);
+            quote!(const #constant: &'static [crate::table::Key] = &[#(#keys),*];)
+        });
+    let chosen_by = choices.iter().map(|choice| match &choice.inner {
+        Some(inner) => quote!(<#inner as crate::table::Table>::first()),
+        None => {
+            let constant = constant(&choice.ident);
+            quote!(&Self::#constant[0])
+        }
+    });
+    let outline = choices.iter().map(|choice| match &choice.inner {
+        Some(inner) => quote!(outline.choice(<#inner as crate::table::Table>::outline().all());),
+        None => {
+            let constant = constant(&choice.ident);
+            quote!(outline.choice(Self::#constant.iter().collect());)
+        }
+    });
+    let arms = choices.iter().enumerate().map(|(at, choice)| {
+        let (variant, constant) = (&choice.ident, constant(&choice.ident));
+        if let Some(inner) = &choice.inner {
+            return quote!(Some(#at) => Self::#variant(<#inner as crate::table::Table>::read_keys(keys, name)?));
+        }
+        let bindings: Vec<Ident> = (0..choice.rows.len()).map(|at| format_ident!("field{at}")).collect();
+        let reads = choice.rows.iter().enumerate().map(|(at, row)| {
+            let (binding, read) = (&bindings[at], row.read(&quote!(&Self::#constant[#at])));
+            quote!(let #binding = #read;)
+        });
+        let made = choice.rows.iter().enumerate().map(|(at, row)| {
+            let (binding, ident) = (&bindings[at], &row.ident);
+            let value = match row.is_unwrapped() {
+                true => quote!(#binding?),
+                false => quote!(#binding),
+            };
+            match choice.named {
+                true => quote!(#ident: #value),
+                false => value,
+            }
+        });
+        let made = match choice.named {
+            true => quote!(Self::#variant { #(#made),* }),
+            false => quote!(Self::#variant(#(#made),*)),
+        };
+        quote!(Some(#at) => { #(#reads)* #made })
+    });
+    let common = common(input, options, None);
+    Ok(quote! {
+        impl #name {
+            #(#constants)*
+        }
+
+        impl crate::table::Table for #name {
+            fn outline() -> crate::table::Outline {
+                let mut outline = Self::blank();
+                #(#outline)*
+                outline
+            }
+
+            fn read_keys(keys: &mut crate::table::derived::Keys<'_, '_, '_>, name: &crate::table::derived::At<String>) -> Option<Self> {
+                let _ = name;
+                Some(match keys.one_of(&[#(#chosen_by),*], #reason) {
+                    #(#arms,)*
+                    _ => {
+                        keys.know(&Self::outline());
+                        return None;
+                    }
+                })
+            }
+        }
+
+        #common
+    })
+}
+
+/// Returns the name of the constant with the keys of a variant.
+fn constant(variant: &Ident) -> Ident {
+    format_ident!("{}_KEYS", snake(&variant.to_string()).to_uppercase())
+}

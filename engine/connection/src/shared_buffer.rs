@@ -1,0 +1,103 @@
+//! A queue that several ends share.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crossbeam_queue::ArrayQueue;
+
+use crate::buffer_kind::BufferKind;
+use crate::push_outcome::PushOutcome;
+use crate::store::Store;
+use crate::unsync::Unsync;
+
+/// A queue that several ends share.
+pub(crate) enum SharedBuffer<T> {
+    Newest(Arc<ArrayQueue<T>>),
+    Buffer(Arc<ArrayQueue<T>>),
+    Circular(Arc<ArrayQueue<T>>),
+    Locked(Arc<Mutex<Store<T>>>),
+    Unsync(Unsync<Store<T>>),
+}
+
+impl<T> SharedBuffer<T> {
+    /// A lock-free queue.
+    pub(crate) fn lock_free(kind: BufferKind) -> Self {
+        let queue = Arc::new(ArrayQueue::new(kind.size()));
+        match kind {
+            BufferKind::Data => Self::Newest(queue),
+            BufferKind::Buffer(_) => Self::Buffer(queue),
+            BufferKind::Circular(_) => Self::Circular(queue),
+        }
+    }
+
+    pub(crate) fn push(&self, sample: T) -> PushOutcome {
+        match self {
+            Self::Newest(queue) => {
+                queue.force_push(sample);
+                PushOutcome::Stored
+            }
+            Self::Buffer(queue) => match queue.push(sample) {
+                Ok(()) => PushOutcome::Stored,
+                Err(_) => PushOutcome::DroppedNewest,
+            },
+            Self::Circular(queue) => match queue.force_push(sample) {
+                None => PushOutcome::Stored,
+                Some(_) => PushOutcome::DroppedOldest,
+            },
+            // the displaced sample is dropped after the lock is released, because its destructor may be slow
+            Self::Locked(store) => {
+                let (delivery, gone) = locked(store).push(sample);
+                drop(gone);
+                delivery
+            }
+            Self::Unsync(store) => {
+                let (delivery, gone) = store.with(|store| store.push(sample));
+                drop(gone);
+                delivery
+            }
+        }
+    }
+
+    pub(crate) fn pop(&self) -> Option<T> {
+        match self {
+            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.pop(),
+            Self::Locked(store) => locked(store).pop(),
+            Self::Unsync(store) => store.with(Store::pop),
+        }
+    }
+
+    pub(crate) fn is_last(&self) -> bool {
+        let shares = match self {
+            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => {
+                Arc::strong_count(queue)
+            }
+            Self::Locked(store) => Arc::strong_count(store),
+            Self::Unsync(store) => store.shares(),
+        };
+        shares == 1
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.len(),
+            Self::Locked(store) => locked(store).len(),
+            Self::Unsync(store) => store.with(|store| store.len()),
+        }
+    }
+}
+
+impl<T> Clone for SharedBuffer<T> {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Newest(queue) => Self::Newest(Arc::clone(queue)),
+            Self::Buffer(queue) => Self::Buffer(Arc::clone(queue)),
+            Self::Circular(queue) => Self::Circular(Arc::clone(queue)),
+            Self::Locked(store) => Self::Locked(Arc::clone(store)),
+            Self::Unsync(store) => Self::Unsync(store.clone()),
+        }
+    }
+}
+
+/// Locks the store. A poisoned lock is safe to use: every change leaves the queue consistent.
+fn locked<T>(store: &Mutex<Store<T>>) -> MutexGuard<'_, Store<T>> {
+    store.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,37 @@
+//! Errors of a binding.
+
+/// A binding that does not fit its specification or component.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BindError {
+    /// The specification has no function with this name and without arguments.
+    #[error("the specification declares no function `{function}` without arguments")]
+    UnknownFunction {
+        /// Name of the function in the binding.
+        function: String,
+    },
+    /// The component has no such port.
+    #[error("the component has no port `{port}`")]
+    UnknownPort {
+        /// Name of the port in the binding.
+        port: String,
+    },
+    /// The component has no such reference.
+    #[error("the component has no reference `{reference}` with an operation `{operation}`")]
+    UnknownOperation {
+        /// Name of the reference in the binding.
+        reference: String,
+        /// Name of the operation in the binding.
+        operation: String,
+    },
+    /// The function's codomain does not contain the value.
+    #[error("`{function}` does not take the value `{value}`")]
+    NotAValue {
+        /// Name of the function.
+        function: String,
+        /// The value as text.
+        value: String,
+    },
+    /// The initial state cannot be built; the machine's error as text.
+    #[error("{0}")]
+    Initial(String),
+}

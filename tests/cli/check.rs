@@ -1,0 +1,135 @@
+//! Checking files.
+
+use super::{NAVIGATION, PATROL, file, run};
+
+#[test]
+fn what_ships_has_no_findings() {
+    let files: Vec<String> = [
+        "navigation",
+        "allocation",
+        "patrol",
+        "recovery",
+        "estop",
+        "youbot",
+    ]
+    .iter()
+    .flat_map(|folder| std::fs::read_dir(format!("specs/{folder}")).unwrap())
+    .map(|entry| entry.unwrap().path().display().to_string())
+    .filter(|path| path.ends_with(".asm") || path.ends_with(".composite.toml"))
+    .collect();
+    assert!(files.len() >= 9, "{files:?}");
+    let mut arguments = vec!["check", "--format", "concise"];
+    arguments.extend(files.iter().map(String::as_str));
+    let (code, out, err) = run(&arguments);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(!out.contains("error["), "{out}");
+}
+
+/// Two outdated spellings, a foreign symbol, and a name that cannot be fixed automatically.
+const OLD: &str = "asm old\nimport StandardLibrary\nsignature:\n  controlled ok: Boolean\ndefinitions:\n  \
+                   main rule r_Main = par ok := (exist $x in {1..3} with $x == 2) oc := true endpar\n";
+
+#[test]
+fn check_mends_what_is_sure_and_says_what_is_left() {
+    let (folder, path) = file("old.asm", OLD);
+    let (code, out, err) = run(&["check", "--fix", &path]);
+    assert_eq!(code, 1, "`oc` is left: {out}{err}");
+    assert!(err.contains("[L070]") && err.contains("[A001]"), "{err}");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mended = OLD
+        .replace("exist ", "exists ")
+        .replace("1..3", "1 : 3")
+        .replace("==", "=");
+    assert_eq!(text, mended);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn check_shows_what_it_would_mend_and_leaves_the_file() {
+    let (_folder, path) = file("old.asm", OLD);
+    let (_, out, err) = run(&["check", "--fix", "--diff", &path]);
+    assert!(out.contains("\n-  main rule"), "{out}");
+    assert!(
+        out.contains("\n+  main rule") && out.contains("{1 : 3}"),
+        "{out}"
+    );
+    assert!(err.contains("Would fix"), "{err}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), OLD);
+}
+
+#[test]
+fn a_file_that_cannot_be_rewritten_is_left_as_it_is() {
+    let mut bytes = OLD.as_bytes().to_vec();
+    bytes.extend(b"// \xff\n");
+    let (_folder, path) = file("old.asm", &bytes);
+    let (code, out, err) = run(&["check", "--fix", &path]);
+    assert_eq!(code, 2, "{out}{err}");
+    assert!(err.contains("cannot rewrite"), "{err}");
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+}
+
+#[test]
+fn check_explains_its_codes() {
+    let (code, out, _) = run(&["check", "--explain", "r001"]);
+    assert_eq!(code, 0);
+    assert!(
+        out.starts_with("# R001: ") && out.contains("Mended:"),
+        "{out}"
+    );
+    let (code, out, _) = run(&["check", "--explain"]);
+    assert_eq!(code, 0);
+    assert!(out.contains("\nC001  Invalid TOML"), "{out}");
+    assert!(out.lines().count() > 150, "{out}");
+    let (code, _, err) = run(&["check", "--explain", "A1"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("did you mean `A001`?"), "{err}");
+}
+
+#[test]
+fn the_page_of_diagnostics_lists_all_codes() {
+    let page = std::fs::read_to_string("docs/diagnostics.md").unwrap();
+    let listed: Vec<&str> = page
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .collect();
+    let (_, out, _) = run(&["check", "--explain"]);
+    let known = out.lines().map(|line| {
+        let (code, meaning) = line.split_once("  ").unwrap();
+        format!("| `{code}` | {meaning} |")
+    });
+    assert_eq!(listed, known.collect::<Vec<_>>(), "bring the page along");
+}
+
+#[test]
+fn check_knows_every_kind_of_file() {
+    let files = [
+        "specs/patrol/patrol.avalla",
+        "specs/estop/estop.trip.env.toml",
+        NAVIGATION,
+        PATROL,
+    ];
+    let (code, out, err) = run(&[&["check"], &files[..]].concat());
+    assert_eq!(code, 0, "{out}{err}");
+    let types = "schema = \"composite-types/1\"\n[type.\"t/A\"]\nfields = { x = \"f64\" }\n";
+    let (_folder, path) = file("types.toml", types);
+    assert_eq!(run(&["check", &path]).0, 0);
+    let (_folder, types) = file("types.toml", types.replace("f64", "f65"));
+    let (code, out, _) = run(&["check", "--format", "concise", &types]);
+    assert_eq!(code, 1);
+    assert!(out.contains("error[C110]"), "{out}");
+    let (folder, scenario) = file("s.avalla", "scenario s\nload s.asm\ncheck n = 1;\n");
+    let asm =
+        "asm s\nsignature:\n  controlled m: Integer\ndefinitions:\n  main rule r_Main = m := 1\n";
+    std::fs::write(folder.path().join("s.asm"), asm).unwrap();
+    let (code, out, _) = run(&["check", "--format", "concise", &scenario]);
+    assert_eq!(code, 1);
+    assert!(out.contains("s.avalla:3:7: error[A001]"), "{out}");
+}
+
+#[test]
+fn an_empty_specification_is_no_error() {
+    let (_folder, path) = file("empty.asm", "");
+    let (code, out, _) = run(&["check", "--format", "concise", &path]);
+    assert_eq!(code, 0, "{out}");
+    assert!(out.contains("warning[L020]"), "{out}");
+}

@@ -1,0 +1,103 @@
+//! Running composites, and the demo.
+
+use super::{NAVIGATION, asmotion, run};
+use std::path::Path;
+
+#[test]
+fn the_demo_reaches_its_goal_and_says_so() {
+    let (code, out, err) = run(&["demo", "--speed", "0"]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.starts_with("reached in ARRIVED"), "{out}");
+    assert!(err.contains("FOLLOWING → ARRIVED"), "{err}");
+    assert!(err.contains("BLOCKED"), "the demo shows a replan: {err}");
+}
+
+#[test]
+fn the_demo_goes_where_it_is_told() {
+    let (code, out, _) = run(&[
+        "demo", "--speed", "0", "--goal", "4.2,15.6", "--world", "plain", "--quiet",
+    ]);
+    assert_eq!(code, 0, "{out}");
+    let (code, out, _) = run(&["demo", "--speed", "0", "--goal", "21.1,17.2", "--quiet"]);
+    assert_eq!(
+        code, 1,
+        "the table of the meeting room cannot be reached: {out}"
+    );
+}
+
+#[test]
+fn a_goal_that_is_none_is_a_wrong_usage() {
+    let (code, _, err) = run(&["demo", "--goal", "kitchen"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("two numbers are wanted"), "{err}");
+    let (code, _, _) = run(&["fly"]);
+    assert_eq!(code, 2);
+}
+
+#[test]
+fn a_composite_runs_from_any_folder_in_virtual_time() {
+    let composite = Path::new(env!("CARGO_MANIFEST_DIR")).join(NAVIGATION);
+    let elsewhere = tempfile::tempdir().unwrap();
+    let mut command = asmotion();
+    command
+        .current_dir(elsewhere.path())
+        .args(["run", "--quiet"])
+        .arg(composite);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[test]
+fn a_composite_runs_in_wall_time() {
+    let (code, out, err) = run(&["run", NAVIGATION, "--clock", "wall", "--for", "3"]);
+    assert_eq!(code, 1, "three seconds are not enough: {out}{err}");
+    assert!(out.starts_with("time up in FOLLOWING"), "{out}{err}");
+    assert!(err.contains("WAIT_PATH → FOLLOWING"), "{err}");
+}
+
+#[test]
+fn a_run_ends_with_what_it_is_told() {
+    let until = ["--until", "mode=WAIT_PATH", "--unless", "command=HALT"];
+    let (code, out, err) = run(&[&["run", NAVIGATION, "--quiet"], &until[..]].concat());
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.contains("reached in WAIT_PATH"), "{out}");
+}
+
+#[test]
+fn properties_are_set_as_toml_writes_them() {
+    let start = |setting: &str| {
+        let limit = ["--for", "2", "--until", "mode=ARRIVED", "--json"];
+        let (code, out, err) = run(&[&["run", NAVIGATION, "--set", setting], &limit[..]].concat());
+        assert_eq!(code, 1, "two seconds are not enough: {out}{err}");
+        out.lines()
+            .filter(|line| line.contains("\"to_goal_m\""))
+            .count()
+    };
+    for setting in [
+        "start=[1.4, 4.7, 0]",
+        "start=1.4,4.7,0",
+        "World.start=[1.4, 4.7, 0.0]",
+        "World.obstacles=[{ at_s = 0.0, disc = [14.5, 7.3, 0.25] }]",
+        "place=office",
+    ] {
+        assert_eq!(start(setting), 1, "{setting}");
+    }
+}
+
+#[test]
+fn a_seed_needs_no_property_of_the_composite() {
+    let (_, _, err) = run(&["run", "specs/youbot/youbot.composite.toml", "--seed", "3"]);
+    assert!(!err.contains("C013"), "{err}");
+}
+
+#[test]
+fn two_specifications_talk_in_a_composite() {
+    let courier = "specs/courier/courier.composite.toml";
+    let (code, out, err) = run(&["run", courier, "--until", "jobs=3", "--for", "20"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(
+        out.contains("dispatcher.job ×3, dispatcher.done ×3"),
+        "{out}"
+    );
+    assert!(out.contains("; 0 failed"), "{out}");
+}
