@@ -2,6 +2,7 @@
 
 use crate::code::Code;
 use crate::fix::Fix;
+use crate::similar::did_you_mean;
 use crate::span::Span;
 
 /// Severity of a finding, fixed by its code; errors order before warnings.

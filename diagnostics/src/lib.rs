@@ -21,6 +21,6 @@ pub use diagnostic::{Diagnostic, Label, Report, Severity};
 pub use fix::{Applicability, Edit, Fix, Fixed, apply};
 pub use loader::{LoadError, Loader};
 pub use render::{Style, concise, render, render_all};
-pub use similar::similar;
+pub use similar::{did_you_mean, or_did_you_mean, similar};
 pub use sources::Sources;
 pub use span::{FileId, Span};

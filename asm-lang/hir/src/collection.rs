@@ -120,7 +120,7 @@ impl Resolver<'_> {
                     bound,
                     first.ty,
                     "an interval",
-                    Some((first.span, "this is")),
+                    Some((first.span, "has type")),
                 );
             }
         }

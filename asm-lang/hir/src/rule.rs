@@ -278,14 +278,8 @@ impl Resolver<'_> {
         let declared = &self.declared.rules[rule.0 as usize];
         if declared.turbo != turbo {
             let (is, want) = match declared.turbo {
-                true => (
-                    "turbo",
-                    "turbo rules are called with round brackets: `r_x(…)`",
-                ),
-                false => (
-                    "macro",
-                    "macro rules are called with square brackets: `r_x[…]`",
-                ),
+                true => ("turbo", "call a turbo rule with parentheses: `r_x(…)`"),
+                false => ("macro", "call a macro rule with square brackets: `r_x[…]`"),
             };
             let declared = declared.span;
             self.error(WrongCallForm {
