@@ -106,6 +106,24 @@ impl Diagnostic {
         self.with_fix(Fix::maybe(title, span, text))
     }
 
+    /// Suggests the similar name in place of the text at `at`; adds nothing for `None`.
+    #[must_use]
+    pub fn did_you_mean(self, at: Span, name: Option<&str>) -> Self {
+        match name {
+            Some(name) => self.guess(did_you_mean(name), at, name),
+            None => self,
+        }
+    }
+
+    /// Suggests the similar name as [`Diagnostic::did_you_mean`] does, or `help` for `None`.
+    #[must_use]
+    pub fn did_you_mean_or(self, at: Span, name: Option<&str>, help: impl Into<String>) -> Self {
+        match name {
+            Some(_) => self.did_you_mean(at, name),
+            None => self.help(help),
+        }
+    }
+
     /// Sets the suggested edits, replacing those set before.
     #[must_use]
     pub fn with_fix(mut self, fix: Fix) -> Self {

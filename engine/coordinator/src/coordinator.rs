@@ -22,7 +22,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BindError {
     /// The specification has no function with this name and without arguments.
-    #[error("the specification declares no function `{function}` without arguments")]
+    #[error("the specification has no function `{function}` without arguments")]
     UnknownFunction {
         /// Name of the function in the binding.
         function: String,
@@ -42,7 +42,7 @@ pub enum BindError {
         operation: String,
     },
     /// The function's codomain does not contain the value.
-    #[error("`{function}` does not take the value `{value}`")]
+    #[error("invalid value `{value}` for `{function}`")]
     NotAValue {
         /// Name of the function.
         function: String,

@@ -129,7 +129,7 @@ impl Order {
             (None, Some(_)) => Err(OrderError::Direction {
                 port: self.whole(port),
                 is: "input",
-                instead: "it is written, and read by its component alone",
+                instead: "write to it; only its component reads it",
             }),
             (None, None) => Err(self.no_port(port, &declared.outputs)),
         }
@@ -142,7 +142,7 @@ impl Order {
             (None, Some(_)) => Err(OrderError::Direction {
                 port: self.whole(port),
                 is: "output",
-                instead: "it is read, and written by its component alone",
+                instead: "read from it; only its component writes it",
             }),
             (None, None) => Err(self.no_port(port, &declared.inputs)),
         }
@@ -170,7 +170,7 @@ impl Order {
             component: self.component.clone(),
             port: port.to_owned(),
             known: match names.is_empty() {
-                true => "none of this direction".to_owned(),
+                true => "none".to_owned(),
                 false => names.join(", "),
             },
         }

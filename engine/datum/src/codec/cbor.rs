@@ -35,7 +35,7 @@ pub(super) fn read_whole(bytes: &[u8]) -> Result<Datum, DatumError> {
     let datum = read(&mut reader, DEPTH)?;
     let rest = reader.fill(1).map_err(malformed)?;
     if !rest.as_ref().is_empty() {
-        return Err(malformed("bytes are left over"));
+        return Err(malformed("trailing bytes"));
     }
     Ok(datum)
 }
@@ -96,7 +96,7 @@ fn read<'de>(reader: &mut SliceReader<'de>, depth: usize) -> Result<Datum, Datum
 
 fn peek(reader: &mut SliceReader<'_>) -> Result<u8, DatumError> {
     let ahead = reader.fill(1).map_err(malformed)?;
-    (ahead.as_ref().first().copied()).ok_or_else(|| malformed("it ends too early"))
+    (ahead.as_ref().first().copied()).ok_or_else(|| malformed("unexpected end"))
 }
 
 fn bytes<'de>(reader: &mut SliceReader<'de>) -> Result<Cow<'de, [u8]>, DatumError> {
@@ -174,8 +174,6 @@ fn simple(reader: &mut SliceReader<'_>, first: u8) -> Result<Datum, DatumError> 
             .map(|value| Datum::Float(value.into()))
             .map_err(malformed),
         marker::F64 => f64::decode(reader).map(Datum::Float).map_err(malformed),
-        other => Err(malformed(format_args!(
-            "byte {other:#04x} starts nothing known"
-        ))),
+        other => Err(malformed(format_args!("unknown initial byte {other:#04x}"))),
     }
 }
