@@ -19,7 +19,7 @@ pub enum RemoteError {
     #[error(transparent)]
     Bus(#[from] BusError),
     /// A name that no component, service or property has.
-    #[error("unknown {what} `{name}`{}", meant(nearest.as_deref()))]
+    #[error("unknown {what} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
         /// The kind of thing looked for: component, service or property.
         what: &'static str,
@@ -53,7 +53,7 @@ pub enum RemoteError {
         source: CallError,
     },
     /// An operation that no process provides.
-    #[error("unknown operation `{operation}`{}", meant(nearest.as_deref()))]
+    #[error("unknown operation `{operation}`{}", suggestion(nearest.as_deref()))]
     Nobody {
         /// The address that was called.
         operation: String,
