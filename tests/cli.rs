@@ -404,7 +404,10 @@ fn an_argument_that_names_what_is_not_there_is_a_wrong_usage() {
             "the initial states are `s0`",
         ),
         (run_with("--set", "sed=2"), "did you mean `seed`?"),
-        (run_with("--set", "seed=many"), "expected an integer for `seed`"),
+        (
+            run_with("--set", "seed=many"),
+            "expected an integer for `seed`",
+        ),
         (run_with("--set", "Wrld.slip=1"), "did you mean `World`?"),
         (run_with("--set", "World.slp=1"), "did you mean `slip`?"),
         (run_with("--set", "World.slip=\"a\""), "`slip` of `World`"),

@@ -12,10 +12,7 @@ pub enum UnsupportedTypeError {
         what: String,
     },
     /// A list whose elements occupy no bytes, so that its length could not be checked.
-    #[error(
-        "{}elements of {what} have no size",
-        FieldPathPrefix(path)
-    )]
+    #[error("{}elements of {what} have no size", FieldPathPrefix(path))]
     Nothing {
         /// Path of field names to it.
         path: String,

@@ -62,9 +62,7 @@ pub enum BuildError {
         max: usize,
     },
     /// A shared queue whose other connections have a different policy.
-    #[error(
-        "`{from}` and `{to}` cannot share a queue with the others, which have {what}"
-    )]
+    #[error("`{from}` and `{to}` cannot share a queue with the others, which have {what}")]
     OtherQueue {
         /// The writing end, as `component.port`.
         from: String,
