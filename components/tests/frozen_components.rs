@@ -118,7 +118,7 @@ fn a_missing_an_unknown_and_a_repeated_field_are_refused_by_name() {
         ),
         (
             with("", vec![("nest".into(), Datum::Null)]),
-            "there is no field `nest`",
+            "unknown field `nest`",
         ),
         (
             with("next", vec![("next".into(), Datum::text("first"))]),

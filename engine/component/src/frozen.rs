@@ -408,7 +408,7 @@ fn one<'a>(fields: &'a [(FieldName, Datum)], name: &str) -> Result<&'a Datum, Da
 pub fn refuse_unknown(fields: &[(FieldName, Datum)], known: &[&str]) -> Result<(), DatumError> {
     let unknown = |(name, _): &&(FieldName, Datum)| !known.contains(&&**name);
     match fields.iter().find(unknown) {
-        Some((name, _)) => Err(mismatch(format!("there is no field `{name}`"))),
+        Some((name, _)) => Err(mismatch(format!("unknown field `{name}`"))),
         None => Ok(()),
     }
 }

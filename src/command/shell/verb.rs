@@ -4,25 +4,25 @@ use crate::prompt::{Verb, verb};
 
 /// All commands. An omitted component is the entered one.
 pub const VERBS: &[Verb] = &[
-    verb("ls", "l", "", "the components; in one, what it has"),
+    verb("ls", "l", "", "lists the components, or the content of one"),
     verb(
         "cd",
         "",
         "[COMPONENT | ..]",
         "enters a component, or leaves it",
     ),
-    verb("peers", "", "[COMPONENT]", "who it is joined to, and how"),
+    verb("peers", "", "[COMPONENT]", "shows the connections of a component"),
     verb(
         "call",
         "",
         "[SERVICE.]OPERATION [JSON]",
-        "calls an operation; `operation(JSON)` alone will do",
+        "calls an operation; `operation(JSON)` alone does the same",
     ),
     verb(
         "get",
         "",
         "[PROPERTY]",
-        "the value of a property, or of all",
+        "shows one property, or all",
     ),
     verb(
         "set",
@@ -30,20 +30,20 @@ pub const VERBS: &[Verb] = &[
         "PROPERTY = VALUE",
         "sets a property from the next cycle on",
     ),
-    verb("read", "r", "PORT", "what left an output last"),
-    verb("write", "w", "PORT JSON", "gives a message to an input"),
+    verb("read", "r", "PORT", "shows the last message of an output"),
+    verb("write", "w", "PORT JSON", "sends a message to an input"),
     verb(
         "watch",
         "",
         "PORT [N]",
-        "the next N messages that leave an output (10)",
+        "shows the next N messages of an output (10)",
     ),
-    verb("configure", "", "[COMPONENT]", "a step of its life cycle"),
+    verb("configure", "", "[COMPONENT]", "requests a step of the life cycle"),
     verb("start", "", "[COMPONENT]", ""),
     verb("stop", "", "[COMPONENT]", ""),
     verb("cleanup", "", "[COMPONENT]", ""),
     verb("recover", "", "[COMPONENT]", ""),
     verb("reset", "", "[COMPONENT]", ""),
-    verb("help", "?", "", "this list"),
-    verb("quit", "q", "", "ends; so does Ctrl-D"),
+    verb("help", "?", "", "shows this list"),
+    verb("quit", "q", "", "quits, as Ctrl-D does"),
 ];
