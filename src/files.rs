@@ -146,8 +146,8 @@ pub fn reason(error: &std::io::Error) -> String {
         reason = "the standard library adds kinds of errors"
     )]
     match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        std::io::ErrorKind::PermissionDenied => "this user may not read it".to_owned(),
+        std::io::ErrorKind::NotFound => "file not found".to_owned(),
+        std::io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         _ => error.to_string(),
     }
 }
@@ -198,7 +198,7 @@ pub fn rewrite(path: &str, before: &str, after: &str) -> std::io::Result<()> {
     let path = std::fs::canonicalize(path)?;
     if std::fs::read(&path)? != before.as_bytes() {
         return Err(std::io::Error::other(
-            "it is not UTF-8, or was changed meanwhile",
+            "not UTF-8, or changed while it was read",
         ));
     }
     let folder = path.parent().unwrap_or(Path::new("."));

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use asmotion_diagnostics::similar;
+use asmotion_diagnostics::{or_did_you_mean, similar};
 
 use crate::mission::{ListenCallback, MissionGateways};
 
@@ -32,25 +32,26 @@ fn elsewhere(written: &str, named: &[String]) -> Result<(String, SocketAddr), St
     let wrong = |reason: &str| Err(format!("`--http {written}`: {reason}"));
     let (name, address) = match (written.split_once('='), named) {
         (_, []) => {
-            return wrong("nothing here is promoted with `binding = \"http\"`; leave it out");
+            return wrong("no service here has `binding = \"http\"`: remove it");
         }
         (Some((name, address)), _) => (name, address),
         (None, [only]) => (&**only, written),
         (None, several) => {
             let names = several.join(", ");
             return wrong(&format!(
-                "there are several gateways ({names}): say which, `NAME=ADDRESS`"
+                "several gateways ({names}): select one with `NAME=ADDRESS`"
             ));
         }
     };
     if !named.iter().any(|known| known == name) {
-        let meant = similar(name, named);
-        let meant = meant.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+        let meant = or_did_you_mean(similar(name, named).map(String::as_str));
         let names = named.join(", ");
-        return wrong(&format!("there is no gateway `{name}`, but {names}{meant}"));
+        return wrong(&format!(
+            "unknown gateway `{name}`; the gateways are {names}{meant}"
+        ));
     }
     match address.parse() {
         Ok(address) => Ok((name.to_owned(), address)),
-        Err(_) => wrong("an address and a port is wanted, as in `127.0.0.1:8080`, or `off`"),
+        Err(_) => wrong("expected an address and a port, as in `127.0.0.1:8080`, or `off`"),
     }
 }

@@ -236,7 +236,7 @@ impl Mission {
             ends.find(|it| matches!(it, Terminal::Mqueue(_))),
         ) {
             (MissionClock::Virtual(_), Some(queue)) => Err(MissionError::Launch(format!(
-                "`{queue}` leads to another process, whose time is the wall's: say `--clock wall`"
+                "`{queue}` leads to another process, which uses the wall clock: add `--clock wall`"
             ))),
             (MissionClock::Virtual(_), None) | (MissionClock::Wall, _) => Ok(()),
         }

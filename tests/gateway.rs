@@ -161,7 +161,7 @@ fn a_gateway_is_opened_elsewhere_or_not_at_all_or_says_what_stands_in_the_way() 
         (&["--http", "localhost"], "127.0.0.1:8080"),
         (
             &["--http", "mian=127.0.0.1:0"],
-            "there is no gateway `mian`, but main",
+            "unknown gateway `mian`; the gateways are main",
         ),
     ] {
         let (code, said) = ends(arguments);

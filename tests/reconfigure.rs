@@ -32,7 +32,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     };
     let (code, out, err) = reconfigure(&[]);
     assert_eq!(code, Some(0), "{err}");
-    assert_eq!(out, "onboard: nothing changes\nplanning: nothing changes\n");
+    assert_eq!(out, "onboard: no changes\nplanning: no changes\n");
 
     // the error is shown at its place, and no process is affected
     becomes(&[(
@@ -68,7 +68,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     becomes(&[faster, noisy]);
     let expected = "onboard: `LaserDriver` has noise_m = 0.125\n\
                     onboard: `RoverDriver` cycles every 10ms\n\
-                    planning: nothing changes\n";
+                    planning: no changes\n";
     let (code, out, err) = reconfigure(&["--try"]);
     assert_eq!((code, &*out), (Some(0), expected), "{err}");
     let (code, out, err) = reconfigure(&[]);
@@ -77,7 +77,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     assert!(out.contains("noise_m = 0.125"), "{out}{err}");
     let (code, out, _) = reconfigure(&[]);
     assert_eq!(code, Some(0));
-    assert_eq!(out, "onboard: nothing changes\nplanning: nothing changes\n");
+    assert_eq!(out, "onboard: no changes\nplanning: no changes\n");
     for process in running {
         assert!(process.interrupt().status.success());
     }

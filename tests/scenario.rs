@@ -417,8 +417,8 @@ fn a_fault_after_a_pick_shows_its_values() {
     let files = [("orders.asm", &*two), ("s.avalla", scenario)];
     let (code, out, error) = test(&files, &["s.avalla"]);
     assert_eq!(code, 1, "{out}{error}");
-    assert!(error.contains("12 is no element of `Size`"), "{error}");
-    let values = "at that moment, `$o` = order!4, `wish` = 12";
+    assert!(error.contains("12 is not an element of `Size`"), "{error}");
+    let values = "at this point, `$o` = order!4, `wish` = 12";
     assert!(error.contains(values), "{error}");
 }
 

@@ -197,7 +197,7 @@ impl Specification {
             FaultKind::NoMain => NoMainToRun.diagnostic(),
         };
         if !fault.agent.is_undef() {
-            finding = finding.note(format!("the agent {} was running", show(&fault.agent)));
+            finding = finding.note(format!("running agent: {}", show(&fault.agent)));
         }
         finding
     }

@@ -29,7 +29,7 @@ impl Loader for MemoryFiles {
             .cloned()
             .ok_or_else(|| LoadError {
                 path: path.to_owned(),
-                reason: "there is no such file".to_owned(),
+                reason: "file not found".to_owned(),
             })
     }
 

@@ -20,7 +20,11 @@ pub(crate) struct Foreign {
 
 impl fmt::Display for Foreign {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(to, "{} is no element of `{}`", self.element, self.domain)
+        write!(
+            to,
+            "{} is not an element of `{}`",
+            self.element, self.domain
+        )
     }
 }
 
@@ -29,7 +33,7 @@ impl Foreign {
     pub(crate) fn explain(&self, diagnostic: Diagnostic, way_out: &str) -> Diagnostic {
         let diagnostic = match self.defined {
             Some(defined) => diagnostic
-                .label(defined, format!("the elements of `{}`", self.domain))
+                .label(defined, format!("`{}` is defined here", self.domain))
                 .help(format!("{way_out}, or widen the domain")),
             None => diagnostic
                 .label(self.declared, "declared here")
@@ -38,7 +42,7 @@ impl Foreign {
                 )),
         };
         match &self.whole {
-            Some(whole) => diagnostic.note(format!("it is a part of {whole}")),
+            Some(whole) => diagnostic.note(format!("part of {whole}")),
             None => diagnostic,
         }
     }

@@ -231,7 +231,7 @@ fn explained(
         .iter()
         .filter_map(|failure| match &failure.kind {
             ScenarioFailureKind::Fault(fault) => {
-                Some(explain(fault).label(failure.at, "asked for here"))
+                Some(explain(fault).label(failure.at, "tested here"))
             }
             ScenarioFailureKind::Check(_)
             | ScenarioFailureKind::Invariant(..)

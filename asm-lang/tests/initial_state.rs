@@ -51,6 +51,6 @@ fn another_one_counts_where_it_is_asked_for() {
 
 #[test]
 fn one_that_is_not_there_is_missed() {
-    let missed = "none of the initial states is called `lower`";
+    let missed = "no initial state is called `lower`";
     assert_eq!(begins_with(Some("lower")), Err(missed.to_owned()));
 }

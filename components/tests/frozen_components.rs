@@ -111,14 +111,14 @@ fn a_missing_an_unknown_and_a_repeated_field_are_refused_by_name() {
     };
     let of = "`youbot::Operator` does not take the frozen state:";
     for (wrong, problem) in [
-        (with("next", vec![]), "the field `next` is wanted once"),
+        (with("next", vec![]), "expected the field `next` once"),
         (
             with("", vec![("next".into(), Datum::Int(1))]),
-            "the field `next` is wanted once",
+            "expected the field `next` once",
         ),
         (
             with("", vec![("nest".into(), Datum::Null)]),
-            "there is no field `nest`",
+            "unknown field `nest`",
         ),
         (
             with("next", vec![("next".into(), Datum::text("first"))]),

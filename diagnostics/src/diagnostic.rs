@@ -3,6 +3,7 @@
 use crate::code::Code;
 use crate::fix::Fix;
 use crate::severity::Severity;
+use crate::similar::did_you_mean;
 use crate::span::Span;
 
 /// A span and a text that annotates it.
@@ -95,6 +96,24 @@ impl Diagnostic {
     #[must_use]
     pub fn guess(self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
         self.with_fix(Fix::maybe(title, span, text))
+    }
+
+    /// Suggests the similar name in place of the text at `at`; adds nothing for `None`.
+    #[must_use]
+    pub fn did_you_mean(self, at: Span, name: Option<&str>) -> Self {
+        match name {
+            Some(name) => self.guess(did_you_mean(name), at, name),
+            None => self,
+        }
+    }
+
+    /// Suggests the similar name as [`Diagnostic::did_you_mean`] does, or `help` for `None`.
+    #[must_use]
+    pub fn did_you_mean_or(self, at: Span, name: Option<&str>, help: impl Into<String>) -> Self {
+        match name {
+            Some(_) => self.did_you_mean(at, name),
+            None => self.help(help),
+        }
     }
 
     /// Sets the suggested edits, replacing those set before.

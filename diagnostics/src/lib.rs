@@ -27,6 +27,6 @@ pub use fix::{Applicability, Edit, Fix};
 pub use loader::{LoadError, Loader};
 pub use render::{Style, concise, render, render_all};
 pub use severity::Severity;
-pub use similar::similar;
+pub use similar::{did_you_mean, or_did_you_mean, similar};
 pub use sources::Sources;
 pub use span::{FileId, Span};

@@ -21,7 +21,7 @@ pub fn settings(address: &str, _: &BrokerAccess) -> Result<AmqpSettings, String>
 pub fn named(broker: &asmotion_plan::Broker, _: &BrokerAccess) -> Result<AmqpSettings, String> {
     let (name, left_out) = (&broker.name, LeftOut::new::<Amqp>());
     Err(format!(
-        "the broker `{name}` of the composite: {left_out}\n  `--bus local` runs without a broker"
+        "broker `{name}` of the composite: {left_out}\n  `--bus local` runs without a broker"
     ))
 }
 

@@ -39,10 +39,9 @@ impl BrokerArguments {
     /// Fails if no broker is given or the password is unknown.
     pub fn settings(&self) -> Result<AmqpSettings, String> {
         let variable = || std::env::var("ASMOTION_BUS").ok();
-        let address =
-            self.bus.clone().or_else(variable).ok_or(
-                "which broker? Add `--bus amqp://user@host:port/vhost`, or set ASMOTION_BUS",
-            )?;
+        let address = self.bus.clone().or_else(variable).ok_or(
+            "no broker selected: add `--bus amqp://user@host:port/vhost`, or set ASMOTION_BUS",
+        )?;
         let mut settings = settings(&address, &self.access)?;
         settings.process = "asmotion-tool".to_owned();
         Ok(settings)
@@ -65,7 +64,7 @@ pub fn remote(mut settings: AmqpSettings) -> Result<Remote, String> {
     settings.process = "asmotion-tool".to_owned();
     let place = settings.place();
     let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
-        format!("the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it")
+        format!("broker at {place}: {reason}\n  `asmotion doctor` shows how to fix it")
     })?;
     Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
 }
@@ -118,7 +117,7 @@ pub fn named(
     broker: &asmotion_plan::Broker,
     access: &BrokerAccess,
 ) -> Result<AmqpSettings, String> {
-    let of = |reason: String| format!("the broker `{}` of the composite: {reason}", broker.name);
+    let of = |reason: String| format!("broker `{}` of the composite: {reason}", broker.name);
     let address = broker
         .url
         .as_ref()
@@ -128,7 +127,7 @@ pub fn named(
         Tls::Require => address.replacen("amqp://", "amqps://", 1),
         Tls::Off if address.starts_with("amqps://") => {
             return Err(of(
-                "`tls = \"off\"`, but its address says `amqps`".to_owned()
+                "`tls = \"off\"`, but the address begins with `amqps`".to_owned()
             ));
         }
         Tls::Off => address.to_owned(),
@@ -159,7 +158,9 @@ pub fn settings(address: &str, access: &BrokerAccess) -> Result<AmqpSettings, St
     } else if !has_password {
         let user = settings.credentials.user().to_owned();
         let password = std::env::var(PASSWORD).map_err(|_| {
-            format!("the password of `{user}` is not known: set {PASSWORD}, or name a file with `--credentials`")
+            format!(
+                "missing password of `{user}`: set {PASSWORD}, or name a file with `--credentials`"
+            )
         })?;
         settings.credentials = Credentials::new(user, password);
     }

@@ -6,13 +6,13 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// --accept`. If `CI` is set, nothing is accepted: commit the snapshot together with its script.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V030, error)]
-#[error("there is no snapshot `{path}`")]
+#[error("snapshot `{path}` not found")]
 pub struct NoSnapshot {
     pub path: String,
 }
 
 impl Finding for NoSnapshot {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.help("read what the run wrote, and accept it with `--accept`")
+        diagnostic.help("check the output of the run, then accept it with `--accept`")
     }
 }

@@ -14,6 +14,6 @@ pub struct SnapshotDiffers {
 
 impl Finding for SnapshotDiffers {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.help("accept what is meant with `--accept`, or one by one with `--review`")
+        diagnostic.help("accept intended changes with `--accept`, or one by one with `--review`")
     }
 }

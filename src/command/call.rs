@@ -48,7 +48,7 @@ impl Call {
     /// Makes the call. The outer error explains why the call could not be made, the inner one why it failed.
     fn call(&self) -> Result<Result<String, RemoteError>, String> {
         let argument: Datum = asmotion_datum::json::decode(&self.argument)
-            .map_err(|error| format!("`{}` is no JSON: {error}", self.argument))?;
+            .map_err(|error| format!("`{}` is not JSON: {error}", self.argument))?;
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
         let sent = self

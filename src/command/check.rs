@@ -194,8 +194,8 @@ impl Check {
         let sure = report.diagnostics.iter().filter(|finding| is_sure(finding));
         match sure.count() {
             0 => {}
-            1 => terminal.say("`--fix` mends one of them"),
-            several => terminal.say(format_args!("`--fix` mends {several} of them")),
+            1 => terminal.say("`--fix` can fix one of them"),
+            several => terminal.say(format_args!("`--fix` can fix {several} of them")),
         }
     }
 }

@@ -68,19 +68,19 @@ impl Doctor {
 fn examine(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(), Diagnosis> {
     let mut well = |what: String| terminal.result(format_args!("{GOOD}ok{GOOD:#}   {what}"));
     reach(settings)?;
-    well(format!("{}:{} is there", settings.host, settings.port));
+    well(format!("{}:{} is reachable", settings.host, settings.port));
     let bus = enter(settings)?;
     well(format!(
-        "user `{}` may enter the virtual host `{}`",
+        "user `{}` has access to the virtual host `{}`",
         settings.credentials.user(),
         settings.vhost
     ));
     take(&bus, settings)?;
-    well("the broker takes messages: no alarm".to_owned());
+    well("the broker accepts messages: no alarm".to_owned());
     exchange(&bus, settings)?;
-    well("a message that is published is read".to_owned());
+    well("a published message arrives".to_owned());
     serve(&bus, settings)?;
-    well("a service that is offered is called".to_owned());
+    well("an offered service can be called".to_owned());
     Ok(())
 }
 
@@ -89,8 +89,8 @@ fn reach(settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let (host, port) = (&settings.host, settings.port);
     let addresses = (host.as_str(), port).to_socket_addrs().map_err(|error| {
         Diagnosis::new(
-            format!("`{host}` cannot be found: {error}"),
-            "is the name right? Try its IP address",
+            format!("cannot resolve `{host}`: {error}"),
+            "check the name, or use the IP address",
         )
     })?;
     let mut last = "it has no address".to_owned();
@@ -101,9 +101,8 @@ fn reach(settings: &AmqpSettings) -> Result<(), Diagnosis> {
         }
     }
     Err(Diagnosis::new(
-        format!("{host}:{port} cannot be reached: {last}"),
-        "on that machine: `systemctl status rabbitmq-server`, and `rabbitmq-diagnostics listeners`\n\
-         says the port (5672 unless set) and the addresses; a firewall may be in between",
+        format!("cannot reach {host}:{port}: {last}"),
+        "on that machine, `systemctl status rabbitmq-server` and `rabbitmq-diagnostics listeners`\nshow the port (default: 5672) and the addresses; check for a firewall in between",
     ))
 }
 
@@ -115,18 +114,17 @@ fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
         let said = what.to_lowercase();
         let mend = if said.contains("login") || said.contains("authentication") {
             format!(
-                "user or password is wrong: `rabbitmqctl list_users` has the users,\n\
-                 `rabbitmqctl change_password {user} …` sets a password; `guest` may come from the same machine alone"
+                "wrong user or password: `rabbitmqctl list_users` lists the users,\n`rabbitmqctl change_password {user} …` sets a password; `guest` can connect only from the same machine"
             )
         } else if said.contains("vhost") && said.contains("not found") {
             format!("`rabbitmqctl add_vhost {vhost}`, then `{}`", permit(settings))
         } else if said.contains("vhost") {
-            format!("the user may not enter it: `{}`", permit(settings))
+            format!("the user has no access: `{}`", permit(settings))
         } else if said.contains("certificate") || said.contains("tls") {
-            "`--ca FILE` names who vouches for the broker; one that wants to know us needs `--certificate` and `--key`"
+            "`--ca FILE` names the authority that signed the broker's certificate; `--certificate` and `--key` identify this client"
                 .to_owned()
         } else {
-            "something listens there, but not as RabbitMQ does: is it the right port? The broker's log says more"
+            "another program listens there: check the port, and see the broker's log"
                 .to_owned()
         };
         Diagnosis::new(what, mend)
@@ -146,9 +144,8 @@ fn take(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     match bus.health().link {
         LinkState::Up => Ok(()),
         LinkState::Blocked { reason } | LinkState::Down { reason } => Err(Diagnosis::new(
-            format!("the broker takes nothing: {reason}"),
-            "it is short of memory or disk: `rabbitmq-diagnostics alarms` says which;\n\
-             make room, or raise `vm_memory_high_watermark` or lower `disk_free_limit` in rabbitmq.conf",
+            format!("the broker accepts no messages: {reason}"),
+            "it is short of memory or disk: `rabbitmq-diagnostics alarms` shows which;\nfree some, raise `vm_memory_high_watermark`, or lower `disk_free_limit` in rabbitmq.conf",
         )),
     }
 }
@@ -156,26 +153,30 @@ fn take(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
 /// Tests whether a message published on a topic arrives.
 fn exchange(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let read = asmotion_remote::listen(bus, TRIED)
-        .map_err(|error| forbidden("a topic cannot be read", &error.to_string(), settings))?;
+        .map_err(|error| forbidden("cannot read a topic", &error.to_string(), settings))?;
     let sending = PublishOptions::events(NonZeroUsize::MIN);
     let origin = SenderId::new("asmotion-doctor", 0);
     let message = Payload::of(Datum::text("hello"));
     let mut publisher = bus
         .publisher(TRIED, &origin, Datum::schema(), sending)
-        .map_err(|error| forbidden("a topic cannot be written", &error.to_string(), settings))?;
+        .map_err(|error| forbidden("cannot write a topic", &error.to_string(), settings))?;
     let published = publisher.publish(0, message).is_ok();
     if published && read.next_within(PATIENCE).is_some() {
         return Ok(());
     }
     // an alarm can become visible only now
     take(bus, settings)?;
-    let what = "a topic cannot be written";
-    Err(forbidden(what, "what was published has not come", settings))
+    let what = "cannot write a topic";
+    Err(forbidden(
+        what,
+        "the published message did not arrive",
+        settings,
+    ))
 }
 
 /// Tests whether a service can be offered and called.
 fn serve(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
-    let ill = |what: String| forbidden("a service cannot be offered or called", &what, settings);
+    let ill = |what: String| forbidden("cannot offer or call a service", &what, settings);
     let serving = match bus.serve(TRIED, 1, Arc::new(Notifier::new())) {
         Ok(serving) => serving,
         // another `asmotion doctor` is running
@@ -204,8 +205,7 @@ fn forbidden(what: &str, reason: &str, settings: &AmqpSettings) -> Diagnosis {
     Diagnosis::new(
         format!("{what}: {reason}"),
         format!(
-            "`rabbitmqctl list_permissions -p {vhost}` shows what `{user}` may do;\n\
-             `{}` allows everything there, docs/wire.md says what is needed",
+            "`rabbitmqctl list_permissions -p {vhost}` shows the permissions of `{user}`;\n`{}` allows everything, docs/wire.md lists what is needed",
             permit(settings)
         ),
     )

@@ -33,9 +33,7 @@ impl Expand {
         };
         if !plan.missing.is_empty() {
             let missing = plan.missing.join("`, `");
-            terminal.error(format_args!(
-                "set `{missing}`: without it nobody knows what it stands for"
-            ));
+            terminal.error(format_args!("set `{missing}`, which the file refers to"));
             return Exit::Usage;
         }
         terminal.result(asmotion_plan::expand(&opened, plan).trim_end());

@@ -127,10 +127,10 @@ impl Fmt {
             format!("{} left as they are", tally.unchanged),
         ];
         if tally.failed > 0 {
-            parts.push(format!("{} not there or not to be written", tally.failed));
+            parts.push(format!("{} missing or not writable", tally.failed));
         }
         if tally.wrong > 0 {
-            parts.push(format!("{} with errors left alone", tally.wrong));
+            parts.push(format!("{} with errors left unchanged", tally.wrong));
         }
         let told = parts.join(", ");
         if tally.wrong + tally.failed > 0 || (self.check && tally.changed > 0) {

@@ -54,13 +54,13 @@ impl Port {
             PortCommand::Read { port } => (port, None),
             PortCommand::Write { port, message } => {
                 let datum: Datum = asmotion_datum::json::decode(&message)
-                    .map_err(|error| format!("`{message}` is no JSON: {error}"))?;
+                    .map_err(|error| format!("`{message}` is not JSON: {error}"))?;
                 (port, Some(datum))
             }
         };
         let (component, port) = whole
             .rsplit_once('.')
-            .ok_or_else(|| format!("`{whole}` is no port: write `Component.port`"))?;
+            .ok_or_else(|| format!("`{whole}` is not a port: write `Component.port`"))?;
         let remote = self.broker.remote()?;
         let asked = remote
             .component(component)

@@ -83,9 +83,11 @@ impl Reconfigure {
             .filter(|it| self.robot.as_ref().is_none_or(|robot| *robot == it.robot))
             .collect();
         match &*processes {
-            [] => return Err(format!("no process of `{name}` is there")),
+            [] => return Err(format!("no process of `{name}` is running")),
             [first, others @ ..] if others.iter().any(|it| it.robot != first.robot) => {
-                return Err(format!("several robots run `{name}`: say `--robot`"));
+                return Err(format!(
+                    "several robots run `{name}`: select one with `--robot`"
+                ));
             }
             [_, ..] => {}
         }
@@ -102,7 +104,7 @@ impl Reconfigure {
             return Ok(tell(&processes, ask(&version), terminal));
         }
         let exit = tell(&processes, tried, terminal);
-        terminal.status("Unchanged", format_args!("`{name}` runs as before"));
+        terminal.status("Unchanged", format_args!("`{name}` runs unchanged"));
         Ok(exit)
     }
 }
@@ -133,7 +135,7 @@ fn tell(
                     terminal.result(format_args!("{process}: {change}"));
                 }
                 if changes.is_empty() {
-                    terminal.result(format_args!("{process}: nothing changes"));
+                    terminal.result(format_args!("{process}: no changes"));
                 }
             }
             Err(error) => {

@@ -159,13 +159,13 @@ impl Run {
         mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.told())?;
         let over = match (mission.brokers.are_there(), mission.gateways.are_there()) {
             (true, _) => Some(("a broker", "")),
-            (false, true) => Some(("a gateway", ", or say `--http off`")),
+            (false, true) => Some(("a gateway", ", or add `--http off`")),
             (false, false) => None,
         };
         mission.clock = match (self.clock, self.speed, over) {
             (Some(ClockKind::Virtual), _, Some((what, or))) | (None, Some(_), Some((what, or))) => {
                 return Err(format!(
-                    "over {what}, time is the wall's: leave out `--clock` and `--speed`{or}"
+                    "a run over {what} uses the wall clock: remove `--clock` and `--speed`{or}"
                 ));
             }
             (None, None, Some(_)) => MissionClock::Wall,
@@ -173,7 +173,7 @@ impl Run {
             (Some(ClockKind::Wall), None, _) => MissionClock::Wall,
             (Some(ClockKind::Wall), Some(_), _) => {
                 return Err(
-                    "`--speed` is of the virtual clock; on the wall, time has its own speed"
+                    "`--speed` needs the virtual clock: the wall clock has its own speed"
                         .to_owned(),
                 );
             }
@@ -224,7 +224,9 @@ pub fn virtual_clock(speed: f64) -> Result<MissionClock, String> {
     if speed.is_finite() && speed >= 0.0 {
         Ok(MissionClock::Virtual(speed))
     } else {
-        Err(format!("`--speed {speed}`: a number from 0 is wanted"))
+        Err(format!(
+            "`--speed {speed}`: expected a number of at least 0"
+        ))
     }
 }
 
@@ -349,7 +351,7 @@ impl MissionArguments {
             None if mission.process.is_some() => mission.limit = None,
             None => {}
             Some(limit) if limit.is_nan() || limit <= 0.0 => {
-                return Err(format!("`--for {limit}`: a time above zero is wanted"));
+                return Err(format!("`--for {limit}`: expected a time above zero"));
             }
             Some(limit) => {
                 let limit =
@@ -369,7 +371,7 @@ impl MissionArguments {
                 .collect();
             let [x, y] = numbers.as_slice() else {
                 return Err(format!(
-                    "`--goal {goal}`: two numbers are wanted, as in `--goal 26.4,4.2`"
+                    "`--goal {goal}`: expected two numbers, as in `--goal 26.4,4.2`"
                 ));
             };
             let script = Datum::List(vec![Datum::text(format!("1.0 goal {x} {y}"))]);

@@ -91,11 +91,11 @@ impl Test {
             .filter(|path| self.is_wanted(&path.to_string_lossy()))
             .collect();
         if wanted.is_empty() {
-            terminal.error("there is no scenario here");
+            terminal.error("no scenario found");
             return Exit::Usage;
         }
         if review::is_automatic() && (self.accept || self.review) {
-            terminal.error("nothing is accepted where `CI` is set");
+            terminal.error("`--accept` is disabled where `CI` is set");
             return Exit::Usage;
         }
         let begun = Instant::now();

@@ -22,7 +22,7 @@ impl Top {
     /// Shows the system until `q` is pressed.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         if !std::io::stdout().is_terminal() {
-            terminal.error("`asmotion top` draws on a terminal; for a program there are `asmotion component list` and `asmotion topic list`");
+            terminal.error("`asmotion top` needs a terminal; programs can use `asmotion component list` and `asmotion topic list`");
             return Exit::Usage;
         }
         let shown = self.broker.settings().and_then(|settings| {

@@ -106,7 +106,7 @@ impl Up {
         let hosts = hosts.collect::<Vec<_>>().join("`, `");
         if mine.is_empty() {
             return Err(format!(
-                "no process runs on `{here}`, but on `{hosts}`: say which machine this is with `--host`"
+                "no process runs on `{here}`, but on `{hosts}`: name this machine with `--host`"
             ));
         }
         for process in elsewhere {
@@ -229,7 +229,7 @@ impl SupervisedProcess {
                 SupervisedState::Running(child)
             }
             Err(error) => {
-                terminal.error(format_args!("`{}` cannot be started: {error}", self.name));
+                terminal.error(format_args!("cannot start `{}`: {error}", self.name));
                 SupervisedState::Ended { well: false }
             }
         };
@@ -249,7 +249,7 @@ impl SupervisedProcess {
             AfterExit::Rest => SupervisedState::Ended { well },
             AfterExit::GiveUp => {
                 terminal.error(format_args!(
-                    "`{name}` ended again ({status}), too often to be started once more"
+                    "`{name}` ended again ({status}), too often to be restarted"
                 ));
                 SupervisedState::Ended { well: false }
             }
@@ -279,7 +279,7 @@ impl SupervisedProcess {
                 Ok(Some(status)) => break Some(status),
                 Ok(None) if Instant::now() < until => std::thread::sleep(LOOK),
                 Ok(None) | Err(_) => {
-                    terminal.error(format_args!("`{}` does not end: it is killed", self.name));
+                    terminal.error(format_args!("`{}` does not end and is killed", self.name));
                     let _ = child.kill();
                     break child.wait().ok();
                 }

@@ -25,7 +25,7 @@ pub(super) fn refusals() -> [(String, Value); 2] {
         ),
         answer(
             "unavailable",
-            json!({ "description": "Nobody is there to answer, or the request is not known; without content." }),
+            json!({ "description": "No server is available, or the request is unknown; without content." }),
         ),
     ]
 }

@@ -1,6 +1,6 @@
 //! Errors of starting a mission.
 
-use asmotion_diagnostics::similar;
+use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_lang::simulate::AwaitError;
 use asmotion_lang::{Report, Sources};
 use std::fmt;
@@ -88,15 +88,18 @@ impl fmt::Display for MissionError {
                 asmotion_lang::Style::Plain,
             )),
             Self::Profile { known, .. } if known.is_empty() => {
-                to.write_str("the composite has no profiles: leave out `--profile`")
+                to.write_str("the composite has no profiles: remove `--profile`")
             }
             Self::Profile {
                 wanted: Some(wanted),
                 known,
             } => {
-                let similar = similar(wanted, known).cloned();
-                let (meant, known) = (meant(&similar), known.join(", "));
-                write!(to, "there is no profile `{wanted}`, but {known}{meant}")
+                let meant = or_did_you_mean(similar(wanted, known).map(String::as_str));
+                let known = known.join(", ");
+                write!(
+                    to,
+                    "unknown profile `{wanted}`; the profiles are {known}{meant}"
+                )
             }
             Self::Profile {
                 wanted: None,
@@ -104,12 +107,16 @@ impl fmt::Display for MissionError {
             } => {
                 write!(
                     to,
-                    "choose a profile with `--profile`: {}",
+                    "select a profile with `--profile`: {}",
                     known.join(", ")
                 )
             }
             Self::Component { name, similar } => {
-                write!(to, "there is no component `{name}`{}", meant(similar))
+                write!(
+                    to,
+                    "unknown component `{name}`{}",
+                    or_did_you_mean(similar.as_deref())
+                )
             }
             Self::NeverEnds { wanted, reasons } if reasons.is_empty() => write!(
                 to,
@@ -122,28 +129,28 @@ impl fmt::Display for MissionError {
                 })
             }
             Self::Process { wanted, known } => {
-                let similar = similar(wanted, known).cloned();
-                let (meant, known) = (meant(&similar), known.join(", "));
-                write!(to, "there is no process `{wanted}`, but {known}{meant}")
+                let meant = or_did_you_mean(similar(wanted, known).map(String::as_str));
+                let known = known.join(", ");
+                write!(
+                    to,
+                    "unknown process `{wanted}`; the processes are {known}{meant}"
+                )
             }
             Self::NeedsBroker { process } => write!(
                 to,
-                "`{process}` is one of several processes, which meet on a broker: add \
-                 `--bus amqp://user@host:port/vhost`, or leave out `--process` to run all in one"
+                "`{process}` is one of several processes, which communicate over a broker: add `--bus amqp://user@host:port/vhost`, or remove `--process` to run all of them in one"
             ),
             Self::Broker { place, reason } => write!(
                 to,
-                "the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it; `--bus local` runs \
-                 without one"
+                "broker at {place}: {reason}\n  `asmotion doctor` shows how to fix it; `--bus local` runs without a broker"
             ),
             Self::Gateway { name, reason } => write!(
                 to,
-                "the gateway `{name}`: {reason}\n  `--http {name}=127.0.0.1:0` takes a free port; `--http off` runs \
-                 without one"
+                "gateway `{name}`: {reason}\n  `--http {name}=127.0.0.1:0` selects a free port; `--http off` runs without a gateway"
             ),
             Self::WithoutGateway { name, reason } => write!(
                 to,
-                "the gateway `{name}`: {reason}\n  `--http off` runs without one"
+                "gateway `{name}`: {reason}\n  `--http off` runs without a gateway"
             ),
             Self::Launch(reason) => to.write_str(reason),
         }
@@ -151,9 +158,3 @@ impl fmt::Display for MissionError {
 }
 
 impl std::error::Error for MissionError {}
-
-fn meant(similar: &Option<String>) -> String {
-    similar
-        .as_ref()
-        .map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
-}

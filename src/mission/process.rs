@@ -108,8 +108,7 @@ impl Mission {
                     let names: Vec<&str> = several.iter().map(|it| &*it.name).collect();
                     let names = names.join(", ");
                     Err(format!(
-                        "the composite has several brokers ({names}), and no component says which is its own with \
-                         `task.broker`: say it there, or with `--bus`"
+                        "several brokers ({names}), but no component names one with `task.broker`: name one there, or with `--bus`"
                     ))
                 }
             }

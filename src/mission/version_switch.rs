@@ -109,14 +109,14 @@ impl<'m> VersionSwitch<'m> {
             .paths()
             .find(|path| self.is_another_specification(path, &opened))
         {
-            let detail = format!("`{path}` is another specification");
+            let detail = format!("`{path}` is a different specification");
             return Err(refusal("NEEDS_START", detail));
         }
         match opened.plan(self.mission.profile.as_deref()) {
-            None => Err(refusal("BAD_COMPOSITE", "it has no such profile")),
+            None => Err(refusal("BAD_COMPOSITE", "profile not found")),
             Some(plan) if !plan.missing.is_empty() => {
                 let missing = plan.missing.join(", ");
-                let detail = format!("these environment variables are not set: {missing}");
+                let detail = format!("environment variables not set: {missing}");
                 Err(refusal("BAD_COMPOSITE", detail))
             }
             Some(plan) => Ok(plan.clone()),

@@ -55,25 +55,22 @@ fn an_argument_that_names_what_is_not_there_is_a_wrong_usage() {
         vec!["run", NAVIGATION, "--quiet", option, value]
     };
     for (arguments, said) in [
-        (vec!["check", "nowhere.asm"], "there is no such file"),
-        (vec!["check", "nowhere.toml"], "there is no such file"),
-        (vec!["check", "nowhere.avalla"], "there is no such file"),
-        (vec!["sim", "nowhere.asm"], "there is no such file"),
-        (vec!["repl", "nowhere.asm"], "there is no such file"),
-        (vec!["fmt", "nowhere.asm"], "there is no such file"),
-        (vec!["test", "nowhere.avalla"], "there is no such file"),
-        (
-            vec!["run", "nowhere.composite.toml"],
-            "there is no such file",
-        ),
+        (vec!["check", "nowhere.asm"], "file not found"),
+        (vec!["check", "nowhere.toml"], "file not found"),
+        (vec!["check", "nowhere.avalla"], "file not found"),
+        (vec!["sim", "nowhere.asm"], "file not found"),
+        (vec!["repl", "nowhere.asm"], "file not found"),
+        (vec!["fmt", "nowhere.asm"], "file not found"),
+        (vec!["test", "nowhere.avalla"], "file not found"),
+        (vec!["run", "nowhere.composite.toml"], "file not found"),
         (
             vec!["sim", PATROL, "--init", "s9"],
-            "the specification has `s0`",
+            "the initial states are `s0`",
         ),
         (run_with("--set", "sed=2"), "did you mean `seed`?"),
         (
             run_with("--set", "seed=many"),
-            "`seed` takes a whole number",
+            "expected an integer for `seed`",
         ),
         (run_with("--set", "Wrld.slip=1"), "did you mean `World`?"),
         (run_with("--set", "World.slp=1"), "did you mean `slip`?"),

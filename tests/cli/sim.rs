@@ -57,7 +57,7 @@ default init s0:
     let (code, out, err) = run(&["check", &path]);
     assert_eq!(code, 0, "{out}{err}");
     assert!(
-        err.contains("W030") && err.contains("the initial value of `level`"),
+        err.contains("W030") && err.contains("initial value of `level`"),
         "{err}"
     );
     let (code, out, err) = run(&sim);
@@ -104,7 +104,7 @@ fn a_step_that_fails_exits_with_3_and_shows_both_writers() {
         "{err}"
     );
     assert!(
-        err.contains("this writes 2") && err.contains("this writes 1"),
+        err.contains("writes 2") && err.contains("writes 1 in the same step"),
         "{err}"
     );
 }
@@ -126,10 +126,10 @@ fn a_step_that_fails_shows_the_values_at_hand() {
     let (code, _, err) = run(&["sim", &path, "--env", &inputs.display().to_string()]);
     assert_eq!(code, 3, "{err}");
     for said in [
-        "13 is no element of `Speed`",
-        "at that moment, `$r` = ROB_B, `$x` = ROB_B, `wish($r)` = 12",
+        "13 is not an element of `Speed`",
+        "at this point, `$r` = ROB_B, `$x` = ROB_B, `wish($r)` = 12",
         "called here",
-        "the inputs of the step: `wish(ROB_A)` = 3, `wish(ROB_B)` = 12",
+        "inputs of the step: `wish(ROB_A)` = 3, `wish(ROB_B)` = 12",
     ] {
         assert!(err.contains(said), "{said}: {err}");
     }

@@ -320,13 +320,13 @@ fn refuses_a_long_chain_of_imports() {
     }
     let failure = asmotion_lang::open("m0.asm", &files).unwrap_err();
     insta::assert_snapshot!(first(&failure), @"
-    error[A012]: imports nest deeper than 64 files
+    error[A012]: imports nested deeper than 64 files
      --> m63.asm:2:8
       |
     2 | import m64
-      |        ^^^ one import too many
+      |        ^^^ limit exceeded here
       |
-    help: import the module you need directly
+    help: import the needed module directly
     ");
 }
 

@@ -28,7 +28,7 @@ const DIFFERENT: &[(&str, &str)] = &[
     ),
     (
         "choose_integer/scenario_out_of_domain",
-        "what is picked outside the range is no candidate, and no fault",
+        "what is picked outside the range is not a candidate, and no fault",
     ),
 ];
 

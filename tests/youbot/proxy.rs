@@ -117,7 +117,7 @@ fn j17_the_proxy_learns_from_an_arm_of_six_joints_how_many_there_are() {
     let refused = log.replies[1].2.as_ref().unwrap_err();
     assert_eq!(
         refused,
-        "BAD_ARGUMENT: `position`: a run of 6 is wanted, not one of 5"
+        "BAD_ARGUMENT: `position`: expected a list of 6, found one of 5"
     );
     let log = arm("joints = 5");
     assert!(log.replies[0].2.is_err() && log.replies[1].2.is_ok());

@@ -25,7 +25,7 @@ use crate::model::{
 use crate::options::ReadOptions;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use asmotion_diagnostics::{Code, Finding, Report, Sources, Span, similar};
+use asmotion_diagnostics::{Code, Finding, Report, Sources, Span, did_you_mean, similar};
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;
@@ -174,8 +174,8 @@ impl Analysis<'_> {
             let error = DefinesWrongKind {
                 name: name.text.clone(),
                 kind: "not a subset of another domain",
-                why: "only a `subsetof` domain is defined by its elements",
-                help: "drop this definition",
+                why: "only `subsetof` domains are defined by their elements",
+                help: "remove this definition",
                 at: name.span,
                 declared: Some(declared),
             };
@@ -558,19 +558,19 @@ impl Purpose {
     fn forbids(self, kind: FunctionKind, reserved: bool) -> Option<(&'static str, &'static str)> {
         if reserved {
             return Some((
-                "the machine gives it its value",
-                "drop this; agents get their programs by `agent Domain: r_rule[]`",
+                "set by the machine",
+                "remove this; assign programs to agents with `agent Domain: r_rule[]`",
             ));
         }
         let fixed = matches!(kind, FunctionKind::Static | FunctionKind::Derived);
         match self {
             Self::Definition if !fixed => Some((
-                "its values come from rules or the environment, not from a definition",
-                "move this to `default init` if it is the first value, or declare the function `derived`",
+                "takes its values from rules or the environment",
+                "move this to `default init` to set the first value, or declare the function `derived`",
             )),
             Self::Initial if fixed => Some((
-                "it has a definition instead of an initial value",
-                "drop this, or declare the function `controlled`",
+                "needs a definition, not an initial value",
+                "remove this, or declare the function `controlled`",
             )),
             Self::Definition | Self::Initial => None,
         }
@@ -580,10 +580,10 @@ impl Purpose {
 /// Suggests the initial state with a similar name, or lists all of them.
 fn meant<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> String {
     match similar(name, known.clone()) {
-        Some(similar) => format!("did you mean `{similar}`?"),
+        Some(similar) => did_you_mean(similar),
         None => {
             let known: Vec<String> = known.map(|name| format!("`{name}`")).collect();
-            format!("the specification has {}", known.join(", "))
+            format!("the initial states are {}", known.join(", "))
         }
     }
 }

@@ -289,10 +289,7 @@ impl Resolver<'_> {
                     .iter()
                     .map(|&ty| self.show(ty))
                     .collect();
-                (
-                    format!("this one takes ({})", types.join(", ")),
-                    function.span,
-                )
+                (format!("takes ({})", types.join(", ")), function.span)
             })
             .collect();
         let roots: Vec<String> = arguments

@@ -130,7 +130,7 @@ impl Resolver<'_> {
                     bound,
                     first.ty,
                     "an interval",
-                    Some((first.span, "this is")),
+                    Some((first.span, "has type")),
                 );
             }
         }

@@ -274,15 +274,9 @@ impl Resolver<'_> {
         let declared = &self.declared.rules[rule.0 as usize];
         if declared.turbo != turbo {
             let (is, want) = if declared.turbo {
-                (
-                    "turbo",
-                    "turbo rules are called with round brackets: `r_x(…)`",
-                )
+                ("turbo", "call a turbo rule with parentheses: `r_x(…)`")
             } else {
-                (
-                    "macro",
-                    "macro rules are called with square brackets: `r_x[…]`",
-                )
+                ("macro", "call a macro rule with square brackets: `r_x[…]`")
             };
             let declared = declared.span;
             self.error(WrongCallForm {

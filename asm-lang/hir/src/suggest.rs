@@ -10,10 +10,10 @@ pub(crate) fn with_similar(
     similar: &Option<(Arc<str>, Span)>,
     help: &str,
 ) -> Diagnostic {
-    match similar {
-        Some((name, declared)) => finding
-            .label(*declared, "a similar name is declared here")
-            .guess(format!("did you mean `{name}`?"), at, name.to_string()),
-        None => finding.help(help),
-    }
+    let finding = match similar {
+        Some((_, declared)) => finding.label(*declared, "similar name declared here"),
+        None => finding,
+    };
+    let name = similar.as_ref().map(|(name, _)| &**name);
+    finding.did_you_mean_or(at, name, help)
 }

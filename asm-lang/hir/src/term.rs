@@ -238,7 +238,12 @@ impl Resolver<'_> {
     /// Resolves a case of a `switch` and checks its type against that of the subject.
     pub fn case(&mut self, subject: &Term, case: &ast::Term) -> Term {
         let case = self.term(case);
-        self.expect(&case, subject.ty, "a case", Some((subject.span, "this is")));
+        self.expect(
+            &case,
+            subject.ty,
+            "a case",
+            Some((subject.span, "has type")),
+        );
         case
     }
 

@@ -1,7 +1,7 @@
 //! An update that a run waits for, written by the user as `mode=ARRIVED`.
 
 use crate::literal::Literals;
-use asmotion_diagnostics::similar;
+use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_ir::{Function, FunctionKind, Program, ValueShape};
 use asmotion_machine::Machine;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub struct AwaitedUpdate {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AwaitError {
     /// No function has this name.
-    #[error("there is no function `{name}`{}", meant(similar.as_deref()))]
+    #[error("unknown function `{name}`{}", or_did_you_mean(similar.as_deref()))]
     Unknown {
         /// Name as written.
         name: String,
@@ -45,7 +45,7 @@ pub enum AwaitError {
         kind: &'static str,
     },
     /// The text of an argument or of the value denotes no element of its domain.
-    #[error("`{text}` is no value {place}{}", meant(similar.as_deref()))]
+    #[error("`{text}` is not a value {place}{}", or_did_you_mean(similar.as_deref()))]
     NotAValue {
         /// Text as written.
         text: String,
@@ -54,10 +54,6 @@ pub enum AwaitError {
         /// An element with a similar name.
         similar: Option<Arc<str>>,
     },
-}
-
-fn meant(similar: Option<&str>) -> String {
-    similar.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
 impl AwaitedUpdate {

@@ -92,7 +92,7 @@ impl Environment for Script {
             Some(value) => Ok(Some(value.clone())),
             None if self.clocks.contains(&function) => Ok(None),
             None => Err(format!(
-                "step {} of the script gives it none, and there is no default",
+                "step {} of the script does not set it, and it has no default",
                 self.at + 1
             )),
         }
@@ -332,7 +332,7 @@ impl ScriptReader<'_> {
             ValueShape::Set(_) => "a set".to_owned(),
             ValueShape::Bag(_) => "a bag".to_owned(),
             ValueShape::Map(..) | ValueShape::Complex | ValueShape::Rule | ValueShape::Any => {
-                "a value that scripts can give".to_owned()
+                "a value that a script can write".to_owned()
             }
         }
     }

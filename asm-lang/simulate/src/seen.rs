@@ -1,7 +1,6 @@
 //! Observed values that explain why a condition of a scenario failed.
 
 use asmotion_diagnostics::{Diagnostic, Span};
-use std::sync::Arc;
 
 /// A condition that failed, with the observed values.
 #[derive(Clone, Debug, Default)]
@@ -39,16 +38,8 @@ impl FailedCondition {
         }
         match written.as_slice() {
             [] => finding,
-            written => finding.note(format!("the step before wrote {}", written.join(", "))),
+            written => finding.note(format!("the previous step wrote {}", written.join(", "))),
         }
-    }
-}
-
-/// Suggests a similar name, if there is one.
-pub(crate) fn meant(finding: Diagnostic, at: Span, similar: &Option<Arc<str>>) -> Diagnostic {
-    match similar {
-        Some(name) => finding.guess(format!("did you mean `{name}`?"), at, name.to_string()),
-        None => finding,
     }
 }
 

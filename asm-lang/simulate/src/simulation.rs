@@ -59,7 +59,7 @@ impl fmt::Display for SimulationError {
                 let lines = lines.join("`, `");
                 write!(
                     to,
-                    "the recorded step {step} gives inputs that the specification does not have: `{lines}`"
+                    "recorded step {step} has inputs that the specification does not declare: `{lines}`"
                 )
             }
         }

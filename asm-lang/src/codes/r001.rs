@@ -44,9 +44,9 @@ pub(crate) struct Clash {
 impl Finding for Clash {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, format!("this writes {}", self.value))
-            .label(self.first_at, format!("and in the same step this writes {}", self.first))
-            .note("a step applies all updates at once, so a location gets one value; the state is kept")
-            .help("put one of them in the `else` of the other, or both in `seq … endseq` if the later one wins")
+            .label(self.at, format!("writes {}", self.value))
+            .label(self.first_at, format!("writes {} in the same step", self.first))
+            .note("a step applies all its updates at once, so each location gets one value; the state is unchanged")
+            .help("move one of them into the `else` of the other, or both into `seq … endseq` if the later one should win")
     }
 }

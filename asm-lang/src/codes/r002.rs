@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R002, error)]
-#[error("{foreign}, {when}")]
+#[error("{foreign} {when}")]
 pub(crate) struct WritesForeignValue {
     pub location: String,
     /// Codomain of the function, as text.

@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Alternatively, initialise the location in `default init`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R003, error)]
-#[error("a guard is undef {when}")]
+#[error("undefined guard {when}")]
 pub(crate) struct UndefinedGuard {
     pub when: String,
     pub at: Span,
@@ -37,8 +37,8 @@ pub(crate) struct UndefinedGuard {
 impl Finding for UndefinedGuard {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "neither true nor false")
-            .note("`undef` spreads: a comparison with an undef side is undef, `=` and `!=` are not")
+            .label(self.at, "evaluates to `undef`")
+            .note("`undef` propagates: a comparison with an undef operand is undef, except for `=` and `!=`")
             .help("initialise the locations it reads, or test them with `isDef(…)` first")
     }
 }

@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R004, error)]
-#[error("{reason}, {when}")]
+#[error("{reason} {when}")]
 pub(crate) struct LibraryFault {
     /// The reason, with a suggestion.
     pub reason: String,

@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R005, error)]
-#[error("a variable ranges over a domain without end, {when}")]
+#[error("a variable ranges over an infinite domain {when}")]
 pub(crate) struct InfiniteRange {
     pub when: String,
     pub at: Span,
@@ -34,7 +34,7 @@ pub(crate) struct InfiniteRange {
 impl Finding for InfiniteRange {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "its elements cannot be listed")
-            .help("range over a subset, as in `domain Small subsetof Integer` with `domain Small = {0 : 9}`")
+            .label(self.at, "infinitely many elements")
+            .help("range over a finite subset, as in `domain Small subsetof Integer` with `domain Small = {0 : 9}`")
     }
 }

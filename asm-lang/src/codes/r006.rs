@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R006, error)]
-#[error("a variable ranges over {value}, {when}")]
+#[error("expected a collection, found {value} {when}")]
 pub(crate) struct RangeIsNoCollection {
     pub value: String,
     pub when: String,
@@ -39,7 +39,7 @@ pub(crate) struct RangeIsNoCollection {
 impl Finding for RangeIsNoCollection {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "a set, sequence or bag is wanted")
+            .label(self.at, "expected a set, sequence or bag")
             .help("initialise the location it reads")
     }
 }

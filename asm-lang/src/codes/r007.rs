@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R007, error)]
-#[error("{value} is run as a rule, {when}")]
+#[error("expected a rule, found {value} {when}")]
 pub(crate) struct RunsNoRule {
     pub value: String,
     pub when: String,
@@ -38,7 +38,7 @@ pub(crate) struct RunsNoRule {
 impl Finding for RunsNoRule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "a rule is wanted")
-            .help("give the location a rule, as in `<<r_x>>`")
+            .label(self.at, "expected a rule")
+            .help("assign a rule to the location, as in `<<r_x>>`")
     }
 }

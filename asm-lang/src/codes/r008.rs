@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R008, error)]
-#[error("the rule takes {wanted} argument{}, not {actual}, {when}", if *wanted == 1 { "" } else { "s" })]
+#[error("the rule takes {wanted} argument{}, not {actual} {when}", if *wanted == 1 { "" } else { "s" })]
 pub(crate) struct WrongRuleArity {
     pub wanted: u32,
     pub actual: u32,
@@ -45,6 +45,6 @@ impl Finding for WrongRuleArity {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "run here")
-            .help("give one argument for each parameter")
+            .help("pass one argument for each parameter")
     }
 }

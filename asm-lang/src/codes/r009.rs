@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R009, error)]
-#[error("the agent {agent} has no program, {when}")]
+#[error("agent {agent} has no program {when}")]
 pub(crate) struct AgentWithoutProgram {
     pub agent: String,
     pub when: String,
@@ -45,6 +45,6 @@ impl Finding for AgentWithoutProgram {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "run here")
-            .help("add `agent Domain: r_rule[]` for its domain to the default init")
+            .help("add `agent Domain: r_rule[]` for its domain to the default initial state")
     }
 }

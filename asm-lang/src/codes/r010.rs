@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R010, error)]
-#[error("calls nest deeper than {limit}, {when}")]
+#[error("calls nested deeper than {limit} {when}")]
 pub(crate) struct CallsTooDeep {
     pub limit: u32,
     pub when: String,
@@ -39,7 +39,7 @@ pub(crate) struct CallsTooDeep {
 impl Finding for CallsTooDeep {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "called once more")
+            .label(self.at, "limit exceeded here")
             .help("check that the recursion ends for every argument")
     }
 }

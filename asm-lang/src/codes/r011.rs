@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R011, error)]
-#[error("the loops ran {limit} times {when}")]
+#[error("endless loop: {limit} iterations {when}")]
 pub(crate) struct EndlessLoop {
     pub limit: u32,
     pub when: String,
@@ -41,6 +41,6 @@ impl Finding for EndlessLoop {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "this loop did not end")
-            .help("check that its body makes the guard false")
+            .help("check that the body makes the guard false")
     }
 }

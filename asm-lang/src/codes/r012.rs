@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R012, error)]
-#[error("a collection of {count} elements would be built, {when}")]
+#[error("a collection of {count} elements is too large {when}")]
 pub(crate) struct CollectionTooLarge {
     pub count: u64,
     pub when: String,

@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// A value under `[default]` applies to every step of a script.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R013, error)]
-#[error("no value for `{location}` {when}: {reason}")]
+#[error("missing value for `{location}` {when}: {reason}")]
 pub(crate) struct NoInputValue {
     pub location: String,
     pub reason: String,
@@ -41,6 +41,6 @@ impl Finding for NoInputValue {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "read here")
-            .help("let the environment answer it, or give it a default")
+            .help("set it in the environment, or give it a default")
     }
 }

@@ -48,10 +48,10 @@ impl Finding for InvariantViolated {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let help = match (self.is_undef, self.assumes, self.step) {
             (true, ..) => "initialise the locations it reads, or test them with `isDef(…)` first",
-            (false, true, _) => "it is an assumption on the inputs of the step, and these break it",
-            (false, false, 0) => "let the initial values satisfy it",
+            (false, true, _) => "check the inputs of the step, which violate this assumption",
+            (false, false, 0) => "change the initial values to satisfy it",
             (false, false, _) => "find the rule that broke it among the updates of the step",
         };
-        diagnostic.label(self.at, "this condition").help(help)
+        diagnostic.label(self.at, "evaluated here").help(help)
     }
 }

@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R015, error)]
-#[error("there is no main rule to run")]
+#[error("no main rule to run")]
 pub(crate) struct NoMainToRun;
 
 impl Finding for NoMainToRun {

@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R016, error)]
-#[error("a value grows without end, {when}")]
+#[error("value too large {when}")]
 pub(crate) struct UnboundedValue {
     pub when: String,
     pub at: Span,
@@ -40,10 +40,8 @@ pub(crate) struct UnboundedValue {
 impl Finding for UnboundedValue {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "it nests too deeply, or holds too much")
-            .note("values of `Any` nest 500 deep at most, and hold 1,048,576 elements")
-            .help(
-                "keep the parts in locations of their own, or give the location a narrower domain",
-            )
+            .label(self.at, "nested too deeply, or with too many elements")
+            .note("values of `Any` nest at most 500 levels and hold at most 1,048,576 elements")
+            .help("store the parts in separate locations, or give the location a narrower domain")
     }
 }

@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R017, error)]
-#[error("a variable is not bound, {when}")]
+#[error("unbound variable {when}")]
 pub(crate) struct UnboundVariable {
     pub when: String,
     pub at: Span,
@@ -35,7 +35,7 @@ pub(crate) struct UnboundVariable {
 impl Finding for UnboundVariable {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "read here, outside the rule or term that binds it")
+            .label(self.at, "read outside the rule or term that binds it")
             .help("bind it here with `let`, `forall` or `choose`")
     }
 }

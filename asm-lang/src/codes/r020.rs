@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R020, error)]
-#[error("{values} was picked, and is no candidate, {when}")]
+#[error("cannot pick {values} {when}")]
 pub(crate) struct PickedNoCandidate {
     /// The picked values, separated by commas.
     pub values: String,
@@ -46,7 +46,7 @@ pub(crate) struct PickedNoCandidate {
 impl Finding for PickedNoCandidate {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "chosen here")
-            .help("pick a value in the range for which the guard holds")
+            .label(self.at, "not a candidate of this `choose`")
+            .help("pick a value of the range that satisfies the guard")
     }
 }

@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R021, error)]
-#[error("functions and rules were called {limit} times {when}")]
+#[error("more than {limit} calls of functions and rules {when}")]
 pub(crate) struct TooManyCalls {
     pub limit: u32,
     pub when: String,
@@ -40,7 +40,7 @@ pub(crate) struct TooManyCalls {
 impl Finding for TooManyCalls {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "called once more")
-            .help("a recursion that calls itself twice doubles with every level: keep what it computes in a location")
+            .label(self.at, "limit exceeded here")
+            .help("store intermediate results in a location instead of computing them again")
     }
 }

@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// AsmetaS checks only updates against their domain; `--compat asmeta` does the same.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R022, error)]
-#[error("{foreign}, {when}")]
+#[error("{foreign} {when}")]
 pub(crate) struct ReadsForeignValue {
     pub location: String,
     /// Codomain of the function, as text.
@@ -55,7 +55,7 @@ impl Finding for ReadsForeignValue {
         self.foreign
             .explain(
                 diagnostic.label(self.at, place),
-                "let the environment give an element",
+                "provide an element from the environment",
             )
             .note(format!("the value came from {}", self.given_by))
     }

@@ -39,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// AsmetaS checks only the values of updates against their domain; `--compat asmeta` does the same.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R023, error)]
-#[error("{foreign}, {when}")]
+#[error("{foreign} {when}")]
 pub(crate) struct WritesNowhere {
     pub location: String,
     pub foreign: Foreign,
@@ -49,7 +49,7 @@ pub(crate) struct WritesNowhere {
 
 impl Finding for WritesNowhere {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let place = format!("there is no location `{}` to write", self.location);
+        let place = format!("location `{}` does not exist", self.location);
         self.foreign
             .explain(diagnostic.label(self.at, place), "guard the update")
     }

@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V024, error)]
-#[error("there is no specification `{path}`")]
+#[error("specification `{path}` not found")]
 pub(crate) struct UnknownSpecification {
     pub path: Arc<str>,
     pub at: Span,
@@ -42,6 +42,6 @@ impl Finding for UnknownSpecification {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "loaded here")
-            .help("write its path, from the folder of the scenario")
+            .help("write the path relative to the folder of the scenario")
     }
 }

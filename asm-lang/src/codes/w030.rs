@@ -39,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// reported.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W030, warning)]
-#[error("{foreign}, in the initial state")]
+#[error("{foreign} in the initial state")]
 pub(crate) struct BeginsOutside {
     pub location: String,
     pub foreign: Foreign,
@@ -48,10 +48,10 @@ pub(crate) struct BeginsOutside {
 
 impl Finding for BeginsOutside {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let place = format!("the initial value of `{}`", self.location);
+        let place = format!("initial value of `{}`", self.location);
         self.foreign.explain(
             diagnostic.label(self.at, place),
-            "let it begin with an element",
+            "initialise it with an element",
         )
     }
 }

@@ -44,7 +44,7 @@ pub(super) fn add(
             }
             (FaultKind::Clash { first, .. }, true) => format!("when {} was written", show(first)),
             (FaultKind::Endless(_), _) => format!("after {} rounds", Witness::ROUNDS),
-            _ => "at that moment".to_owned(),
+            _ => "at this point".to_owned(),
         };
         finding = finding.note(format!("{there}, {}", facts.join(", ")));
     }
@@ -61,7 +61,7 @@ pub(super) fn add_inputs(finding: Diagnostic, machine: &Machine) -> Diagnostic {
             asmotion_simulate::location(machine, input.slot)
         )
     });
-    listed(finding, "the inputs of the step", inputs.collect())
+    listed(finding, "inputs of the step", inputs.collect())
 }
 
 /// Adds the updates of the step that led to the faulty state.
@@ -70,7 +70,7 @@ pub(super) fn add_updates(finding: Diagnostic, machine: &Machine) -> Diagnostic 
     let updates = updates.into_iter().map(|(location, before, after)| {
         format!("`{location}` := {} (was {})", cut(after), cut(before))
     });
-    listed(finding, "the updates of the step", updates.collect())
+    listed(finding, "updates of the step", updates.collect())
 }
 
 fn listed(finding: Diagnostic, what: &str, items: Vec<String>) -> Diagnostic {

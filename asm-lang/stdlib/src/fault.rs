@@ -12,7 +12,7 @@ pub const LIMIT: usize = if cfg!(fuzzing) { 1 << 14 } else { 1 << 24 };
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BuiltinFault {
     /// The result of a binary integer operation does not fit in 64 bits.
-    #[error("`{function}({left}, {right})` is outside the integers of 64 bits")]
+    #[error("`{function}({left}, {right})` does not fit into a 64-bit integer")]
     Overflow {
         /// Name of the function.
         function: &'static str,
@@ -22,7 +22,7 @@ pub enum BuiltinFault {
         right: i64,
     },
     /// The result of a unary integer operation does not fit in 64 bits.
-    #[error("`{function}({operand})` is outside the integers of 64 bits")]
+    #[error("`{function}({operand})` does not fit into a 64-bit integer")]
     OverflowOf {
         /// Name of the function.
         function: &'static str,
@@ -38,7 +38,7 @@ pub enum BuiltinFault {
         dividend: i64,
     },
     /// A real is outside the range of 64-bit integers.
-    #[error("`{function}({:?})` is outside the integers of 64 bits", number.get())]
+    #[error("`{function}({:?})` does not fit into a 64-bit integer", number.get())]
     NotInteger {
         /// Name of the function.
         function: &'static str,
@@ -46,7 +46,7 @@ pub enum BuiltinFault {
         number: Real,
     },
     /// A negative number where a Natural is required.
-    #[error("`{function}` meets {number}, and a Natural is not negative")]
+    #[error("expected a Natural for `{function}`, found {number}")]
     Negative {
         /// Name of the function.
         function: &'static str,
@@ -54,7 +54,7 @@ pub enum BuiltinFault {
         number: i64,
     },
     /// A position outside a sequence, a tuple or a string.
-    #[error("`{function}` asks for position {position} of {length}")]
+    #[error("position {position} of `{function}` is outside a length of {length}")]
     Position {
         /// Name of the function.
         function: &'static str,
@@ -64,7 +64,7 @@ pub enum BuiltinFault {
         length: usize,
     },
     /// A range of positions outside a sequence or string.
-    #[error("`{function}` asks for {from} to {to} of {length}")]
+    #[error("range {from} to {to} of `{function}` is outside a length of {length}")]
     Part {
         /// Name of the function.
         function: &'static str,
@@ -76,13 +76,13 @@ pub enum BuiltinFault {
         length: usize,
     },
     /// Access to an element of an empty sequence or string.
-    #[error("`{function}` of nothing: the argument is empty")]
+    #[error("`{function}` of an empty argument")]
     Empty {
         /// Name of the function.
         function: &'static str,
     },
     /// A string that does not denote a value of the required domain.
-    #[error("`{function}` cannot read {text:?} as {expected}")]
+    #[error("`{function}` cannot parse {text:?} as {expected}")]
     Unreadable {
         /// Name of the function.
         function: &'static str,
@@ -100,7 +100,7 @@ pub enum BuiltinFault {
         right: &'static str,
     },
     /// A result with more than [`LIMIT`] elements.
-    #[error("`{function}` would make {size} elements, more than {LIMIT}")]
+    #[error("`{function}` would create {size} elements, more than {LIMIT}")]
     TooLarge {
         /// Name of the function.
         function: &'static str,
@@ -122,23 +122,25 @@ impl BuiltinFault {
     pub fn help(&self) -> &'static str {
         match self {
             Self::Overflow { .. } | Self::OverflowOf { .. } => {
-                "keep the numbers smaller, or compute with Real"
+                "keep the numbers smaller, or use Real"
             }
             Self::ZeroDivisor { .. } => {
-                "guard the division with `if d != 0 then ...`, or divide reals, where it is lawful"
+                "guard the division with `if d != 0 then ...`, or divide reals"
             }
             Self::NotInteger { .. } => {
                 "keep the number as a Real, or bound it with `max` and `min` first"
             }
             Self::Negative { .. } => "use an Integer, or guard with `if n >= 0 then ...`",
             Self::Position { .. } | Self::Part { .. } => {
-                "positions count from 0; compare with `length` (of a text: `size`) first"
+                "positions start at 0; compare with `length`, or with `size` for a string"
             }
-            Self::Empty { .. } => "guard with `if not isEmpty(s) then ...` (of a text: `size`)",
-            Self::Unreadable { .. } => "check the text before it is converted",
-            Self::Sum { .. } => "sum numbers of one domain; convert with `itor` or `ntoi` first",
-            Self::TooLarge { .. } => "let collections grow by a bounded amount",
-            Self::Shape { .. } => "this is a bug of the tool, not of the specification: report it",
+            Self::Empty { .. } => {
+                "guard with `if not isEmpty(s) then ...`, or with `size` for a string"
+            }
+            Self::Unreadable { .. } => "check the string before the conversion",
+            Self::Sum { .. } => "sum numbers of one domain, or convert with `itor` or `ntoi`",
+            Self::TooLarge { .. } => "limit the growth of the collection",
+            Self::Shape { .. } => "report this as a bug of asmotion",
         }
     }
 }

@@ -299,21 +299,21 @@ mod tests {
             "plus",
             MAX,
             int(1),
-            "`plus(9223372036854775807, 1)` is outside the integers of 64 bits",
+            "`plus(9223372036854775807, 1)` does not fit into a 64-bit integer",
         );
         two("minus", int(2), int(3), "-1");
         two(
             "minus",
             MIN,
             int(1),
-            "`minus(-9223372036854775808, 1)` is outside the integers of 64 bits",
+            "`minus(-9223372036854775808, 1)` does not fit into a 64-bit integer",
         );
         two("mult", int(-4), int(3), "-12");
         two(
             "mult",
             MIN,
             int(-1),
-            "`mult(-9223372036854775808, -1)` is outside the integers of 64 bits",
+            "`mult(-9223372036854775808, -1)` does not fit into a 64-bit integer",
         );
         two("div", int(7), int(2), "3.5");
         two("div", int(1), int(0), "inf");
@@ -325,7 +325,7 @@ mod tests {
             "idiv",
             MIN,
             int(-1),
-            "`idiv(-9223372036854775808, -1)` is outside the integers of 64 bits",
+            "`idiv(-9223372036854775808, -1)` does not fit into a 64-bit integer",
         );
         two("mod", int(-7), int(2), "-1");
         two("mod", int(7), int(-2), "1");
@@ -341,13 +341,13 @@ mod tests {
         one(
             "minus",
             MIN,
-            "`minus(-9223372036854775808)` is outside the integers of 64 bits",
+            "`minus(-9223372036854775808)` does not fit into a 64-bit integer",
         );
         one("abs", int(-3), "3");
         one(
             "abs",
             MIN,
-            "`abs(-9223372036854775808)` is outside the integers of 64 bits",
+            "`abs(-9223372036854775808)` does not fit into a 64-bit integer",
         );
     }
 
@@ -359,7 +359,7 @@ mod tests {
             "iton",
             "Integer",
             &[int(-3)],
-            "`iton` meets -3, and a Natural is not negative",
+            "expected a Natural for `iton`, found -3",
         );
         check("ntor", "Integer", &[int(-3)], "-3.0");
     }

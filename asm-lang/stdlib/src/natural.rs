@@ -118,7 +118,7 @@ mod tests {
             "plus",
             "Prod(Natural,Natural)",
             &[MAX, MAX],
-            "`plus(9223372036854775807, 9223372036854775807)` is outside the integers of 64 bits",
+            "`plus(9223372036854775807, 9223372036854775807)` does not fit into a 64-bit integer",
         );
         check("abs", "Natural", &[int(3)], "3");
         check("ntoi", "Natural", &[int(3)], "3");
@@ -137,7 +137,7 @@ mod tests {
         range(
             int(0),
             MAX,
-            "`range` would make 9223372036854775807 elements, more than 16777216",
+            "`range` would create 9223372036854775807 elements, more than 16777216",
         );
     }
 }

@@ -299,13 +299,13 @@ mod tests {
             );
         };
         at(int(1), "8");
-        at(int(2), "`at` asks for position 2 of 2");
-        at(int(-1), "`at` asks for position -1 of 2");
+        at(int(2), "position 2 of `at` is outside a length of 2");
+        at(int(-1), "position -1 of `at` is outside a length of 2");
         at(UNDEF, "undef");
         for (name, of_some, of_none) in [
-            ("first", "7", "`first` of nothing: the argument is empty"),
-            ("last", "8", "`last` of nothing: the argument is empty"),
-            ("tail", "[8]", "`tail` of nothing: the argument is empty"),
+            ("first", "7", "`first` of an empty argument"),
+            ("last", "8", "`last` of an empty argument"),
+            ("tail", "[8]", "`tail` of an empty argument"),
         ] {
             check(name, "Seq(D)", &[seq([7, 8])], of_some);
             check(name, "Seq(D)", &[seq([])], of_none);
@@ -322,8 +322,16 @@ mod tests {
         };
         part(0, 2, "[1, 2]");
         part(3, 3, "[]");
-        part(2, 1, "`subSequence` asks for 2 to 1 of 3");
-        part(0, 4, "`subSequence` asks for 0 to 4 of 3");
+        part(
+            2,
+            1,
+            "range 2 to 1 of `subSequence` is outside a length of 3",
+        );
+        part(
+            0,
+            4,
+            "range 0 to 4 of `subSequence` is outside a length of 3",
+        );
     }
 
     #[test]
@@ -345,13 +353,16 @@ mod tests {
             (int(1), ["[7, 9, 8]", "[7, 9]"]),
             (
                 int(2),
-                ["[7, 8, 9]", "`replaceAt` asks for position 2 of 2"],
+                [
+                    "[7, 8, 9]",
+                    "position 2 of `replaceAt` is outside a length of 2",
+                ],
             ),
             (
                 int(3),
                 [
-                    "`insertAt` asks for position 3 of 2",
-                    "`replaceAt` asks for position 3 of 2",
+                    "position 3 of `insertAt` is outside a length of 2",
+                    "position 3 of `replaceAt` is outside a length of 2",
                 ],
             ),
             (UNDEF, ["undef", "undef"]),

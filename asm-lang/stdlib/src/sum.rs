@@ -151,7 +151,7 @@ mod tests {
             "sum",
             "Bag(D)",
             &[Value::bag([MAX, MAX])],
-            "`mult(9223372036854775807, 2)` is outside the integers of 64 bits",
+            "`mult(9223372036854775807, 2)` does not fit into a 64-bit integer",
         );
     }
 }

@@ -276,9 +276,13 @@ mod tests {
         };
         part(0, 2, r#""äb""#);
         part(4, 4, r#""""#);
-        part(2, 5, "`subString` asks for 2 to 5 of 4");
-        part(-1, 2, "`subString` asks for -1 to 2 of 4");
-        part(3, 2, "`subString` asks for 3 to 2 of 4");
+        part(2, 5, "range 2 to 5 of `subString` is outside a length of 4");
+        part(
+            -1,
+            2,
+            "range -1 to 2 of `subString` is outside a length of 4",
+        );
+        part(3, 2, "range 3 to 2 of `subString` is outside a length of 4");
     }
 
     #[test]
@@ -308,29 +312,29 @@ mod tests {
         read(
             "toInteger",
             "x",
-            r#"`toInteger` cannot read "x" as an integer of 64 bits"#,
+            r#"`toInteger` cannot parse "x" as an integer of 64 bits"#,
         );
         read(
             "toInteger",
             "9223372036854775808",
-            r#"`toInteger` cannot read "9223372036854775808" as an integer of 64 bits"#,
+            r#"`toInteger` cannot parse "9223372036854775808" as an integer of 64 bits"#,
         );
         read("toNatural", "12", "12");
         read("toNatural", "12n", "12");
         read(
             "toNatural",
             "-1",
-            "`toNatural` meets -1, and a Natural is not negative",
+            "expected a Natural for `toNatural`, found -1",
         );
         read(
             "toNatural",
             "",
-            r#"`toNatural` cannot read "" as a natural of 64 bits"#,
+            r#"`toNatural` cannot parse "" as a natural of 64 bits"#,
         );
         read("toReal", "1.5", "1.5");
         read("toReal", "1e3", "1000.0");
         read("toReal", "Infinity", "inf");
-        read("toReal", "one", r#"`toReal` cannot read "one" as a real"#);
+        read("toReal", "one", r#"`toReal` cannot parse "one" as a real"#);
         read("toComplex", "1.5", "1.5+i0.0");
         read("toComplex", "1.5-i2.0", "1.5-i2.0");
         read("toComplex", "-i", "0.0-i1.0");
@@ -339,15 +343,15 @@ mod tests {
         read(
             "toComplex",
             "2i",
-            r#"`toComplex` cannot read "2i" as a complex number"#,
+            r#"`toComplex` cannot parse "2i" as a complex number"#,
         );
         read(
             "toComplex",
             "i2i3",
-            r#"`toComplex` cannot read "i2i3" as a complex number"#,
+            r#"`toComplex` cannot parse "i2i3" as a complex number"#,
         );
         read("toChar", "äb", "'ä'");
-        read("toChar", "", "`toChar` of nothing: the argument is empty");
+        read("toChar", "", "`toChar` of an empty argument");
     }
 
     #[test]
@@ -357,7 +361,7 @@ mod tests {
             "concat",
             "Prod(String,String)",
             &[half.clone(), half],
-            "`concat` would make 16777218 elements, more than 16777216",
+            "`concat` would create 16777218 elements, more than 16777216",
         );
     }
 

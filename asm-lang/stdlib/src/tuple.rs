@@ -172,7 +172,11 @@ mod tests {
         };
         at(pair(), int(0), r#""a""#);
         at(pair(), int(1), "undef");
-        at(pair(), int(2), "`at` asks for position 2 of 2");
+        at(
+            pair(),
+            int(2),
+            "position 2 of `at` is outside a length of 2",
+        );
         at(pair(), UNDEF, "undef");
         at(UNDEF, int(0), "undef");
         let index_of = |tuple, component, expected| {

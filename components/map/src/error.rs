@@ -72,7 +72,7 @@ impl fmt::Display for Where {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapFault {
     /// The file does not exist.
-    #[error("there is no such file")]
+    #[error("file not found")]
     Missing,
     /// The operating system cannot read the file.
     #[error("cannot be read: {reason}")]
@@ -87,7 +87,7 @@ pub enum MapFault {
         limit: u64,
     },
     /// No format has the file's ending.
-    #[error("no map format has this ending; known are {known}")]
+    #[error("unknown map format; the known endings are {known}")]
     UnknownFormat {
         /// All known endings.
         known: String,
@@ -118,7 +118,7 @@ pub enum MapFault {
     },
     /// Coordinates that are no degrees.
     #[error(
-        "({x}, {y}) is no longitude and latitude; if the coordinates are metres, say so: \"map\": {{\"units\": \"metres\"}}"
+        "({x}, {y}) is not a longitude and latitude; for coordinates in metres, add \"map\": {{\"units\": \"metres\"}}"
     )]
     NotDegrees {
         /// First coordinate.
@@ -128,7 +128,7 @@ pub enum MapFault {
     },
     /// A place too far from the map's centre for the projection.
     #[error(
-        "({longitude}, {latitude}) lies too far from the middle of the map; cut a smaller extract"
+        "({longitude}, {latitude}) is too far from the middle of the map; cut a smaller extract"
     )]
     TooFar {
         /// Degrees east.
@@ -145,7 +145,7 @@ pub enum MapFault {
         name: String,
     },
     /// The file contains nothing that can be drawn.
-    #[error("nothing in it can be drawn, so the map has no extent; does a rule name its tags?")]
+    #[error("no element can be drawn, so the map has no extent; check that a rule names its tags")]
     Nothing,
     /// The grid would be too large.
     #[error(

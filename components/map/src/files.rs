@@ -31,7 +31,7 @@ pub trait FileSource: Send + Sync {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FileFault {
     /// The file does not exist.
-    #[error("there is no such file")]
+    #[error("file not found")]
     Missing,
     /// The file is longer than the limit.
     #[error("is too long")]

@@ -242,7 +242,7 @@ pub struct Refresh {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ServeError {
     /// A name that no place has.
-    #[error("no place is called `{place}`; known are {known}")]
+    #[error("unknown place `{place}`; known are {known}")]
     UnknownPlace {
         /// The name in the request.
         place: String,
@@ -525,10 +525,7 @@ mod tests {
         assert_eq!(get(&mut library, "hall", 1), (&unnamed, false));
         let error = library.find("moon").err().unwrap();
         assert_eq!(error.code(), "UNKNOWN_PLACE");
-        assert_eq!(
-            error.to_string(),
-            "no place is called `moon`; known are hall"
-        );
+        assert_eq!(error.to_string(), "unknown place `moon`; known are hall");
     }
 
     #[test]

@@ -343,7 +343,7 @@ mod tests {
         assert!(error(&format!("{head}origin: [0, 0]\n{tail}")).contains("x, y (m) and yaw (rad)"));
         assert!(error("image: [").starts_with("m.yaml:1:"));
         let missing = error(&format!("{head}origin: [0, 0, 0]\n{tail}"));
-        assert_eq!(missing, "m.png: there is no such file");
+        assert_eq!(missing, "m.png: file not found");
         assert!(
             error(&format!(
                 "{head}origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.2\nfree_thresh: 0.5"

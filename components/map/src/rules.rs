@@ -158,7 +158,7 @@ impl FeatureRule {
             },
             occupancy: occupancy(meaning).ok_or_else(|| {
                 wrong(format!(
-                    "`{meaning}` is none of occupied, free, unknown, ignore"
+                    "`{meaning}` is not one of occupied, free, unknown, ignore"
                 ))
             })?,
             layer: 3,
@@ -176,14 +176,18 @@ impl FeatureRule {
         let number = |text: &str| {
             let number: Option<f64> = text.parse().ok();
             let number = number.filter(|number| (0.0..=1000.0).contains(number));
-            number.ok_or(format!("`{word}` wants a number from 0 to 1000"))
+            number.ok_or(format!("`{word}` needs a number from 0 to 1000"))
         };
         match word.split_once('=') {
             None if word == "area" => self.area = true,
             Some(("layer", layer)) => self.layer = number(layer)?.min(255.0) as u8,
             Some(("width", width)) => self.width = number(width)?,
             Some(("spot", spot)) => self.spot = Some(number(spot)?),
-            _ => return Err(format!("`{word}` is none of area, layer=, width=, spot=")),
+            _ => {
+                return Err(format!(
+                    "`{word}` is not one of area, layer=, width=, spot="
+                ));
+            }
         }
         Ok(())
     }

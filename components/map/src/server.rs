@@ -292,7 +292,7 @@ impl Component for MapServer {
         let source = source.strip_prefix("file:").unwrap_or(source);
         if source.is_empty() {
             return Err(Fault::new(
-                "`source` names no map, folder of maps or `places.toml`",
+                "`source` is not a map, a folder of maps or a `places.toml`",
             ));
         }
         let files = Arc::clone(&self.files);

@@ -158,7 +158,7 @@ fn it_knows_no_other_ending() {
     } else {
         ".geojson .osm.pbf .pbf"
     };
-    let expected = format!("yard.dwg: no map format has this ending; known are {known}");
+    let expected = format!("yard.dwg: unknown map format; the known endings are {known}");
     assert_eq!(error.to_string(), expected);
 }
 

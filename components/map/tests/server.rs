@@ -104,7 +104,7 @@ fn it_says_why_there_is_no_map() {
         .collect();
     assert_eq!(
         faults[0],
-        "UNKNOWN_PLACE: no place is called `moon`; known are bad, hall"
+        "UNKNOWN_PLACE: unknown place `moon`; known are bad, hall"
     );
     assert!(
         faults[1].starts_with("BAD_MAP: maps/bad.geojson:1:1: "),

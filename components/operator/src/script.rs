@@ -58,11 +58,11 @@ impl FromStr for Deed {
             let number: Option<f64> = word.parse().ok();
             number
                 .filter(|number| number.is_finite())
-                .ok_or_else(|| wrong("a number is wanted"))
+                .ok_or_else(|| wrong("expected a number"))
         };
         let at = number(at)?;
         if at < 0.0 {
-            return Err(wrong("the time comes before the start"));
+            return Err(wrong("the time is before the start"));
         }
         let command = match command {
             ["goal", x, y] => OperatorCommand::Goal {
@@ -78,7 +78,7 @@ impl FromStr for Deed {
             ["cancel"] => OperatorCommand::Cancel,
             ["estop", "on"] => OperatorCommand::Estop(true),
             ["estop", "off"] => OperatorCommand::Estop(false),
-            _ => return Err(wrong("there is no such command")),
+            _ => return Err(wrong("unknown command")),
         };
         Ok(Self { at, command })
     }

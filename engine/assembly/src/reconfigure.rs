@@ -16,13 +16,13 @@ pub enum FixedPart {
     #[error("`{0}` is new")]
     Added(String),
     /// A component that is there no more.
-    #[error("`{0}` is there no more")]
+    #[error("`{0}` is removed")]
     Removed(String),
     /// A component that is another one.
     #[error("`{0}` differs in more than its properties and its period")]
     Component(String),
     /// What does not go from port to port within the process.
-    #[error("what goes from `{from}` to `{to}` leaves the process")]
+    #[error("the connection from `{from}` to `{to}` leaves the process")]
     Connection {
         /// Where it comes from.
         from: String,

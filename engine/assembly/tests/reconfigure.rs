@@ -213,7 +213,7 @@ fn c18_what_cannot_change_is_said_all_of_it() {
             "`promote` of the composite",
             "`deploy` of the composite",
             "`Echo` differs in more than its properties and its period",
-            "`Witness` is there no more",
+            "`Witness` is removed",
             "`Guard` is new",
         ]
     );

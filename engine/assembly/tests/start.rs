@@ -313,7 +313,7 @@ fn it_refuses_to_start_without_its_variables() {
         .unwrap_err();
     assert_eq!(
         error.to_string(),
-        "these environment variables are not set: ROBOT_CODE"
+        "environment variables not set: ROBOT_CODE"
     );
 }
 
@@ -327,7 +327,7 @@ fn it_refuses_to_start_what_is_not_in_the_build() {
         .unwrap_err();
     assert_eq!(
         error.to_string(),
-        "`Starter` cannot be made: other programs cannot be started yet"
+        "`Starter` cannot be created: other programs cannot be started yet"
     );
 }
 

@@ -113,7 +113,7 @@ fn t15_an_id_is_unique_and_names_the_component_outside() {
         "task = { id = \"one\" }\n[components.Other]\nimplementation = { rust = \"test::Task\" }\ntask = { id = \"one\" }",
     );
     let said = findings(&twice);
-    assert!(said.contains("two components have the id `one`"), "{said}");
+    assert!(said.contains("duplicate component id `one`"), "{said}");
     assert_eq!(
         said.matches(" | task = { id").count(),
         2,

@@ -47,10 +47,10 @@ const RELATIONS: [(&str, ConditionRelation); 6] = [
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConditionError {
     /// The text does not begin with a port and a part of its messages.
-    #[error("`{0}` does not begin with `port.field`")]
+    #[error("`{0}` does not start with `port.field`")]
     NoField(String),
     /// The text after the field is no comparison.
-    #[error("`{0}` is no comparison with a number, a truth value or a text in quotes")]
+    #[error("`{0}` is not a comparison with a number, a Boolean or a quoted string")]
     NoComparison(String),
 }
 

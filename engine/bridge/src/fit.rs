@@ -4,7 +4,7 @@ use asmotion_datum::{Datum, Schema, Shape};
 
 /// The first place where data do not fit a schema.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}{wanted} is wanted, not {found}", place(.path))]
+#[error("{}expected {wanted}, found {found}", place(.path))]
 pub struct SchemaMisfit {
     path: String,
     wanted: String,
@@ -83,7 +83,7 @@ fn elements(
 pub(crate) fn wrong_count(wanted: usize, found: usize) -> SchemaMisfit {
     SchemaMisfit {
         path: String::new(),
-        wanted: format!("a run of {wanted}"),
+        wanted: format!("a list of {wanted}"),
         found: format!("one of {found}"),
     }
 }
@@ -157,19 +157,19 @@ mod tests {
         assert_eq!(fit(&Datum::record::<String>([]), &command), Ok(()));
         assert_eq!(
             said(&pair(Datum::text("far")), &command),
-            "`goal.1`: `float64` is wanted, not text"
+            "`goal.1`: expected `float64`, found text"
         );
         assert_eq!(
             said(&goal(Datum::List(Vec::new())), &command),
-            "`goal`: a run of 2 is wanted, not one of 0"
+            "`goal`: expected a list of 2, found one of 0"
         );
         assert_eq!(
             said(&Datum::record([("n", Datum::Int(256))]), &command),
-            "`n`: `uint8` is wanted, not a whole number"
+            "`n`: expected `uint8`, found an integer"
         );
         assert_eq!(
             said(&Datum::record([("speed", Datum::Int(1))]), &command),
-            "`arm/Command` is wanted, not a record with `speed`"
+            "expected `arm/Command`, found a record with `speed`"
         );
     }
 }

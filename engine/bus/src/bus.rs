@@ -128,7 +128,7 @@ pub trait Publisher: Send {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BusError {
     /// Another provider is registered at this address.
-    #[error("`{address}` is served already")]
+    #[error("`{address}` is already served")]
     Served {
         /// Address as the caller wrote it.
         address: String,
@@ -146,7 +146,7 @@ pub enum BusError {
         reason: String,
     },
     /// A name that the transport cannot represent.
-    #[error("`{name}` cannot name a topic or an address: {reason}")]
+    #[error("invalid topic or address `{name}`: {reason}")]
     BadName {
         /// Rejected name.
         name: String,

@@ -117,7 +117,7 @@ impl Envelope {
             && !is_named(&self.type_name, &schema.name)
         {
             return Err(DatumError::new(DatumProblem::Mismatch(format!(
-                "it is `{}`, and `{schema}` is read",
+                "expected `{schema}`, found `{}`",
                 self.type_name
             ))));
         }

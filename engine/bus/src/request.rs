@@ -62,7 +62,7 @@ pub enum CallFailure {
     #[error("no answer before the deadline")]
     Timeout,
     /// No provider is registered, it has left, or its queue is full.
-    #[error("nobody is there to answer")]
+    #[error("no server is available")]
     Unavailable,
     /// The provider replied with a fault.
     #[error(transparent)]

@@ -22,7 +22,7 @@ impl fmt::Display for TraceContext {
 
 /// The text is not a W3C `traceparent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("it is no `traceparent` of W3C")]
+#[error("not a W3C `traceparent`")]
 pub struct InvalidTraceparent;
 
 impl FromStr for TraceContext {

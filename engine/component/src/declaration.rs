@@ -122,7 +122,7 @@ impl Declaration {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DeclarationError {
     /// Two declarations of the same kind with the same name.
-    #[error("{what} `{name}` is declared twice")]
+    #[error("duplicate {what} `{name}`")]
     Twice {
         /// The kind: input, output, property or operation.
         what: &'static str,
@@ -140,7 +140,7 @@ pub enum DeclarationError {
         second: String,
     },
     /// A default that is not among the allowed values.
-    #[error("the default of property `{name}` is not one of its lawful values: {reason}")]
+    #[error("invalid default of property `{name}`: {reason}")]
     BadDefault {
         /// Name of the property.
         name: String,

@@ -344,7 +344,7 @@ pub fn entries(datum: &Datum) -> Result<&[(FieldName, Datum)], DatumError> {
         | Datum::Bytes(_)
         | Datum::Numbers(_)
         | Datum::List(_) => Err(mismatch(format!(
-            "a record is wanted, not {}",
+            "expected a record, found {}",
             datum.kind()
         ))),
     }
@@ -388,7 +388,7 @@ pub fn nested<P: Properties>(fields: &[(FieldName, Datum)], name: &str) -> Resul
 /// There is no such field, or no such word.
 pub fn word<W: Word>(fields: &[(FieldName, Datum)], name: &str) -> Result<W, DatumError> {
     let word = one(fields, name)?.as_text().and_then(W::of_word);
-    word.ok_or_else(|| mismatch("a word of the type is wanted".to_owned()).within(name))
+    word.ok_or_else(|| mismatch("expected a word of the type".to_owned()).within(name))
 }
 
 fn one<'a>(fields: &'a [(FieldName, Datum)], name: &str) -> Result<&'a Datum, DatumError> {
@@ -396,7 +396,7 @@ fn one<'a>(fields: &'a [(FieldName, Datum)], name: &str) -> Result<&'a Datum, Da
     match (found.next(), found.next()) {
         (Some((_, datum)), None) => Ok(datum),
         (Some(_), Some(_)) | (None, _) => {
-            Err(mismatch(format!("the field `{name}` is wanted once")))
+            Err(mismatch(format!("expected the field `{name}` once")))
         }
     }
 }
@@ -408,7 +408,7 @@ fn one<'a>(fields: &'a [(FieldName, Datum)], name: &str) -> Result<&'a Datum, Da
 pub fn refuse_unknown(fields: &[(FieldName, Datum)], known: &[&str]) -> Result<(), DatumError> {
     let unknown = |(name, _): &&(FieldName, Datum)| !known.contains(&&**name);
     match fields.iter().find(unknown) {
-        Some((name, _)) => Err(mismatch(format!("there is no field `{name}`"))),
+        Some((name, _)) => Err(mismatch(format!("unknown field `{name}`"))),
         None => Ok(()),
     }
 }

@@ -159,7 +159,7 @@ pub enum LifeCycleError {
         fault: Fault,
     },
     /// There is no such component.
-    #[error("there is no component `{component}`")]
+    #[error("unknown component `{component}`")]
     Unknown {
         /// The name that was looked for.
         component: String,

@@ -87,7 +87,7 @@ pub enum CallError {
     #[error("no answer before the deadline")]
     Timeout,
     /// The reference is not wired, or the provider does not run or its queue is full.
-    #[error("nobody is there to answer")]
+    #[error("no server is available")]
     Unavailable,
     /// The provider replied with a fault.
     #[error(transparent)]

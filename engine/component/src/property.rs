@@ -46,7 +46,7 @@ pub enum PropertyProblem {
         nearest: Option<String>,
     },
     /// The value has another type.
-    #[error("is {expected}: {source}")]
+    #[error("must be {expected}: {source}")]
     Mismatch {
         /// Name of the property's type.
         expected: String,
@@ -54,7 +54,10 @@ pub enum PropertyProblem {
         source: DatumError,
     },
     /// The value is outside of the range.
-    #[error("cannot be {value}: it is {least} to {greatest}{}{unit}", space(unit))]
+    #[error(
+        "must be between {least} and {greatest}{}{unit}, not {value}",
+        space(unit)
+    )]
     OutOfRange {
         /// The rejected value.
         value: Datum,
@@ -66,7 +69,7 @@ pub enum PropertyProblem {
         unit: String,
     },
     /// The value is none of the choices.
-    #[error("cannot be {value}: it is one of {}", list(choices))]
+    #[error("must be one of {}, not {value}", list(choices))]
     NoChoice {
         /// The rejected value.
         value: Datum,

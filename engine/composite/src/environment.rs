@@ -23,7 +23,7 @@ impl VariableSource for EmptyEnvironment {
     }
 
     fn secret(&self, _: &str) -> Result<String, String> {
-        Err("there are no secrets here".to_owned())
+        Err("secrets are not available here".to_owned())
     }
 }
 

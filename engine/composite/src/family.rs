@@ -256,7 +256,7 @@ impl Visit<'_, '_> {
         if found.is_none() {
             self.report.found(UnreadableComposite {
                 path: file.value.clone(),
-                reason: format!("there is no such file beside `{from}`"),
+                reason: format!("not found beside `{from}`"),
                 at: Some(file.span),
             });
         }

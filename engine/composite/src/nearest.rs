@@ -77,10 +77,10 @@ impl Suggest for Diagnostic {
             return self;
         };
         let diagnostic = match declared {
-            Some(declared) => self.label(*declared, "a similar name is declared here"),
+            Some(declared) => self.label(*declared, "similar name declared here"),
             None => self,
         };
-        diagnostic.guess(format!("did you mean `{name}`?"), span, name)
+        diagnostic.did_you_mean(span, Some(name))
     }
 
     fn suggest_or(self, span: Span, nearest: &Option<Nearest>, help: impl Into<String>) -> Self {

@@ -103,11 +103,11 @@ impl Entry {
 }
 
 impl Branch {
-    /// What it is, for people: "a text", "a list".
+    /// What it is, for people: "a string", "a list".
     pub fn describe(&self) -> &'static str {
         match self {
-            Self::Text(_) => "a text",
-            Self::Integer(_) => "a whole number",
+            Self::Text(_) => "a string",
+            Self::Integer(_) => "an integer",
             Self::Float(_) => "a number",
             Self::Boolean(_) => "a Boolean",
             Self::Date(_) => "a date",

@@ -124,9 +124,9 @@ impl SettingValue {
     pub fn describe(&self) -> &'static str {
         match self {
             Self::Boolean(_) => "a Boolean",
-            Self::Integer(_) => "a whole number",
+            Self::Integer(_) => "an integer",
             Self::Real(_) => "a number",
-            Self::Text(_) => "a text",
+            Self::Text(_) => "a string",
             Self::Secret(_) => "a secret",
             Self::List(_) => "a list",
             Self::Record(_) => "a table",

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BindError {
     /// The specification has no function with this name and without arguments.
-    #[error("the specification declares no function `{function}` without arguments")]
+    #[error("the specification has no function `{function}` without arguments")]
     UnknownFunction {
         /// Name of the function in the binding.
         function: String,
@@ -24,7 +24,7 @@ pub enum BindError {
         operation: String,
     },
     /// The function's codomain does not contain the value.
-    #[error("`{function}` does not take the value `{value}`")]
+    #[error("invalid value `{value}` for `{function}`")]
     NotAValue {
         /// Name of the function.
         function: String,

@@ -19,10 +19,10 @@ pub enum DatumProblem {
     #[error("{0}")]
     Mismatch(String),
     /// The integer does not fit into a datum's 64-bit signed integer.
-    #[error("the integer {0} does not fit 64 bits with a sign")]
+    #[error("the integer {0} does not fit into 64 signed bits")]
     IntegerTooBig(String),
     /// A map key that is not text, and so cannot name an entry of a record.
-    #[error("a record's keys are text")]
+    #[error("the keys of a record must be strings")]
     KeyNotText,
     /// The bytes are not valid for the codec.
     #[error("malformed {codec}: {reason}")]

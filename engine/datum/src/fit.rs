@@ -34,7 +34,7 @@ impl Schema {
             Shape::List(element) => self.all(element, datum).map(drop),
             Shape::Array(element, count) => {
                 let found = self.all(element, datum)?;
-                let reason = || format!("it has {found} elements, and `{self}` is wanted");
+                let reason = || format!("expected `{self}`, found {found} elements");
                 (found == *count)
                     .then_some(())
                     .ok_or_else(|| mismatch(reason()))
@@ -55,7 +55,7 @@ impl Schema {
         match datum.as_int() {
             Some(value) if (least..=greatest).contains(&value) => Ok(()),
             Some(value) => Err(mismatch(format!(
-                "{value} does not lie between {least} and {greatest}"
+                "{value} is not between {least} and {greatest}"
             ))),
             None => Err(self.wanted(datum)),
         }
@@ -71,7 +71,7 @@ impl Schema {
                 let known = fields.iter().map(|field| format!("`{}`", field.name));
                 let known = known.collect::<Vec<_>>().join(", ");
                 Err(mismatch(format!(
-                    "`{self}` has no field `{name}`; its fields: {known}"
+                    "unknown field `{name}` of `{self}`; its fields: {known}"
                 )))
             }
         }
@@ -97,7 +97,7 @@ impl Schema {
     }
 
     fn wanted(&self, found: &Datum) -> DatumError {
-        mismatch(format!("{} stands where `{self}` is wanted", found.kind()))
+        mismatch(format!("expected `{self}`, found {}", found.kind()))
     }
 }
 

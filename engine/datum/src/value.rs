@@ -144,8 +144,8 @@ impl Datum {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Null => "nothing",
-            Self::Bool(_) => "a truth value",
-            Self::Int(_) => "a whole number",
+            Self::Bool(_) => "a Boolean",
+            Self::Int(_) => "an integer",
             Self::Float(_) => "a number",
             Self::Text(_) => "text",
             Self::Bytes(_) => "bytes",

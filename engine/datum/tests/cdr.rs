@@ -356,7 +356,7 @@ fn what_does_not_fit_its_schema_is_said_with_its_place() {
     );
     assert_eq!(
         written(&header(time(Datum::Int(0)), Datum::Int(1))),
-        "`frame_id`: a whole number is no `string`"
+        "`frame_id`: expected `string`, found an integer"
     );
     assert_eq!(
         written(&Datum::record([("stomp", Datum::Null)])),

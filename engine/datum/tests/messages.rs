@@ -235,30 +235,27 @@ fn what_does_not_fit_a_schema_says_where() {
     for (text, words) in [
         (
             r#"{"at": {"x": "1"}}"#,
-            "`at.x`: text stands where `float64` is wanted",
+            "`at.x`: expected `float64`, found text",
         ),
         (
             r#"{"at": {"w": 1}}"#,
-            "`at`: `geometry_msgs/Vector3` has no field `w`; its fields: `x`, `y`, `z`",
+            "`at`: unknown field `w` of `geometry_msgs/Vector3`; its fields: `x`, `y`, `z`",
         ),
         (r#"{"ranges": [1, null]}"#, "`ranges.1`: nothing stands"),
         (
             r#"{"cells": [0, 128]}"#,
-            "`cells.1`: 128 does not lie between -128 and 127",
+            "`cells.1`: 128 is not between -128 and 127",
         ),
         (
             r#"{"covariance": [0, 1]}"#,
-            "`covariance`: it has 2 elements, and `float64[36]` is wanted",
+            "`covariance`: expected `float64[36]`, found 2 elements",
         ),
         (
             r#"{"maybe": 1}"#,
-            "`maybe`: a whole number stands where `geometry_msgs/Vector3` is wanted",
+            "`maybe`: expected `geometry_msgs/Vector3`, found an integer",
         ),
-        (
-            r#"{"ok": null}"#,
-            "`ok`: nothing stands where `bool` is wanted",
-        ),
-        ("7", "a whole number stands where `test/Scan` is wanted"),
+        (r#"{"ok": null}"#, "`ok`: expected `bool`, found nothing"),
+        ("7", "expected `test/Scan`, found an integer"),
     ] {
         let datum: Datum = json::decode(text).unwrap();
         let error = Scan::schema().accepts(&datum).unwrap_err().to_string();

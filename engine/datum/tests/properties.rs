@@ -142,7 +142,7 @@ fn what_a_datum_cannot_hold_is_an_error_with_its_place() {
     let error = Datum::of(&[("big", u64::MAX)]).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "`0.1`: the integer 18446744073709551615 does not fit 64 bits with a sign"
+        "`0.1`: the integer 18446744073709551615 does not fit into 64 signed bits"
     );
     let keys = std::collections::BTreeMap::from([(1, 2)]);
     assert_eq!(

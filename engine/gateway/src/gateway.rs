@@ -30,7 +30,7 @@ const REST: Duration = Duration::from_millis(50);
 #[derive(Debug, thiserror::Error)]
 pub enum GatewayCheckError {
     /// The address cannot be listened at.
-    #[error("nothing can listen at {at}: {reason}")]
+    #[error("cannot listen at {at}: {reason}")]
     Listen {
         /// The address.
         at: SocketAddr,
@@ -38,7 +38,7 @@ pub enum GatewayCheckError {
         reason: std::io::Error,
     },
     /// No thread can be started.
-    #[error("no thread to listen with: {0}")]
+    #[error("cannot start the listening thread: {0}")]
     Thread(std::io::Error),
 }
 

@@ -12,29 +12,29 @@ use crate::response::{self, HttpResponse};
 /// The reason that a request has no result.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(crate) enum Problem {
-    #[error("there is nothing at `{path}`")]
+    #[error("unknown path `{path}`")]
     NoPath { path: String },
-    #[error("there is no service `{name}`")]
+    #[error("unknown service `{name}`")]
     NoService { name: String, known: Vec<String> },
-    #[error("`{service}` has no operation `{name}`")]
+    #[error("unknown operation `{name}` of `{service}`")]
     NoOperation {
         service: String,
         name: String,
         known: Vec<String>,
     },
-    #[error("this is asked with {allowed}")]
+    #[error("expected method {allowed}")]
     Method { allowed: &'static str },
-    #[error("a page of the web asks")]
+    #[error("request from a web page")]
     WebPage,
-    #[error("the argument is `{found}`")]
+    #[error("unsupported content type `{found}`")]
     ContentType { found: String },
     #[error("the argument is longer than {limit} bytes")]
     TooLarge { limit: usize },
-    #[error("the argument did not come within {} s", within.as_secs())]
+    #[error("the argument did not arrive within {} s", within.as_secs())]
     Slow { within: Duration },
-    #[error("the argument did not come whole")]
+    #[error("incomplete argument")]
     Broken,
-    #[error("`{part}` says nothing about a call")]
+    #[error("invalid parameter `{part}`")]
     Query { part: String },
     #[error("{error}")]
     Argument { error: DatumError, path: String },
@@ -42,9 +42,9 @@ pub(crate) enum Problem {
     Fault { refusal: Refusal, path: String },
     #[error("no answer within {} ms", after.as_millis())]
     Timeout { after: Duration },
-    #[error("nobody is there to answer for `{service}`")]
+    #[error("no server for `{service}`")]
     Unavailable { service: String },
-    #[error("the answer has no form in JSON: {0}")]
+    #[error("the reply cannot be written as JSON: {0}")]
     Answer(DatumError),
 }
 
@@ -96,31 +96,30 @@ impl Problem {
     fn help(&self) -> Option<String> {
         Some(match self {
             Self::NoPath { .. } => {
-                "`GET /services` lists what can be called; call it with `POST /services/NAME/OPERATION`"
+                "`GET /services` lists the services; call one with `POST /services/NAME/OPERATION`"
                     .to_owned()
             }
             Self::NoService { name, known } => among("services", name, known),
             Self::NoOperation { name, known, .. } => among("operations", name, known),
-            Self::Method { allowed } => format!("say `curl -X {allowed}`"),
-            Self::WebPage => "a robot is not moved by whoever opens a page: where yours may, put a proxy before the \
-                              gateway that knows who asks, and takes the header `Origin` away"
+            Self::Method { allowed } => format!("use `curl -X {allowed}`"),
+            Self::WebPage => "to allow requests from web pages, put a proxy before the gateway that authenticates the user and removes the header `Origin`"
                 .to_owned(),
             Self::ContentType { .. } => {
-                "say `-H 'Content-Type: application/json'`, as `curl --json` does by itself".to_owned()
+                "add `-H 'Content-Type: application/json'`, or use `curl --json`".to_owned()
             }
             Self::TooLarge { .. } => "send less, or raise `max_body_kb` of the gateway".to_owned(),
             Self::Slow { .. } | Self::Broken => "send it again".to_owned(),
             Self::Query { .. } => {
-                "a call takes `timeout_ms=500`, from 1 to 86400000, and `oneway=true`".to_owned()
+                "use `timeout_ms=500`, from 1 to 86400000, or `oneway=true`".to_owned()
             }
-            Self::Argument { path, .. } => format!("`GET {path}` has its JSON Schema"),
+            Self::Argument { path, .. } => format!("`GET {path}` returns its JSON Schema"),
             Self::Fault { refusal, path } if refusal.code == BAD_REQUEST => {
-                format!("`GET {path}` has its JSON Schema")
+                format!("`GET {path}` returns its JSON Schema")
             }
             Self::Fault { .. } => return None,
-            Self::Timeout { .. } => "give it longer with `?timeout_ms=5000`".to_owned(),
+            Self::Timeout { .. } => "allow more time with `?timeout_ms=5000`".to_owned(),
             Self::Unavailable { .. } => {
-                "its component is stopped, or too many wait for it: try again later".to_owned()
+                "the component is stopped, or too many requests wait for it: try again later".to_owned()
             }
             Self::Answer(_) => return None,
         })

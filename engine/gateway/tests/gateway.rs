@@ -186,23 +186,20 @@ fn an_argument_that_does_not_fit_is_refused_at_its_place_before_anybody_is_asked
         ),
         (
             r#"{"name": 7}"#,
-            &["`name`: a whole number stands where `string` is wanted"],
+            &["`name`: expected `string`, found an integer"],
         ),
         (
             r#"{"count": -1}"#,
-            &["`count`: -1 does not lie between 0 and 4294967295"],
+            &["`count`: -1 is not between 0 and 4294967295"],
         ),
         (
             r#"{"count": 1.5}"#,
-            &["`count`: a number stands where `uint32` is wanted"],
+            &["`count`: expected `uint32`, found a number"],
         ),
         (r#"{"range": "much"}"#, &["`range`"]),
-        (
-            r#"{"path": [{}, {"x": true}]}"#,
-            &["`path.1.x`: a truth value stands where"],
-        ),
+        (r#"{"path": [{}, {"x": true}]}"#, &["`path.1.x`: expected"]),
         (r#"{"path": 1}"#, &["`path`"]),
-        (r"[1]", &["a list stands where `test/Question` is wanted"]),
+        (r"[1]", &["expected `test/Question`, found a list"]),
         (r#"{"name": "#, &["malformed JSON"]),
         ("\u{0}", &["malformed JSON"]),
     ] {

@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnsupportedTypeError {
     /// A type without a fixed binary form: text, an option or an unknown type.
-    #[error("{}{what} has no form in a message queue", FieldPathPrefix(path))]
+    #[error("{}{what} has no encoding in a message queue", FieldPathPrefix(path))]
     NoForm {
         /// Path of field names to it.
         path: String,
@@ -12,10 +12,7 @@ pub enum UnsupportedTypeError {
         what: String,
     },
     /// A list whose elements occupy no bytes, so that its length could not be checked.
-    #[error(
-        "{}many of {what} take no bytes, however many there are",
-        FieldPathPrefix(path)
-    )]
+    #[error("{}elements of {what} have no size", FieldPathPrefix(path))]
     Nothing {
         /// Path of field names to it.
         path: String,
@@ -28,14 +25,14 @@ pub enum UnsupportedTypeError {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum QueueCheckError {
     /// An invalid name.
-    #[error("`{name}` is no name of a queue; one is a `/` and up to 255 characters that are none")]
+    #[error("invalid queue name `{name}`: write `/` and up to 255 characters other than `/`")]
     Name {
         /// The name as written.
         name: String,
     },
     /// The messages have no fixed size, or no bytes at all.
     #[error(
-        "how large are the messages of {queue}? {kind} has lists; say `data_size = BYTES`, the same as on the other side"
+        "missing message size of {queue}: {kind} has lists; write `data_size = BYTES`, as on the other side"
     )]
     NoSize {
         /// Name of the queue.
@@ -45,7 +42,7 @@ pub enum QueueCheckError {
     },
     /// The queue would hold more messages than the system allows.
     #[error(
-        "{queue} would hold {asked} messages, and this system allows {limit}; make the connection's `size` smaller, or raise the limit: `sysctl fs.mqueue.msg_max={asked}`"
+        "{queue} needs {asked} messages, but this system allows {limit}; reduce the connection's `size`, or raise the limit: `sysctl fs.mqueue.msg_max={asked}`"
     )]
     TooMany {
         /// Name of the queue.
@@ -57,7 +54,7 @@ pub enum QueueCheckError {
     },
     /// The messages would be larger than the system allows.
     #[error(
-        "messages of {queue} would have {asked} bytes, and this system allows {limit}; raise the limit: `sysctl fs.mqueue.msgsize_max={asked}`"
+        "messages of {queue} need {asked} bytes, but this system allows {limit}; raise the limit: `sysctl fs.mqueue.msgsize_max={asked}`"
     )]
     TooLarge {
         /// Name of the queue.
@@ -69,7 +66,7 @@ pub enum QueueCheckError {
     },
     /// The queues of this user would exceed their limit on memory.
     #[error(
-        "{queue} would take {asked} bytes, and all queues of this user together may take {limit}; raise the limit with `ulimit -q`, or remove queues that nobody needs: `ls /dev/mqueue`"
+        "{queue} needs {asked} bytes, but all queues of this user together may have {limit}; raise the limit with `ulimit -q`, or remove unused queues: `ls /dev/mqueue`"
     )]
     NoRoom {
         /// Name of the queue.
@@ -81,21 +78,21 @@ pub enum QueueCheckError {
     },
     /// The system's limit on the number of queues is reached.
     #[error(
-        "there are as many queues as this system allows, so {queue} cannot be made; remove some (`ls /dev/mqueue`), or raise the limit: `sysctl fs.mqueue.queues_max`"
+        "cannot create {queue}: this system has its maximum number of queues; remove some (`ls /dev/mqueue`), or raise the limit: `sysctl fs.mqueue.queues_max`"
     )]
     NoMore {
         /// Name of the queue.
         queue: String,
     },
     /// The queue belongs to another user.
-    #[error("{queue} is there and belongs to another user")]
+    #[error("{queue} belongs to another user")]
     Denied {
         /// Name of the queue.
         queue: String,
     },
     /// A queue with this name exists, for smaller messages.
     #[error(
-        "{queue} is there and takes messages of {takes} bytes, and these have {size}; give both sides the same type and `data_size`, and if nobody uses it any more, remove it: `rm /dev/mqueue{}`",
+        "{queue} has messages of {takes} bytes, but these have {size}; use the same type and `data_size` on both sides, and remove the queue if it is unused: `rm /dev/mqueue{}`",
         queue.trim_start_matches("mqueue:")
     )]
     Smaller {

@@ -28,7 +28,7 @@ impl QueueLayout {
         match rest.len() {
             0 => Ok(datum),
             left => Err(malformed(format!(
-                "{} has {} bytes, and these are {}",
+                "{} has {} bytes, not {}",
                 self.schema(),
                 bytes.len() - left,
                 bytes.len()
@@ -43,7 +43,7 @@ fn malformed(reason: String) -> DatumError {
 }
 
 fn mismatch(schema: &Schema, datum: &Datum) -> DatumError {
-    let problem = format!("{schema} is wanted, and this is {}", datum.kind());
+    let problem = format!("expected {schema}, found {}", datum.kind());
     DatumError::new(DatumProblem::Mismatch(problem))
 }
 
@@ -55,7 +55,9 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
                 Some(datum) => datum.as_int().ok_or_else(|| mismatch(schema, datum))?,
             };
             let value = <$type>::try_from(value).map_err(|_| {
-                DatumError::new(DatumProblem::Mismatch(format!("{value} is no {schema}")))
+                DatumError::new(DatumProblem::Mismatch(format!(
+                    "expected {schema}, found {value}"
+                )))
             })?;
             out.extend(value.to_ne_bytes());
         }};
@@ -101,7 +103,7 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
                 None => return Err(mismatch(schema, datum)),
                 Some(given) if given == *count => put_all(element, datum, given, out)?,
                 Some(given) => {
-                    let problem = format!("{schema} is wanted, and these are {given}");
+                    let problem = format!("expected {schema}, found {given} elements");
                     return Err(DatumError::new(DatumProblem::Mismatch(problem)));
                 }
             },
@@ -168,7 +170,7 @@ fn chunk<const N: usize>(schema: &Schema, rest: &mut &[u8]) -> Result<[u8; N], D
             Ok(*chunk)
         }
         None => Err(malformed(format!(
-            "{schema} has {N} bytes, and {} are left",
+            "{schema} has {N} bytes, but {} are left",
             rest.len()
         ))),
     }
@@ -189,7 +191,9 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
         Shape::Bool => match chunk::<1>(schema, rest)? {
             [0] => Ok(Datum::Bool(false)),
             [1] => Ok(Datum::Bool(true)),
-            [other] => Err(malformed(format!("a truth value is 0 or 1, not {other}"))),
+            [other] => Err(malformed(format!(
+                "expected 0 or 1 for a Boolean, found {other}"
+            ))),
         },
         Shape::I8 => whole!(i8),
         Shape::I16 => whole!(i16),
@@ -222,7 +226,7 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
 fn take_all(element: &Schema, count: usize, rest: &mut &[u8]) -> Result<Datum, DatumError> {
     if least(&element.shape).saturating_mul(count) > rest.len() {
         return Err(malformed(format!(
-            "there shall be {count} of {element}, and {} bytes are left",
+            "expected {count} elements of {element}, but {} bytes are left",
             rest.len()
         )));
     }
@@ -339,10 +343,10 @@ mod tests {
         assert_eq!(problem, "`errors.0`: 70000 is no uint16");
         let short = Datum::record([("errors", Datum::List(vec![Datum::Int(1)]))]);
         let problem = encode(&short).unwrap_err().to_string();
-        assert_eq!(problem, "`errors`: uint16[3] is wanted, and these are 1");
+        assert_eq!(problem, "`errors`: expected uint16[3], found 1 elements");
         let text = Datum::record([("position", Datum::text("far"))]);
         let problem = encode(&text).unwrap_err().to_string();
-        assert_eq!(problem, "`position`: float64[] is wanted, and this is text");
+        assert_eq!(problem, "`position`: expected float64[], found text");
     }
 
     #[test]

@@ -148,7 +148,7 @@ fn it_finds_a_misspelt_port_and_the_input_that_nobody_drives() {
     assert_eq!(
         found,
         [
-            "C045: nothing is connected to input `youBotDriver.commands`",
+            "C045: unconnected input `youBotDriver.commands`",
             "C021: `youBotDriver` has no port `command`",
         ]
     );
@@ -169,9 +169,9 @@ fn it_finds_a_clash_of_types() {
     assert_eq!(
         found,
         [
-            "C045: nothing is connected to input `youBotDriver.commands`",
+            "C045: unconnected input `youBotDriver.commands`",
             "C042: `SCAyouBotDriver.commands` is `youbot/JointCommand`, but `youBotDriver.period` is `f64`",
-            "C043: `youBotDriver.period` keeps the last value, and two write it",
+            "C043: two writers of `youBotDriver.period`, which keeps only the last value",
         ]
     );
 }
@@ -191,7 +191,7 @@ fn it_finds_a_misspelt_rename() {
     assert_eq!(
         found,
         [
-            "C052: `TrajectoryPlanner` neither subscribes nor publishes `trajectroy`, so it cannot be renamed"
+            "C052: cannot rename `trajectroy`: `TrajectoryPlanner` neither subscribes nor publishes it"
         ]
     );
     // the connection that dangles because of it
@@ -218,8 +218,5 @@ fn it_finds_a_forgotten_wire() {
     let wire = "[[wires]]\nreference = \"Monitor.period\"\nservice   = \"Driver.settingPeriod\"\nbinding   = \"amqp\"\n";
     let path = "youbot.composite.toml";
     let found = planted(path, wire, "", path);
-    assert_eq!(
-        found,
-        ["C031: reference `Monitor.period` is neither wired nor promoted"]
-    );
+    assert_eq!(found, ["C031: unconnected reference `Monitor.period`"]);
 }

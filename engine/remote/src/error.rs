@@ -3,7 +3,7 @@
 #[cfg(feature = "amqp")]
 use asmotion_amqp::AddressError;
 use asmotion_bus::{BusError, Refusal};
-use asmotion_component::CallError;
+use asmotion_component::{CallError, suggestion};
 use asmotion_datum::DatumError;
 
 use crate::order_error::OrderErrorCode;
@@ -19,7 +19,7 @@ pub enum RemoteError {
     #[error(transparent)]
     Bus(#[from] BusError),
     /// A name that no component, service or property has.
-    #[error("no {what} `{name}` is there{}", meant(nearest.as_deref()))]
+    #[error("unknown {what} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
         /// The kind of thing looked for: component, service or property.
         what: &'static str,
@@ -29,7 +29,7 @@ pub enum RemoteError {
         nearest: Option<String>,
     },
     /// Several components have this name.
-    #[error("which `{name}`? {}", candidates.join(", "))]
+    #[error("ambiguous name `{name}`: {}", candidates.join(", "))]
     Several {
         /// The ambiguous name.
         name: String,
@@ -53,7 +53,7 @@ pub enum RemoteError {
         source: CallError,
     },
     /// An operation that no process provides.
-    #[error("nobody serves `{operation}`{}", meant(nearest.as_deref()))]
+    #[error("unknown operation `{operation}`{}", suggestion(nearest.as_deref()))]
     Nobody {
         /// The address that was called.
         operation: String,
@@ -75,8 +75,4 @@ impl From<Refusal> for RemoteError {
             detail: refusal.detail,
         }
     }
-}
-
-fn meant(nearest: Option<&str>) -> String {
-    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }

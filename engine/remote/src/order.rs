@@ -129,7 +129,7 @@ impl Order {
             (None, Some(_)) => Err(OrderError::Direction {
                 port: self.whole(port),
                 is: "input",
-                instead: "it is written, and read by its component alone",
+                instead: "write to it; only its component reads it",
             }),
             (None, None) => Err(self.no_port(port, &declared.outputs)),
         }
@@ -142,7 +142,7 @@ impl Order {
             (None, Some(_)) => Err(OrderError::Direction {
                 port: self.whole(port),
                 is: "output",
-                instead: "it is read, and written by its component alone",
+                instead: "read from it; only its component writes it",
             }),
             (None, None) => Err(self.no_port(port, &declared.inputs)),
         }
@@ -170,7 +170,7 @@ impl Order {
             component: self.component.clone(),
             port: port.to_owned(),
             known: if names.is_empty() {
-                "none of this direction".to_owned()
+                "none".to_owned()
             } else {
                 names.join(", ")
             },

@@ -30,7 +30,7 @@ pub enum OrderError {
         instead: &'static str,
     },
     /// The output has not written anything yet.
-    #[error("nothing has left `{port}` yet")]
+    #[error("`{port}` has not written a sample yet")]
     NoData {
         /// The output, as `Component.port`.
         port: String,

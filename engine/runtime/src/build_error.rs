@@ -8,7 +8,7 @@ use asmotion_datum::{DatumError, Schema, SchemaDifference};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BuildError {
     /// A component's name that is empty or taken.
-    #[error("`{name}` cannot be a component's name: it is empty or taken")]
+    #[error("invalid component name `{name}`: it is empty or taken")]
     Name {
         /// The rejected name.
         name: String,
@@ -22,7 +22,7 @@ pub enum BuildError {
         source: DeclarationError,
     },
     /// A name that no component, port, service or reference has.
-    #[error("there is no {what} `{name}`{}", suggestion(nearest.as_deref()))]
+    #[error("unknown {what} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
         /// The kind of thing looked for: component, input, output, service or reference.
         what: &'static str,
@@ -43,7 +43,7 @@ pub enum BuildError {
     },
     /// An `unsync` connection between two components that cycle in different threads.
     #[error(
-        "`{from}` and `{to}` cycle in two threads, and their connection is `unsync`: make one the other's slave, or use a lock-free connection"
+        "`{from}` and `{to}` run in two threads, but their connection is `unsync`: make one the slave of the other, or use a lock-free connection"
     )]
     Threads {
         /// The writing end, as `component.port`.
@@ -52,7 +52,7 @@ pub enum BuildError {
         to: String,
     },
     /// More threads than the connection allows.
-    #[error("{threads} threads would use the queue of `{to}`, which allows {max}")]
+    #[error("{threads} threads use the queue of `{to}`, which allows {max}")]
     Crowded {
         /// The reading end, as `component.port`.
         to: String,
@@ -62,9 +62,7 @@ pub enum BuildError {
         max: usize,
     },
     /// A shared queue whose other connections have a different policy.
-    #[error(
-        "`{from}` and `{to}` cannot have their queue in common with the others: those have {what}"
-    )]
+    #[error("`{from}` and `{to}` cannot share a queue with the others, which have {what}")]
     OtherQueue {
         /// The writing end, as `component.port`.
         from: String,
@@ -82,7 +80,7 @@ pub enum BuildError {
         to: String,
     },
     /// A component that would, directly or through others, be its own master.
-    #[error("`{slave}` cannot cycle after `{master}`: it would cycle after itself")]
+    #[error("`{slave}` cannot run after `{master}`: it would run after itself")]
     OwnMaster {
         /// Name of the component that would be the slave.
         slave: String,
@@ -123,7 +121,7 @@ pub enum BuildError {
     },
     /// The end is connected already: the same connection twice, a second topic for an output, or a second service for a
     /// reference that waits for replies.
-    #[error("`{end}` is joined already: to {to}")]
+    #[error("`{end}` is already connected to {to}")]
     Joined {
         /// The end that is connected already.
         end: String,
@@ -131,7 +129,7 @@ pub enum BuildError {
         to: String,
     },
     /// An output that would publish on the topic reserved for the system's own bus health reports.
-    #[error("`{from}` cannot publish `{topic}`: there the system tells how its bus is")]
+    #[error("`{from}` cannot publish `{topic}`: it is reserved for the state of the bus")]
     OwnTopic {
         /// The writing end, as `component.port`.
         from: String,

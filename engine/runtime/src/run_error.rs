@@ -7,7 +7,7 @@ use asmotion_datum::DatumError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
     /// A name that no component, input or topic has.
-    #[error("there is no {what} `{name}`{}", suggestion(nearest.as_deref()))]
+    #[error("unknown {what} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
         /// The kind of thing looked for: component, input or topic.
         what: &'static str,

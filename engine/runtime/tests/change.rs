@@ -96,15 +96,15 @@ fn bad() -> [(Vec<Change>, &'static str); 4] {
     [
         (
             all_but(gain(11.0)),
-            "property `gain` of `Guest` cannot be 11.0: it is 0.0 to 10.0",
+            "property `gain` of `Guest` must be between 0.0 and 10.0, not 11.0",
         ),
         (
             all_but(connect("Steady.n", "Gest.n")),
-            "there is no component `Gest`; did you mean `Guest`?",
+            "unknown component `Gest`; did you mean `Guest`?",
         ),
         (
             all_but(connect("Steady.n", "Guest.n")),
-            "`Steady.n` is joined already: to `Guest.n`",
+            "`Steady.n` is already connected to `Guest.n`",
         ),
         (
             all_but(disconnect("Other.n", "Guest.n")),
@@ -213,7 +213,7 @@ fn c18_a_reference_leaves_a_service_for_another() {
     let refused = run.change(std::slice::from_ref(&wire)).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "`Asker.sums` is joined already: to `Idler.sums`"
+        "`Asker.sums` is already connected to `Idler.sums`"
     );
     run.change(&[unwire, wire]).unwrap();
     run.run_for(20.ms());

@@ -315,15 +315,15 @@ fn t8_t22_what_does_not_fit_is_an_error_before_anything_runs() {
         [
             "`Counter.n` and `Driver.twist` differ: test/Number here, test/Twist there",
             "`It.opaque` and `Driver.twist` differ: test/Number here, test/Twist there",
-            "there is no component `Countr`; did you mean `Counter`?",
-            "there is no output `Counter.m`",
+            "unknown component `Countr`; did you mean `Counter`?",
+            "unknown output `Counter.m`",
             "`It.in` is an input, not an output",
-            "there is no service `It.sum`; did you mean `It.sums`?",
-            "`It.opaque` is joined already: to `It.in`",
-            "`It.others` is joined already: to `Nested.Doubler.sums`",
-            "`Counter.n` is joined already: to topic `numbers`",
+            "unknown service `It.sum`; did you mean `It.sums`?",
+            "`It.opaque` is already connected to `It.in`",
+            "`It.others` is already connected to `Nested.Doubler.sums`",
+            "`Counter.n` is already connected to topic `numbers`",
             "`Counter.n` and `Driver.twist` differ: test/Number here, test/Twist there",
-            "`It.in` is joined already: to topic `numbers`",
+            "`It.in` is already connected to topic `numbers`",
         ]
     );
 }
@@ -335,7 +335,7 @@ fn t15_a_component_has_a_name_of_its_own() {
     let twice = system.add("It", Activity::event(), counter()).unwrap_err();
     assert_eq!(
         twice.to_string(),
-        "`It` cannot be a component's name: it is empty or taken"
+        "invalid component name `It`: it is empty or taken"
     );
     assert!(system.add("", Activity::event(), counter()).is_err());
     let confused = behaviour(|interface| {
@@ -348,7 +348,7 @@ fn t15_a_component_has_a_name_of_its_own() {
         .unwrap_err();
     assert_eq!(
         error.to_string(),
-        "component `Confused`: output `n` is declared twice"
+        "component `Confused`: duplicate output `n`"
     );
 }
 
@@ -376,10 +376,10 @@ fn c9_a_property_out_of_its_range_is_refused_with_the_range_shown() {
     assert_eq!(
         errors,
         [
-            "property `speed_mps` of `It` cannot be 5.5: it is 0.0 to 5.0 m/s",
-            "property `speed_mps` of `It` cannot be NaN: it is 0.0 to 5.0 m/s",
+            "property `speed_mps` of `It` must be between 0.0 and 5.0 m/s, not 5.5",
+            "property `speed_mps` of `It` must be between 0.0 and 5.0 m/s, not NaN",
             "property `speed_mps` of `It` is float64: invalid type: string \"fast\", expected f64",
-            "property `algorithm` of `It` cannot be \"dijkstra\": it is one of \"astar\", \"lattice\"",
+            "property `algorithm` of `It` must be one of \"astar\", \"lattice\", not \"dijkstra\"",
             "property `speed` of `It` does not exist",
         ]
     );

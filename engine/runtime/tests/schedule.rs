@@ -292,7 +292,7 @@ fn samples_are_injected_at_their_time_before_the_cycles_of_that_time() {
     let unknown = run.publish(at(0), "number", number(1)).unwrap_err();
     assert_eq!(
         unknown.to_string(),
-        "there is no topic `number`; did you mean `numbers`?"
+        "unknown topic `number`; did you mean `numbers`?"
     );
 }
 

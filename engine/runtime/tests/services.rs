@@ -462,7 +462,7 @@ fn a_reference_that_waits_for_an_answer_has_one_service() {
     system.add("Last", Activity::event(), listening()).unwrap();
     let mut wire = |to, wire| system.wire("Teller.listeners", to, wire);
     wire("First.sums", Wire::one_way()).unwrap();
-    let refused = ["`Teller.listeners` is joined already: to `First.sums`"; 2];
+    let refused = ["`Teller.listeners` is already connected to `First.sums`"; 2];
     let said = [
         wire("Last.sums", Wire::default()),
         wire("First.sums", Wire::one_way()),

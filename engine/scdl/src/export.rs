@@ -151,7 +151,7 @@ impl Exporter<'_> {
             self.unsayable("the range", name, name.span);
         }
         if let Some(doc) = &property.doc {
-            self.unsayable("what is the use", name, doc.span);
+            self.unsayable("the usage", name, doc.span);
         }
         let secret = property.kind.scalar == here::Scalar::Secret;
         let shown = property

@@ -54,7 +54,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> Result<XmlElement, InvalidXml> 
         at: Span::new(file, start, start),
     };
     if text.len() > MAX_BYTES {
-        let reason = format!("it has {} bytes, and {MAX_BYTES} is the most", text.len());
+        let reason = format!("it has {} bytes, more than {MAX_BYTES}", text.len());
         return Err(syntax(reason, 0));
     }
     let mut reader = NsReader::from_str(text);
@@ -103,7 +103,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> Result<XmlElement, InvalidXml> 
         taken.map_err(|reason| syntax(reason, start))?;
         if tree.open.len() > MAX_DEPTH {
             return Err(syntax(
-                format!("elements nest deeper than {MAX_DEPTH}"),
+                format!("elements nested deeper than {MAX_DEPTH}"),
                 start,
             ));
         }
@@ -115,7 +115,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> Result<XmlElement, InvalidXml> 
             at: name.span,
         }),
         (None, Some(root)) => Ok(root),
-        (None, None) => Err(syntax("there is no element in it".to_owned(), 0)),
+        (None, None) => Err(syntax("no element found".to_owned(), 0)),
     }
 }
 
@@ -212,6 +212,6 @@ fn character(reference: &BytesRef<'_>) -> Result<String, String> {
     let name = reference.xml10_content();
     match quick_xml::escape::resolve_predefined_entity(&name) {
         Some(text) => Ok(text.to_owned()),
-        None => Err(format!("`&{name};` is not known")),
+        None => Err(format!("unknown entity `&{name};`")),
     }
 }

@@ -3,6 +3,7 @@
 use crate::codes::all;
 use crate::exit::Exit;
 use crate::terminal::{NAME, TerminalOutput};
+use asmotion_diagnostics::did_you_mean;
 
 /// Prints the page of a code, or a list of all codes.
 pub fn explain(name: Option<&str>, terminal: &mut TerminalOutput) -> Exit {
@@ -16,9 +17,9 @@ pub fn explain(name: Option<&str>, terminal: &mut TerminalOutput) -> Exit {
         terminal.result(code.page().trim_end());
         return Exit::Ok;
     }
-    terminal.error(format_args!("there is no code `{name}`"));
+    terminal.error(format_args!("unknown code `{name}`"));
     match nearest(name) {
-        Some(near) => terminal.say(format_args!("did you mean `{near}`?")),
+        Some(near) => terminal.say(did_you_mean(near)),
         None => terminal.say("`asmotion check --explain` lists all codes"),
     }
     Exit::Usage

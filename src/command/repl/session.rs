@@ -178,7 +178,7 @@ impl ReplSession {
         } else if at.starts_with("r_") {
             let model = &self.history.session().specification.model;
             if !model.rules.iter().any(|rule| &*rule.name == at) {
-                terminal.error(format_args!("there is no rule `{at}`"));
+                terminal.error(format_args!("unknown rule `{at}`"));
                 return Ok(());
             }
             self.history.count()?;
@@ -248,7 +248,7 @@ impl ReplSession {
         let location = simulate::applied(self.machine(), function, &arguments);
         let Some(written) = self.history.written(function, &arguments) else {
             terminal.result(format_args!(
-                "nobody wrote `{location}`: it holds its initial value"
+                "`{location}` has its initial value: nothing has written it"
             ));
             return Ok(());
         };
@@ -330,7 +330,7 @@ impl ReplSession {
             .collect();
         if !unset.is_empty() {
             terminal.say(format_args!(
-                "{NOTE}note{NOTE:#}: nobody set {}, so it is undef",
+                "{NOTE}note{NOTE:#}: {} is not set, so it is undef",
                 unset.join(", ")
             ));
         }
@@ -375,7 +375,7 @@ impl ReplSession {
 
     fn save(&mut self, path: &str, terminal: &mut TerminalOutput) -> Result<(), Report> {
         if path.is_empty() {
-            terminal.error("`save` needs the name of a file, as in `save found.avalla`");
+            terminal.error("`save` needs a file name, as in `save found.avalla`");
             return Ok(());
         }
         let path = Path::new(path).with_extension("avalla");
@@ -481,7 +481,7 @@ fn number(text: &str, default: u64, terminal: &mut TerminalOutput) -> Option<u64
     }
     let number = text.parse().ok();
     if number.is_none() {
-        terminal.error(format_args!("`{text}` is no number"));
+        terminal.error(format_args!("`{text}` is not a number"));
     }
     number
 }
@@ -493,7 +493,7 @@ fn remove<T>(from: &mut Vec<T>, number: &str, terminal: &mut TerminalOutput) -> 
         .and_then(|number| number.checked_sub(1));
     match index.filter(|index| *index < from.len()) {
         Some(index) => drop(from.remove(index)),
-        None => terminal.error(format_args!("there is no number `{number}` here")),
+        None => terminal.error(format_args!("no entry has the number `{number}`")),
     }
     Ok(())
 }

@@ -25,7 +25,7 @@ pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, S
         return Ok(None);
     }
     if !std::io::stdout().is_terminal() {
-        return Err("`--top` draws on a terminal: a program may take `--json` instead".to_owned());
+        return Err("`--top` needs a terminal; programs can use `--json`".to_owned());
     }
     let settings = match &mission.brokers {
         MissionBrokers::Nothing => return Ok(None),

@@ -9,7 +9,7 @@ use crate::table;
 use crate::terminal::{FAINT, TerminalOutput};
 use asmotion_component::Transition;
 use asmotion_datum::Datum;
-use asmotion_diagnostics::similar;
+use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_remote::{Remote, RemoteComponent};
 use std::time::Duration;
 
@@ -135,7 +135,7 @@ impl Browser {
     fn call(&self, written: &str, terminal: &mut TerminalOutput) -> Answered {
         let (path, argument) = called(written);
         let argument: Datum = asmotion_datum::json::decode(argument)
-            .map_err(|error| format!("`{argument}` is no JSON: {error}"))?;
+            .map_err(|error| format!("`{argument}` is not JSON: {error}"))?;
         let (component, name) = self.locate(path)?;
         let known = operations(&component);
         let is_it = |(service, operation): &&(String, String)| {
@@ -166,7 +166,7 @@ impl Browser {
 
     fn set(&self, written: &str) -> Answered {
         let split = written.split_once('=');
-        let (path, value) = split.ok_or("say `set PROPERTY = VALUE`")?;
+        let (path, value) = split.ok_or("write `set PROPERTY = VALUE`")?;
         let (component, property) = self.locate(path.trim())?;
         component.set(property, property_value(value.trim()))?;
         Ok(())
@@ -181,9 +181,9 @@ impl Browser {
 
     fn write(&self, written: &str) -> Answered {
         let split = written.split_once(char::is_whitespace);
-        let (path, message) = split.ok_or("say `write PORT JSON`")?;
+        let (path, message) = split.ok_or("write `write PORT JSON`")?;
         let message: Datum = asmotion_datum::json::decode(message)
-            .map_err(|error| format!("`{message}` is no JSON: {error}"))?;
+            .map_err(|error| format!("`{message}` is not JSON: {error}"))?;
         let (component, port) = self.locate(path)?;
         component.write(port, message)?;
         Ok(())
@@ -197,13 +197,13 @@ impl Browser {
             "" => MESSAGES,
             count => count
                 .parse()
-                .map_err(|_| format!("`{count}` is no number"))?,
+                .map_err(|_| format!("`{count}` is not a number"))?,
         };
         let (component, port) = self.locate(path)?;
         let mut watch = component.watch(port)?;
         for _ in 0..count {
             let Some(message) = watch.next_within(SILENCE) else {
-                return Err(format!("nothing has left `{path}` for {SILENCE:?}").into());
+                return Err(format!("no message from `{path}` for {SILENCE:?}").into());
             };
             terminal.result(asmotion_datum::json::encode(&message?)?);
         }
@@ -218,7 +218,7 @@ impl Browser {
     /// Returns the component with this name; an empty name is the entered component.
     fn component(&self, name: &str) -> Result<RemoteComponent, Box<dyn std::error::Error>> {
         match (name, &self.here) {
-            ("", None) => Err("which component? Name it, or `cd` into it".into()),
+            ("", None) => Err("no component selected: name one, or enter one with `cd`".into()),
             ("", Some(here)) => Ok(self.remote.component(here)?),
             (name, _) => Ok(self.remote.component(name)?),
         }
@@ -249,7 +249,7 @@ impl Browser {
         match path.rsplit_once('.') {
             Some((name, _)) => match self.remote.component(name) {
                 Err(error) => error.into(),
-                Ok(_) => format!("`{path}` names nothing").into(),
+                Ok(_) => format!("`{path}` does not exist").into(),
             },
             None => neither(path, None).into(),
         }
@@ -260,8 +260,8 @@ impl Browser {
 fn neither(path: &str, operation: Option<&str>) -> String {
     let verbs: Vec<&str> = VERBS.iter().map(|verb| verb.name).collect();
     let meant = operation.or_else(|| similar(path, &verbs).copied());
-    let meant = meant.map_or_else(String::new, |it| format!("; did you mean `{it}`?"));
-    format!("`{path}` is no verb, and no operation of a component that was entered{meant}")
+    let meant = or_did_you_mean(meant);
+    format!("`{path}` is neither a verb nor an operation of the entered component{meant}")
 }
 
 /// Splits `operation {…}` or `operation({…})` into operation and argument.

@@ -28,7 +28,7 @@ enum SpecificationOutcome {
 impl Sim {
     pub(super) fn folder(&self, folder: &Path, terminal: &mut TerminalOutput) -> Exit {
         if self.env.is_some() {
-            terminal.error("`--env` gives inputs by name, so it is for one specification");
+            terminal.error("`--env` names inputs, so it needs a single specification");
             return Exit::Usage;
         }
         let files = match specifications(folder) {

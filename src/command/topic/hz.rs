@@ -51,7 +51,7 @@ impl Hz {
         let received = subscription.received();
         if received.missed + received.dropped > 0 {
             terminal.result(format_args!(
-                "{} never came, {} came too fast for this reader",
+                "{} lost, {} dropped by this reader",
                 received.missed, received.dropped
             ));
         }

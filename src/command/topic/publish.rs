@@ -35,9 +35,9 @@ impl Pub {
     /// Publishes the message. A topic without subscribers earns a warning, not a failure.
     pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let message: Datum = asmotion_datum::json::decode(&self.message)
-            .map_err(|error| format!("`{}` is no JSON: {error}", self.message))?;
+            .map_err(|error| format!("`{}` is not JSON: {error}", self.message))?;
         let pause = Duration::try_from_secs_f64(1.0 / self.rate)
-            .map_err(|_| format!("`--rate {}`: a number above zero is wanted", self.rate))?;
+            .map_err(|_| format!("`--rate {}`: expected a number above zero", self.rate))?;
         let origin = SenderId::new("asmotion-tool", 0);
         let sending = PublishOptions::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
         let kind = Schema::opaque(self.kind);
@@ -54,14 +54,14 @@ impl Pub {
                 .map_err(|error| error.to_string())?;
         }
         if !bus.drain(Duration::from_secs(5)) {
-            return Err("the broker has not confirmed all of it".to_owned());
+            return Err("the broker has not confirmed all messages".to_owned());
         }
         let sent = publisher.sent();
         if sent.refused + sent.lost > 0 {
             return Err(format!("{} refused, {} lost", sent.refused, sent.lost));
         }
         if sent.unheard > 0 {
-            terminal.warn(format_args!("nobody reads `{}`", self.topic));
+            terminal.warn(format_args!("`{}` has no reader", self.topic));
         }
         Ok(Exit::Ok)
     }

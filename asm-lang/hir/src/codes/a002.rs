@@ -36,14 +36,10 @@ pub(crate) struct UnknownVariable {
 
 impl Finding for UnknownVariable {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { similar, .. } = self;
-        let finding = diagnostic.label(self.at, "not bound here");
-        match similar {
-            Some(name) => {
-                finding.guess(format!("did you mean `{name}`?"), self.at, name.to_string())
-            }
-            None => finding
-                .help("bind it with `let`, `forall`, `choose`, or make it a parameter of the rule"),
-        }
+        diagnostic.label(self.at, "not bound here").did_you_mean_or(
+            self.at,
+            self.similar.as_deref(),
+            "bind it with `let`, `forall` or `choose`, or declare it as a parameter of the rule",
+        )
     }
 }

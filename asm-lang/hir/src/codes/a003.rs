@@ -39,12 +39,12 @@ pub(crate) struct UnknownRule {
 impl Finding for UnknownRule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { similar, .. } = self;
-        let finding = diagnostic.label(self.at, "no rule has this name");
+        let finding = diagnostic.label(self.at, "not declared in this file or its imports");
         with_similar(
             finding,
             self.at,
             similar,
-            "rules are declared under `definitions:`",
+            "declare it under `definitions:`, or import the module that declares it",
         )
     }
 }

@@ -37,15 +37,12 @@ pub(crate) struct UnknownDomain {
 
 impl Finding for UnknownDomain {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { similar, .. } = self;
-        let finding = diagnostic.label(self.at, "no domain has this name");
-        match similar {
-            Some(name) => {
-                finding.guess(format!("did you mean `{name}`?"), self.at, name.to_string())
-            }
-            None => {
-                finding.help("declare it in the signature, or import the module that declares it")
-            }
-        }
+        diagnostic
+            .label(self.at, "not declared in this file or its imports")
+            .did_you_mean_or(
+                self.at,
+                self.similar.as_deref(),
+                "declare it in the signature, or import the module that declares it",
+            )
     }
 }

@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A005, error)]
-#[error("`{name}` is neither an enumeration literal nor a domain")]
+#[error("unknown literal or domain `{name}`")]
 pub(crate) struct UnknownConstant {
     pub name: Arc<str>,
     pub at: Span,
@@ -38,15 +38,12 @@ pub(crate) struct UnknownConstant {
 
 impl Finding for UnknownConstant {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { similar, .. } = self;
-        let finding = diagnostic.label(self.at, "unknown name");
-        match similar {
-            Some(name) => {
-                finding.guess(format!("did you mean `{name}`?"), self.at, name.to_string())
-            }
-            None => finding.help(
-                "names that begin with a capital are literals of an `enum domain`, or domains",
-            ),
-        }
+        diagnostic
+            .label(self.at, "not declared in this file or its imports")
+            .did_you_mean_or(
+                self.at,
+                self.similar.as_deref(),
+                "declare it as a domain, or as a literal of an `enum domain`",
+            )
     }
 }

@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A006, error)]
-#[error("no `{name}` takes {actual}")]
+#[error("no declaration of `{name}` takes {actual}")]
 pub(crate) struct NoOverload {
     pub name: Arc<str>,
     pub at: Span,
@@ -53,7 +53,7 @@ impl Finding for NoOverload {
             }
             (None, Some(hint)) => finding.help(hint.clone()),
             (None, None) => {
-                finding.help("give arguments of the declared domains, or declare an overload")
+                finding.help("pass arguments of the declared domains, or declare an overload")
             }
         }
     }

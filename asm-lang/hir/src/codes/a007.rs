@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A007, error)]
-#[error("{what} expects {wanted}, this is {actual}")]
+#[error("mismatched types: expected {wanted} for {what}, found {actual}")]
 pub(crate) struct TypeMismatch {
     pub what: String,
     pub wanted: String,
@@ -47,7 +47,7 @@ impl Finding for TypeMismatch {
             number,
             ..
         } = self;
-        let finding = diagnostic.label(self.at, format!("this is {actual}"));
+        let finding = diagnostic.label(self.at, format!("expected {wanted}, found {actual}"));
         let finding = match because {
             Some((because, how)) => finding.label(*because, format!("{how} {wanted}")),
             None => finding,
@@ -59,7 +59,7 @@ impl Finding for TypeMismatch {
                 number.clone(),
             ),
             (None, Some(help)) => finding.help(help),
-            (None, None) => finding.help(format!("write a term whose value is in {wanted}")),
+            (None, None) => finding.help(format!("write a term of type {wanted}")),
         }
     }
 }
@@ -76,5 +76,5 @@ fn conversion(wanted: &str, actual: &str) -> Option<String> {
         (_, "String") => "toString",
         _ => return None,
     };
-    Some(format!("convert it: `{function}(…)`"))
+    Some(format!("convert it with `{function}(…)`"))
 }

@@ -43,6 +43,6 @@ impl Finding for WrongArity {
         diagnostic
             .label(self.at, format!("{actual} given"))
             .label(self.declared, "declared here")
-            .help("give one argument for each parameter")
+            .help("pass one argument for each parameter")
     }
 }

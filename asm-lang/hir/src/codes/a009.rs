@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A009, error)]
-#[error("`{name}` is declared twice")]
+#[error("duplicate declaration of `{name}`")]
 pub(crate) struct DuplicateDeclaration {
     pub name: Arc<str>,
     pub at: Span,

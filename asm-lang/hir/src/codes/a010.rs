@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A010, error)]
-#[error("cannot find `{path}`")]
+#[error("import `{path}` not found")]
 pub(crate) struct ImportNotFound {
     pub path: String,
     pub at: Span,
@@ -45,9 +45,9 @@ impl Finding for ImportNotFound {
         let Self { path, .. } = self;
         diagnostic
             .label(self.at, "no such file")
-            .note("a path is taken from the folder of the importing file; `.asm` may be left out")
+            .note("paths are relative to the folder of the importing file; `.asm` may be omitted")
             .help(format!(
-                "check the spelling, or create `{path}.asm`",
+                "correct the path, or create `{path}.asm`",
                 path = path.trim_end_matches(".asm")
             ))
     }

@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A011, error)]
-#[error("`{path}` imports itself")]
+#[error("circular import of `{path}`")]
 pub(crate) struct ImportCycle {
     pub path: String,
     pub at: Span,
@@ -47,15 +47,15 @@ impl Finding for ImportCycle {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         if self.chain.len() < 2 {
             return diagnostic
-                .label(self.at, "this is the file itself")
-                .help("drop this import: a file knows its own names");
+                .label(self.at, "imports its own file")
+                .help("remove this import");
         }
-        let mut finding = diagnostic.label(self.at, "this import closes the circle");
+        let mut finding = diagnostic.label(self.at, "closes the cycle");
         for (path, import) in &self.chain {
             if let Some(import) = import.filter(|import| *import != self.at) {
-                finding = finding.label(import, format!("`{path}` imports this"));
+                finding = finding.label(import, format!("imported by `{path}`"));
             }
         }
-        finding.help("move what both files need into a third module and import that")
+        finding.help("move the shared declarations into a third module and import that")
     }
 }

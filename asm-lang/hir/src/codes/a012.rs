@@ -6,7 +6,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// directly.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A012, error)]
-#[error("imports nest deeper than {limit} files")]
+#[error("imports nested deeper than {limit} files")]
 pub(crate) struct ImportsTooDeep {
     pub at: Span,
     pub limit: usize,
@@ -15,7 +15,7 @@ pub(crate) struct ImportsTooDeep {
 impl Finding for ImportsTooDeep {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "one import too many")
-            .help("import the module you need directly")
+            .label(self.at, "limit exceeded here")
+            .help("import the needed module directly")
     }
 }

@@ -44,7 +44,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A015, error)]
-#[error("`{module}` exports no `{name}`")]
+#[error("`{module}` does not export `{name}`")]
 pub(crate) struct NotExported {
     pub module: Arc<str>,
     pub name: Arc<str>,
@@ -54,7 +54,7 @@ pub(crate) struct NotExported {
 impl Finding for NotExported {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "asked for here")
-            .help("add it to the `export` clause of the module, or drop it here")
+            .label(self.at, "imported here")
+            .help("add it to the `export` clause of the module, or remove it here")
     }
 }

@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A018, error)]
-#[error("`{name}` ranges over {actual}, which is not a collection")]
+#[error("expected a collection for `{name}`, found {actual}")]
 pub(crate) struct NotACollection {
     pub name: Arc<str>,
     pub actual: String,
@@ -36,7 +36,7 @@ pub(crate) struct NotACollection {
 impl Finding for NotACollection {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not a set, sequence or bag")
-            .help("range over a domain, a set or a sequence")
+            .label(self.at, "expected a set, sequence or bag")
+            .help("range over a domain, a set, a sequence or a bag")
     }
 }

@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A019, error)]
-#[error("{what} are of different domains: {first} and {second}")]
+#[error("mismatched types: {what} are {first} and {second}")]
 pub(crate) struct DisagreeingDomains {
     pub what: &'static str,
     pub first: String,
@@ -39,13 +39,13 @@ impl Finding for DisagreeingDomains {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { first, second, .. } = self;
         diagnostic
-            .label(self.second_at, format!("this is {second}"))
-            .label(self.first_at, format!("this is {first}"))
+            .label(self.second_at, format!("has type {second}"))
+            .label(self.first_at, format!("has type {first}"))
             .help(match (first.as_str(), second.as_str()) {
                 ("Integer", "Real") | ("Real", "Integer") => {
-                    "write the whole numbers with a point, as in `1.0`, or convert with `itor(…)`"
+                    "write whole numbers with a point, as in `1.0`, or convert them with `itor(…)`"
                 }
-                _ => "let all of them be of one domain",
+                _ => "use terms of one domain",
             })
     }
 }

@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A020, error)]
-#[error("`{name}` is defined here, but not declared in the signature")]
+#[error("`{name}` is defined but not declared")]
 pub(crate) struct DefinesUndeclared {
     pub name: Arc<str>,
     pub at: Span,
@@ -43,11 +43,6 @@ impl Finding for DefinesUndeclared {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { similar, .. } = self;
         let finding = diagnostic.label(self.at, "defined here");
-        with_similar(
-            finding,
-            self.at,
-            similar,
-            "declare it in the signature first",
-        )
+        with_similar(finding, self.at, similar, "declare it in the signature")
     }
 }

@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A021, error)]
-#[error("`{name}` is {kind}; {why}")]
+#[error("`{name}` is {kind} and cannot be defined here")]
 pub(crate) struct DefinesWrongKind {
     pub name: Arc<str>,
     pub kind: &'static str,
@@ -44,7 +44,7 @@ pub(crate) struct DefinesWrongKind {
 impl Finding for DefinesWrongKind {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { declared, .. } = self;
-        let finding = diagnostic.label(self.at, "defined here").help(self.help);
+        let finding = diagnostic.label(self.at, self.why).help(self.help);
         match declared {
             Some(declared) => finding.label(*declared, "declared here"),
             None => finding,

@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A023, error)]
-#[error("the main rule takes no arguments")]
+#[error("the main rule cannot have parameters")]
 pub(crate) struct MainParameters {
     pub at: Span,
 }
@@ -35,6 +35,6 @@ impl Finding for MainParameters {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "declared with parameters")
-            .help("bind what it needs with `let`, `choose` or `forall` inside the rule")
+            .help("bind the values with `let`, `choose` or `forall` inside the rule")
     }
 }

@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A024, error)]
-#[error("`{name}` returns nothing")]
+#[error("`{name}` has no result")]
 pub(crate) struct RuleWithoutResult {
     pub name: Arc<str>,
     pub at: Span,
@@ -38,8 +38,8 @@ pub(crate) struct RuleWithoutResult {
 impl Finding for RuleWithoutResult {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "its result is wanted here")
-            .label(self.declared, "a macro, which has none")
+            .label(self.at, "its result is used here")
+            .label(self.declared, "macro rules have no result")
             .help("declare `turbo rule r_x(…) in D = …` and update `result` in it")
     }
 }

@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A025, error)]
-#[error("`{name}` is a {is} rule")]
+#[error("{is} rule `{name}` is called as a {}", other_form(is))]
 pub(crate) struct WrongCallForm {
     pub name: Arc<str>,
     pub is: &'static str,
@@ -40,9 +40,8 @@ pub(crate) struct WrongCallForm {
 
 impl Finding for WrongCallForm {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { is, .. } = self;
         diagnostic
-            .label(self.at, format!("called as a {}", other_form(is)))
+            .label(self.at, "called here")
             .label(self.declared, "declared here")
             .help(self.want)
     }

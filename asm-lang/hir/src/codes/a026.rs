@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A026, error)]
-#[error("`{domain}` cannot be extended: it is {kind}")]
+#[error("cannot extend `{domain}`: it is {kind}")]
 pub(crate) struct CannotExtend {
     pub domain: Arc<str>,
     pub kind: &'static str,
@@ -41,6 +41,6 @@ impl Finding for CannotExtend {
         diagnostic
             .label(self.at, "extended here")
             .label(self.declared, format!("{kind}, declared here"))
-            .help("only abstract domains, and subsets of them, take new elements")
+            .help("extend an abstract domain, or a subset of one")
     }
 }

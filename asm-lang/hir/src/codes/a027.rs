@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A027, error)]
-#[error("none of the initial states is {wanted}")]
+#[error("no initial state is {wanted}")]
 pub(crate) struct NoSuchInit {
     pub wanted: String,
     pub at: Span,
@@ -39,6 +39,8 @@ pub(crate) struct NoSuchInit {
 impl Finding for NoSuchInit {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { help, .. } = self;
-        diagnostic.label(self.at, "an initial state").help(help)
+        diagnostic
+            .label(self.at, "initial state declared here")
+            .help(help)
     }
 }

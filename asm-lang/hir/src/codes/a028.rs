@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A028, error)]
-#[error("this is not a rule: its value is {actual}")]
+#[error("expected a rule, found a term of type {actual}")]
 pub(crate) struct NotARule {
     pub actual: String,
     pub at: Span,
@@ -38,7 +38,7 @@ pub(crate) struct NotARule {
 impl Finding for NotARule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "stands where a rule is wanted")
-            .help("an update is written `location := term`, a macro call `r_name[…]`")
+            .label(self.at, "expected a rule")
+            .help("write an update as `location := term`, or a macro call as `r_name[…]`")
     }
 }

@@ -39,7 +39,7 @@ pub(crate) struct DomainCycle {
 impl Finding for DomainCycle {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "its `subsetof` leads back here")
-            .help("let one of the domains be a subset of a basic or an abstract domain")
+            .label(self.at, "its `subsetof` leads back to itself")
+            .help("declare one of the domains as a subset of a basic or abstract domain")
     }
 }

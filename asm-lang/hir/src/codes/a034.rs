@@ -42,7 +42,7 @@ impl Finding for WritesReserved {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { function, .. } = self;
         diagnostic.label(self.at, "updated here").help(format!(
-            "`{function}` is the agent whose program runs: run it with `program(agent)`"
+            "`{function}` is the running agent; run another one with `program(agent)`"
         ))
     }
 }

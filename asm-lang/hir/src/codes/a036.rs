@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A036, error)]
-#[error("`{name}` is known only with `import {library}`")]
+#[error("`{name}` needs `import {library}`")]
 pub(crate) struct NotImported {
     pub name: Arc<str>,
     pub library: &'static str,
@@ -39,10 +39,10 @@ impl Finding for NotImported {
         diagnostic
             .label(
                 self.at,
-                format!("declared by `{library}`, which this file does not import"),
+                format!("declared in `{library}`, which is not imported"),
             )
             .help(format!(
-                "write `import {library}` behind the name of the specification"
+                "write `import {library}` after the name of the specification"
             ))
     }
 }

@@ -44,11 +44,8 @@ impl Finding for NotBinds {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { operator, .. } = self;
         diagnostic
-            .label(
-                self.at,
-                format!("applies to the left of `{operator}` alone"),
-            )
-            .label(self.operand, "not to all of this")
+            .label(self.at, format!("applies only to the left of `{operator}`"))
+            .label(self.operand, "not to the whole comparison")
             .help(format!(
                 "write `not (… {operator} …)` to negate the comparison"
             ))

@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W002, warning)]
-#[error("the file is called `{stem}`, the specification `{name}`")]
+#[error("file `{stem}` contains specification `{name}`")]
 pub(crate) struct FileNameDiffers {
     pub name: Arc<str>,
     pub stem: String,
@@ -35,11 +35,13 @@ pub(crate) struct FileNameDiffers {
 impl Finding for FileNameDiffers {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { name, stem, .. } = self;
-        let found = diagnostic.label(self.at, "this name").help(format!(
-            "or call the file `{name}.asm`: the reference tools insist on it"
-        ));
+        let found = diagnostic
+            .label(self.at, "differs from the file name")
+            .help(format!(
+                "or rename the file to `{name}.asm`; the reference tools require equal names"
+            ));
         if is_word(stem) {
-            found.fix("name it after the file", self.at, stem.clone())
+            found.fix("rename the specification", self.at, stem.clone())
         } else {
             found
         }

@@ -37,7 +37,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W003, warning)]
-#[error("`{module}` exports nothing, so this import brings no name")]
+#[error("`{module}` exports nothing")]
 pub(crate) struct ImportsNothing {
     pub module: Arc<str>,
     pub at: Span,
@@ -46,7 +46,7 @@ pub(crate) struct ImportsNothing {
 impl Finding for ImportsNothing {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "imported here")
+            .label(self.at, "imports no names")
             .help("add `export *` to the module")
     }
 }

@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W004, warning)]
-#[error("`{domain}` has no elements: it is not defined")]
+#[error("domain `{domain}` has no elements")]
 pub(crate) struct EmptyDomain {
     pub domain: Arc<str>,
     pub at: Span,
@@ -40,7 +40,7 @@ impl Finding for EmptyDomain {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { domain, .. } = self;
         diagnostic
-            .label(self.at, "declared here, defined nowhere")
+            .label(self.at, "declared here, but not defined")
             .help(format!(
                 "add `domain {domain} = {{…}}` under `definitions:`"
             ))

@@ -37,6 +37,6 @@ impl Finding for NoMainRule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "this `asm` cannot run")
-            .help("add `main rule r_Main = …`, or make it a `module`")
+            .help("add `main rule r_Main = …`, or declare it as a `module`")
     }
 }

@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W020, warning)]
-#[error("`{name}` is assigned: it becomes a location of the rule that binds it")]
+#[error("assignment to variable `{name}`")]
 pub(crate) struct WritesVariable {
     pub name: Arc<str>,
     pub at: Span,
@@ -37,14 +37,8 @@ pub(crate) struct WritesVariable {
 impl Finding for WritesVariable {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(
-                self.at,
-                "assigned here, for the rules that follow in a `seq`",
-            )
-            .label(
-                self.bound,
-                "bound here to its first value, and forgotten after the rule",
-            )
-            .help("update a controlled function if the value is to last")
+            .label(self.at, "assigned here, for the following rules of a `seq`")
+            .label(self.bound, "bound here, for this rule only")
+            .help("update a controlled function to keep the value")
     }
 }

@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W021, warning)]
-#[error("`{name}` is not bound here")]
+#[error("`{name}` is read outside its binding")]
 pub(crate) struct OutOfScope {
     pub name: Arc<str>,
     pub at: Span,
@@ -37,8 +37,8 @@ pub(crate) struct OutOfScope {
 impl Finding for OutOfScope {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, "a run that reaches this place fails")
-                .label(self.bound, "bound here, only for the rule or term that follows")
-                .help("move what needs it into that rule, or bind it again with `let`, `forall` or `choose`")
+                .label(self.at, "fails when it is evaluated")
+                .label(self.bound, "bound here, only for the following rule or term")
+                .help("move the use into that rule or term, or bind the variable again with `let`, `forall` or `choose`")
     }
 }

@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W022, warning)]
-#[error("`{name}` does not say what it returns")]
+#[error("`{name}` does not declare its result")]
 pub(crate) struct ResultUndeclared {
     pub name: Arc<str>,
     pub at: Span,
@@ -38,8 +38,8 @@ pub(crate) struct ResultUndeclared {
 impl Finding for ResultUndeclared {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "its result is wanted here")
+            .label(self.at, "its result is used here")
             .label(self.declared, "declared without `in Domain`")
-            .help("declare `turbo rule r_x(…) in D = …`, so that the result is checked")
+            .help("declare `turbo rule r_x(…) in D = …` to have the result checked")
     }
 }

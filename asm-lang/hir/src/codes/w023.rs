@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W023, warning)]
-#[error("`{function}` is monitored, so the environment will overwrite this result")]
+#[error("`{function}` is monitored, so the environment overwrites this result")]
 pub(crate) struct ReturnsToMonitored {
     pub function: Arc<str>,
     pub at: Span,

@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W024, warning)]
-#[error("`{name}` is defined as itself: it is an element of its domain")]
+#[error("redundant definition of `{name}`")]
 pub(crate) struct DefinesItself {
     pub name: Arc<str>,
     pub at: Span,
@@ -38,7 +38,7 @@ pub(crate) struct DefinesItself {
 impl Finding for DefinesItself {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "redundant")
-            .help("drop the definition")
+            .label(self.at, "already an element of its domain")
+            .help("remove the definition")
     }
 }

@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W025, warning)]
-#[error("a Natural is wanted, this is an Integer")]
+#[error("expected a Natural, found an Integer")]
 pub(crate) struct IntegerForNatural {
     pub number: String,
     pub at: Span,
@@ -35,7 +35,7 @@ pub(crate) struct IntegerForNatural {
 impl Finding for IntegerForNatural {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "taken for the Natural of this size")
+            .label(self.at, "read as the Natural of the same value")
             .fix("add the suffix `n`", self.at, self.number.clone())
     }
 }

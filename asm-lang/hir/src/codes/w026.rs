@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W026, warning)]
-#[error("`{name}` is local, but no rule declares it")]
+#[error("`{name}` is declared `local` outside a rule")]
 pub(crate) struct LocalInSignature {
     pub name: Arc<str>,
     pub at: Span,
@@ -36,7 +36,7 @@ pub(crate) struct LocalInSignature {
 impl Finding for LocalInSignature {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, "taken for a controlled function")
-                .help("declare it `controlled`, or in front of the body of a turbo rule, as in `local f: Integer [f := 0]`")
+                .label(self.at, "treated as a controlled function")
+                .help("declare it `controlled`, or move it before the body of a turbo rule, as in `local f: Integer [f := 0]`")
     }
 }

@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W027, warning)]
-#[error("`{domain}` is extended, but not declared dynamic")]
+#[error("`{domain}` is extended, but not declared `dynamic`")]
 pub(crate) struct ExtendsStatic {
     pub domain: Arc<str>,
     pub at: Span,
@@ -39,6 +39,6 @@ impl Finding for ExtendsStatic {
         diagnostic
             .label(self.at, "extended here")
             .label(self.declared, "declared here")
-            .help("write `dynamic` in front of the declaration: the reference tools insist on it")
+            .help("write `dynamic` before the declaration; the reference tools require it")
     }
 }

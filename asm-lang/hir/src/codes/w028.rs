@@ -33,7 +33,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W028, warning)]
-#[error("`{name}` is declared for {wanted}, this is any {actual}")]
+#[error("`{name}` is declared for {wanted}, but this may be any {actual}")]
 pub(crate) struct ArgumentTooWide {
     pub name: Arc<str>,
     pub wanted: String,
@@ -46,8 +46,8 @@ impl Finding for ArgumentTooWide {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { wanted, .. } = self;
         diagnostic
-            .label(self.at, format!("may be no element of {wanted}"))
+            .label(self.at, format!("may not be an element of {wanted}"))
             .label(self.declared, "declared here")
-            .help("range over the smaller domain, or declare the function for the larger one")
+            .help("use the smaller domain, or declare the function for the larger one")
     }
 }

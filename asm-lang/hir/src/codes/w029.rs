@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W029, warning)]
-#[error("the specification is `asyncr`, but no rule chooses the agent that runs")]
+#[error("no rule of this `asyncr` specification chooses an agent")]
 pub(crate) struct NothingChosen {
     pub at: Span,
 }
@@ -40,8 +40,8 @@ pub(crate) struct NothingChosen {
 impl Finding for NothingChosen {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "everything that is run here is run in every step")
-            .note("there is no scheduler but the main rule")
+            .label(self.at, "everything run here runs in every step")
+            .note("the main rule is the only scheduler")
             .help("choose the agents that run, as in `choose $a in Agent do program($a)`")
     }
 }

@@ -46,21 +46,20 @@ use std::sync::Arc;
 pub(crate) enum MacroGrows {
     #[error("`{rule}` calls itself with an argument that grows with every call")]
     Argument { rule: Arc<str>, declared: Span },
-    #[error("a term passed by name becomes too large")]
+    #[error("an argument passed by name becomes too large")]
     Term { at: Span },
 }
 
 impl Finding for MacroGrows {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let diagnostic = match self {
-            Self::Argument { declared, .. } => diagnostic.label(
-                *declared,
-                "this macro takes a term by name that grows with each call",
-            ),
-            Self::Term { at } => diagnostic.label(*at, "passed on by one macro after the other"),
+            Self::Argument { declared, .. } => {
+                diagnostic.label(*declared, "the argument of this macro grows with each call")
+            }
+            Self::Term { at } => diagnostic.label(*at, "passed from macro to macro"),
         };
         diagnostic.help(
-            "make the macro a `turbo rule`, which takes values, or bind the value with `let` before the call",
+            "declare the macro as a `turbo rule`, which takes values, or bind the value with `let` before the call",
         )
     }
 }

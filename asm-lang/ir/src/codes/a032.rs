@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A032, error)]
-#[error("`{rule}` updates its parameter `{parameter}`, so it needs a location")]
+#[error("expected a location for parameter `{parameter}` of `{rule}`, which updates it")]
 pub(crate) struct NotALocation {
     pub rule: Arc<str>,
     pub parameter: String,
@@ -43,8 +43,8 @@ pub(crate) struct NotALocation {
 impl Finding for NotALocation {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "this is a value")
+            .label(self.at, "not a location")
             .label(self.declared, "declared here")
-            .help("pass a controlled function, applied to its arguments")
+            .help("pass a controlled function with its arguments")
     }
 }

@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A035, error)]
-#[error("the elements of `{domain}` depend on themselves")]
+#[error("circular definition of domain `{domain}`")]
 pub(crate) struct CircularDomain {
     pub domain: Arc<str>,
     pub at: Span,
@@ -42,8 +42,8 @@ pub(crate) struct CircularDomain {
 impl Finding for CircularDomain {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "this needs the elements of the domain itself")
+            .label(self.at, "depends on the elements of this domain")
             .label(self.declared, "declared here")
-            .help("define it by its elements, or by those of another domain")
+            .help("list its elements, or use the elements of another domain")
     }
 }

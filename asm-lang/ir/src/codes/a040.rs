@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean, similar};
 use std::sync::Arc;
 
 /// Unknown operation
@@ -33,7 +33,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A040, error)]
-#[error("`{domain}` has no operation `{name}`")]
+#[error("unknown operation `{name}` of `{domain}`")]
 pub(crate) struct UnknownOperation {
     pub domain: Arc<str>,
     pub name: String,
@@ -45,15 +45,16 @@ pub(crate) struct UnknownOperation {
 
 impl Finding for UnknownOperation {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let diagnostic = diagnostic
-            .label(self.at, "not declared there")
-            .label(self.declared, "its operations are the out functions here");
-        match asmotion_diagnostics::similar(&self.name, &self.known) {
-            Some(known) => diagnostic.help(format!("did you mean `{known}`?")),
+        let diagnostic = diagnostic.label(self.at, "not declared").label(
+            self.declared,
+            "operations are the out functions of this domain",
+        );
+        match similar(&self.name, &self.known) {
+            Some(known) => diagnostic.help(did_you_mean(known)),
             None => {
                 let known: Vec<String> =
                     self.known.iter().map(|name| format!("`{name}`")).collect();
-                diagnostic.help(format!("it has {}", known.join(", ")))
+                diagnostic.help(format!("the operations are {}", known.join(", ")))
             }
         }
     }

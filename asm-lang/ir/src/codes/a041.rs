@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A041, error)]
-#[error("{expectation}, and this is {actual}")]
+#[error("mismatched types: {expectation}, found {actual}")]
 pub(crate) struct MessageMismatch {
     /// First part of the message: the required domain and its position.
     pub expectation: String,
@@ -43,8 +43,8 @@ pub(crate) struct MessageMismatch {
 impl Finding for MessageMismatch {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, format!("this is {}", self.actual))
+            .label(self.at, format!("has type {}", self.actual))
             .label(self.declared, "the operation is declared here")
-            .help("give it what the operation takes, or change the declaration where all partners agree")
+            .help("pass what the operation declares, or change its declaration for all partners")
     }
 }

@@ -49,7 +49,7 @@ impl Finding for StaticChanges {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let diagnostic = diagnostic.label(self.declared, "declared static here");
         let diagnostic = match self.at {
-            Some(at) => diagnostic.label(at, "this may change from step to step"),
+            Some(at) => diagnostic.label(at, "may change from step to step"),
             None => diagnostic,
         };
         diagnostic.fix("declare it `derived`", self.keyword, "derived")

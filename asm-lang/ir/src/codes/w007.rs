@@ -44,7 +44,7 @@ impl Finding for DerivedNeverChanges {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.declared, "declared derived here")
-            .label(self.body, "nothing here depends on the state")
+            .label(self.body, "does not depend on the state")
             .fix("declare it `static`", self.keyword, "static")
     }
 }

@@ -149,7 +149,7 @@ impl<'a> AgentInterface<'a> {
                     .all(|(&part, &asked)| self.fits(asked, part));
             if !fits && !asked.is_empty() {
                 let asked: Vec<String> = asked.iter().map(|&ty| self.model.show_type(ty)).collect();
-                let what = format!("`{name}` is asked with {}", asked.join(", "));
+                let what = format!("`{name}` takes {}", asked.join(", "));
                 report.push(self.misfit(what, data, operation));
             }
         }
@@ -158,7 +158,7 @@ impl<'a> AgentInterface<'a> {
             && !self.fits(reply.ty, operation.codomain)
         {
             let answer = self.model.show_type(operation.codomain);
-            report.push(self.misfit(format!("`{name}` answers with {answer}"), reply, operation));
+            report.push(self.misfit(format!("`{name}` returns {answer}"), reply, operation));
         }
     }
 

@@ -77,8 +77,8 @@ impl fmt::Display for NoNativeCode {
         to.write_str(match self {
             Self::NotBuilt => "this build has no native back end (cargo feature `native`)",
             Self::NoMainRule => "a module has no main rule to compile",
-            Self::Compatible => "there is no native code for compatibility mode",
-            Self::Processor => "there is no native code for this processor",
+            Self::Compatible => "native code does not support compatibility mode",
+            Self::Processor => "native code does not support this processor",
             Self::TooLarge => "the main rule is too large for native code",
         })
     }

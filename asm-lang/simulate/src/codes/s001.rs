@@ -40,7 +40,7 @@ pub(crate) struct InvalidScript {
 impl Finding for InvalidScript {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not TOML")
-            .help("a script has a `[default]` table and `[[step]]` tables")
+            .label(self.at, "invalid TOML")
+            .help("write a `[default]` table and `[[step]]` tables")
     }
 }

@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(S002, error)]
-#[error("this is neither `[default]` nor a `[[step]]`")]
+#[error("expected `[default]` or `[[step]]`")]
 pub(crate) struct UnknownSection {
     pub at: Span,
 }
@@ -37,7 +37,7 @@ pub(crate) struct UnknownSection {
 impl Finding for UnknownSection {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "unknown here")
+            .label(self.at, "unknown table")
             .help("write inputs under `[default]`, or under one `[[step]]` for each step")
     }
 }

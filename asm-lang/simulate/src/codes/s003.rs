@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean};
 use std::sync::Arc;
 
 /// Unknown input
@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(S003, error)]
-#[error("`{name}` is no input of this specification")]
+#[error("unknown input `{name}`")]
 pub(crate) struct UnknownInput {
     pub name: String,
     pub at: Span,
@@ -41,11 +41,11 @@ impl Finding for UnknownInput {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let diagnostic = diagnostic.label(
             self.at,
-            "not a monitored or shared function with so many arguments",
+            "not a monitored or shared function with this number of arguments",
         );
         match &self.similar {
-            Some(known) => diagnostic.help(format!("did you mean `{known}`?")),
-            None => diagnostic.help("only monitored and shared functions take values from outside"),
+            Some(known) => diagnostic.help(did_you_mean(known)),
+            None => diagnostic.help("only monitored and shared functions can be set"),
         }
     }
 }

@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean};
 use std::sync::Arc;
 
 /// Value of another domain
@@ -42,16 +42,16 @@ pub(crate) struct WrongInputValue {
 }
 
 /// Notation of values in a script.
-const FORMS: &str = "booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays";
+const FORMS: &str = "write Booleans and numbers as they are, literals and strings in quotes, and sequences, sets and tuples as arrays";
 
 impl Finding for WrongInputValue {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let help = match (&self.similar, self.elements.as_slice()) {
-            (Some(name), _) => format!("did you mean `{name}`?"),
+            (Some(name), _) => did_you_mean(name),
             (None, []) => FORMS.to_owned(),
             (None, names) => {
                 let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-                format!("its elements are {}", names.join(", "))
+                format!("the elements are {}", names.join(", "))
             }
         };
         diagnostic

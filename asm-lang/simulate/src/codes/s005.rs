@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(S005, error)]
-#[error("this is not what a partner answers")]
+#[error("invalid reply of a partner")]
 pub(crate) struct NotAnAnswer {
     pub at: Span,
 }
@@ -39,7 +39,7 @@ pub(crate) struct NotAnAnswer {
 impl Finding for NotAnAnswer {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "expected a reply that fits the operation, or a fault")
-            .help("write `{ reply = …, after = 2 }` or `{ fault = \"CALL_TIMEOUT\" }`, also `CALL_UNAVAILABLE`, `CALL_FAILED`, `CALL_CANCELLED`; `after` counts steps from 1")
+            .label(self.at, "expected a reply that matches the operation, or a fault")
+            .help("write `{ reply = …, after = 2 }` or `{ fault = \"CALL_TIMEOUT\" }`; other faults are `CALL_UNAVAILABLE`, `CALL_FAILED` and `CALL_CANCELLED`; `after` counts steps from 1")
     }
 }

@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean};
 use std::sync::Arc;
 
 /// Unknown partner
@@ -31,7 +31,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(S006, error)]
-#[error("the specification has no agent `{name}`")]
+#[error("unknown agent `{name}`")]
 pub(crate) struct UnknownPartner {
     pub name: String,
     pub at: Span,
@@ -40,9 +40,9 @@ pub(crate) struct UnknownPartner {
 
 impl Finding for UnknownPartner {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let diagnostic = diagnostic.label(self.at, "no element of this name");
+        let diagnostic = diagnostic.label(self.at, "not declared in the specification");
         match &self.similar {
-            Some(known) => diagnostic.help(format!("did you mean `{known}`?")),
+            Some(known) => diagnostic.help(did_you_mean(known)),
             None => diagnostic.help("declare it, as in `static planner: Planner`"),
         }
     }

@@ -1,4 +1,3 @@
-use crate::seen::meant;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
@@ -37,7 +36,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V011, error)]
-#[error("there is no block `{name}`")]
+#[error("unknown block `{name}`")]
 pub(crate) struct UnknownBlock {
     pub name: String,
     pub at: Span,
@@ -47,14 +46,12 @@ pub(crate) struct UnknownBlock {
 
 impl Finding for UnknownBlock {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self {
-            scenario, similar, ..
-        } = self;
+        let Self { scenario, .. } = self;
         let place = match scenario {
-            Some(scenario) => format!("not in the scenario `{scenario}`"),
-            None => "not in this scenario".to_owned(),
+            Some(scenario) => format!("not declared in scenario `{scenario}`"),
+            None => "not declared in this scenario".to_owned(),
         };
-        meant(diagnostic.label(self.at, place), self.at, similar)
-                    .help("declare it with `begin name … end`; `execblock scenario:block` runs one of another file")
+        diagnostic.label(self.at, place).did_you_mean(self.at, self.similar.as_deref())
+                    .help("declare it with `begin name … end`, or write `execblock scenario:block` for a block of another file")
     }
 }

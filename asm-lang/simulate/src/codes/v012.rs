@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V012, error)]
-#[error("the scenario `{name}` cannot be read")]
+#[error("scenario `{name}` not found")]
 pub(crate) struct UnknownScenario {
     pub name: String,
     pub at: Span,
@@ -43,7 +43,7 @@ pub(crate) struct UnknownScenario {
 impl Finding for UnknownScenario {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "there is no such file beside this one")
+            .label(self.at, "no such file in this folder")
             .help("write the name of the file without `.avalla`")
     }
 }

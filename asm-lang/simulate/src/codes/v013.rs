@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V013, error)]
-#[error("the block `{name}` runs itself")]
+#[error("block `{name}` runs itself")]
 pub(crate) struct CircularBlock {
     pub name: String,
     pub at: Span,
@@ -46,7 +46,7 @@ pub(crate) struct CircularBlock {
 impl Finding for CircularBlock {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "here, directly or over other blocks")
-            .help("blocks run once; write the commands out where they repeat")
+            .label(self.at, "runs it again, directly or through other blocks")
+            .help("repeat the commands instead")
     }
 }

@@ -1,4 +1,3 @@
-use crate::seen::meant;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
@@ -36,7 +35,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V014, error)]
-#[error("no `choose` binds `{variable}`")]
+#[error("unknown variable `{variable}` in a `pick`")]
 pub(crate) struct UnknownChoice {
     pub variable: String,
     pub rule: Option<String>,
@@ -46,12 +45,14 @@ pub(crate) struct UnknownChoice {
 
 impl Finding for UnknownChoice {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { rule, similar, .. } = self;
+        let Self { rule, .. } = self;
         let place = match rule {
-            Some(rule) => format!("no `choose` of `{rule}` does"),
-            None => "no rule of the specification does".to_owned(),
+            Some(rule) => format!("not bound by a `choose` of `{rule}`"),
+            None => "not bound by a `choose` of the specification".to_owned(),
         };
-        meant(diagnostic.label(self.at, place), self.at, similar)
-            .help("name a variable that stands behind `choose`")
+        diagnostic
+            .label(self.at, place)
+            .did_you_mean(self.at, self.similar.as_deref())
+            .help("name a variable that a `choose` binds")
     }
 }

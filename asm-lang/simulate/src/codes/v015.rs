@@ -1,4 +1,3 @@
-use crate::seen::meant;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
@@ -36,7 +35,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V015, error)]
-#[error("there is no rule `{name}`")]
+#[error("unknown rule `{name}`")]
 pub(crate) struct UnknownChooseRule {
     pub name: String,
     pub at: Span,
@@ -45,8 +44,9 @@ pub(crate) struct UnknownChooseRule {
 
 impl Finding for UnknownChooseRule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { similar, .. } = self;
-        meant(diagnostic.label(self.at, "not declared"), self.at, similar)
-            .help("name the rule in which the `choose` stands")
+        diagnostic
+            .label(self.at, "not declared in the specification")
+            .did_you_mean(self.at, self.similar.as_deref())
+            .help("name the rule that contains the `choose`")
     }
 }

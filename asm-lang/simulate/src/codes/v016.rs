@@ -42,7 +42,7 @@ pub(crate) struct PicksUndef {
 impl Finding for PicksUndef {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "no candidate")
-            .help("pick an element of the range, or leave the pick out")
+            .label(self.at, "not a candidate")
+            .help("pick an element of the range, or remove the `pick`")
     }
 }

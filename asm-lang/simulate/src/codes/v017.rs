@@ -5,7 +5,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Blocks that run other blocks multiply the number of commands. Run them less often.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V017, error)]
-#[error("the scenario becomes too long")]
+#[error("scenario too long")]
 pub(crate) struct ScenarioTooLong {
     pub at: Span,
     pub limit: usize,
@@ -15,10 +15,7 @@ impl Finding for ScenarioTooLong {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { limit, .. } = self;
         diagnostic
-            .label(
-                self.at,
-                format!("it has more than {limit} commands from here on"),
-            )
-            .help("let blocks run each other less often")
+            .label(self.at, format!("more than {limit} commands from here on"))
+            .help("run blocks less often")
     }
 }

@@ -19,7 +19,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V018, error)]
-#[error("the specification `{name}` has no main rule")]
+#[error("specification `{name}` has no main rule")]
 pub(crate) struct ScenarioWithoutMain {
     pub name: String,
     pub at: Span,
@@ -28,7 +28,7 @@ pub(crate) struct ScenarioWithoutMain {
 impl Finding for ScenarioWithoutMain {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "a module runs nothing by itself")
-            .help("load a specification with a main rule that imports it")
+            .label(self.at, "a module cannot run")
+            .help("load a specification that has a main rule and imports it")
     }
 }

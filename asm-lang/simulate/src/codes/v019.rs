@@ -5,7 +5,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// `execblock` commands are nested through too many blocks. Run the blocks one after the other.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V019, error)]
-#[error("blocks run blocks, more than {limit} deep")]
+#[error("blocks nested deeper than {limit}")]
 pub(crate) struct BlockCallsTooDeep {
     pub at: Span,
     pub limit: usize,
@@ -14,7 +14,7 @@ pub(crate) struct BlockCallsTooDeep {
 impl Finding for BlockCallsTooDeep {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "one more here")
-            .help("run the blocks one after the other instead")
+            .label(self.at, "limit exceeded here")
+            .help("run the blocks one after the other")
     }
 }

@@ -18,6 +18,6 @@ impl Finding for UntilDidNotEnd<'_> {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         self.seen
             .explain(diagnostic)
-            .help("check the condition, set the inputs that lead to it, or raise `--max-steps`")
+            .help("check the condition, set the inputs that make it true, or raise `--max-steps`")
     }
 }

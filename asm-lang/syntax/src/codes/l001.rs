@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L001, error)]
-#[error("`{characters}` is not part of the language")]
+#[error("unexpected `{characters}`")]
 pub(crate) struct UnknownCharacters {
     pub characters: String,
     pub at: Span,
@@ -33,6 +33,6 @@ pub(crate) struct UnknownCharacters {
 
 impl Finding for UnknownCharacters {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.label(self.at, "not understood")
+        diagnostic.label(self.at, "not part of the language")
     }
 }

@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L002, error)]
-#[error("`{word}` has letters a name cannot have")]
+#[error("invalid letter in the name `{word}`")]
 pub(crate) struct ForeignLetters {
     pub word: String,
     pub at: Span,
@@ -34,7 +34,7 @@ pub(crate) struct ForeignLetters {
 impl Finding for ForeignLetters {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not a name")
-            .help("names are written with the letters a to z, digits and `_`")
+            .label(self.at, "invalid name")
+            .help("use the letters `a` to `z` and `A` to `Z`, digits and `_`")
     }
 }

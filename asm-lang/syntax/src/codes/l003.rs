@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L003, error)]
-#[error("this comment has no end")]
+#[error("unterminated comment")]
 pub(crate) struct OpenComment {
     pub open: Span,
 }
@@ -34,7 +34,7 @@ pub(crate) struct OpenComment {
 impl Finding for OpenComment {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.open, "begins here and reaches to the end of the file")
+            .label(self.open, "starts here and is never closed")
             .help("close it with `*/`")
     }
 }

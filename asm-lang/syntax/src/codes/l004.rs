@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L004, error)]
-#[error("the closing `{quote}` is missing")]
+#[error("missing closing `{quote}`")]
 pub(crate) struct OpenQuote {
     pub quote: char,
     pub open: Span,
@@ -36,9 +36,7 @@ impl Finding for OpenQuote {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { quote, .. } = self;
         diagnostic
-            .label(self.open, "reaches to the end of the line")
-            .help(format!(
-                "close it with `{quote}`; a text cannot go on in the next line"
-            ))
+            .label(self.open, "starts here and is not closed on this line")
+            .help(format!("close it with `{quote}` on the same line"))
     }
 }

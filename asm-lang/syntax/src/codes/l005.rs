@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L005, error)]
-#[error("a character stands between the quotes, neither none nor several")]
+#[error("expected exactly one character between single quotes")]
 pub(crate) struct CharLength {
     pub text: String,
     pub at: Span,
@@ -34,12 +34,12 @@ pub(crate) struct CharLength {
 impl Finding for CharLength {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { text, .. } = self;
-        let found = diagnostic.label(self.at, "not one character");
+        let found = diagnostic.label(self.at, "not a single character");
         if text.is_empty() {
             found
         } else {
             found.guess(
-                "a text stands in double quotes",
+                "write a string in double quotes",
                 self.at,
                 format!("\"{text}\""),
             )

@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L006, error)]
-#[error("`{digits}` does not fit into 64 bits")]
+#[error("integer `{digits}` is too large")]
 pub(crate) struct IntegerTooLarge {
     pub digits: String,
     pub at: Span,
@@ -34,7 +34,7 @@ pub(crate) struct IntegerTooLarge {
 impl Finding for IntegerTooLarge {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "too large")
-            .note(format!("the largest number is {}", i64::MAX))
+            .label(self.at, "does not fit into 64 bits")
+            .note(format!("the largest integer is {}", i64::MAX))
     }
 }

@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L007, error)]
-#[error("numbers have no exponent")]
+#[error("numbers cannot have an exponent")]
 pub(crate) struct ExponentInNumber {
     pub number: String,
     pub at: Span,
@@ -39,14 +39,14 @@ impl Finding for ExponentInNumber {
 }
 
 fn exponent(found: Diagnostic, number: &str, at: Span) -> Diagnostic {
-    let found = found.label(at, "not a number of the language");
+    let found = found.label(at, "exponent not supported");
     let plain = number
         .parse::<f64>()
         .map(|value| format!("{value:?}"))
         .unwrap_or_default();
     if plain.is_empty() || plain.contains(['e', 'i', 'N']) {
-        found.help("write all the digits")
+        found.help("write all digits")
     } else {
-        found.fix("write all the digits", at, plain)
+        found.fix("write all digits", at, plain)
     }
 }

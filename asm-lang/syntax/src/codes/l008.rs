@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L008, error)]
-#[error("digits are missing after the point")]
+#[error("missing digits after the decimal point")]
 pub(crate) struct BarePoint {
     pub number: String,
     pub at: Span,
@@ -34,8 +34,8 @@ pub(crate) struct BarePoint {
 impl Finding for BarePoint {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { number, .. } = self;
-        diagnostic.label(self.at, "not a number").fix(
-            "write at least one digit",
+        diagnostic.label(self.at, "incomplete number").fix(
+            "add a digit after the point",
             self.at,
             format!("{number}0"),
         )

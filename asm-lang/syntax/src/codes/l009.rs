@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L009, error)]
-#[error("`{found}` is written `{meant}`")]
+#[error("unexpected `{found}`")]
 pub(crate) struct ForeignSign {
     pub found: String,
     pub meant: &'static str,
@@ -41,7 +41,7 @@ pub(crate) struct ForeignSign {
 impl Finding for ForeignSign {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { meant, .. } = self;
-        let foreign = diagnostic.label(self.at, "as other languages write it");
+        let foreign = diagnostic.label(self.at, "spelling of another language");
         let foreign = match self.found.as_str() {
             "=>" => foreign.help("to compare, write `>=`"),
             _ => foreign,

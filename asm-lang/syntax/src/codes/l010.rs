@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L010, error)]
-#[error("`;` separates nothing")]
+#[error("unexpected `;`")]
 pub(crate) struct StraySemicolon {
     pub at: Span,
 }
@@ -36,8 +36,8 @@ pub(crate) struct StraySemicolon {
 impl Finding for StraySemicolon {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not part of the language")
-            .help("`par … endpar` and `seq … endseq` hold several rules")
-            .fix("leave it out, here and elsewhere", self.at, "")
+            .label(self.at, "rules are not separated")
+            .help("group several rules with `par … endpar` or `seq … endseq`")
+            .fix("remove it, here and elsewhere", self.at, "")
     }
 }

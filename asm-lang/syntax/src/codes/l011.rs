@@ -39,7 +39,7 @@ pub(crate) struct ElementName {
 impl Finding for ElementName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not part of a specification")
-            .help("take an element by `choose` or `forall`, or declare it `static`")
+            .label(self.at, "cannot be named in a specification")
+            .help("select an element with `choose` or `forall`, or declare it `static`")
     }
 }

@@ -19,7 +19,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L020, warning)]
-#[error("the file is empty: it begins with `asm` and a name")]
+#[error("empty file")]
 pub(crate) struct EmptyFile {
     pub at: Span,
 }
@@ -27,7 +27,7 @@ pub(crate) struct EmptyFile {
 impl Finding for EmptyFile {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "nothing to run")
-            .help("the smallest file is `asm name signature: definitions:`")
+            .label(self.at, "expected `asm` and a name")
+            .help("write at least `asm name signature: definitions:`")
     }
 }

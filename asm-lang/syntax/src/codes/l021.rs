@@ -22,7 +22,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L021, error)]
-#[error("the file does not begin with `asm` or `module` and a name")]
+#[error("missing `asm` or `module` at the start of the file")]
 pub(crate) struct NoHeading {
     pub at: Span,
 }
@@ -30,7 +30,7 @@ pub(crate) struct NoHeading {
 impl Finding for NoHeading {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "begins here")
-            .help("write `asm name` first, with the name of the file")
+            .label(self.at, "expected `asm` or `module` before this")
+            .help("start the file with `asm name`, using the name of the file")
     }
 }

@@ -22,7 +22,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L022, error)]
-#[error("the file is named a second time")]
+#[error("duplicate heading")]
 pub(crate) struct SecondHeading {
     pub at: Span,
     pub first: Span,
@@ -31,8 +31,8 @@ pub(crate) struct SecondHeading {
 impl Finding for SecondHeading {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "named again")
-            .label(self.first, "named here")
-            .help("a file holds one `asm` or one `module`; put the other into its own file")
+            .label(self.at, "second heading")
+            .label(self.first, "first heading")
+            .help("keep one `asm` or `module` in a file; move the other to its own file")
     }
 }

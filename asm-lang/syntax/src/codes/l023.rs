@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L023, error)]
-#[error("`export` stands twice")]
+#[error("duplicate `export`")]
 pub(crate) struct SecondExport {
     pub at: Span,
     pub first: Span,
@@ -39,8 +39,8 @@ pub(crate) struct SecondExport {
 impl Finding for SecondExport {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "the second one")
-            .label(self.first, "the first one")
-            .help("name everything in one `export`, with commas between")
+            .label(self.at, "second `export`")
+            .label(self.first, "first `export`")
+            .help("list all names in one `export`, separated by commas")
     }
 }

@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L024, error)]
-#[error("there are two main rules")]
+#[error("duplicate main rule")]
 pub(crate) struct SecondMain {
     pub at: Span,
     pub first: Span,
@@ -37,8 +37,8 @@ pub(crate) struct SecondMain {
 impl Finding for SecondMain {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "the second one")
-            .label(self.first, "the first one")
+            .label(self.at, "second main rule")
+            .label(self.first, "first main rule")
             .help("remove `main` from one of them")
     }
 }

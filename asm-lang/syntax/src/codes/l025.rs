@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L025, error)]
-#[error("`agent` stands outside an initial state")]
+#[error("`agent` outside an initial state")]
 pub(crate) struct AgentOutsideInit {
     pub at: Span,
 }
@@ -43,7 +43,7 @@ pub(crate) struct AgentOutsideInit {
 impl Finding for AgentOutsideInit {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "belongs to no initial state")
-            .help("put it after `default init name:`")
+            .label(self.at, "not inside an initial state")
+            .help("move it after `default init name:`")
     }
 }

@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L030, error)]
-#[error("the file ends before {missing}")]
+#[error("unexpected end of file: expected {missing}")]
 pub(crate) struct FileCutOff {
     pub missing: String,
     pub at: Span,
@@ -36,9 +36,9 @@ pub(crate) struct FileCutOff {
 impl Finding for FileCutOff {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { missing, .. } = self;
-        let found = diagnostic.label(self.at, format!("expected {missing}, found the end"));
+        let found = diagnostic.label(self.at, format!("expected {missing}"));
         self.open.iter().fold(found, |found, (word, span)| {
-            found.label(*span, format!("this `{word}` is still open"))
+            found.label(*span, format!("unclosed `{word}`"))
         })
     }
 }

@@ -38,7 +38,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L031, error)]
-#[error("`{missing}` is missing: this `{}` is still open", open.0)]
+#[error("missing `{missing}` to close `{}`", open.0)]
 pub(crate) struct UnclosedBlock {
     pub missing: String,
     pub at: Span,
@@ -60,11 +60,11 @@ impl Finding for UnclosedBlock {
             Some((inner, end)) => unclosed
                 .label(
                     inner.1,
-                    format!("perhaps it is this `{}` that was not closed", inner.0),
+                    format!("this `{}` may be the unclosed one", inner.0),
                 )
                 .label(
                     end.1,
-                    format!("for the `{}` that closes it is indented otherwise", end.0),
+                    format!("this `{}` closes it at a different indentation", end.0),
                 ),
             None => unclosed,
         }

@@ -39,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// `switch n case 1: … case 2: … endswitch` has only one end.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L032, error)]
-#[error("`else if` needs one `endif` for each `if`")]
+#[error("missing `endif` after `else if`")]
 pub(crate) struct UnclosedElseIf {
     pub at: Span,
     pub outer: Span,
@@ -50,8 +50,8 @@ impl Finding for UnclosedElseIf {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "expected another `endif` before this")
-            .label(self.outer, "this `if` is still open")
-            .label(self.inner, "this one is an `if` of its own")
-            .help("end both: `if … else if … endif endif`")
+            .label(self.outer, "unclosed `if`")
+            .label(self.inner, "this `if` needs its own `endif`")
+            .help("close both: `if … else if … endif endif`")
     }
 }

@@ -26,13 +26,13 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L033, error)]
-#[error("`{}` closes nothing", found.0)]
+#[error("unexpected `{}`", found.0)]
 pub(crate) struct ClosesNothing {
     pub found: SpannedText,
 }
 
 impl Finding for ClosesNothing {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.label(self.found.1, "nothing is open that this could close")
+        diagnostic.label(self.found.1, "nothing to close here")
     }
 }

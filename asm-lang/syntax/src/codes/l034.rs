@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L034, error)]
-#[error("several rules stand where one belongs")]
+#[error("expected one rule, found several")]
 pub(crate) struct SeveralRules {
     pub first: Span,
     pub second: Span,
@@ -38,15 +38,15 @@ pub(crate) struct SeveralRules {
 impl Finding for SeveralRules {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { all, .. } = self;
-        let found = diagnostic.label(self.second, "the second rule");
+        let found = diagnostic.label(self.second, "second rule");
         let found = match all {
-            Some(_) => found.label(self.first, "the first rule"),
-            None => found.label(self.first, "declares one rule"),
+            Some(_) => found.label(self.first, "first rule"),
+            None => found.label(self.first, "takes one rule"),
         };
-        let found = found.help("put them into `par … endpar` or `seq … endseq`");
+        let found = found.help("group them with `par … endpar` or `seq … endseq`");
         match all {
             Some((span, text)) => {
-                found.guess("do them in parallel", *span, format!("par {text} endpar"))
+                found.guess("run them in parallel", *span, format!("par {text} endpar"))
             }
             None => found,
         }

@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L035, error)]
-#[error("a rule is missing before `{}`", found.0)]
+#[error("missing rule before `{}`", found.0)]
 pub(crate) struct MissingRule {
     pub found: SpannedText,
     pub after: Option<SpannedText>,
@@ -41,9 +41,9 @@ impl Finding for MissingRule {
         let Self { after, .. } = self;
         let missing = diagnostic.label(self.found.1, "expected a rule before this");
         let missing = match after {
-            Some((word, span)) => missing.label(*span, format!("`{word}` wants a rule")),
+            Some((word, span)) => missing.label(*span, format!("`{word}` needs a rule")),
             None => missing,
         };
-        missing.help("`skip` is the rule that does nothing")
+        missing.help("write `skip` for a rule that does nothing")
     }
 }

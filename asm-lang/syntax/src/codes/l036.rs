@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L036, error)]
-#[error("rules stand without brackets")]
+#[error("brackets around a rule")]
 pub(crate) struct BracketedRule {
     pub at: Span,
 }
@@ -33,7 +33,7 @@ pub(crate) struct BracketedRule {
 impl Finding for BracketedRule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not the beginning of a rule")
-            .help("leave the brackets out, or write `par … endpar`")
+            .label(self.at, "expected a rule")
+            .help("remove the brackets, or write `par … endpar`")
     }
 }

@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L037, error)]
-#[error("`{}` is called without brackets", call.0)]
+#[error("missing brackets in the call of `{}`", call.0)]
 pub(crate) struct CallWithoutBrackets {
     pub call: SpannedText,
 }
@@ -39,7 +39,7 @@ impl Finding for CallWithoutBrackets {
         let Self { call: (rule, at) } = self;
         diagnostic
             .label(*at, "expected `[` after this")
-            .help("a turbo rule is called with round brackets")
-            .fix("call it", *at, format!("{rule}[]"))
+            .help("call a turbo rule with parentheses")
+            .fix("add `[]`", *at, format!("{rule}[]"))
     }
 }

@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L038, error)]
-#[error("`{word}` stands in brackets of its own")]
+#[error("missing parentheses around `{word}`")]
 pub(crate) struct BareQuantifier {
     pub word: &'static str,
     pub at: Span,
@@ -35,7 +35,7 @@ impl Finding for BareQuantifier {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { word, .. } = self;
         diagnostic
-            .label(self.at, "not the beginning of a term")
+            .label(self.at, "expected `(` before this")
             .help(format!("write `({word} $x in D with …)`"))
     }
 }

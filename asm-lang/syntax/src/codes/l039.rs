@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L039, error)]
-#[error("nested too deep")]
+#[error("nesting too deep")]
 pub(crate) struct NestedTooDeep {
     pub at: Span,
 }
@@ -35,6 +35,6 @@ impl Finding for NestedTooDeep {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, format!("more than {MAX_DEPTH} levels"))
-            .help("name a part of it by a function or a rule of its own")
+            .help("move a part of it into a function or a rule")
     }
 }

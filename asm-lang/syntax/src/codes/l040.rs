@@ -27,7 +27,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L040, error)]
-#[error("`,` does not separate rules")]
+#[error("unexpected `,` between rules")]
 pub(crate) struct CommaBetweenRules {
     pub at: Span,
 }
@@ -35,7 +35,7 @@ pub(crate) struct CommaBetweenRules {
 impl Finding for CommaBetweenRules {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not expected here")
-            .fix("leave it out", self.at, "")
+            .label(self.at, "rules are not separated")
+            .fix("remove it", self.at, "")
     }
 }

@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L041, error)]
-#[error("the arguments of a function stand in round brackets")]
+#[error("square brackets around function arguments")]
 pub(crate) struct SquareArguments {
     pub at: Span,
 }
@@ -34,6 +34,6 @@ impl Finding for SquareArguments {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "square brackets call a rule")
-            .help("write `f(x) := …`")
+            .help("write parentheses, as in `f(x) := …`")
     }
 }

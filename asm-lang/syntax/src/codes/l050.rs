@@ -25,15 +25,17 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L050, error)]
-#[error("`=` compares; an update is written `:=`")]
+#[error("expected `:=`, found `=`")]
 pub(crate) struct EqualsForUpdate {
     pub at: Span,
 }
 
 impl Finding for EqualsForUpdate {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
-            .label(self.at, "compares")
-            .fix("write an update", self.at, ":=")
+        diagnostic.label(self.at, "compares two terms").fix(
+            "write `:=` to update a location",
+            self.at,
+            ":=",
+        )
     }
 }

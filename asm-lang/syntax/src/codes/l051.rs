@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L051, error)]
-#[error("`:=` updates; a comparison is written `=`")]
+#[error("expected `=`, found `:=`")]
 pub(crate) struct UpdateForEquals {
     pub at: Span,
 }
@@ -37,7 +37,7 @@ pub(crate) struct UpdateForEquals {
 impl Finding for UpdateForEquals {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "updates")
-            .fix("write a comparison", self.at, "=")
+            .label(self.at, "updates a location")
+            .fix("write `=` to compare", self.at, "=")
     }
 }

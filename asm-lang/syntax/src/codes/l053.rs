@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L053, error)]
-#[error("unknown word `{}`", found.0)]
+#[error("unknown keyword `{}`", found.0)]
 pub(crate) struct UnknownWord {
     pub found: SpannedText,
     pub meant: String,
@@ -34,11 +34,9 @@ pub(crate) struct UnknownWord {
 
 impl Finding for UnknownWord {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { meant, .. } = self;
-        diagnostic.label(self.found.1, "not understood here").guess(
-            format!("did you mean `{meant}`?"),
-            self.found.1,
-            meant.clone(),
-        )
+        let (_, at) = self.found;
+        diagnostic
+            .label(at, "not a keyword")
+            .did_you_mean(at, Some(&self.meant))
     }
 }

@@ -35,7 +35,7 @@ pub(crate) struct ReservedName {
 impl Finding for ReservedName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.found.1, "reserved")
-            .help("take another name")
+            .label(self.found.1, "reserved word")
+            .help("choose another name")
     }
 }

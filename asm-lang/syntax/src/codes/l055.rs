@@ -35,8 +35,8 @@ pub(crate) struct ComplexName {
 impl Finding for ComplexName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.found.1, "a number")
+            .label(self.found.1, "complex number")
             .note("`i` is the imaginary unit: `i`, `i2` and `1+i2` are numbers")
-            .help("take another name")
+            .help("choose another name")
     }
 }

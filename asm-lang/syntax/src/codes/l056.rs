@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L056, error)]
-#[error("the name of {what} begins with {beginning}")]
+#[error("the name of {what} must start with {beginning}")]
 pub(crate) struct Misnamed {
     pub what: &'static str,
     pub beginning: &'static str,
@@ -40,11 +40,13 @@ pub(crate) struct Misnamed {
 impl Finding for Misnamed {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { better, .. } = self;
-        let misnamed = diagnostic.label(self.found.1, "not such a name");
+        let misnamed = diagnostic.label(self.found.1, "invalid name");
         match better {
-            Some(better) => {
-                misnamed.guess(format!("call it `{better}`"), self.found.1, better.clone())
-            }
+            Some(better) => misnamed.guess(
+                format!("rename it to `{better}`"),
+                self.found.1,
+                better.clone(),
+            ),
             None => misnamed,
         }
     }

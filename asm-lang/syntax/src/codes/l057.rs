@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L057, error)]
-#[error("`{}` is reserved and means nothing", found.0)]
+#[error("unexpected reserved word `{}`", found.0)]
 pub(crate) struct UnusedWord {
     pub found: SpannedText,
 }

@@ -43,12 +43,12 @@ impl Finding for UnexpectedToken {
             after,
             open,
         } = self;
-        let mut expected = diagnostic.label(found.1, "not expected here");
+        let mut expected = diagnostic.label(found.1, "unexpected");
         if let Some((_, span)) = after {
             expected = expected.label(*span, format!("expected {what} after this"));
         }
         if let Some((word, span)) = open {
-            expected = expected.label(*span, format!("this `{word}` is still open"));
+            expected = expected.label(*span, format!("inside this `{word}`"));
         }
         if after.is_none() && Keyword::spelled(&found.0).is_some() {
             expected = expected.note(format!("`{}` is a reserved word", found.0));

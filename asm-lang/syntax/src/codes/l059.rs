@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L059, error)]
-#[error("a product of domains is written `Prod(A, B)`")]
+#[error("unexpected `*` between domains")]
 pub(crate) struct ProductSign {
     pub at: Span,
 }
@@ -33,7 +33,7 @@ pub(crate) struct ProductSign {
 impl Finding for ProductSign {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "multiplies numbers")
-            .help("write `Prod(A, B) -> C` for a function of two arguments")
+            .label(self.at, "`*` multiplies numbers")
+            .help("write `Prod(A, B) -> C` for a function with two arguments")
     }
 }

@@ -37,7 +37,7 @@ pub(crate) struct InfixMembership {
 impl Finding for InfixMembership {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "only binds variables")
-            .help("test membership with `contains(set, element)`")
+            .label(self.at, "`in` only binds variables")
+            .help("write `contains(set, element)` to test membership")
     }
 }

@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L061, error)]
-#[error("`<-` takes the result of a rule, `r_x(…)`")]
+#[error("expected a turbo rule after `<-`")]
 pub(crate) struct ReturnOfNoRule {
     pub at: Span,
 }
@@ -34,6 +34,6 @@ impl Finding for ReturnOfNoRule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "expected the name of a rule after this")
-            .help("the value of a function is written by `:=`")
+            .help("write `:=` to assign the value of a function")
     }
 }

@@ -83,13 +83,13 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L062, error)]
-#[error("too many errors: the rest of the file was not read")]
+#[error("too many errors")]
 pub(crate) struct TooManyErrors {
     pub at: Span,
 }
 
 impl Finding for TooManyErrors {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.label(self.at, "reading stopped here")
+        diagnostic.label(self.at, "the rest of the file is not checked")
     }
 }

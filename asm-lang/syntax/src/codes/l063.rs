@@ -6,7 +6,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// it; write `set speed(rob1) := 3`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L063, error)]
-#[error("an assignment is wanted here")]
+#[error("expected an assignment")]
 pub(crate) struct NotAnAssignment {
     pub at: Span,
 }
@@ -15,6 +15,6 @@ impl Finding for NotAnAssignment {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "not of the form `location := term`")
-            .help("write a location, `:=` and its value, as in `speed(rob1) := 3`")
+            .help("write `location := value`, as in `speed(rob1) := 3`")
     }
 }

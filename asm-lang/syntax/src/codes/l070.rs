@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L070, warning)]
-#[error("`exist` is now written `exists`")]
+#[error("deprecated keyword `exist`")]
 pub(crate) struct OldExists {
     pub at: Span,
 }
@@ -34,7 +34,7 @@ pub(crate) struct OldExists {
 impl Finding for OldExists {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "the spelling before AsmetaS 26.06")
-            .fix("write it the new way", self.at, "exists")
+            .label(self.at, "renamed to `exists` in AsmetaS 26.06")
+            .fix("write `exists`", self.at, "exists")
     }
 }

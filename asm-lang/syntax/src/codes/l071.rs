@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L071, warning)]
-#[error("`..` is now written `:`")]
+#[error("deprecated interval `..`")]
 pub(crate) struct OldInterval {
     pub at: Span,
     /// The colon, with blanks if it needs them.
@@ -39,7 +39,7 @@ pub(crate) struct OldInterval {
 impl Finding for OldInterval {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "an old spelling, AsmetaS refuses it")
-            .fix("write it the new way", self.at, self.new)
+            .label(self.at, "AsmetaS rejects this spelling")
+            .fix("write `:`", self.at, self.new)
     }
 }

@@ -38,10 +38,10 @@ pub(crate) struct FewRules {
 
 impl Finding for FewRules {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let few = diagnostic.label(self.at, "AsmetaS wants at least two rules here");
+        let few = diagnostic.label(self.at, "AsmetaS requires at least two rules");
         let help = match self.count {
-            "no rule" => "`skip` is the rule that does nothing",
-            _ => "a rule alone needs no block",
+            "no rule" => "write `skip` for a rule that does nothing",
+            _ => "remove the block around a single rule",
         };
         match self.without.as_slice() {
             [] => few.help(help),

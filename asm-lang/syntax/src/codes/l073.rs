@@ -43,11 +43,11 @@ pub(crate) struct OutOfOrder {
 impl Finding for OutOfOrder {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let found = diagnostic
-            .label(self.at, "AsmetaS wants this first")
+            .label(self.at, "AsmetaS requires this first")
             .label(self.earlier, "and this after it");
         match self.moved.as_slice() {
-            [] => found.help("put it before the other"),
-            edits => found.with_fix(all_sure("put it before the other", edits)),
+            [] => found.help("move it before the other declaration"),
+            edits => found.with_fix(all_sure("move it before the other declaration", edits)),
         }
     }
 }

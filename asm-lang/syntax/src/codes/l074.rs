@@ -24,7 +24,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L074, warning)]
-#[error("`{section}:` is missing before {what}")]
+#[error("missing `{section}:` before {what}")]
 pub(crate) struct NoSection {
     pub section: &'static str,
     pub what: &'static str,
@@ -37,7 +37,7 @@ impl Finding for NoSection {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { written, .. } = self;
         diagnostic
-            .label(self.at, "AsmetaS wants the heading before this")
-            .with_fix(all_sure("write the heading", std::slice::from_ref(written)))
+            .label(self.at, "AsmetaS requires the heading before this")
+            .with_fix(all_sure("add the heading", std::slice::from_ref(written)))
     }
 }

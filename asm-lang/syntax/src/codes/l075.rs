@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L075, warning)]
-#[error("`{name}` does not begin with `{prefix}`")]
+#[error("`{name}` does not start with `{prefix}`")]
 pub(crate) struct PropertyPrefix {
     pub prefix: &'static str,
     pub name: String,
@@ -42,7 +42,7 @@ pub(crate) struct PropertyPrefix {
 impl Finding for PropertyPrefix {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { prefix, name, .. } = self;
-        diagnostic.label(self.at, "AsmetaS refuses this name").fix(
+        diagnostic.label(self.at, "AsmetaS rejects this name").fix(
             "rename it",
             self.at,
             format!("{prefix}{name}"),

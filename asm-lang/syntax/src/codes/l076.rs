@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L076, warning)]
-#[error("`{rule}` is called before it is declared")]
+#[error("`{rule}` is called before its declaration")]
 pub(crate) struct CalledEarly {
     pub rule: String,
     pub at: Span,
@@ -45,8 +45,8 @@ impl Finding for CalledEarly {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { moved, .. } = self;
         diagnostic
-            .label(self.at, "AsmetaS does not know it yet")
+            .label(self.at, "not yet declared for AsmetaS")
             .label(self.declared, "declared here")
-            .with_fix(all_sure("declare it first", moved))
+            .with_fix(all_sure("move the declaration before the call", moved))
     }
 }

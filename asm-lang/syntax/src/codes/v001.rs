@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V001, error)]
-#[error("a scenario begins with `scenario` and its name")]
+#[error("missing `scenario` at the start of the file")]
 pub(crate) struct NoScenarioHeading {
     pub at: Span,
 }
@@ -37,7 +37,7 @@ pub(crate) struct NoScenarioHeading {
 impl Finding for NoScenarioHeading {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not `scenario`")
-            .help("begin with `scenario name` and `load specification.asm`")
+            .label(self.at, "expected `scenario` before this")
+            .help("start the file with `scenario name` and `load specification.asm`")
     }
 }

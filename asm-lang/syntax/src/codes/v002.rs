@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V002, error)]
-#[error("a scenario says which specification it is about")]
+#[error("missing `load` command")]
 pub(crate) struct NoLoadCommand {
     pub at: Span,
 }
@@ -37,7 +37,7 @@ pub(crate) struct NoLoadCommand {
 impl Finding for NoLoadCommand {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "`load` is missing here")
-            .help("write `load specification.asm`; the path is relative to the scenario")
+            .label(self.at, "expected `load`")
+            .help("write `load specification.asm`, with a path relative to the scenario")
     }
 }

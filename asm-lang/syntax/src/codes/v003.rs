@@ -33,13 +33,13 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V003, error)]
 pub(crate) enum UnknownCommand {
-    #[error("`{word}` is no command of a scenario")]
+    #[error("unknown command `{word}`")]
     Misspelt {
         word: String,
         at: Span,
         similar: Option<&'static str>,
     },
-    #[error("a command is wanted here")]
+    #[error("expected a command")]
     Missing { at: Span },
 }
 
@@ -47,21 +47,11 @@ impl Finding for UnknownCommand {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         match self {
             Self::Misspelt { at, similar, .. } => {
-                let finding = diagnostic.label(*at, "not understood");
-                match similar {
-                    Some(similar) => finding.guess(
-                        format!("did you mean `{similar}`?"),
-                        *at,
-                        (*similar).to_owned(),
-                    ),
-                    None => finding.help(
-                        "the commands are `set`, `check`, `step`, `step until`, `exec`, `pick`, `begin … end` and `execblock`",
-                    ),
-                }
+                diagnostic.label(*at, "not a command").did_you_mean_or(*at, *similar, "the commands are `set`, `check`, `step`, `step until`, `exec`, `pick`, `begin … end` and `execblock`")
             }
             Self::Missing { at } => diagnostic
-                .label(*at, "not the beginning of a command")
-                .help("every command begins with a word: `set`, `check`, `step`, …"),
+                .label(*at, "not the start of a command")
+                .help("start with a word such as `set`, `check` or `step`"),
         }
     }
 }

@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V004, error)]
-#[error("`{command}` wants {wanted}")]
+#[error("expected {wanted} after `{command}`")]
 pub(crate) struct IncompleteCommand {
     pub command: &'static str,
     pub wanted: &'static str,
@@ -47,7 +47,7 @@ impl Finding for IncompleteCommand {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { form, wanted, .. } = self;
         diagnostic
-            .label(self.at, format!("{wanted} should follow"))
+            .label(self.at, format!("expected {wanted}"))
             .help(format!("write `{form}`"))
     }
 }

@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V005, warning)]
-#[error("`;` is missing at the end of a command")]
+#[error("missing `;` at the end of a command")]
 pub(crate) struct UnendedCommand {
     pub command: Span,
     /// Span of the first word after the command.
@@ -46,8 +46,8 @@ pub(crate) struct UnendedCommand {
 impl Finding for UnendedCommand {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.next, "the command ends before this")
-            .label(self.command, "it begins here")
-            .fix("end it with `;`", self.end, ";")
+            .label(self.next, "expected `;` before this")
+            .label(self.command, "the command starts here")
+            .fix("add `;`", self.end, ";")
     }
 }

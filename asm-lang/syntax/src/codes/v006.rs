@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V006, error)]
-#[error("the block `{name}` does not end")]
+#[error("unterminated block `{name}`")]
 pub(crate) struct OpenBlock {
     pub name: String,
     pub at: Span,
@@ -43,10 +43,7 @@ pub(crate) struct OpenBlock {
 impl Finding for OpenBlock {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(
-                self.at,
-                "begins here, and goes on to the end of the scenario",
-            )
-            .help("write `end` behind its last command")
+            .label(self.at, "starts here and is never closed")
+            .help("add `end` after its last command")
     }
 }

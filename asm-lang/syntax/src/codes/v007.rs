@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V007, error)]
-#[error("`end` ends nothing")]
+#[error("unmatched `end`")]
 pub(crate) struct StrayBlockEnd {
     pub at: Span,
 }
@@ -43,6 +43,6 @@ impl Finding for StrayBlockEnd {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "no block is open here")
-            .help("leave it out, or write `begin name` before the block")
+            .help("remove it, or write `begin name` before the block")
     }
 }

@@ -41,7 +41,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V008, warning)]
-#[error("two blocks are called `{name}`")]
+#[error("duplicate block `{name}`")]
 pub(crate) struct DuplicateBlock {
     pub name: String,
     pub at: Span,
@@ -51,8 +51,8 @@ pub(crate) struct DuplicateBlock {
 impl Finding for DuplicateBlock {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "this one cannot be called by its name")
-            .label(self.first, "this one is")
-            .help("give one of them another name")
+            .label(self.at, "cannot be run by name")
+            .label(self.first, "first declared here")
+            .help("rename one of them")
     }
 }

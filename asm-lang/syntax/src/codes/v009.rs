@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V009, error)]
-#[error("`{word}` stands at the beginning of a scenario")]
+#[error("`{word}` after the first command")]
 pub(crate) struct LateHeading {
     pub word: &'static str,
     pub at: Span,
@@ -42,7 +42,7 @@ pub(crate) struct LateHeading {
 impl Finding for LateHeading {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "not here")
+            .label(self.at, "too late in the scenario")
             .help("move it before the first command")
     }
 }

@@ -6,7 +6,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// nesting it.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V010, error)]
-#[error("blocks nest too deep")]
+#[error("blocks nested too deep")]
 pub(crate) struct BlocksNestTooDeep {
     pub at: Span,
 }
@@ -14,7 +14,7 @@ pub(crate) struct BlocksNestTooDeep {
 impl Finding for BlocksNestTooDeep {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "one more begins here")
-            .help("end blocks before others begin; `execblock` runs them anywhere")
+            .label(self.at, "limit exceeded here")
+            .help("close blocks before opening others; run them with `execblock`")
     }
 }

@@ -113,8 +113,8 @@ impl<'a> Expected<'a> {
             self.has("variable"),
         ) {
             (_, false, true, false) => Some(("a rule", "`r_`")),
-            (true, false, false, false) => Some(("a function", "a small letter")),
-            (false, true, false, false) => Some(("a domain", "a capital letter")),
+            (true, false, false, false) => Some(("a function", "a lower-case letter")),
+            (false, true, false, false) => Some(("a domain", "an upper-case letter")),
             (false, false, false, true) => Some(("a variable", "`$`")),
             _ => None,
         }

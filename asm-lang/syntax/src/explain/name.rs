@@ -74,7 +74,7 @@ impl<'input> Explainer<'input, '_> {
                 .iter()
                 .any(|sign| self.behind(found).starts_with(sign));
         if updated {
-            return Some(("a function", "a small letter"));
+            return Some(("a function", "a lower-case letter"));
         }
         let (what, beginning) = expected.name()?;
         let in_braces = self.nesting.innermost()?.opener.1 == Token::Sign(Sign::OpenBrace);

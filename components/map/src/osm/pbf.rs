@@ -33,7 +33,7 @@ fn blocks(bytes: &[u8], rules: &Rules) -> Result<Extract, MapFault> {
         let length = length.fold(0, |length, byte| length << 8 | usize::from(*byte));
         if length > MAX_HEADER {
             return Err(syntax(
-                "is no OSM PBF file, or damaged: a block's header is too long",
+                "is not an OSM PBF file, or damaged: a block's header is too long",
             ));
         }
         let (kind, length) = blob_header(take(&mut rest, length)?)?;
@@ -49,7 +49,7 @@ fn blocks(bytes: &[u8], rules: &Rules) -> Result<Extract, MapFault> {
         }
     }
     if !has_header {
-        return Err(syntax("is no OSM PBF file: it has no header block"));
+        return Err(syntax("is not an OSM PBF file: it has no header block"));
     }
     Ok(extract)
 }
@@ -102,7 +102,7 @@ fn unpack(blob: &[u8]) -> Result<Vec<u8>, MapFault> {
             3 => read_at_most(ZlibDecoder::new(field.bytes()?), MAX_BLOCK),
             4..=7 => {
                 return Err(syntax(
-                    "is packed otherwise than with zlib; `osmium cat` writes a file that is",
+                    "has a compression other than zlib; `osmium cat` writes a file with zlib",
                 ));
             }
             _ => continue,
@@ -283,8 +283,7 @@ impl Block<'_> {
                 (way, 1) => ways.push(way),
                 (_node_or_relation, 0 | 2) => {}
                 (_, other) => {
-                    let what =
-                        format_args!("a member of a relation is of the unknown kind {other}");
+                    let what = format_args!("a member of a relation has the unknown kind {other}");
                     return Err(syntax(what));
                 }
             }

@@ -16,7 +16,7 @@ pub enum ProtobufError {
     #[error("a field has the wire type {0}, which is not supported")]
     WireType(u64),
     /// A field has another type than in the schema.
-    #[error("field {0} is of another type than expected")]
+    #[error("field {0} has an unexpected type")]
     OtherType(u64),
 }
 

@@ -49,7 +49,7 @@ pub fn read(source: &MapSource<'_>, rules: &Rules) -> Result<Extract, MapError> 
         }
     }
     if !parser.whole {
-        let what = "is no OSM XML file, or ends before `</osm>`".to_owned();
+        let what = "is not an OSM XML file, or ends before `</osm>`".to_owned();
         return Err(source.error(MapFault::Syntax { what }));
     }
     Ok(parser.extract)

@@ -90,7 +90,7 @@ impl NetpbmText<'_> {
         let mut samples = Vec::new();
         for word in words {
             let sample = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-            let sample: u16 = sample.ok_or_else(|| syntax("a pixel is no number"))?;
+            let sample: u16 = sample.ok_or_else(|| syntax("a pixel is not a number"))?;
             samples.push(shade(sample, white));
         }
         Ok(samples)
@@ -207,7 +207,7 @@ mod tests {
             error(b"P5 2 1 0\n"),
             "its largest value is not from 1 to 65535"
         );
-        assert_eq!(error(b"P2 1 1 255 x"), "a pixel is no number");
+        assert_eq!(error(b"P2 1 1 255 x"), "a pixel is not a number");
         assert_eq!(error(b"P1 1 1 2"), "a pixel is neither 0 nor 1");
         assert!(error(b"P5 101 1 255\n").contains("more than 100 bytes"));
     }

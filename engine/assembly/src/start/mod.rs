@@ -25,13 +25,13 @@ pub use workshop::{Make, Standard, Workshop};
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
     /// Something that must come from the environment is not there.
-    #[error("these environment variables are not set: {}", variables.join(", "))]
+    #[error("environment variables not set: {}", variables.join(", "))]
     Missing {
         /// The variables.
         variables: Vec<String>,
     },
     /// A component could not be made.
-    #[error("`{component}` cannot be made: {reason}")]
+    #[error("`{component}` cannot be created: {reason}")]
     NotMade {
         /// The component.
         component: String,
@@ -39,7 +39,7 @@ pub enum StartError {
         reason: String,
     },
     /// What a wire goes over is not in this build.
-    #[error("the wire of `{reference}` goes over `{binding}`, which is not in this build")]
+    #[error("the wire of `{reference}` uses `{binding}`, which is not in this build")]
     Binding {
         /// The reference.
         reference: String,

@@ -60,7 +60,7 @@ fn layout(
     let declared = system.id(&end.component);
     let declared = declared.and_then(|id| system.declaration(id));
     let port = declared.and_then(|declared| port(declared, &end.name));
-    let port = port.ok_or_else(|| refused(end, "there is no such port"))?;
+    let port = port.ok_or_else(|| refused(end, "port not found"))?;
     QueueLayout::of(&port.schema).map_err(|error| refused(end, error))
 }
 

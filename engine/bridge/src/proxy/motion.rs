@@ -155,7 +155,7 @@ mod tests {
         let refused = motion.command(&positions(&[0.0; 5])).unwrap_err();
         assert_eq!(
             refused.to_string(),
-            "`position`: a run of 6 is wanted, not one of 5"
+            "`position`: expected a list of 6, found one of 5"
         );
         assert_eq!(motion.command(&positions(&[0.0; 6])), Ok(()));
     }

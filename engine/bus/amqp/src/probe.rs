@@ -33,9 +33,9 @@ pub(crate) enum ProbeError {
     Unreachable(#[from] io::Error),
     #[error("refused: {0}")]
     Refused(String),
-    #[error("this is no AMQP broker")]
+    #[error("not an AMQP broker")]
     Stranger,
-    #[error("no encrypted link: {0}")]
+    #[error("no encrypted connection: {0}")]
     Encryption(String),
 }
 

@@ -146,13 +146,13 @@ impl fmt::Debug for Credentials {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AddressError {
     /// The address does not have the form `amqp://user:password@host:port/vhost`.
-    #[error("a broker's address is `amqp://user:password@host:port/vhost`: {reason}")]
+    #[error("invalid broker address: {reason}; write `amqp://user:password@host:port/vhost`")]
     Address {
         /// Part that is wrong.
         reason: &'static str,
     },
     /// A referenced environment variable is not set.
-    #[error("the environment has no variable `{name}`")]
+    #[error("environment variable `{name}` is not set")]
     Variable {
         /// Name of the variable.
         name: String,
@@ -179,7 +179,7 @@ impl AmqpSettings {
         let (tls, usual_port) = match scheme {
             "amqp" => (None, 5672),
             "amqps" => (Some(TlsSettings::default()), 5671),
-            _ => return Err(wrong("it begins with another scheme")),
+            _ => return Err(wrong("unknown scheme")),
         };
         let (authority, vhost) = match rest.split_once('/') {
             Some((authority, vhost)) if !vhost.is_empty() => (authority, plain(vhost)?),
@@ -188,17 +188,17 @@ impl AmqpSettings {
         };
         let (credentials, place) = match authority.rsplit_once('@') {
             Some((who, place)) => {
-                let (user, password) = who.split_once(':').ok_or(wrong("no password"))?;
+                let (user, password) = who.split_once(':').ok_or(wrong("missing password"))?;
                 (Credentials::new(plain(user)?, plain(password)?), place)
             }
             None => (Credentials::new("guest", "guest"), authority),
         };
         let (host, port) = match place.rsplit_once(':') {
-            Some((host, port)) => (host, port.parse().map_err(|_| wrong("no such port"))?),
+            Some((host, port)) => (host, port.parse().map_err(|_| wrong("invalid port"))?),
             None => (place, usual_port),
         };
         if host.is_empty() {
-            return Err(wrong("no host"));
+            return Err(wrong("missing host"));
         }
         if vhost.len() > LONGEST || credentials.user.len() > LONGEST {
             return Err(wrong("a name has more than 255 bytes"));

@@ -67,7 +67,7 @@ impl std::fmt::Display for Home<'_> {
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::On(broker) => write!(to, "is on `{broker}`"),
-            Self::Inside => to.write_str("is on no broker"),
+            Self::Inside => to.write_str("has no broker"),
             Self::Nested => to.write_str("is a composite"),
         }
     }
@@ -122,7 +122,7 @@ impl<'s> Across<'s, '_> {
             let inside = [from, to].map(|end| self.home(end)) == [Some(Home::Inside); 2];
             if inside && wire.binding.is_none() && wire.broker.is_none() {
                 let what = format!("the wire from `{}` to `{service}`", wire.reference);
-                let why = "both are on no broker".to_owned();
+                let why = "both have no broker".to_owned();
                 self.no_broker(what, processes, why, wire.reference.span());
             }
         }

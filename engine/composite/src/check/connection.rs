@@ -384,7 +384,7 @@ fn policy(policy: &Policy, report: &mut Report) {
         idle(
             "on_stale",
             on_stale.span,
-            "nothing gets stale without `max_age_ms`",
+            "`max_age_ms` is missing, so nothing gets stale",
             report,
         );
     }

@@ -42,10 +42,9 @@ fn awaited(
     by_binding(part, name)
         .or_else(|| by_specification(scene, part, name))
         .or_else(|| match &wire.oneway {
-            Some(oneway) if !oneway.value => Some((
-                "the wire says that an answer is awaited".to_owned(),
-                Some(oneway.span),
-            )),
+            Some(oneway) if !oneway.value => {
+                Some(("the wire expects a reply".to_owned(), Some(oneway.span)))
+            }
             Some(_) => None,
             None => by_interface(scene, reference),
         })
@@ -91,7 +90,7 @@ fn by_specification(
     };
     let signature = scene.family.specification(scene.member, file)?;
     let (operation, place) = signature.awaits(reference)?;
-    let who = format!("its specification waits for the answer to `{operation}`");
+    let who = format!("its specification waits for the reply to `{operation}`");
     Some((who, Some(place)))
 }
 
@@ -108,7 +107,7 @@ fn by_interface(
     };
     let answers = (operations.iter()).find(|it| says_something(&it.response.shape))?;
     let who = format!(
-        "`{}` of `{interface}` answers `{}`",
+        "`{}` of `{interface}` returns `{}`",
         answers.name, answers.response
     );
     Some((who, None))

@@ -43,7 +43,7 @@ impl<'s> Gateways<'s, '_> {
     fn promotion(&mut self, promotion: &'s Promotion) {
         let kind = promotion.what.kind();
         let Some(binding) = promotion.over(Transport::Http) else {
-            let reason = "only what goes over HTTP has it";
+            let reason = "only promotions over HTTP have a gateway";
             let gateway = promotion.gateway.as_ref().map(|it| ("gateway", it.span));
             let timeout = promotion
                 .timeout_ms
@@ -59,7 +59,7 @@ impl<'s> Gateways<'s, '_> {
             // calls go out
             Promoted::Reference(_) => return self.scene.transport(Some(binding), self.report),
             Promoted::Property(_) | Promoted::Port(_) | Promoted::Topic(_) => {
-                let reason = "only a service is called over HTTP";
+                let reason = "only services can be promoted over HTTP";
                 return self.excluded(kind, promotion, "binding", binding.span, reason);
             }
         };
@@ -120,8 +120,8 @@ impl<'s> Gateways<'s, '_> {
         if !name.chars().all(plain) {
             self.report.found(InvalidName {
                 text: name.value.clone(),
-                what: "called over HTTP",
-                rule: "it stands in `/services/NAME`: letters of ASCII, digits, `_`, `-` and `.`",
+                what: "a service over HTTP",
+                rule: "use ASCII letters, digits, `_`, `-` and `.`, as in `/services/NAME`",
                 at: name.span,
             });
         }

@@ -231,7 +231,7 @@ fn notify(scene: &CheckedComposite<'_>, told: &Notify, face: &Endpoints, report:
         if let Some((schema, at)) = field(scene, path, face, report)
             && !is_number(&schema)
         {
-            let reason = format!("`{path}` is no number and no run of numbers");
+            let reason = format!("`{path}` is neither a number nor a list of numbers");
             condition(reason, &schema, path.span, at, report);
         }
     }
@@ -271,7 +271,7 @@ fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, repor
         Err(error) => {
             report.found(InvalidCondition {
                 reason: error.to_string(),
-                found: "not understood".to_owned(),
+                found: "cannot be parsed".to_owned(),
                 at: told.text.span,
                 declared: None,
             });
@@ -288,7 +288,7 @@ fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, repor
     if let Some((schema, at)) = field(scene, &path, face, report)
         && !read.suits(&schema)
     {
-        let reason = format!("`{}` cannot be asked of `{path}`", told.text.value);
+        let reason = format!("`{}` cannot test `{path}`", told.text.value);
         condition(reason, &schema, told.text.span, at, report);
     }
 }
@@ -302,7 +302,7 @@ fn condition(
 ) {
     report.found(InvalidCondition {
         reason,
-        found: format!("it is `{schema}`"),
+        found: format!("has type `{schema}`"),
         at,
         declared,
     });

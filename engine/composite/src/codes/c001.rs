@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C001, error)]
-#[error("this is not TOML: {message}")]
+#[error("invalid TOML: {message}")]
 pub(crate) struct InvalidToml {
     pub message: String,
     pub at: Span,
@@ -42,7 +42,7 @@ impl Finding for InvalidToml {
         match earlier {
             Some(earlier) => diagnostic
                 .label(*earlier, "first defined here")
-                .help("give the second one another name, or merge the two"),
+                .help("rename the second one, or merge the two"),
             None => diagnostic,
         }
     }

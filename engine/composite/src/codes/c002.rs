@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C002, error)]
-#[error("`{path}` cannot be read: {reason}")]
+#[error("cannot read `{path}`: {reason}")]
 pub(crate) struct UnreadableComposite {
     pub path: String,
     pub reason: String,
@@ -48,7 +48,7 @@ impl Finding for UnreadableComposite {
         match at {
             Some(at) => diagnostic
                 .label(*at, "named here")
-                .help("write its path, from the folder of this file"),
+                .help("write the path relative to the folder of this file"),
             None => diagnostic.help("check the path"),
         }
     }

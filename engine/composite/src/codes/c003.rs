@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C003, error)]
-#[error("{of} has no key `{key}`")]
+#[error("unknown key `{key}` in {of}")]
 pub(crate) struct UnknownKey {
     pub key: String,
     pub of: &'static str,

@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C004, error)]
-#[error("{of} needs the key `{key}`")]
+#[error("missing key `{key}` in {of}")]
 pub(crate) struct MissingKey {
     pub key: &'static str,
     pub of: &'static str,
@@ -40,7 +40,7 @@ impl Finding for MissingKey {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { key, example, .. } = self;
         diagnostic
-            .label(self.at, format!("`{key}` is missing here"))
-            .help(format!("for example `{key} = {example}`"))
+            .label(self.at, format!("expected `{key}`"))
+            .help(format!("add it, as in `{key} = {example}`"))
     }
 }

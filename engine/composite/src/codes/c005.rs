@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C005, error)]
-#[error("`{key}` takes {expected}, not {found}")]
+#[error("mismatched types: expected {expected} for `{key}`, found {found}")]
 pub(crate) struct WrongKeyType {
     pub key: String,
     pub expected: &'static str,
@@ -48,6 +48,6 @@ impl Finding for WrongKeyType {
         } = self;
         diagnostic
             .label(self.at, format!("expected {expected}"))
-            .help(format!("write it as in `{key} = {example}`"))
+            .help(format!("write a value as in `{key} = {example}`"))
     }
 }

@@ -50,7 +50,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C006, error)]
-#[error("`{key}` cannot be `{word}`")]
+#[error("invalid value `{word}` for `{key}`")]
 pub(crate) struct UnknownOption {
     pub key: String,
     pub word: String,
@@ -63,8 +63,8 @@ impl Finding for UnknownOption {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { known, nearest, .. } = self;
         diagnostic
-            .label(self.at, "unknown word")
-            .help(format!("it can be {}", enumerate(known)))
+            .label(self.at, "not an option")
+            .help(format!("write {}", enumerate(known)))
             .suggest(self.at, nearest)
     }
 }

@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C007, error)]
-#[error("`{key}` is {value}, but must lie between {least} and {greatest}")]
+#[error("`{key}` must be between {least} and {greatest}, not {value}")]
 pub(crate) struct KeyOutOfRange {
     pub key: String,
     pub value: String,
@@ -45,6 +45,6 @@ impl Finding for KeyOutOfRange {
         } = self;
         diagnostic
             .label(self.at, "out of range")
-            .help(format!("take a number from {least} to {greatest}"))
+            .help(format!("write a number from {least} to {greatest}"))
     }
 }

@@ -22,7 +22,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C008, error)]
-#[error("this file says it is `{found}`, which this version does not read")]
+#[error("unsupported schema `{found}`")]
 pub(crate) struct UnknownSchema {
     pub found: String,
     pub wanted: &'static str,
@@ -32,10 +32,12 @@ pub(crate) struct UnknownSchema {
 impl Finding for UnknownSchema {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { wanted, .. } = self;
-        diagnostic.label(self.at, "not known here").guess(
-            format!("this version reads `{wanted}`"),
-            self.at,
-            *wanted,
-        )
+        diagnostic
+            .label(self.at, "not supported by this version")
+            .guess(
+                format!("write `{wanted}`, the schema of this version"),
+                self.at,
+                *wanted,
+            )
     }
 }

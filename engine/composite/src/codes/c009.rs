@@ -46,7 +46,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C009, error)]
-#[error("`{text}` cannot be {what}")]
+#[error("`{text}` is not valid as {what}")]
 pub(crate) struct InvalidName {
     pub text: String,
     pub what: &'static str,
@@ -56,8 +56,6 @@ pub(crate) struct InvalidName {
 
 impl Finding for InvalidName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
-            .label(self.at, "not of this form")
-            .help(self.rule)
+        diagnostic.label(self.at, "invalid form").help(self.rule)
     }
 }

@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C010, error)]
-#[error("`{second}` cannot stand beside `{first}`")]
+#[error("`{second}` cannot be combined with `{first}`")]
 pub(crate) struct ExclusiveKeys {
     pub first: String,
     pub first_at: Span,

@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C011, error)]
-#[error("nothing is substituted in `{key}`")]
+#[error("substitution is not allowed in `{key}`")]
 pub(crate) struct SubstitutionNotAllowed {
     pub key: String,
     pub at: Span,
@@ -44,7 +44,7 @@ pub(crate) struct SubstitutionNotAllowed {
 impl Finding for SubstitutionNotAllowed {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "this would be taken as it stands")
+            .label(self.at, "not substituted")
             .help("substitution works in values of properties, in times and in endpoints")
     }
 }

@@ -36,7 +36,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C012, error)]
-#[error("this substitution cannot be read: {reason}")]
+#[error("invalid substitution: {reason}")]
 pub(crate) struct InvalidSubstitution {
     pub reason: &'static str,
     pub at: Span,
@@ -44,9 +44,8 @@ pub(crate) struct InvalidSubstitution {
 
 impl Finding for InvalidSubstitution {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.label(self.at, "begins here").help(
-            "write `${properties.name}`, `${VARIABLE}` or `${VARIABLE:-default}`; \
-                     `$$` is a dollar sign",
+        diagnostic.label(self.at, "starts here").help(
+            "write `${properties.name}`, `${VARIABLE}` or `${VARIABLE:-default}`; write a dollar sign as `$$`",
         )
     }
 }

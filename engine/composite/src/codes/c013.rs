@@ -1,7 +1,7 @@
 use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use crate::wording::label_or_outside;
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean};
 
 /// Unknown composite property
 ///
@@ -38,7 +38,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C013, error)]
-#[error("the composite has no property `{name}`")]
+#[error("unknown property `{name}` of the composite")]
 pub(crate) struct UnknownSetting {
     pub name: String,
     pub at: Option<Span>,
@@ -48,11 +48,11 @@ pub(crate) struct UnknownSetting {
 impl Finding for UnknownSetting {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { at, nearest, .. } = self;
-        let diagnostic = label_or_outside(diagnostic, *at, "no such property");
+        let diagnostic = label_or_outside(diagnostic, *at, "not declared");
         match (at, nearest) {
             (Some(at), nearest) => diagnostic.suggest(*at, nearest),
-            (None, Some(nearest)) => diagnostic.help(format!("did you mean `{}`?", nearest.name)),
-            (None, None) => diagnostic.help("`[properties]` of the composite lists them"),
+            (None, Some(nearest)) => diagnostic.help(did_you_mean(&nearest.name)),
+            (None, None) => diagnostic.help("declare it in `[properties]` of the composite"),
         }
     }
 }

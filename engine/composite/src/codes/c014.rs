@@ -30,9 +30,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C014, warning)]
 pub(crate) enum UnsetVariable {
-    #[error("the environment variable `{name}` is not set here")]
+    #[error("environment variable `{name}` is not set")]
     NotSet { name: String, at: Span },
-    #[error("`{path}`, which `{name}` names, cannot be read: {reason}")]
+    #[error("cannot read `{path}`, the value of `{name}`: {reason}")]
     NoSecret {
         name: String,
         path: String,
@@ -46,13 +46,13 @@ impl Finding for UnsetVariable {
         match self {
             Self::NotSet { name, at } => {
                 let help = match (name.ends_with("_FILE"), is_secret(name)) {
-                    (true, _) => "set it to the path of the file that holds the secret".to_owned(),
+                    (true, _) => "set it to the path of the file with the secret".to_owned(),
                     (false, true) => "set it before the start".to_owned(),
-                    (false, false) => format!("set it, or give a default: `${{{name}:-default}}`"),
+                    (false, false) => format!("set it, or write a default: `${{{name}:-default}}`"),
                 };
-                diagnostic.label(*at, "needed to start").help(help)
+                diagnostic.label(*at, "required at start").help(help)
             }
-            Self::NoSecret { at, .. } => diagnostic.label(*at, "needed to start"),
+            Self::NoSecret { at, .. } => diagnostic.label(*at, "required at start"),
         }
     }
 }

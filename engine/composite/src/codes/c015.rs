@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C015, error)]
 pub(crate) enum InvalidSetting {
-    #[error("`{name}` takes {wanted}, not {found}")]
+    #[error("mismatched types: expected {wanted} for `{name}`, found {found}")]
     WrongType {
         name: String,
         wanted: String,
@@ -38,7 +38,7 @@ pub(crate) enum InvalidSetting {
         at: Option<Span>,
         declared: Option<Span>,
     },
-    #[error("`{name}` cannot be {value}")]
+    #[error("invalid value {value} for `{name}`")]
     NoChoice {
         name: String,
         value: String,
@@ -57,15 +57,14 @@ impl Finding for InvalidSetting {
                 ..
             } => {
                 let diagnostic = label_or_outside(diagnostic, *at, &format!("expected {wanted}"))
-                    .help(format!("give it {wanted}"));
+                    .help(format!("write {wanted}"));
                 match declared {
                     Some(declared) => diagnostic.label(*declared, "declared here"),
                     None => diagnostic,
                 }
             }
             Self::NoChoice { choices, at, .. } => {
-                label_or_outside(diagnostic, *at, "not one of its values")
-                    .help(format!("it can be {choices}"))
+                label_or_outside(diagnostic, *at, "not an option").help(format!("write {choices}"))
             }
         }
     }

@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C016, error)]
-#[error("`{name}` is {value}, but must lie in {range}")]
+#[error("`{name}` must be in {range}, not {value}")]
 pub(crate) struct SettingOutOfRange {
     pub name: String,
     pub value: String,
@@ -47,9 +47,9 @@ impl Finding for SettingOutOfRange {
             ..
         } = self;
         let diagnostic = label_or_outside(diagnostic, *at, "out of range")
-            .help(format!("take a value in {range}"));
+            .help(format!("write a value in {range}"));
         match declared {
-            Some(declared) => diagnostic.label(*declared, "the range is declared here"),
+            Some(declared) => diagnostic.label(*declared, "range declared here"),
             None => diagnostic,
         }
     }

@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C017, error)]
-#[error("the property `{name}` must be set")]
+#[error("missing value for property `{name}`")]
 pub(crate) struct MissingSetting {
     pub name: String,
     pub at: Span,
@@ -39,6 +39,6 @@ impl Finding for MissingSetting {
         let Self { name, .. } = self;
         diagnostic
             .label(self.at, "has no default")
-            .help(format!("give it a `default`, or set `{name}` from outside"))
+            .help(format!("add a `default`, or set `{name}` from outside"))
     }
 }

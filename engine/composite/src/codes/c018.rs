@@ -39,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C018, error)]
-#[error("`{component}` has two {way}s `{name}`")]
+#[error("duplicate {way} `{name}` of `{component}`")]
 pub(crate) struct DuplicatePort {
     pub way: &'static str,
     pub component: String,
@@ -51,8 +51,8 @@ pub(crate) struct DuplicatePort {
 impl Finding for DuplicatePort {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, "again here")
-                .label(self.first, "first here")
-                .help("`ports.in` and `subscribe` share one set of names, and so do `ports.out` and `publish`")
+                .label(self.at, "declared again here")
+                .label(self.first, "first declared here")
+                .help("rename one of them; `ports.in` and `subscribe` share their names, and so do `ports.out` and `publish`")
     }
 }

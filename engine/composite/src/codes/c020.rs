@@ -47,7 +47,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C020, error)]
-#[error("there is no {what} `{name}`")]
+#[error("unknown {what} `{name}`")]
 pub(crate) struct UnknownName {
     pub what: &'static str,
     pub name: String,
@@ -59,7 +59,7 @@ impl Finding for UnknownName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { what, nearest, .. } = self;
         diagnostic
-            .label(self.at, "not known here")
+            .label(self.at, "not declared")
             .suggest_or(self.at, nearest, way_out(what))
     }
 }
@@ -67,16 +67,16 @@ impl Finding for UnknownName {
 /// What to do about a name that nothing has.
 fn way_out(what: &str) -> String {
     match what {
-        "component" => "a component is written as `[components.Name]`".to_owned(),
-        "profile" => "a profile is what a component takes part in: `profile = \"sim\"`".to_owned(),
-        "topic" => "a topic is what a component subscribes or publishes".to_owned(),
-        "broker" => "a broker is written as `[brokers.name]`".to_owned(),
-        "gateway" => "a gateway is written as `[gateways.name]`".to_owned(),
-        "bridge" => "a bridge is written as `[bridges.name]`".to_owned(),
-        "input" => "an input stands under `subscribe` or `ports.in`".to_owned(),
-        "output" => "an output stands under `publish` or `ports.out`".to_owned(),
-        "reference" => "a reference stands under `references`".to_owned(),
-        "service" => "a service stands under `services`".to_owned(),
-        other => format!("name a {other} that there is"),
+        "component" => "declare a component with `[components.Name]`".to_owned(),
+        "profile" => "declare a profile with `profile = \"sim\"` in a component".to_owned(),
+        "topic" => "declare a topic under `subscribe` or `publish` of a component".to_owned(),
+        "broker" => "declare a broker with `[brokers.name]`".to_owned(),
+        "gateway" => "declare a gateway with `[gateways.name]`".to_owned(),
+        "bridge" => "declare a bridge with `[bridges.name]`".to_owned(),
+        "input" => "declare an input under `subscribe` or `ports.in`".to_owned(),
+        "output" => "declare an output under `publish` or `ports.out`".to_owned(),
+        "reference" => "declare a reference under `references`".to_owned(),
+        "service" => "declare a service under `services`".to_owned(),
+        other => format!("name an existing {other}"),
     }
 }

@@ -50,7 +50,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C021, error)]
-#[error("`{component}` has no {what} `{name}`")]
+#[error("unknown {what} `{name}` of `{component}`")]
 pub(crate) struct UnknownMember {
     pub what: &'static str,
     pub component: String,
@@ -78,7 +78,7 @@ impl Finding for UnknownMember {
                 .label(self.at, format!("`{name}` is {instead}"))
                 .help(known),
             None => diagnostic
-                .label(self.at, "not known")
+                .label(self.at, "not declared")
                 .suggest_or(self.at, nearest, known),
         }
     }

@@ -42,7 +42,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C022, error)]
-#[error("`amqp` needs a broker, and {reason}")]
+#[error("`amqp` needs a broker, but {reason}")]
 pub(crate) struct MissingBroker {
     pub at: Span,
     pub reason: &'static str,
@@ -52,6 +52,6 @@ impl Finding for MissingBroker {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "needs a broker")
-            .help("write `[brokers.main]` with its `url`, and `broker = \"main\"` here")
+            .help("add `[brokers.main]` with its `url`, and write `broker = \"main\"` here")
     }
 }

@@ -38,7 +38,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C023, error)]
-#[error("two components have the id `{id}`")]
+#[error("duplicate component id `{id}`")]
 pub(crate) struct DuplicateId {
     pub id: String,
     pub at: Span,
@@ -48,8 +48,8 @@ pub(crate) struct DuplicateId {
 impl Finding for DuplicateId {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, "again here")
-                .label(self.first, "first here")
-                .help("the id names the component's queue, log and metrics; without `task.id` it is the component's name")
+                .label(self.at, "used again here")
+                .label(self.first, "first used here")
+                .help("change one `task.id` (default: the component's name); it names the component's queue, log and metrics")
     }
 }

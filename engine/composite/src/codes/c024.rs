@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C024, error)]
-#[error("this build has no {what} `{name}`")]
+#[error("unknown {what} `{name}`")]
 pub(crate) struct UnknownImplementation {
     pub what: &'static str,
     pub name: String,
@@ -41,7 +41,7 @@ impl Finding for UnknownImplementation {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { nearest, .. } = self;
         diagnostic
-            .label(self.at, "not known")
+            .label(self.at, "not in this build")
             .suggest(self.at, nearest)
     }
 }

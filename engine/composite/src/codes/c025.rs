@@ -40,7 +40,7 @@ pub(crate) struct ImplementationNotInBuild {
 impl Finding for ImplementationNotInBuild {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "cannot be verified by this build")
-            .note("the composite can be checked, but not started here")
+            .label(self.at, "not verified by this build")
+            .note("this build can check the composite, but not start it")
     }
 }

@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C026, error)]
-#[error("`{implementation}` has no {what} `{name}`")]
+#[error("unknown {what} `{name}` of `{implementation}`")]
 pub(crate) struct UndeclaredMember {
     pub implementation: String,
     pub what: &'static str,
@@ -48,7 +48,7 @@ impl Finding for UndeclaredMember {
         let Self { name, what, .. } = self;
         diagnostic
             .label(self.at, "not declared by the component")
-            .label(self.made_of, "the component")
+            .label(self.made_of, "component implemented here")
             .suggest_or(
                 self.at,
                 &nearest_name(name, self.known.iter().map(String::as_str)),

@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C027, error)]
-#[error("{what} `{name}` of `{implementation}` is `{declared}`, not `{written}`")]
+#[error("mismatched types: {what} `{name}` of `{implementation}` is `{declared}`, not `{written}`")]
 pub(crate) struct DeclarationDiffers {
     pub implementation: String,
     pub what: &'static str,
@@ -44,8 +44,11 @@ impl Finding for DeclarationDiffers {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { declared, .. } = self;
         diagnostic
-            .label(self.at, "written here")
-            .label(self.made_of, format!("the component declares `{declared}`"))
-            .fix("write what the component declares", self.at, declared)
+            .label(self.at, "listed here")
+            .label(
+                self.made_of,
+                format!("declared as `{declared}` by the component"),
+            )
+            .fix("write the declared type", self.at, declared)
     }
 }

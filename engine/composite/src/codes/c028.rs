@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C028, error)]
-#[error("`{component}` has no property `{name}`", component = self.component(), name = self.name())]
+#[error("unknown property `{name}` of `{component}`", component = self.component(), name = self.name())]
 pub(crate) enum UnknownProperty {
     /// In a composite file.
     OfComponent {
@@ -80,8 +80,8 @@ impl Finding for UnknownProperty {
                 let names = known.iter().map(|it| it.text.as_str());
                 let all = known.iter().map(|it| (it.text.as_str(), it.at));
                 diagnostic
-                    .label(*at, "no such property")
-                    .label(*made_of, "the component")
+                    .label(*at, "not declared")
+                    .label(*made_of, "component implemented here")
                     .suggest_or(*at, &nearest(name, all), has("property", names))
             }
             Self::InFile {
@@ -92,7 +92,7 @@ impl Finding for UnknownProperty {
                     false => format!("it has `{}`", known.join("`, `")),
                 };
                 diagnostic
-                    .label(*at, "no such property")
+                    .label(*at, "not declared")
                     .suggest_or(*at, nearest, has)
             }
         }

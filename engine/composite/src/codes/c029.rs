@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C029, warning)]
-#[error("`{implementation}` has no input `{name}`, so messages sent to it are lost")]
+#[error("unknown input `{name}` of `{implementation}`")]
 pub(crate) struct SubscriptionNeverRead {
     pub implementation: String,
     pub name: String,
@@ -45,8 +45,8 @@ pub(crate) struct SubscriptionNeverRead {
 impl Finding for SubscriptionNeverRead {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "never read")
-            .label(self.made_of, "the component")
+            .label(self.at, "messages to it are lost")
+            .label(self.made_of, "component implemented here")
             .help(has("input", self.known.iter().map(String::as_str)))
     }
 }

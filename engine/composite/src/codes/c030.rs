@@ -49,7 +49,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C030, error)]
-#[error("`{reference}` needs `{}`, but `{service}` is `{}`", wanted.text, found.text)]
+#[error("incompatible interfaces: `{reference}` needs `{}`, but `{service}` provides `{}`", wanted.text, found.text)]
 pub(crate) struct WireMismatch {
     pub reference: String,
     pub wanted: TypeAt,
@@ -67,6 +67,6 @@ impl Finding for WireMismatch {
         for place in [self.wanted.at, self.found.at].into_iter().flatten() {
             diagnostic = diagnostic.label(place, "declared here");
         }
-        diagnostic.help("wire it to a service of that interface")
+        diagnostic.help("connect it to a service with that interface")
     }
 }

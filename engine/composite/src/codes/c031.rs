@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// The example is mended with an optional reference.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C031, error)]
-#[error("reference `{component}.{reference}` is neither wired nor promoted")]
+#[error("unconnected reference `{component}.{reference}`")]
 pub(crate) struct DanglingReference {
     pub component: String,
     pub reference: String,
@@ -51,8 +51,7 @@ impl Finding for DanglingReference {
         diagnostic
                     .label(self.at, format!("needs a service with the interface `{interface}`"))
                     .help(format!(
-                        "write `[[wires]]` with `reference = \"{component}.{reference}\"`, promote \
-                         it, or say `{reference} = {{ interface = \"{interface}\", optional = true }}`"
+                        "add `[[wires]]` with `reference = \"{component}.{reference}\"`, promote the reference, or write `{reference} = {{ interface = \"{interface}\", optional = true }}`"
                     ))
     }
 }

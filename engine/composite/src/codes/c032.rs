@@ -63,13 +63,11 @@ pub(crate) struct ReferenceWiredTwice {
 impl Finding for ReferenceWiredTwice {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "again here")
-            .label(self.first, "first here")
+            .label(self.at, "connected again here")
+            .label(self.first, "first connected here")
             .help(match self.how {
-                WIRED_TWICE => {
-                    "one wire may lead to several services: `service = [\"A.x\", \"B.x\"]`"
-                }
-                _ => "leave one of the two out",
+                WIRED_TWICE => "name several services in one wire: `service = [\"A.x\", \"B.x\"]`",
+                _ => "remove one of them",
             })
     }
 }

@@ -47,7 +47,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C033, warning)]
-#[error("calls of `{reference}` have no timeout")]
+#[error("missing timeout for calls of `{reference}`")]
 pub(crate) struct NoTimeout {
     pub reference: String,
     pub at: Span,
@@ -56,10 +56,7 @@ pub(crate) struct NoTimeout {
 impl Finding for NoTimeout {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(
-                self.at,
-                format!("the default of {DEFAULT_TIMEOUT_MS} ms applies"),
-            )
+            .label(self.at, format!("defaults to {DEFAULT_TIMEOUT_MS} ms"))
             .help("add `timeout_ms = 2000`, or `oneway = true` if no reply is expected")
     }
 }

@@ -58,7 +58,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// out function that declares it has the codomain `Rule`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C034, error)]
-#[error("`{reference}` has several services, and {who}")]
+#[error("`{reference}` has several services, but {who}")]
 pub(crate) struct AwaitsSeveral {
     pub reference: String,
     /// Who waits, for what.
@@ -70,13 +70,13 @@ pub(crate) struct AwaitsSeveral {
 
 impl Finding for AwaitsSeveral {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let diagnostic = diagnostic.label(self.at, "only one can answer");
+        let diagnostic = diagnostic.label(self.at, "only one service can reply");
         let diagnostic = match self.place {
-            Some(place) => diagnostic.label(place, "an answer is awaited here"),
+            Some(place) => diagnostic.label(place, "expects a reply"),
             None => diagnostic,
         };
         diagnostic.help(
-            "wire it to one service, or add `oneway = true` to notify all of them without a reply",
+            "connect it to one service, or add `oneway = true` to notify all services without a reply",
         )
     }
 }

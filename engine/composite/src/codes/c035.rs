@@ -52,7 +52,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C035, error)]
-#[error("`{component}` would cycle after itself")]
+#[error("`{component}` cannot run after itself")]
 pub(crate) struct OwnMaster {
     pub component: String,
     pub at: Span,
@@ -62,6 +62,6 @@ impl Finding for OwnMaster {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "leads back to it")
-            .help("leave `master` out of one of them: it drives the others")
+            .help("remove `master` from one of them: it drives the others")
     }
 }

@@ -61,7 +61,7 @@ impl Finding for WrongDirection {
         } = self;
         let diagnostic = diagnostic
             .label(self.at, format!("cannot {use_} an {is}"))
-            .help("a connection goes `from` an output `to` an input");
+            .help("connect `from` an output `to` an input");
         match declared {
             Some(declared) => diagnostic.label(*declared, "declared here"),
             None => diagnostic,

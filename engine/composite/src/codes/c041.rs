@@ -36,7 +36,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// `rename` puts the output on the other topic.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C041, error)]
-#[error("a connection from {from} to {to} joins no component")]
+#[error("connection from {from} to {to} without a component")]
 pub(crate) struct NoComponentJoined {
     pub from: &'static str,
     pub from_at: Span,
@@ -55,7 +55,7 @@ impl Finding for NoComponentJoined {
             )
             .help(match (*from, *to) {
                 ("a topic", "a topic") => "rename the topic where it is published or subscribed",
-                _ => "put a component between, or join the port itself to the message queue",
+                _ => "connect a component in between, or connect the port itself to the message queue",
             })
     }
 }

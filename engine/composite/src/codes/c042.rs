@@ -46,7 +46,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C042, error)]
-#[error("`{from}` is `{}`, but `{to}` is `{}`", from_kind.text, to_kind.text)]
+#[error("mismatched types: `{from}` is `{}`, but `{to}` is `{}`", from_kind.text, to_kind.text)]
 pub(crate) struct ConnectionMismatch {
     pub from: String,
     pub from_kind: TypeAt,
@@ -60,8 +60,8 @@ impl Finding for ConnectionMismatch {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let mut diagnostic = diagnostic
             .label(self.to_at, format!("takes `{}`", self.to_kind.text))
-            .label(self.from_at, format!("gives `{}`", self.from_kind.text))
-            .help("connect ends of one type, or put a component between that converts");
+            .label(self.from_at, format!("provides `{}`", self.from_kind.text))
+            .help("connect ports of one type, or convert the message with a component in between");
         for place in [self.from_kind.at, self.to_kind.at].into_iter().flatten() {
             diagnostic = diagnostic.label(place, "declared here");
         }

@@ -56,7 +56,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C043, error)]
-#[error("`{port}` keeps the last value, and two write it")]
+#[error("two writers of `{port}`, which keeps only the last value")]
 pub(crate) struct TwoWriters {
     pub port: String,
     pub at: Span,
@@ -66,8 +66,8 @@ pub(crate) struct TwoWriters {
 impl Finding for TwoWriters {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "the second writer")
-            .label(self.first, "the first writer")
-            .help("queue both with `type = \"buffer\"` and a `size`, or leave one out")
+            .label(self.at, "second writer")
+            .label(self.first, "first writer")
+            .help("queue both with `type = \"buffer\"` and a `size`, or remove one of them")
     }
 }

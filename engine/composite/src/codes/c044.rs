@@ -48,7 +48,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C044, error)]
-#[error("a connection of type `{kind}` needs a `size`")]
+#[error("missing `size` for a connection of type `{kind}`")]
 pub(crate) struct QueueWithoutSize {
     pub kind: ConnectionType,
     pub at: Span,
@@ -57,8 +57,8 @@ pub(crate) struct QueueWithoutSize {
 impl Finding for QueueWithoutSize {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { kind, .. } = self;
-        diagnostic.label(self.at, "`size` is missing").help(format!(
-            "for example `policy = {{ type = \"{kind}\", size = 16 }}`"
+        diagnostic.label(self.at, "expected `size`").help(format!(
+            "write `policy = {{ type = \"{kind}\", size = 16 }}`"
         ))
     }
 }

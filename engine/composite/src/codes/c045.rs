@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C045, error)]
-#[error("nothing is connected to input `{component}.{port}`")]
+#[error("unconnected input `{component}.{port}`")]
 pub(crate) struct UnconnectedInput {
     pub component: String,
     pub port: String,
@@ -61,7 +61,7 @@ impl Finding for UnconnectedInput {
         };
         let help = format!("connect an output of type `{kind}` to `{component}.{port}`{or}");
         diagnostic
-            .label(self.at, "would never see a message")
+            .label(self.at, "never receives a message")
             .help(help)
     }
 }

@@ -41,7 +41,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C046, warning)]
-#[error("`{component}` also has the input `{port}`, which the composite leaves open")]
+#[error("input `{port}` of `{component}` is neither listed nor connected")]
 pub(crate) struct OpenInput {
     pub component: String,
     pub port: String,
@@ -58,7 +58,7 @@ impl Finding for OpenInput {
             ..
         } = self;
         diagnostic
-            .label(self.at, "would never see a message there")
+            .label(self.at, "never receives a message there")
             .help(format!(
                 "connect an output of type `{kind}` to `{component}.{port}`"
             ))

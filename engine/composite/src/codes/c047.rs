@@ -60,11 +60,10 @@ impl Finding for UnsyncAcrossThreads {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { from, to, .. } = self;
         diagnostic
-            .label(self.at, "not safe here")
-            .label(self.ends, "two threads meet")
+            .label(self.at, "not thread-safe here")
+            .label(self.ends, "connects two threads")
             .help(format!(
-                "use `lock_free`, or cycle one after the other: `activity.master` of `{to}` \
-                     or `{from}`"
+                "use `lock_free`, or run one component after the other with `activity.master` of `{to}` or `{from}`"
             ))
     }
 }

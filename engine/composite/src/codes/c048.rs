@@ -56,6 +56,6 @@ pub(crate) struct IdleKey {
 
 impl Finding for IdleKey {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.label(self.at, self.reason).help("leave it out")
+        diagnostic.label(self.at, self.reason).help("remove it")
     }
 }

@@ -45,7 +45,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C049, error)]
-#[error("`{from}` and `{to}` are joined twice")]
+#[error("duplicate connection of `{from}` and `{to}`")]
 pub(crate) struct DuplicateConnection {
     pub from: String,
     pub to: String,
@@ -56,8 +56,8 @@ pub(crate) struct DuplicateConnection {
 impl Finding for DuplicateConnection {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "again here")
-            .label(self.first, "first here")
-            .help("leave one of the two out")
+            .label(self.at, "connected again here")
+            .label(self.first, "first connected here")
+            .help("remove one of them")
     }
 }

@@ -38,7 +38,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C050, error)]
-#[error("topic `{topic}` has two types: `{kind}` and `{other}`")]
+#[error("mismatched types: topic `{topic}` is `{kind}` and `{other}`")]
 pub(crate) struct TopicWithTwoTypes {
     pub topic: String,
     pub kind: String,
@@ -53,6 +53,6 @@ impl Finding for TopicWithTwoTypes {
         diagnostic
             .label(self.at, format!("`{kind}` here"))
             .label(self.other_at, format!("`{other}` here"))
-            .help("rename one of the two, or use one type")
+            .help("use one type, or rename one of the topics")
     }
 }

@@ -57,7 +57,7 @@ impl Finding for SilentTopic {
         let diagnostic = diagnostic.label(self.at, "subscribed here");
         let Some(Nearest { name, declared }) = nearest else {
             return diagnostic.help(format!(
-                "if it comes from outside, write `[[promote]]` with `topic = \"{topic}\"`"
+                "to receive it from outside, add `[[promote]]` with `topic = \"{topic}\"`"
             ));
         };
         let diagnostic = match declared {
@@ -65,7 +65,7 @@ impl Finding for SilentTopic {
             None => diagnostic,
         };
         match written {
-            Written::At(span) => diagnostic.guess(format!("did you mean `{name}`?"), *span, name),
+            Written::At(span) => diagnostic.did_you_mean(*span, Some(name)),
             Written::AsPort(port) => diagnostic.help(format!(
                 "did you mean `rename = {{ {port} = \"{name}\" }}`?"
             )),

@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C052, error)]
-#[error("`{component}` neither subscribes nor publishes `{name}`, so it cannot be renamed")]
+#[error("cannot rename `{name}`: `{component}` neither subscribes nor publishes it")]
 pub(crate) struct UnknownRename {
     pub component: String,
     pub name: String,
@@ -49,10 +49,12 @@ impl Finding for UnknownRename {
             .known
             .iter()
             .map(|(name, at)| (name.as_str(), Some(*at)));
-        diagnostic.label(*at, "no such topic").suggest_or(
-            *at,
-            &nearest(name, all),
-            "left is the name in the component, right the topic",
-        )
+        diagnostic
+            .label(*at, "not a topic of the component")
+            .suggest_or(
+                *at,
+                &nearest(name, all),
+                "write the name in the component on the left, and the topic on the right",
+            )
     }
 }

@@ -47,8 +47,8 @@ pub(crate) struct OutputOnTwoTopics {
 impl Finding for OutputOnTwoTopics {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "the second topic")
-            .label(self.first_at, "the first topic")
-            .help("an output publishes on one topic; readers can use another name with `rename`")
+            .label(self.at, "second topic")
+            .label(self.first_at, "first topic")
+            .help("remove one of them; a reader can use another name with `rename`")
     }
 }

@@ -36,7 +36,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// To read the state of the bus, write `subscribe = { bus = "bus/Health" }`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C055, error)]
-#[error("topic `{HEALTH_TOPIC}` is reserved: the engine publishes the state of the bus on it")]
+#[error("topic `{HEALTH_TOPIC}` is reserved for the state of the bus")]
 pub(crate) struct EngineTopic {
     pub at: Span,
     pub problem: OwnProblem,
@@ -48,10 +48,10 @@ impl Finding for EngineTopic {
         match problem {
             OwnProblem::Published => diagnostic
                 .label(self.at, "published here")
-                .help("publish on another topic: rename it"),
+                .help("rename the topic"),
             OwnProblem::Type(kind) => diagnostic
                 .label(self.at, format!("`{kind}` here"))
-                .help(format!("its messages are of type `{}`", BusHealth::NAME)),
+                .help(format!("the messages have type `{}`", BusHealth::NAME)),
         }
     }
 }

@@ -38,7 +38,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C056, error)]
-#[error("no port uses the topic `{topic}`")]
+#[error("unknown topic `{topic}`")]
 pub(crate) struct UnknownTopicSettings {
     pub topic: String,
     pub at: Span,
@@ -48,10 +48,10 @@ pub(crate) struct UnknownTopicSettings {
 impl Finding for UnknownTopicSettings {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { nearest, .. } = self;
-        diagnostic.label(self.at, "no such topic").suggest_or(
+        diagnostic.label(self.at, "not used by a port").suggest_or(
             self.at,
             nearest,
-            "`[topics]` configures how a topic is sent over a broker",
+            "configure a topic that a port publishes or subscribes",
         )
     }
 }

@@ -53,10 +53,10 @@ impl Finding for Uncarried {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let place = &self.place;
         diagnostic
-            .label(self.at, "its messages are of this type")
-            .label(self.codec, "CDR is wanted here")
+            .label(self.at, "the messages have this type")
+            .label(self.codec, "encoded as CDR")
             .help(format!(
-                "describe the type, or send it otherwise: `codec = \"cbor\"` under `[{place}]`"
+                "describe the type, or write `codec = \"cbor\"` under `[{place}]`"
             ))
     }
 }

@@ -48,7 +48,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C058, error)]
-#[error("{threads} threads would use a connection that allows {max}")]
+#[error("{threads} threads use a connection that allows {max}")]
 pub(crate) struct TooManyThreads {
     pub threads: u64,
     pub max: u64,
@@ -60,10 +60,10 @@ impl Finding for TooManyThreads {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { threads, .. } = self;
         diagnostic
-            .label(self.at, "too few")
-            .label(self.ends, "read in a thread of its own")
+            .label(self.at, "too low")
+            .label(self.ends, "read in a separate thread")
             .help(format!(
-                "allow {threads}, or leave `max_threads` out: no connection of ours needs it"
+                "write {threads}, or remove `max_threads`; connections of asmotion do not need it"
             ))
     }
 }

@@ -41,7 +41,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C060, error)]
-#[error("two things are promoted as {what} `{name}`")]
+#[error("duplicate promoted {what} `{name}`")]
 pub(crate) struct DuplicatePromotion {
     pub what: &'static str,
     pub name: String,
@@ -52,14 +52,13 @@ pub(crate) struct DuplicatePromotion {
 impl Finding for DuplicatePromotion {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "again here")
-            .label(self.first, "first here")
+            .label(self.at, "promoted again here")
+            .label(self.first, "first promoted here")
             .help(match self.what {
                 "service" => {
-                    "give one of them another name with `as`, or list all it goes over in one: \
-                         `binding = [\"amqp\", \"http\"]`"
+                    "rename one of them with `as`, or list all bindings in one promotion: `binding = [\"amqp\", \"http\"]`"
                 }
-                _ => "give one of them another name with `as`",
+                _ => "rename one of them with `as`",
             })
     }
 }

@@ -40,7 +40,7 @@ use asmotion_mqueue::UnsupportedTypeError;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C061, error)]
-#[error("`{kind}` cannot pass through `mqueue:{queue}`: {reason}")]
+#[error("`{kind}` cannot be sent over `mqueue:{queue}`: {reason}")]
 pub(crate) struct NoMqueueLayout {
     pub kind: String,
     pub queue: String,
@@ -51,10 +51,9 @@ pub(crate) struct NoMqueueLayout {
 impl Finding for NoMqueueLayout {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "Orocos writes no such type")
+            .label(self.at, "not supported by Orocos")
             .help(
-                "numbers, truth values, arrays, lists and records of them have one: put a \
-                     component between that leaves the rest out",
+                "send numbers, Booleans, and arrays, lists and records of them; a component in between can drop the rest",
             )
     }
 }

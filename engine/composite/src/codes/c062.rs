@@ -41,7 +41,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C062, error)]
-#[error("`mqueue:{queue}` needs a message size")]
+#[error("missing message size of `mqueue:{queue}`")]
 pub(crate) struct NoMqueueSize {
     pub kind: String,
     pub queue: String,
@@ -57,8 +57,7 @@ impl Finding for NoMqueueSize {
                 format!("`{kind}` contains lists, so its size is not fixed"),
             )
             .help(format!(
-                "say how many bytes the largest has, the same as on the other side: \
-                     `policy = {{ data_size = {EXAMPLE} }}`"
+                "write the size of the largest message in bytes, as on the other side: `policy = {{ data_size = {EXAMPLE} }}`"
             ))
     }
 }

@@ -42,7 +42,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C063, error)]
-#[error("`http` needs a gateway, and this composite has {}", match several { true => "several", false => "none" })]
+#[error("`http` needs a gateway, but this composite has {}", match several { true => "several", false => "none" })]
 pub(crate) struct NoGateway {
     pub several: bool,
     pub at: Span,
@@ -54,8 +54,8 @@ impl Finding for NoGateway {
         diagnostic
             .label(self.at, "needs a gateway")
             .help(match several {
-                true => "say which with `gateway = \"main\"`",
-                false => "write `[gateways.main]` with `listen = \"127.0.0.1:8080\"`",
+                true => "select one with `gateway = \"main\"`",
+                false => "add `[gateways.main]` with `listen = \"127.0.0.1:8080\"`",
             })
     }
 }

@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// reachable from a network.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C064, error)]
-#[error("gateway `{name}` cannot listen at `{text}`")]
+#[error("invalid address `{text}` of gateway `{name}`")]
 pub(crate) struct InvalidAddress {
     pub name: String,
     pub text: String,
@@ -40,9 +40,8 @@ pub(crate) struct InvalidAddress {
 
 impl Finding for InvalidAddress {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.label(self.at, "not an address and a port").help(
-            "write `127.0.0.1:8080` for this machine alone, `0.0.0.0:8080` for every network, \
-                     port 0 for a free one",
+        diagnostic.label(self.at, "not an IP address and a port").help(
+            "write `127.0.0.1:8080` for this machine only, or `0.0.0.0:8080` for all networks; port 0 selects a free port",
         )
     }
 }

@@ -81,7 +81,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C066, error)]
-#[error("gateway `{gateway}` is in process `{}` and in `{}`", processes.0, processes.1)]
+#[error("gateway `{gateway}` is used in process `{}` and in `{}`", processes.0, processes.1)]
 pub(crate) struct GatewayInTwoProcesses {
     pub gateway: String,
     pub processes: (String, String),
@@ -92,8 +92,14 @@ pub(crate) struct GatewayInTwoProcesses {
 impl Finding for GatewayInTwoProcesses {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, format!("of a component in `{}`", self.processes.1))
-                .label(self.first, format!("of a component in `{}`", self.processes.0))
-                .help("only one process can listen at an address: give each a gateway of its own, and say which with `gateway`")
+            .label(
+                self.at,
+                format!("component in process `{}`", self.processes.1),
+            )
+            .label(
+                self.first,
+                format!("component in process `{}`", self.processes.0),
+            )
+            .help("add a gateway for each process, and select it with `gateway`")
     }
 }

@@ -40,7 +40,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C070, error)]
-#[error("`{component}` is placed twice")]
+#[error("`{component}` is placed in two processes")]
 pub(crate) struct PlacedTwice {
     pub component: String,
     pub at: Span,
@@ -50,8 +50,8 @@ pub(crate) struct PlacedTwice {
 impl Finding for PlacedTwice {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "again here")
-            .label(self.first, "first here")
-            .help("a component runs in one process")
+            .label(self.at, "placed again here")
+            .label(self.first, "first placed here")
+            .help("remove it from one of them")
     }
 }

@@ -43,7 +43,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C071, error)]
-#[error("`{component}` is placed in no process")]
+#[error("`{component}` is not placed in a process")]
 pub(crate) struct PlacedNowhere {
     pub component: String,
     pub at: Span,
@@ -55,7 +55,7 @@ impl Finding for PlacedNowhere {
         let Self { component, .. } = self;
         diagnostic
             .label(self.at, "declared here")
-            .label(self.deploy, format!("no process has `{component}`"))
+            .label(self.deploy, format!("no process contains `{component}`"))
             .help("add it to the `components` of a process")
     }
 }

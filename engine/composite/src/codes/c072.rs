@@ -49,7 +49,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C072, error)]
-#[error("two processes are called `{name}`")]
+#[error("duplicate process `{name}`")]
 pub(crate) struct DuplicateProcess {
     pub name: String,
     pub at: Span,
@@ -59,8 +59,8 @@ pub(crate) struct DuplicateProcess {
 impl Finding for DuplicateProcess {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "again here")
-            .label(self.first, "first here")
+            .label(self.at, "declared again here")
+            .label(self.first, "first declared here")
             .help("rename one of them, or list all components in one")
     }
 }

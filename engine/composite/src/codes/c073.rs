@@ -39,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C073, warning)]
-#[error("no topic matches `{topic}`, so nothing is recorded of it")]
+#[error("no topic matches `{topic}`")]
 pub(crate) struct UnknownRecordedTopic {
     pub topic: String,
     pub at: Span,
@@ -50,7 +50,7 @@ impl Finding for UnknownRecordedTopic {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { nearest, .. } = self;
         diagnostic
-            .label(self.at, "no such topic")
+            .label(self.at, "records nothing")
             .suggest(self.at, nearest)
     }
 }

@@ -61,7 +61,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C074, error)]
-#[error("`{from}` is in process `{}`, `{to}` in `{}`, and the wire is local", processes.0, processes.1)]
+#[error("`{from}` in process `{}` and `{to}` in `{}` cannot use a local wire", processes.0, processes.1)]
 pub(crate) struct LocalWireAcross {
     pub from: String,
     pub to: String,
@@ -72,7 +72,7 @@ pub(crate) struct LocalWireAcross {
 impl Finding for LocalWireAcross {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "only within a process")
-            .help("place both components in one process, or leave `binding` out")
+            .label(self.at, "works only within a process")
+            .help("place both components in one process, or remove `binding`")
     }
 }

@@ -59,7 +59,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C075, error)]
-#[error("{what} does not get from process `{}` to `{}`", processes.0, processes.1)]
+#[error("{what} needs a broker between process `{}` and `{}`", processes.0, processes.1)]
 pub(crate) struct NoCommonBroker {
     /// What: `topic scan`, `the wire from A.x to B.y`.
     pub what: String,
@@ -73,6 +73,6 @@ impl Finding for NoCommonBroker {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, self.why.clone())
-            .help("say on which broker both are, with `task.broker`; or place them in one process")
+            .help("name a broker for both with `task.broker`, or place them in one process")
     }
 }

@@ -61,7 +61,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C076, warning)]
-#[error("`record` has no effect in this version")]
+#[error("`record` is not supported by this version")]
 pub(crate) struct RecordIgnored {
     pub at: Span,
 }
@@ -69,7 +69,7 @@ pub(crate) struct RecordIgnored {
 impl Finding for RecordIgnored {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "without effect")
-            .help("to record ports and topics, use `asmotion run --record FILE --ports NAME`")
+            .label(self.at, "has no effect")
+            .help("record ports and topics with `asmotion run --record FILE --ports NAME`")
     }
 }

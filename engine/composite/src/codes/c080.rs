@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C080, error)]
 pub(crate) enum CircularInclusion {
-    #[error("`{path}` includes itself: {}", chain.join(" → "))]
+    #[error("circular inclusion of `{path}`: {}", chain.join(" → "))]
     Composite {
         path: String,
         chain: Vec<String>,
@@ -42,11 +42,11 @@ impl Finding for CircularInclusion {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         match self {
             Self::Composite { places, .. } => {
-                let diagnostic = diagnostic
-                    .help("leave one of these components out, or move it to a third file");
+                let diagnostic =
+                    diagnostic.help("remove one of these components, or move it to a third file");
                 let mut places = places.iter().rev();
                 let diagnostic = match places.next() {
-                    Some(last) => diagnostic.label(*last, "this closes the circle"),
+                    Some(last) => diagnostic.label(*last, "closes the cycle"),
                     None => diagnostic,
                 };
                 places.rev().fold(diagnostic, |diagnostic, place| {
@@ -54,8 +54,8 @@ impl Finding for CircularInclusion {
                 })
             }
             Self::Layer { at, .. } => diagnostic
-                .label(*at, "this closes the circle")
-                .help("name the file as its `base` that says what all sites have in common"),
+                .label(*at, "closes the cycle")
+                .help("name the file with the common part as `base`"),
         }
     }
 }

@@ -5,7 +5,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Composites can be nested only to a limited depth. Merge some of the files.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C081, error)]
-#[error("composites nest deeper than {MAX_DEPTH}")]
+#[error("composites nested deeper than {MAX_DEPTH}")]
 pub(crate) struct CompositesTooDeep {
     pub at: Span,
 }
@@ -13,8 +13,8 @@ pub(crate) struct CompositesTooDeep {
 impl Finding for CompositesTooDeep {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "given up here")
-            .help("join some of them in one file")
+            .label(self.at, "limit exceeded here")
+            .help("merge some of them into one file")
     }
 }
 

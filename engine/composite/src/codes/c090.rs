@@ -78,7 +78,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C090, error)]
-#[error("the specification has no function `{name}`")]
+#[error("unknown function `{name}` of the specification")]
 pub(crate) struct UnknownBoundFunction {
     pub name: String,
     pub at: Span,

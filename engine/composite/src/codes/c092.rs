@@ -78,7 +78,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C092, error)]
-#[error("`{}` has arguments, so one message cannot be its value", function.name)]
+#[error("`{}` has arguments, so one message cannot set it", function.name)]
 pub(crate) struct BoundFunctionHasArguments {
     pub function: FunctionInfo,
     pub at: Span,

@@ -77,7 +77,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C093, error)]
-#[error("`{literal}` is not a literal of `{domain}`")]
+#[error("unknown literal `{literal}` of `{domain}`")]
 pub(crate) struct UnknownLiteral {
     pub literal: String,
     pub domain: String,
@@ -92,9 +92,9 @@ impl Finding for UnknownLiteral {
         let known: Vec<&str> = self.literals.iter().map(String::as_str).collect();
         let nearest = nearest_name(literal, known.iter().copied());
         diagnostic
-            .label(self.at, "no such literal")
-            .label(self.declared, "the domain has others")
-            .help(format!("it can be {}", enumerate(&known)))
+            .label(self.at, "not a literal of the domain")
+            .label(self.declared, "domain declared here")
+            .help(format!("write {}", enumerate(&known)))
             .suggest(self.at, &nearest)
     }
 }

@@ -75,7 +75,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C094, error)]
-#[error("`{}` takes {}, not {found}", function.name, function.codomain.name())]
+#[error("mismatched types: `{}` takes {}, not {found}", function.name, function.codomain.name())]
 pub(crate) struct WrongLiteralType {
     pub function: FunctionInfo,
     pub found: String,
@@ -87,7 +87,7 @@ impl Finding for WrongLiteralType {
         diagnostic
             .label(
                 self.at,
-                format!("not of `{}`", self.function.codomain.name()),
+                format!("expected `{}`", self.function.codomain.name()),
             )
             .label(self.function.declared, "declared here")
             .help(format!(

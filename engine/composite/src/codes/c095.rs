@@ -76,7 +76,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C095, error)]
-#[error("`{}` is {}, and {found} does not fit it", function.name, function.codomain.name())]
+#[error("mismatched types: `{}` takes {}, not {found}", function.name, function.codomain.name())]
 pub(crate) struct WrongFieldType {
     pub function: FunctionInfo,
     pub found: String,
@@ -90,9 +90,9 @@ impl Finding for WrongFieldType {
         let diagnostic = diagnostic
                     .label(self.at, "bound here")
                     .label(self.function.declared, "declared here")
-                    .help("bind a field whose type the function takes; `map` reads a text as a literal, `edge = true` is for Booleans");
+                    .help("bind a field of the function's type; `map` converts a string to a literal, and `edge = true` gives a Boolean");
         match typed {
-            Some(typed) => diagnostic.label(*typed, "the message is described here"),
+            Some(typed) => diagnostic.label(*typed, "message described here"),
             None => diagnostic,
         }
     }

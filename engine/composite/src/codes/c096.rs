@@ -75,7 +75,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C096, error)]
-#[error("which field of `{message}` belongs to `{function}`?")]
+#[error("ambiguous field of `{message}` for `{function}`")]
 pub(crate) struct AmbiguousField {
     pub function: String,
     pub message: String,
@@ -88,7 +88,10 @@ impl Finding for AmbiguousField {
         let Self { fields, .. } = self;
         let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
         diagnostic
-            .label(self.at, "several could")
-            .help(format!("say `field = \"…\"`: {}", enumerate(&fields)))
+            .label(self.at, "several fields match")
+            .help(format!(
+                "select one with `field = \"…\"`: {}",
+                enumerate(&fields)
+            ))
     }
 }

@@ -74,7 +74,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C097, warning)]
-#[error("nothing gives `{}` a value, so it stays undef", function.name)]
+#[error("unbound monitored function `{}` stays undef", function.name)]
 pub(crate) struct UnboundMonitored {
     pub function: FunctionInfo,
     pub at: Span,

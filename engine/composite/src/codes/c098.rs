@@ -74,7 +74,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C098, warning)]
-#[error("nothing receives the values of `{}`", function.name)]
+#[error("unbound out function `{}`", function.name)]
 pub(crate) struct UnboundOut {
     pub function: FunctionInfo,
     pub at: Span,

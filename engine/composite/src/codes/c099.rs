@@ -99,7 +99,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C099, error)]
-#[error("`@{name}` is neither an input nor kept from a reply")]
+#[error("unknown input or reply `@{name}`")]
 pub(crate) struct UnknownKept {
     pub name: String,
     pub at: Span,
@@ -111,8 +111,8 @@ impl Finding for UnknownKept {
         let Self { name, .. } = self;
         let nearest = nearest_name(name, self.known.iter().map(String::as_str));
         diagnostic
-            .label(self.at, "not known")
-            .help("a call keeps its reply with `keep = \"name\"`; `@@` is an at sign")
+            .label(self.at, "neither an input nor kept from a reply")
+            .help("keep the reply of a call with `keep = \"name\"`; write an at sign as `@@`")
             .suggest(self.at, &nearest)
     }
 }

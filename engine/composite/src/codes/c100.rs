@@ -96,7 +96,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C100, error)]
-#[error("`{what}` takes `{wanted}`, but {given} is {found}")]
+#[error("mismatched types: `{what}` takes `{wanted}`, but {given} is {found}")]
 pub(crate) struct WrongArgument {
     pub what: String,
     pub wanted: String,
@@ -108,7 +108,7 @@ pub(crate) struct WrongArgument {
 impl Finding for WrongArgument {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "of another type")
-            .help("`@name.field` takes a part of a message")
+            .label(self.at, "has another type")
+            .help("select a part of a message with `@name.field`")
     }
 }

@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C101, error)]
-#[error("the main rule of the specification is not `{name}`")]
+#[error("`{name}` is not the main rule of the specification")]
 pub(crate) struct OtherMainRule {
     pub name: String,
     pub at: Span,
@@ -47,12 +47,10 @@ impl Finding for OtherMainRule {
         let Self { found, .. } = self;
         let diagnostic = diagnostic.label(self.at, "named here");
         match found {
-            Some((name, declared)) => diagnostic.label(*declared, "the main rule").guess(
-                format!("did you mean `{name}`?"),
-                self.at,
-                name,
-            ),
-            None => diagnostic.note("it has no main rule, so it is a module"),
+            Some((name, declared)) => diagnostic
+                .label(*declared, "main rule declared here")
+                .did_you_mean(self.at, Some(name)),
+            None => diagnostic.note("the specification is a module without a main rule"),
         }
     }
 }

@@ -41,7 +41,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C102, error)]
-#[error("the specification has a {what} `{name}`, which the composite does not list")]
+#[error("{what} `{name}` of the specification is not listed in the composite")]
 pub(crate) struct UnlistedAnnotation {
     pub what: &'static str,
     pub name: String,

@@ -58,6 +58,6 @@ impl Finding for OtherInterface {
         diagnostic
             .label(self.at, "listed here")
             .label(self.declared, "annotated here")
-            .help(format!("the last part of the interface is `{annotated}`"))
+            .help(format!("end the interface with `{annotated}`"))
     }
 }

@@ -44,7 +44,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C104, error)]
-#[error("the composite lists a {what} `{name}`, which the specification does not annotate")]
+#[error("{what} `{name}` is not annotated in the specification")]
 pub(crate) struct Unannotated {
     pub what: &'static str,
     pub name: String,
@@ -57,7 +57,7 @@ impl Finding for Unannotated {
         let Self { nearest, .. } = self;
         diagnostic
             .label(self.at, "not used by the specification")
-            .help("leave it out, or annotate it in the specification")
+            .help("remove it, or annotate it in the specification")
             .suggest(self.at, nearest)
     }
 }

@@ -24,7 +24,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C110, error)]
-#[error("`{name}` is no type")]
+#[error("unknown type `{name}`")]
 pub(crate) struct UnknownType {
     pub name: String,
     pub at: Span,
@@ -37,12 +37,12 @@ impl Finding for UnknownType {
         diagnostic
             .label(
                 self.at,
-                "not described in any file of `types`, nor known to this build",
+                "neither described in a file of `types` nor known to this build",
             )
             .suggest_or(
                 self.at,
                 nearest,
-                "for example `f64`, `u16[5]`, `string`, `time`, `geometry_msgs/Pose[]`",
+                "write a type such as `f64`, `u16[5]`, `string`, `time` or `geometry_msgs/Pose[]`",
             )
     }
 }

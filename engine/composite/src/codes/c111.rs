@@ -21,7 +21,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C111, error)]
-#[error("`{name}` contains itself")]
+#[error("recursive type `{name}`")]
 pub(crate) struct RecursiveType {
     pub name: String,
     pub at: Span,
@@ -30,7 +30,7 @@ pub(crate) struct RecursiveType {
 impl Finding for RecursiveType {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "would make every message infinite")
-            .help("name the inner one by a number or a text instead")
+            .label(self.at, "makes every message infinite")
+            .help("refer to the inner one by a number or a string")
     }
 }

@@ -5,7 +5,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Two type files describe the same type differently. Remove one of the descriptions.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C112, error)]
-#[error("`{name}` is described twice, and differently: {difference}")]
+#[error("conflicting descriptions of `{name}`: {difference}")]
 pub(crate) struct ConflictingTypes {
     pub name: String,
     pub at: Span,
@@ -17,7 +17,7 @@ impl Finding for ConflictingTypes {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "described again here")
-            .label(self.first, "described here")
-            .help("leave one of the two out")
+            .label(self.first, "first described here")
+            .help("remove one of them")
     }
 }

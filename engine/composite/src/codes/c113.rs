@@ -21,7 +21,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C113, error)]
-#[error("`{name}` differs from this build: {difference}")]
+#[error("description of `{name}` differs from this build: {difference}")]
 pub(crate) struct TypeDiffersFromBuild {
     pub name: String,
     pub at: Span,
@@ -32,6 +32,6 @@ impl Finding for TypeDiffersFromBuild {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "described here")
-            .help("leave the description out: the build knows the type")
+            .help("remove the description; the build knows the type")
     }
 }

@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C114, warning)]
-#[error("`{name}` is a type that this build does not know")]
+#[error("type `{name}` is not in this build")]
 pub(crate) struct TypeNotInBuild {
     pub name: String,
     pub at: Span,

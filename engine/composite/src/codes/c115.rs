@@ -77,7 +77,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C115, error)]
-#[error("`{name}` has no field `{field}`")]
+#[error("unknown field `{field}` of `{name}`")]
 pub(crate) struct UnknownField {
     pub name: String,
     pub field: String,
@@ -96,9 +96,9 @@ impl Finding for UnknownField {
         } = self;
         let nearest = nearest_name(field, known.iter().map(String::as_str));
         let known = known.iter().map(String::as_str);
-        let diagnostic = diagnostic.label(self.at, "no such field");
+        let diagnostic = diagnostic.label(self.at, "not declared");
         let diagnostic = match declared {
-            Some(declared) => diagnostic.label(*declared, "the type is described here"),
+            Some(declared) => diagnostic.label(*declared, "type described here"),
             None => diagnostic,
         };
         diagnostic.suggest_or(self.at, &nearest, has("fields", known))

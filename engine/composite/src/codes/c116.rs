@@ -6,9 +6,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// many fields.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C116, error)]
-#[error(
-    "the types of this composite have more than {MAX_FIELDS} fields, or nest deeper than {MAX_DEPTH}"
-)]
+#[error("message types have more than {MAX_FIELDS} fields, or nest deeper than {MAX_DEPTH}")]
 pub(crate) struct TypesTooLarge {
     pub at: Span,
 }
@@ -16,8 +14,8 @@ pub(crate) struct TypesTooLarge {
 impl Finding for TypesTooLarge {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "given up here")
-            .help("send what is that large as bytes, or by name")
+            .label(self.at, "limit exceeded here")
+            .help("send large values as bytes, or by name")
     }
 }
 

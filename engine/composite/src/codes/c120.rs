@@ -73,9 +73,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C120, error)]
-#[error(
-    "an operation with `mode = \"{mode}\"` needs an {wanted} of the target, and `{port}` is an {found}"
-)]
+#[error("`mode = \"{mode}\"` needs an {wanted} of the target, but `{port}` is an {found}")]
 pub(crate) struct WrongPortDirection {
     pub mode: ProxyMode,
     pub wanted: &'static str,
@@ -92,7 +90,7 @@ impl Finding for WrongPortDirection {
         } = self;
         let diagnostic = diagnostic
                     .label(self.at, "named here")
-                    .help("`oneway`, `taken` and `done` write to an input of the target, `last` and `all` read an output of it");
+                    .help("use `oneway`, `taken` and `done` with an input of the target, `last` and `all` with an output");
         match declared {
             Some(declared) => diagnostic.label(*declared, format!("an {found}")),
             None => diagnostic,

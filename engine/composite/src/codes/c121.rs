@@ -72,7 +72,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C121, error)]
-#[error("`{port}` is no port of the target `{target}`")]
+#[error("`{port}` is not a port of target `{target}`")]
 pub(crate) struct PortOfOtherComponent {
     pub port: String,
     pub target: String,
@@ -83,8 +83,8 @@ pub(crate) struct PortOfOtherComponent {
 impl Finding for PortOfOtherComponent {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, "a port of another component")
-                .label(self.target_at, "the target")
-                .help("name a port of the target, or make the other component the target of a proxy of its own")
+            .label(self.at, "port of another component")
+            .label(self.target_at, "target set here")
+            .help("name a port of the target, or add a proxy for the other component")
     }
 }

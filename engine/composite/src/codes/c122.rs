@@ -51,7 +51,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C122, error)]
-#[error("`{name}` goes {direction}, so it must stand under `{list}`")]
+#[error("`{name}` goes {direction}, so it must be listed under `{list}`")]
 pub(crate) struct PortNotListed {
     pub name: String,
     pub direction: &'static str,
@@ -66,7 +66,7 @@ impl Finding for PortNotListed {
             name, list, kind, ..
         } = self;
         diagnostic
-            .label(self.at, format!("not under `{list}`"))
+            .label(self.at, format!("not listed under `{list}`"))
             .help(format!("add `{list} = {{ {name} = \"{kind}\" }}`"))
     }
 }

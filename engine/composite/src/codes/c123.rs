@@ -51,7 +51,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C123, error)]
-#[error("`{name}` is `{here}` here and `{there}` there")]
+#[error("mismatched types: `{name}` is `{here}` here and `{there}` there")]
 pub(crate) struct PortTypeDiffers {
     pub name: String,
     pub here: String,
@@ -63,11 +63,11 @@ pub(crate) struct PortTypeDiffers {
 impl Finding for PortTypeDiffers {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { declared, .. } = self;
-        let diagnostic = diagnostic.label(self.at, "the type there");
+        let diagnostic = diagnostic.label(self.at, "type there");
         let diagnostic = match declared {
-            Some(declared) => diagnostic.label(*declared, "the type here"),
+            Some(declared) => diagnostic.label(*declared, "type here"),
             None => diagnostic,
         };
-        diagnostic.help("name a converter with `convert`, or use one type on both sides")
+        diagnostic.help("add a converter with `convert`, or use one type on both sides")
     }
 }

@@ -64,7 +64,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C124, error)]
-#[error("{what} of `{operation}` is no {wanted}")]
+#[error("mismatched types: {what} of `{operation}` is not {wanted}")]
 pub(crate) struct ShapeMismatch {
     pub what: &'static str,
     pub operation: String,
@@ -83,9 +83,9 @@ impl Finding for ShapeMismatch {
             declared,
             ..
         } = self;
-        let diagnostic = diagnostic.label(self.at, here).help(
-            "give the fields of both the same names, or name the part of the message with `field`",
-        );
+        let diagnostic = diagnostic
+            .label(self.at, here)
+            .help("use the same field names in both, or select a part of the message with `field`");
         match declared {
             Some(declared) => diagnostic.label(*declared, there),
             None => diagnostic,

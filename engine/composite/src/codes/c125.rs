@@ -81,7 +81,7 @@ impl Finding for InvalidCondition {
             found, declared, ..
         } = self;
         let diagnostic = diagnostic.label(self.at, found).help(
-            "write `port.new`, `port.flag`, or `port.field != 0` with one of == != < <= > >=",
+            "write `port.new`, `port.flag`, or `port.field != 0` with `==`, `!=`, `<`, `<=`, `>` or `>=`",
         );
         match declared {
             Some(declared) => diagnostic.label(*declared, "described here"),

@@ -64,7 +64,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C126, error)]
-#[error("`mode = \"done\"` needs `notify.idle` to say when a motion by `{port}` has ended")]
+#[error("`mode = \"done\"` needs `notify.idle` for `{port}`")]
 pub(crate) struct NoIdleNotification {
     pub port: String,
     pub at: Span,
@@ -74,11 +74,11 @@ pub(crate) struct NoIdleNotification {
 impl Finding for NoIdleNotification {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { port, idle, .. } = self;
-        let diagnostic = diagnostic.label(self.at, "would never reply").help(format!(
+        let diagnostic = diagnostic.label(self.at, "never replies").help(format!(
             "write `notify.idle` with `of = \"{port}.…\"`, or use `mode = \"taken\"`"
         ));
         match idle {
-            Some(idle) => diagnostic.label(*idle, "of another port"),
+            Some(idle) => diagnostic.label(*idle, "names another port"),
             None => diagnostic,
         }
     }

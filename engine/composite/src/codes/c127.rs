@@ -69,7 +69,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C127, warning)]
-#[error("`stale_ms` needs a period: `{component}` runs only when a message arrives")]
+#[error("`stale_ms` needs a period, but `{component}` runs only when a message arrives")]
 pub(crate) struct StaleWithoutPeriod {
     pub component: String,
     pub at: Span,
@@ -81,6 +81,6 @@ impl Finding for StaleWithoutPeriod {
         diagnostic
             .label(self.at, "the age is never checked")
             .label(self.declared, "runs only when a message arrives")
-            .help("write `activity = { period_ms = 20 }`")
+            .help("add `activity = { period_ms = 20 }`")
     }
 }

@@ -69,7 +69,7 @@ impl Monitored {
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a bound monitored function",
-    reason = "a value comes from one place"
+    reason = "a value comes from one source"
 )]
 pub enum Source {
     /// A name under `subscribe` or `ports.in`.
@@ -121,7 +121,7 @@ pub struct Published {
 #[table(
     of = "an action",
     example = "{ call = \"planner.plan\", ok = \"PATH_OK\", event = \"ev\" }",
-    reason = "an action does one thing; a list does several"
+    reason = "an action has one effect; use a list for several"
 )]
 pub enum Action {
     /// Calls a service.

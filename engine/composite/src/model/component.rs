@@ -160,7 +160,7 @@ pub struct Verify {
 #[table(
     of = "an entry of `map`",
     example = "{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }",
-    reason = "an entry maps an operation, or a topic"
+    reason = "an entry maps either an operation or a topic"
 )]
 pub enum MapEntry {
     /// Of a port-proxy.

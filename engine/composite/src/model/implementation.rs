@@ -11,7 +11,7 @@ use crate::at::At;
 #[table(
     of = "an implementation",
     example = "{ rust = \"nav::MapServer\" }",
-    reason = "a component is made of one thing"
+    reason = "a component has one implementation"
 )]
 pub enum Implementation {
     /// A component of this build, by its name in the catalogue.

@@ -43,7 +43,7 @@ pub struct Promotion {
 
 /// What is promoted.
 #[derive(Clone, Debug, Table)]
-#[table(of = "a promotion", reason = "one promotion promotes one thing")]
+#[table(of = "a promotion", reason = "write a promotion for each")]
 pub enum Promoted {
     /// A service of a component.
     #[key(example = "\"Component.name\"")]

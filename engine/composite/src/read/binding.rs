@@ -12,7 +12,7 @@ use crate::tree::{Branch, Node, Table};
 
 /// Keys of a monitored function that belong together, or do not.
 pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) {
-    keys.either("field", "map", "one field is the value");
+    keys.either("field", "map", "only one field can be the value");
     if monitored.on_stale.is_some() {
         keys.need("stale_ms", "300");
     }
@@ -24,7 +24,7 @@ pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) 
         && receive.value != Receive::Edge
     {
         let (first, second) = (("receive", receive.span), ("edge", edge.span));
-        let reason = "an edge is true in the step in which a message came";
+        let reason = "an edge is true in the step in which a message arrives";
         keys.excluded(first, second, reason);
     }
     monitored.receive = Some(At::new(Receive::Edge, edge.span));

@@ -58,7 +58,7 @@ impl Value for Setting {
 
 /// Keys that belong to one kind of component only stand nowhere else.
 pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
-    let one = "a component cycles by one table: `task` (over a broker) or `activity`";
+    let one = "a component has either `task` (over a broker) or `activity`";
     keys.either("task", "activity", one);
     let Some(made_of) = &component.implementation else {
         return;
@@ -71,18 +71,18 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
         builtin == Some(BuiltinComponent::PortProxy),
     );
     let rules: [(&'static str, bool, &'static str); 12] = [
-        ("bind", asm, "only functions of an ASM are bound"),
+        ("bind", asm, "only functions of an ASM can be bound"),
         ("verify", asm, "only an ASM can be verified"),
         (
             "map",
             ros || proxy,
             "only the built-ins `ros-bridge` and `port-proxy` have a map",
         ),
-        ("notify", proxy, "only the built-in `port-proxy` notifies"),
+        ("notify", proxy, "only the built-in `port-proxy` can notify"),
         (
             "plots",
             builtin == Some(BuiltinComponent::WebMonitor),
-            "only the built-in `web-monitor` plots",
+            "only the built-in `web-monitor` can plot",
         ),
         ("task", !nested, NESTED),
         ("activity", !nested, NESTED),
@@ -101,11 +101,11 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
     for entry in &component.map {
         let (at, reason) = match entry {
             MapEntry::Proxy(entry) if ros => {
-                (entry.span, "a ros-bridge maps topics: `from`, `ros`")
+                (entry.span, "a ros-bridge maps topics with `from` and `ros`")
             }
             MapEntry::Ros(entry) if proxy => (
                 entry.span,
-                "a port-proxy maps operations: `operation`, `port`",
+                "a port-proxy maps operations with `operation` and `port`",
             ),
             MapEntry::Proxy(_) | MapEntry::Ros(_) => continue,
         };
@@ -113,4 +113,4 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
     }
 }
 
-const NESTED: &str = "a nested composite says this in its own file, and promotes it";
+const NESTED: &str = "a nested composite declares this in its own file and promotes it";

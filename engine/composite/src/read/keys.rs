@@ -72,7 +72,7 @@ impl<'t> Reader<'t> {
     /// A text without substitution.
     pub(crate) fn text(&mut self, key: &str, node: &Node, example: &str) -> Option<At<String>> {
         let Branch::Text(text) = &node.value else {
-            self.wrong_type(key, "a text", node, example);
+            self.wrong_type(key, "a string", node, example);
             return None;
         };
         if text.contains("${") {
@@ -88,7 +88,7 @@ impl<'t> Reader<'t> {
     /// A text with substitutions.
     pub(crate) fn template(&mut self, key: &str, node: &Node, example: &str) -> Option<Template> {
         let Branch::Text(text) = &node.value else {
-            self.wrong_type(key, "a text", node, example);
+            self.wrong_type(key, "a string", node, example);
             return None;
         };
         match template::parse(text, node.span, self.exact(text, node.span)) {

@@ -39,7 +39,7 @@ pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> (Option<Compo
 pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Report) {
     let mut report = Report::new();
     if text.len() > MAX_BYTES {
-        let reason = format!("it has {} bytes, and {MAX_BYTES} is the most", text.len());
+        let reason = format!("it has {} bytes, more than {MAX_BYTES}", text.len());
         let path = path.to_owned();
         report.found(UnreadableComposite {
             path,

@@ -9,7 +9,7 @@ use crate::model::{Condition, End, MessagePath, Terminal};
 /// A name of a thing of the composite: letters, digits, `_` and `-`; where composites are opened up, with
 /// the names of those around it in front: `Driver/youBotDriver`.
 pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
-    let rule = "a name has letters, digits, `_` and `-`, and begins with a letter";
+    let rule = "use letters, digits, `_` and `-`, starting with a letter";
     let letters = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
     let good = |part: &str| {
         let starts = part.starts_with(|first: char| first.is_alphabetic() || first == '_');
@@ -20,7 +20,7 @@ pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<Str
 
 /// A topic: as a name, with `/` and `.` in it.
 pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
-    let rule = "a topic has letters, digits, `_`, `-`, `/` and `.`";
+    let rule = "use letters, digits, `_`, `-`, `/` and `.`";
     let letters =
         |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '/' | '.');
     accept(
@@ -63,11 +63,11 @@ pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
         !component.is_empty() && !name.is_empty() && !name.contains('.')
     });
     let Some((component, name)) = split else {
-        let rule = "an end has two parts, as in `Component.port`";
+        let rule = "write two parts, as in `Component.port`";
         let text_shown = text.value.clone();
         reader.report.found(InvalidName {
             text: text_shown,
-            what: "an end",
+            what: "a connection end",
             rule,
             at: text.span,
         });
@@ -98,7 +98,7 @@ pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Ter
 
 /// A queue of the kernel: `/jointStatus`.
 fn queue(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
-    let rule = "a message queue is a `/` and a name without one, as in `mqueue:/jointStatus`";
+    let rule = "write `/` and a name without `/`, as in `mqueue:/jointStatus`";
     let good = asmotion_mqueue::QueueName::new(name).is_ok();
     accept(reader, name, good, "a message queue", rule)
 }
@@ -109,7 +109,7 @@ pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Message
     let mut start = 0;
     for step in text.split('.') {
         if step.is_empty() {
-            let rule = "a path has fields with dots in between, as in `pose.position.x`";
+            let rule = "write fields separated by dots, as in `pose.position.x`";
             reader.report.found(InvalidName {
                 text: text.value.clone(),
                 what: "a path",

@@ -32,7 +32,7 @@ pub(crate) fn parse(text: &str, span: Span, exact: bool) -> Result<Template, (&'
             continue;
         };
         let Some(length) = rest.find('}') else {
-            return Err(("it has no `}`", place(dollar, dollar + 2)));
+            return Err(("missing `}`", place(dollar, dollar + 2)));
         };
         if !plain.is_empty() {
             pieces.push(Piece::Text(std::mem::take(&mut plain)));
@@ -69,7 +69,7 @@ fn piece(inner: &str, place: impl Fn(usize, usize) -> Span) -> Result<Piece, (&'
         |letter: char| letter.is_ascii_uppercase() || letter.is_ascii_digit() || letter == '_';
     if !starts || !name.chars().all(letters) {
         return Err((
-            "it names neither a property nor an environment variable, which has capital letters",
+            "expected a property, or an environment variable in capital letters",
             place(0, inner.len().max(1)),
         ));
     }

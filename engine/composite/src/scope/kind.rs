@@ -74,10 +74,10 @@ pub(crate) fn within(
 
 /// What a property takes, for people.
 fn describe(kind: PropertyType) -> String {
-    let one = match kind.scalar {
-        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => "text",
-        Scalar::Boolean => "Boolean",
-        Scalar::F32 | Scalar::F64 => "number",
+    let (article, one) = match kind.scalar {
+        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => ("a", "string"),
+        Scalar::Boolean => ("a", "Boolean"),
+        Scalar::F32 | Scalar::F64 => ("a", "number"),
         Scalar::I8
         | Scalar::I16
         | Scalar::I32
@@ -85,11 +85,11 @@ fn describe(kind: PropertyType) -> String {
         | Scalar::U8
         | Scalar::U16
         | Scalar::U32
-        | Scalar::U64 => "whole number",
+        | Scalar::U64 => ("an", "integer"),
     };
     match kind.list {
         true => format!("a list of {one}s"),
-        false => format!("a {one}"),
+        false => format!("{article} {one}"),
     }
 }
 

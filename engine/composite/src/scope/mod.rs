@@ -331,7 +331,7 @@ impl<'s> PropertyScope<'s> {
         let Some(number) = number else {
             notes.found(InvalidSetting::WrongType {
                 name: name.to_owned(),
-                wanted: "a whole number".to_owned(),
+                wanted: "an integer".to_owned(),
                 found: value.describe(),
                 at: Some(at),
                 declared: None,

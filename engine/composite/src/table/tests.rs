@@ -85,18 +85,18 @@ fn it_reads_what_is_there_and_says_what_is_wrong() {
     assert_eq!(
         found,
         [
-            "C007 `watt` is 99, but must lie between 1 and 60",
-            "C006 `when` cannot be `cycl`",
-            "C010 `ceiling` cannot stand beside `wall`",
-            "C003 a lamp has no key `room`",
+            "C007 `watt` must be between 1 and 60, not 99",
+            "C006 invalid value `cycl` for `when`",
+            "C010 `ceiling` cannot be combined with `wall`",
+            "C003 unknown key `room` in a lamp",
         ]
     );
     let (_, found) = read("");
     assert_eq!(
         found,
         [
-            "C004 a lamp needs the key `watt`",
-            "C004 a lamp needs the key `wall`"
+            "C004 missing key `watt` in a lamp",
+            "C004 missing key `wall` in a lamp"
         ]
     );
 }

@@ -120,7 +120,7 @@ impl Value for bool {
 }
 
 impl Value for u64 {
-    const MANY: Many = Many::List("a list of whole numbers");
+    const MANY: Many = Many::List("a list of integers");
 
     fn schema(key: &Key) -> Json {
         json!({ "type": "integer", "minimum": key.least as i64, "maximum": key.greatest as i64 })
@@ -134,7 +134,7 @@ impl Value for u64 {
                 _ => None,
             };
             let example = meant.unwrap_or(spec.least.max(1.0) as i64);
-            reader.wrong_type(key, "a whole number", node, &example.to_string());
+            reader.wrong_type(key, "an integer", node, &example.to_string());
             return None;
         };
         reader.within(key, spec, number as f64, node)?;

@@ -39,7 +39,7 @@ impl Value for FieldText {
             reader.report.found(InvalidName {
                 text: written.value.clone(),
                 what: "a type",
-                rule: "a type is a name, a list `name[]` or an array `name[5]`",
+                rule: "write a name, a list `name[]` or an array `name[5]`",
                 at: written.span,
             });
             return None;

@@ -42,7 +42,7 @@ pub(super) fn read_whole(bytes: &[u8]) -> Result<Datum, DatumError> {
     let datum = read(&mut reader, DEPTH)?;
     let rest = reader.fill(1).map_err(malformed)?;
     if !rest.as_ref().is_empty() {
-        return Err(malformed("bytes are left over"));
+        return Err(malformed("trailing bytes"));
     }
     Ok(datum)
 }
@@ -107,7 +107,7 @@ fn peek(reader: &mut SliceReader<'_>) -> Result<u8, DatumError> {
         .as_ref()
         .first()
         .copied()
-        .ok_or_else(|| malformed("it ends too early"))
+        .ok_or_else(|| malformed("unexpected end"))
 }
 
 fn bytes<'de>(reader: &mut SliceReader<'de>) -> Result<Cow<'de, [u8]>, DatumError> {
@@ -185,8 +185,6 @@ fn simple(reader: &mut SliceReader<'_>, first: u8) -> Result<Datum, DatumError> 
             .map(|value| Datum::Float(value.into()))
             .map_err(malformed),
         marker::F64 => f64::decode(reader).map(Datum::Float).map_err(malformed),
-        other => Err(malformed(format_args!(
-            "byte {other:#04x} starts nothing known"
-        ))),
+        other => Err(malformed(format_args!("unknown initial byte {other:#04x}"))),
     }
 }

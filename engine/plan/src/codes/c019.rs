@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C019, warning)]
-#[error("the file contains a password")]
+#[error("password in the file")]
 pub(crate) struct SecretInFile {
     pub at: Span,
 }
@@ -37,6 +37,6 @@ impl Finding for SecretInFile {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "visible to everyone who can read the file")
-            .help("name a file with it in a variable: `${AMQP_PASSWORD_FILE}`")
+            .help("store it in a file, and refer to the file with a variable: `${AMQP_PASSWORD_FILE}`")
     }
 }

@@ -52,7 +52,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C054, warning)]
-#[error("`{to}` looks every {poll_ms} ms, but `{from}` writes every {period_ms} ms")]
+#[error("`{to}` polls every {poll_ms} ms, but `{from}` writes every {period_ms} ms")]
 pub(crate) struct PollTooSlow {
     pub from: String,
     pub to: String,
@@ -68,11 +68,11 @@ impl Finding for PollTooSlow {
         } = self;
         let missed = (poll_ms / period_ms).saturating_sub(1);
         let lost = match missed {
-            0 => "some values are seen late".to_owned(),
+            0 => "some values are read late".to_owned(),
             _ => format!("{missed} of {} values are lost", missed + 1),
         };
         diagnostic.label(self.at, lost).help(format!(
-            "look at least every {} ms, or say `delivery = \"event\"`",
+            "poll at least every {} ms, or write `delivery = \"event\"`",
             (period_ms / 2).max(1)
         ))
     }

@@ -34,7 +34,7 @@ use std::net::SocketAddr;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C065, error)]
-#[error("two gateways listen at {address}")]
+#[error("duplicate gateway address {address}")]
 pub(crate) struct DuplicateAddress {
     pub address: SocketAddr,
     pub at: Span,
@@ -44,8 +44,8 @@ pub(crate) struct DuplicateAddress {
 impl Finding for DuplicateAddress {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "again here")
-            .label(self.first, "first here")
-            .help("give one of them another port, or promote everything through one")
+            .label(self.at, "used again here")
+            .label(self.first, "first used here")
+            .help("change one port, or promote everything through one gateway")
     }
 }

@@ -6,7 +6,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// included.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C082, error)]
-#[error("this composite has more than {MAX_COMPONENTS} components, nested ones included")]
+#[error("more than {MAX_COMPONENTS} components, including nested ones")]
 pub(crate) struct TooManyComponents {
     pub at: Span,
 }
@@ -14,8 +14,8 @@ pub(crate) struct TooManyComponents {
 impl Finding for TooManyComponents {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "given up here")
-            .help("nest fewer composites: each stands here once for every time it is included")
+            .label(self.at, "limit exceeded here")
+            .help("nest fewer composites; each inclusion counts")
     }
 }
 

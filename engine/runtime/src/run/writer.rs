@@ -22,7 +22,7 @@ pub struct PortWriter<T: Message> {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WriteError {
     /// The system has ended.
-    #[error("`{port}` is gone: its system has ended")]
+    #[error("`{port}` is closed: its system has ended")]
     Gone {
         /// The input, as `component.port`.
         port: String,
@@ -34,7 +34,7 @@ pub enum WriteError {
         port: String,
     },
     /// The port cannot read the sample.
-    #[error("`{port}` cannot read the sample: {source}")]
+    #[error("invalid sample for `{port}`: {source}")]
     Unreadable {
         /// The input, as `component.port`.
         port: String,

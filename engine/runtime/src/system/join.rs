@@ -141,7 +141,7 @@ impl System {
         let port = InjectionPort::open(unit, to.index, policy, self.connections.number())
             .ok_or_else(|| BuildError::NoZero {
                 to: to.name,
-                source: DatumError::new(DatumProblem::Mismatch("it is no record".to_owned())),
+                source: DatumError::new(DatumProblem::Mismatch("expected a record".to_owned())),
             })?;
         self.streams.push(SourceStream { source, port });
         Ok(())

@@ -127,7 +127,7 @@ fn o3_nobody_is_his_own_master() {
     let refused = system.slave("Other", "Mastr").unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "there is no component `Mastr`; did you mean `Master`?"
+        "unknown component `Mastr`; did you mean `Master`?"
     );
 }
 

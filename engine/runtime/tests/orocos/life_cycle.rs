@@ -276,11 +276,11 @@ fn t5_states_are_seen_of_outsider_and_told_to_observers() {
 fn an_unknown_component_is_an_error() {
     let (mut run, _) = brought_to(State::Stopped);
     let error = run.transition("That", Transition::Start).unwrap_err();
-    assert_eq!(error.to_string(), "there is no component `That`");
+    assert_eq!(error.to_string(), "unknown component `That`");
     let error = run.trigger("It2").unwrap_err();
     assert_eq!(
         error.to_string(),
-        "there is no component `It2`; did you mean `It`?"
+        "unknown component `It2`; did you mean `It`?"
     );
 }
 

@@ -127,7 +127,7 @@ fn o11_call_and_send_of_outsider() {
     let unknown = run.send::<Double>("Doubler.sum", number(5), 1.s());
     assert_eq!(
         unknown.err().unwrap().to_string(),
-        "there is no service `Doubler.sum`; did you mean `Doubler.sums`?"
+        "unknown service `Doubler.sum`; did you mean `Doubler.sums`?"
     );
 }
 

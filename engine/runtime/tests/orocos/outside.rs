@@ -237,8 +237,8 @@ fn j13_each_way_in_which_writing_can_fail_has_its_error() {
     assert_eq!(
         failures,
         [
-            "there is no component `Xx`",
-            "there is no input `X.m`",
+            "unknown component `Xx`",
+            "unknown input `X.m`",
             "`Counter.n` is an output, not an input",
             "`the writer` and `X.n` differ: test/Twist here, test/Number there",
             "`X.n` takes test/Number: unknown field `linear`, expected `n`",

@@ -103,7 +103,7 @@ fn o8_a_queue_in_common_has_one_policy() {
     let refused = bench.system.connect("B.n", "X.n", other);
     assert_eq!(
         refused.unwrap_err().to_string(),
-        "`B.n` and `X.n` cannot have their queue in common with the others: those have a queue of another policy"
+        "`B.n` and `X.n` cannot share a queue with the others, which have a queue of another policy"
     );
 }
 
@@ -115,7 +115,7 @@ fn o8_more_threads_than_allowed_are_refused() {
     let refused = bench.system.connect("B.n", "X.n", policy.clone());
     assert_eq!(
         refused.unwrap_err().to_string(),
-        "3 threads would use the queue of `X.n`, which allows 2"
+        "3 threads use the queue of `X.n`, which allows 2"
     );
     // in the master's thread it is no third thread
     let mut bench = Bench::new();

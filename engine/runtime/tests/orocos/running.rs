@@ -17,7 +17,7 @@ fn o8_a_connection_made_while_both_run_carries_what_is_written_from_then_on() {
     let twice = hands.run.connect("A.n", "X.n", Policy::data());
     assert_eq!(
         twice.unwrap_err().to_string(),
-        "`A.n` is joined already: to `X.n`"
+        "`A.n` is already connected to `X.n`"
     );
 }
 

@@ -21,7 +21,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X001, error)]
-#[error("this is not XML: {reason}")]
+#[error("invalid XML: {reason}")]
 pub(crate) struct InvalidXml {
     pub reason: String,
     pub at: Span,
@@ -30,7 +30,7 @@ pub(crate) struct InvalidXml {
 impl Finding for InvalidXml {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "here")
-            .help("mend the file with the tool that wrote it")
+            .label(self.at, "found here")
+            .help("correct the file with the tool that wrote it")
     }
 }

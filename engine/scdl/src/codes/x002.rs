@@ -16,7 +16,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X002, error)]
-#[error("`<{name}>` is no composite of the Service Component Architecture")]
+#[error("`<{name}>` is not an SCA composite")]
 pub(crate) struct NotScdl {
     pub name: String,
     pub at: Span,
@@ -25,7 +25,7 @@ pub(crate) struct NotScdl {
 impl Finding for NotScdl {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, "the outermost element")
-                .help("SCDL begins with `<composite xmlns=\"http://docs.oasis-open.org/ns/opencsa/sca/200912\" name=\"…\">`")
+                .label(self.at, "outermost element")
+                .help("start the file with `<composite xmlns=\"http://docs.oasis-open.org/ns/opencsa/sca/200912\" name=\"…\">`")
     }
 }

@@ -23,7 +23,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X003, error)]
-#[error("`<{element}>` has no `{attribute}`")]
+#[error("missing attribute `{attribute}` of `<{element}>`")]
 pub(crate) struct MissingAttribute {
     pub element: String,
     pub attribute: &'static str,
@@ -34,7 +34,7 @@ impl Finding for MissingAttribute {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { attribute, .. } = self;
         diagnostic
-            .label(self.at, "of this element")
+            .label(self.at, "element without the attribute")
             .help(format!("add `{attribute}=\"…\"`"))
     }
 }

@@ -34,6 +34,6 @@ impl Finding for NoCounterpart {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "kept as a comment")
-            .help("say it by hand where the comment stands, or leave it out")
+            .help("replace the comment by hand, or remove it")
     }
 }

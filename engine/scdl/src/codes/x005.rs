@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X005, warning)]
-#[error("the file contains the password of `{of}`")]
+#[error("password of `{of}` in the file")]
 pub(crate) struct PasswordInScdl {
     pub of: String,
     pub variable: String,
@@ -39,7 +39,7 @@ impl Finding for PasswordInScdl {
         diagnostic
             .label(self.at, "visible to everyone who can read the file")
             .help(format!(
-                "set `{variable}`, which the composite file names in its place"
+                "set `{variable}`; the composite file refers to it instead"
             ))
     }
 }

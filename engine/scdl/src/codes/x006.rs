@@ -1,5 +1,5 @@
 use asmotion_composite::At;
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean};
 
 /// Unknown name
 ///
@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X006, error)]
-#[error("there is no {what} `{name}`")]
+#[error("unknown {what} `{name}`")]
 pub(crate) struct UnknownScdlName {
     pub what: &'static str,
     pub name: String,
@@ -43,12 +43,12 @@ pub(crate) struct UnknownScdlName {
 impl Finding for UnknownScdlName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { nearest, .. } = self;
-        let error = diagnostic.label(self.at, "not to be found");
+        let error = diagnostic.label(self.at, "not declared");
         match nearest {
             Some(near) => error
-                .label(near.span, "this one is there")
-                .help(format!("did you mean `{}`?", near.value)),
-            None => error.help("add it, or leave this out"),
+                .label(near.span, "similar name declared here")
+                .help(did_you_mean(&near.value)),
+            None => error.help("declare it, or remove this"),
         }
     }
 }

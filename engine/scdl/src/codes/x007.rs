@@ -20,7 +20,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X007, error)]
-#[error("`{name}` cannot be `{value}`")]
+#[error("invalid value `{value}` for `{name}`")]
 pub(crate) struct WrongAttributeValue {
     pub name: String,
     pub value: String,
@@ -32,7 +32,7 @@ impl Finding for WrongAttributeValue {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { wanted, .. } = self;
         diagnostic
-            .label(self.at, format!("not {wanted}"))
+            .label(self.at, format!("expected {wanted}"))
             .help(format!("write {wanted}"))
     }
 }

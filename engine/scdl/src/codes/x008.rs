@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X008, warning)]
-#[error("nothing says {what} of `{of}`")]
+#[error("`{of}` does not specify {what}")]
 pub(crate) struct AssumedValue {
     pub what: &'static str,
     pub of: String,
@@ -46,7 +46,7 @@ impl Finding for AssumedValue {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { assumed, .. } = self;
         diagnostic
-            .label(self.at, format!("`{assumed}` is assumed"))
-            .help("put the right one in the composite file")
+            .label(self.at, format!("assuming `{assumed}`"))
+            .help("correct it in the composite file")
     }
 }

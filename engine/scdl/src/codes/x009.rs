@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X009, error)]
-#[error("`{reference}` finds {} by itself", found(.services))]
+#[error("automatic wiring of `{reference}` finds {}", found(.services))]
 pub(crate) struct AmbiguousAutowire {
     pub reference: String,
     pub services: Vec<String>,
@@ -44,12 +44,12 @@ pub(crate) struct AmbiguousAutowire {
 
 impl Finding for AmbiguousAutowire {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let error = diagnostic.label(self.at, "wired by itself");
+        let error = diagnostic.label(self.at, "wired automatically");
         if self.services.is_empty() {
-            error.help("no service has its interface; name one with `target`")
+            error.help("no service has this interface; name one with `target`")
         } else {
             error.help(format!(
-                "it could be {}; name one with `target`",
+                "name one with `target`: {}",
                 self.services.join(" or ")
             ))
         }

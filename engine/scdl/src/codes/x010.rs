@@ -21,7 +21,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X010, warning)]
-#[error("SCDL cannot say {what} of `{of}`")]
+#[error("SCDL cannot express {what} of `{of}`")]
 pub(crate) struct NoScdlForm {
     pub what: String,
     pub of: String,
@@ -31,7 +31,7 @@ pub(crate) struct NoScdlForm {
 impl Finding for NoScdlForm {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "left out")
-            .help("keep the composite file: it is the one that runs")
+            .label(self.at, "omitted")
+            .help("keep the composite file as the original")
     }
 }

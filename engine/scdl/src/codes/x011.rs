@@ -23,7 +23,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X011, warning)]
-#[error("`{name}` is no name in a composite file")]
+#[error("`{name}` is not a valid name in a composite file")]
 pub(crate) struct RenamedForToml {
     pub name: String,
     pub renamed: String,
@@ -34,7 +34,7 @@ impl Finding for RenamedForToml {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { renamed, .. } = self;
         diagnostic
-            .label(self.at, format!("becomes `{renamed}`"))
-            .help("a name has letters, digits, `_` and `-`, and begins with a letter")
+            .label(self.at, format!("renamed to `{renamed}`"))
+            .help("use letters, digits, `_` and `-`, starting with a letter")
     }
 }

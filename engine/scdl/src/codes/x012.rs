@@ -38,7 +38,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X012, warning)]
-#[error("nothing says whether `{of}` publishes or subscribes `{topic}`")]
+#[error("unknown direction of topic `{topic}` of `{of}`")]
 pub(crate) struct UndirectedTopic {
     pub of: String,
     pub topic: String,
@@ -48,7 +48,7 @@ pub(crate) struct UndirectedTopic {
 impl Finding for UndirectedTopic {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { topic, .. } = self;
-        diagnostic.label(self.at, "renames it").help(format!(
+        diagnostic.label(self.at, "renamed here").help(format!(
             "list `{topic}` under `publish` or `subscribe` of the composite file, with its type"
         ))
     }

@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X013, warning)]
-#[error("`{of}` promotes several things")]
+#[error("several promotions in `{of}`")]
 pub(crate) struct SeveralPromoted {
     pub of: String,
     pub promoted: String,
@@ -50,6 +50,6 @@ impl Finding for SeveralPromoted {
         let Self { promoted, name, .. } = self;
         diagnostic
             .label(self.at, format!("`{promoted}` becomes `{name}`"))
-            .help("one promotion promotes one thing here; wire each by its own name")
+            .help("write one promotion for each, and wire each by its own name")
     }
 }

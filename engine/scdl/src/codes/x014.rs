@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Clients must call an operation at `/services/NAME/OPERATION`, with its argument in JSON.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X014, warning)]
-#[error("`{of}` is called at another address here")]
+#[error("the address of `{of}` changes")]
 pub(crate) struct MovedAddress {
     pub of: String,
     pub here: String,
@@ -43,8 +43,8 @@ pub(crate) struct MovedAddress {
 impl Finding for MovedAddress {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { here, .. } = self;
-        diagnostic
-            .label(self.at, format!("`{here}` from now on"))
-            .help("tell those who call it: the operation's name follows, and the argument is JSON")
+        diagnostic.label(self.at, format!("now `{here}`")).help(
+            "change the callers: append the name of the operation, and send the argument as JSON",
+        )
     }
 }

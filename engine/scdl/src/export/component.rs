@@ -231,7 +231,7 @@ impl Exporter<'_> {
             ("the deadline", timeout.map(|it| it.span)),
             ("the retries", wire.retry.as_ref().map(|_| wire.span)),
             ("the cancelling", wire.cancel.as_ref().map(|it| it.span)),
-            ("that nobody waits", oneway.map(|it| it.span)),
+            ("that no reply is expected", oneway.map(|it| it.span)),
         ];
         for (what, at) in rows {
             if let Some(at) = at {

@@ -75,7 +75,7 @@ fn somebody_else_than_a_broker_is_found_out() {
     let Err(BusError::Disconnected { reason }) = end else {
         panic!("{end:?}");
     };
-    assert_eq!(reason, "this is no AMQP broker");
+    assert_eq!(reason, "not an AMQP broker");
 }
 
 #[test]

@@ -125,7 +125,7 @@ fn edge(function: Option<&FunctionInfo>, at: Span, path: Option<Span>, report: &
     };
     let truth = matches!(function.codomain, Codomain::Boolean | Codomain::Other(_));
     if !truth || path.is_some() {
-        let found = "an edge, which is true or false,".to_owned();
+        let found = "an edge".to_owned();
         let at = path.filter(|_| truth).unwrap_or(at);
         let function = function.clone();
         report.found(WrongFieldType {
@@ -176,7 +176,7 @@ fn written_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> boo
     if !out {
         report.found(WrongFunctionKind {
             function: function.clone(),
-            reason: "the environment does not see it",
+            reason: "the environment cannot read it",
             help: "declare it `out`, or bind another function",
             at,
         });

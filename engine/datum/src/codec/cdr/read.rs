@@ -12,7 +12,7 @@ const PADDING: usize = 3;
 /// Decodes one datum; nothing but padding may follow.
 pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
     let Some((header, body)) = bytes.split_at_checked(LITTLE.len()) else {
-        return Err(malformed("it ends too early"));
+        return Err(malformed("unexpected end"));
     };
     // the last two header bytes are options, without meaning for plain CDR
     let big_first = match [header[0], header[1]] {
@@ -20,7 +20,7 @@ pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumEr
         kind if kind == BIG[..2] => true,
         kind => {
             return Err(malformed(format_args!(
-                "representation {kind:02x?} is none of plain CDR"
+                "representation {kind:02x?} is not plain CDR"
             )));
         }
     };
@@ -31,7 +31,7 @@ pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumEr
     };
     let datum = reader.one(schema, DEPTH)?;
     if reader.left() > PADDING {
-        return Err(malformed("bytes are left over"));
+        return Err(malformed("trailing bytes"));
     }
     Ok(datum)
 }
@@ -50,7 +50,7 @@ impl<'b> CdrReader<'b> {
             Shape::Bool => Datum::Bool(match self.number::<1>()? {
                 [0] => false,
                 [1] => true,
-                [other] => return Err(malformed(format_args!("{other} is no truth value"))),
+                [other] => return Err(malformed(format_args!("{other} is not a Boolean"))),
             }),
             Shape::I8 => Datum::Int(i8::from_le_bytes(self.number()?).into()),
             Shape::I16 => Datum::Int(i16::from_le_bytes(self.number()?).into()),
@@ -92,7 +92,7 @@ impl<'b> CdrReader<'b> {
     fn take(&mut self, count: usize) -> Result<&'b [u8], DatumError> {
         let end = self.at.checked_add(count);
         let taken = end.and_then(|end| self.body.get(self.at..end));
-        let taken = taken.ok_or_else(|| malformed("it ends too early"))?;
+        let taken = taken.ok_or_else(|| malformed("unexpected end"))?;
         self.at += count;
         Ok(taken)
     }
@@ -120,7 +120,7 @@ impl<'b> CdrReader<'b> {
         match self.take(length)? {
             [] => Ok(String::new()),
             [text @ .., 0] => String::from_utf8(text.to_vec()).map_err(malformed),
-            _ => Err(malformed("a text does not end in zero")),
+            _ => Err(malformed("string without terminating zero")),
         }
     }
 
@@ -134,7 +134,7 @@ impl<'b> CdrReader<'b> {
         }
         // each element has at least one byte
         if count > self.left() {
-            return Err(malformed("it ends too early"));
+            return Err(malformed("unexpected end"));
         }
         let mut elements = Vec::new();
         for index in 0..count {

@@ -192,5 +192,7 @@ fn misfit(datum: &Datum, schema: &Schema) -> DatumError {
         Some(count) => format!("{} of {count}", datum.kind()),
         None => datum.kind().to_owned(),
     };
-    DatumError::new(DatumProblem::Mismatch(format!("{found} is no `{schema}`")))
+    DatumError::new(DatumProblem::Mismatch(format!(
+        "expected `{schema}`, found {found}"
+    )))
 }
