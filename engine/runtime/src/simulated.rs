@@ -3,6 +3,7 @@
 //! The same system runs the same way each time: nothing here asks what time it really is, but the pacer, which only
 //! sleeps. What a cycle commits is delivered at once; a component it triggers runs at the same instant, after it.
 
+mod freeze;
 mod handle;
 mod pacer;
 mod queue;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use asmotion_component::{Drive, Fault};
 use asmotion_port::Time;
+use serde::{Deserialize, Serialize};
 
 use super::handle::SimulatedHandle;
 use super::queue::{DueQueue, DueWork};
@@ -26,10 +27,12 @@ pub(super) struct Timeline {
     /// All are to stop.
     pub escalated: bool,
     /// Shared with threads outside.
-    handle: Arc<SimulatedHandle>,
+    pub handle: Arc<SimulatedHandle>,
 }
 
 /// What the executor keeps of each unit.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct UnitSchedule {
     drive: Drive,
     /// A cycle is already in the queue because of a trigger.
