@@ -116,6 +116,26 @@ impl<T> Receiver<T> {
     }
 }
 
+impl<T> Receiver<T> {
+    /// Shows what waits, in order, and leaves it there: for looking at a connection whose ends are at rest.
+    ///
+    /// A value that is sent meanwhile is not lost, but one of a queue that several have in common may be overtaken.
+    pub fn look(&mut self, mut see: impl FnMut(&T)) {
+        match &mut self.0 {
+            ReceiverKind::Newest(reader) => reader.look(see),
+            ReceiverKind::Buffer(reader) => reader.look(see),
+            // a full turn of the queue
+            ReceiverKind::Shared(shared) => {
+                for _ in 0..shared.len() {
+                    let Some(sample) = shared.pop() else { return };
+                    see(&sample);
+                    shared.push(sample);
+                }
+            }
+        }
+    }
+}
+
 #[cfg(all(test, not(feature = "loom")))]
 mod tests {
     use super::*;
@@ -141,6 +161,26 @@ mod tests {
             receiver.drain(|sample| got.push(sample));
             assert_eq!(got, kept, "{kind:?}");
             assert_eq!(receiver.take(), None, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_looked_at_is_still_there() {
+        for kind in [
+            BufferKind::Data,
+            BufferKind::Buffer(3),
+            BufferKind::Circular(3),
+        ] {
+            for (mut sender, mut receiver) in every_way(kind) {
+                for n in 0..4 {
+                    sender.send(n);
+                }
+                let mut seen = Vec::new();
+                receiver.look(|sample| seen.push(*sample));
+                let mut got = Vec::new();
+                receiver.drain(|sample| got.push(sample));
+                assert_eq!((seen.len(), seen), (kind.size(), got), "{kind:?}");
+            }
         }
     }
 

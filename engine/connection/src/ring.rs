@@ -126,6 +126,18 @@ impl<T> RingReader<T> {
         })
     }
 
+    /// Shows every value that lies in the ring, and leaves it there.
+    pub(crate) fn look(&mut self, mut see: impl FnMut(&T)) {
+        for ahead in 0..self.len() {
+            let slot = self.ring.slot(self.taken.wrapping_add(ahead));
+            slot.with(|slot| {
+                // SAFETY: it has been written and not been taken, so the slot is the reader's and holds a value; the
+                // writer does not reach it before `taken` grows, which needs `&mut self`.
+                see(unsafe { (*slot).assume_init_ref() });
+            });
+        }
+    }
+
     /// Returns whether the writer has been dropped.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.ring) == 1

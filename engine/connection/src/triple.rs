@@ -86,6 +86,37 @@ impl<T> TripleReader<T> {
         Arc::strong_count(&self.shared) == 1
     }
 
+    /// Shows the newest value, unless it was taken before, and leaves it where it is. If the writer publishes another one
+    /// meanwhile, that one stays.
+    pub(crate) fn look(&mut self, mut see: impl FnMut(&T)) {
+        let Some(value) = self.take() else {
+            return;
+        };
+        see(&value);
+        // SAFETY: `self.slot` is the reader's own, and `&mut self` keeps other readers away.
+        unsafe {
+            self.shared
+                .with(self.slot, |content| *content = Some(value))
+        };
+        let middle = self.shared.middle.load(Ordering::Relaxed);
+        let given_back = middle & FRESH == 0
+            && (self.shared.middle)
+                .compare_exchange(
+                    middle,
+                    self.slot | FRESH,
+                    Ordering::AcqRel,
+                    Ordering::Relaxed,
+                )
+                .is_ok();
+        if given_back {
+            // An exchange like that of the writer: the numbers remain a permutation.
+            self.slot = middle & SLOT;
+        } else {
+            // SAFETY: as above; there is a newer value, so this one is dropped.
+            unsafe { self.shared.with(self.slot, |content| *content = None) };
+        }
+    }
+
     /// Removes and returns the newest value, unless it was taken before.
     pub(crate) fn take(&mut self) -> Option<T> {
         // only the writer sets FRESH; a stale value here is equivalent to a call a moment earlier
@@ -116,6 +147,20 @@ mod tests {
     }
 
     #[test]
+    fn a_value_that_was_looked_at_is_still_there() {
+        let (mut writer, mut reader) = triple();
+        reader.look(|_: &i32| unreachable!());
+        writer.write(1);
+        for _ in 0..3 {
+            let mut seen = None;
+            reader.look(|value| seen = Some(*value));
+            assert_eq!(seen, Some(1));
+        }
+        writer.write(2);
+        assert_eq!((reader.take(), reader.take()), (Some(2), None));
+    }
+
+    #[test]
     fn o9_a_writer_never_waits_for_a_reader_at_work() {
         let (mut writer, mut reader) = triple();
         writer.write(0);
@@ -141,6 +186,22 @@ mod tests {
 #[cfg(all(test, feature = "loom"))]
 mod exhaustively {
     use super::*;
+
+    /// Every interleaving of a look and two writes.
+    #[test]
+    fn no_interleaving_loses_the_newest_value_to_a_look() {
+        loom::model(|| {
+            let (mut writer, mut reader) = triple();
+            writer.write([1, 1]);
+            let writing = loom::thread::spawn(move || {
+                writer.write([2, 2]);
+                writer.write([3, 3]);
+            });
+            reader.look(|[a, b]| assert_eq!(a, b, "torn"));
+            assert!(writing.join().is_ok());
+            assert_eq!(reader.take(), Some([3, 3]));
+        });
+    }
 
     /// Tries every interleaving of two writes and three reads.
     #[test]

@@ -11,6 +11,7 @@ use crate::connection_id::ConnectionId;
 use crate::one_thread;
 use crate::policy::{Lock, OnStale, Policy};
 use crate::sender::{AnySender, PulledSender, Stamped};
+use crate::snapshot::SampleSnapshot;
 
 /// A queue shared by several connections. Created by the first one; its element type is that of its readers.
 pub type SharedQueue = Option<Box<dyn Any + Send>>;
@@ -113,6 +114,35 @@ impl<T: Message> InputChannel<T> {
                 });
                 unreadable
             }
+        }
+    }
+}
+
+impl<T: Message> InputChannel<T> {
+    /// What waits in the connection, which stays there.
+    pub(crate) fn snapshot(&mut self) -> Result<Vec<SampleSnapshot>, DatumError> {
+        let mut waiting = Vec::new();
+        match &mut self.receiver {
+            InputReceiver::Own(receiver) => {
+                receiver.look(|sample| waiting.push(SampleSnapshot::of(sample)));
+            }
+            InputReceiver::Pulled(receiver) => receiver.look(|sample| {
+                let datum = sample.value.to_datum();
+                waiting.push(datum.map(|value| SampleSnapshot {
+                    at: sample.at,
+                    order: sample.order,
+                    value,
+                }));
+            }),
+        }
+        waiting.into_iter().collect()
+    }
+
+    /// Takes out what waits, and drops it.
+    pub(crate) fn empty(&mut self) {
+        match &mut self.receiver {
+            InputReceiver::Own(receiver) => receiver.drain(drop),
+            InputReceiver::Pulled(receiver) => receiver.drain(drop),
         }
     }
 }

@@ -9,4 +9,9 @@ impl ConnectionId {
     pub fn new(number: u64) -> Self {
         Self(number)
     }
+
+    /// The number.
+    pub fn number(self) -> u64 {
+        self.0
+    }
 }

@@ -4,13 +4,14 @@ use std::any::Any;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use asmotion_datum::{Message, Schema};
+use asmotion_datum::{Datum, DatumError, Message, Schema};
 
 use crate::channel::{ChannelOpener, InputChannel, OpenerOf, ReadingEnd};
 use crate::connection_id::ConnectionId;
 use crate::flow::Flow;
-use crate::policy::OnStale;
+use crate::policy::{OnStale, Policy};
 use crate::sender::Stamped;
+use crate::snapshot::{InputSnapshot, NewestSnapshot, other_links};
 use crate::time::Time;
 
 /// An input port at run time. Used by its component's thread only.
@@ -124,6 +125,13 @@ impl<T: Message> InputPort<T> {
     }
 }
 
+/// Samples as data.
+fn data<'a, T: Message>(
+    samples: impl IntoIterator<Item = &'a T>,
+) -> Result<Vec<Datum>, DatumError> {
+    samples.into_iter().map(Datum::of).collect()
+}
+
 /// An input port without its static message type.
 pub trait AnyInput: Any + Send {
     /// Name and fields of the message type.
@@ -144,6 +152,22 @@ pub trait AnyInput: Any + Send {
 
     /// Adds the reading end of a connection.
     fn join(&mut self, end: ReadingEnd);
+
+    /// What the port holds, and what waits in its connections, whose writers are at rest.
+    ///
+    /// # Errors
+    /// A sample has no form as data.
+    fn snapshot(&mut self) -> Result<InputSnapshot, DatumError>;
+
+    /// Takes over what a port of the same connections held, and empties the connections: what waited in them has to be
+    /// sent again ([`AnyOutput::refill`](crate::AnyOutput::refill)).
+    ///
+    /// # Errors
+    /// A sample is of another type, or the port has other connections; the port is then as it was.
+    fn restore(&mut self, snapshot: &InputSnapshot) -> Result<(), DatumError>;
+
+    /// The number and the policy of each connection, in order.
+    fn connections(&self) -> Vec<(ConnectionId, &Policy)>;
 
     /// Removes a connection. Its samples are lost, as in RTT: data that are no longer renewed must not look fresh.
     fn disconnect(&mut self, connection: ConnectionId);
@@ -180,6 +204,51 @@ impl<T: Message> AnyInput for InputPort<T> {
         // succeeds: the end was made by this port's own opener
         let channel = end.0.downcast::<InputChannel<T>>();
         self.channels.extend(channel.ok().map(|channel| *channel));
+    }
+
+    fn snapshot(&mut self) -> Result<InputSnapshot, DatumError> {
+        let channels = self.channels.iter_mut();
+        let channels =
+            channels.map(|channel| Ok((channel.connection.number(), channel.snapshot()?)));
+        Ok(InputSnapshot {
+            channels: channels.collect::<Result<_, DatumError>>()?,
+            fresh: data(&self.fresh)?,
+            last: data(&self.last)?,
+            newest: self.newest.map(|newest| NewestSnapshot {
+                at: newest.at,
+                connection: newest.connection.number(),
+                zeroed: newest.zeroed,
+            }),
+            stale: self.stale,
+        })
+    }
+
+    fn restore(&mut self, snapshot: &InputSnapshot) -> Result<(), DatumError> {
+        let numbers = self.channels.iter().map(|of| of.connection.number());
+        if !numbers.eq(snapshot.channels.iter().map(|(number, _)| *number)) {
+            return Err(other_links());
+        }
+        let values = |data: &[Datum]| data.iter().map(Datum::to).collect::<Result<Vec<T>, _>>();
+        let (fresh, last) = (values(&snapshot.fresh)?, values(&snapshot.last)?);
+        for channel in &mut self.channels {
+            channel.empty();
+        }
+        self.fresh = fresh;
+        self.last = last.into_iter().next();
+        self.newest = snapshot.newest.as_ref().map(|newest| Newest {
+            at: newest.at,
+            connection: ConnectionId::new(newest.connection),
+            zeroed: newest.zeroed,
+        });
+        self.stale = snapshot.stale;
+        Ok(())
+    }
+
+    fn connections(&self) -> Vec<(ConnectionId, &Policy)> {
+        let channels = self.channels.iter();
+        channels
+            .map(|channel| (channel.connection, &channel.policy))
+            .collect()
     }
 
     fn disconnect(&mut self, connection: ConnectionId) {

@@ -12,6 +12,7 @@ mod one_thread;
 mod output;
 mod policy;
 mod sender;
+mod snapshot;
 mod time;
 
 pub use asmotion_connection::{BufferKind, Notifier, PushOutcome};
@@ -24,4 +25,5 @@ pub use output::{
 };
 pub use policy::{Lock, OnStale, Policy, Sharing};
 pub use sender::{AnySender, PortSender, Stamped};
+pub use snapshot::{InputSnapshot, OutputSnapshot, SampleSnapshot};
 pub use time::{Span, Time};

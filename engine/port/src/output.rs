@@ -11,6 +11,7 @@ use asmotion_datum::{DatumError, Message, Sample, Schema};
 use crate::connection_id::ConnectionId;
 use crate::policy::Policy;
 use crate::sender::{AnySender, PortSender, Stamped};
+use crate::snapshot::{OutputSnapshot, SampleSnapshot, other_links};
 use crate::time::Time;
 
 /// An output port at run time. Used by its component's thread only.
@@ -146,6 +147,15 @@ impl OutputLink {
         (notifier, link)
     }
 
+    /// Returns whether all readers are components of the system.
+    pub fn is_inside(&self) -> bool {
+        let inside = |reader: &LinkReader| match &reader.notification {
+            Notification::Silent | Notification::Trigger(_) => true,
+            Notification::Notify(_) => false,
+        };
+        !self.readers.is_empty() && self.readers.iter().all(inside)
+    }
+
     /// Returns whether a reader may still exist.
     fn is_there(&self) -> bool {
         let gone = |reader: &LinkReader| match &reader.notification {
@@ -218,6 +228,31 @@ pub trait AnyOutput: Any + Send {
 
     /// Drops the pending samples, because the cycle failed.
     fn discard(&mut self);
+
+    /// What the port holds between two cycles, when nothing is pending.
+    ///
+    /// # Errors
+    /// A sample has no form as data.
+    fn snapshot(&self) -> Result<OutputSnapshot, DatumError>;
+
+    /// Takes over what a port of the same connections held.
+    ///
+    /// # Errors
+    /// A sample is of another type, or the port has other connections; the port is then as it was.
+    fn restore(&mut self, snapshot: &OutputSnapshot) -> Result<(), DatumError>;
+
+    /// Sends again what waited in a connection, without effects. Returns whether the connection leads from here.
+    ///
+    /// # Errors
+    /// A sample is of another type than the connection's reader.
+    fn refill(
+        &mut self,
+        connection: ConnectionId,
+        waiting: &[SampleSnapshot],
+    ) -> Result<bool, DatumError>;
+
+    /// The links, in order.
+    fn links(&self) -> Vec<&OutputLink>;
 }
 
 impl<T: Message> AnyOutput for OutputPort<T> {
@@ -273,5 +308,61 @@ impl<T: Message> AnyOutput for OutputPort<T> {
 
     fn discard(&mut self) {
         self.pending.clear();
+    }
+
+    fn snapshot(&self) -> Result<OutputSnapshot, DatumError> {
+        let last = self.last.iter().map(SampleSnapshot::of);
+        let dropped = self.links.iter();
+        Ok(OutputSnapshot {
+            sequence: self.sequence,
+            last: last.collect::<Result<_, _>>()?,
+            dropped: dropped
+                .map(|(_, link)| link.dropped.load(Ordering::Relaxed))
+                .collect(),
+        })
+    }
+
+    fn restore(&mut self, snapshot: &OutputSnapshot) -> Result<(), DatumError> {
+        if snapshot.dropped.len() != self.links.len() {
+            return Err(other_links());
+        }
+        let last = snapshot.last.first().map(|last| {
+            Ok::<_, DatumError>(Stamped {
+                at: last.at,
+                order: last.order,
+                value: last.value.to()?,
+            })
+        });
+        self.last = last.transpose()?;
+        self.sequence = snapshot.sequence;
+        for ((_, link), dropped) in self.links.iter().zip(&snapshot.dropped) {
+            link.dropped.store(*dropped, Ordering::Relaxed);
+        }
+        self.pending.clear();
+        Ok(())
+    }
+
+    fn refill(
+        &mut self,
+        connection: ConnectionId,
+        waiting: &[SampleSnapshot],
+    ) -> Result<bool, DatumError> {
+        let leads = |link: &OutputLink| link.readers.iter().any(|it| it.connection == connection);
+        let Some((sender, _)) = self.links.iter_mut().find(|(_, link)| leads(link)) else {
+            return Ok(false);
+        };
+        for sample in waiting {
+            // as data: the reader may have another type than this port
+            let value = Arc::new(sample.value.clone());
+            match sender {
+                PortSender::Same(sender) => sender.send_sample(value, sample.at, sample.order),
+                PortSender::Shared(sender) => sender.send_sample(value, sample.at, sample.order),
+            }?;
+        }
+        Ok(true)
+    }
+
+    fn links(&self) -> Vec<&OutputLink> {
+        self.links.iter().map(|(_, link)| link).collect()
     }
 }

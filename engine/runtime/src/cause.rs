@@ -54,6 +54,23 @@ impl CycleCause {
         (id != 0).then_some(TraceContext { id, span })
     }
 
+    /// The trace that has arrived for the next cycle, and that of the present one.
+    pub(crate) fn snapshot(&self) -> [Option<TraceContext>; 2] {
+        let arrived = self.arrived.pop();
+        if let Some(trace) = arrived {
+            self.arrived.force_push(trace);
+        }
+        [arrived, self.present()]
+    }
+
+    pub(crate) fn restore(&self, [arrived, present]: [Option<TraceContext>; 2]) {
+        self.arrived.pop();
+        if let Some(trace) = arrived {
+            self.arrived.force_push(trace);
+        }
+        self.set(present);
+    }
+
     fn set(&self, trace: Option<TraceContext>) {
         let (id, span) = trace.map_or((0, 0), |trace| (trace.id, trace.span));
         for (part, value) in self

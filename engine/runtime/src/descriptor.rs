@@ -6,11 +6,12 @@ use std::time::Duration;
 
 use asmotion_component::{Declaration, Fault, Losses, State, Transition};
 use asmotion_port::ChannelOpener;
+use serde::{Deserialize, Serialize};
 
 use crate::service::RequestQueue;
 
 /// Duration of a component's cycles, on the clock it runs by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CycleTime {
     /// Sum over all cycles.
     pub total: Duration,
@@ -68,6 +69,20 @@ pub(crate) struct ComponentStatus {
     misfits: AtomicU64,
     /// The newest fault. The lock is held only while the fault is copied, and no successful cycle takes it.
     fault: Mutex<Option<Fault>>,
+}
+
+/// A component's status in a frozen system.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StatusSnapshot {
+    target: State,
+    cycles: u64,
+    overruns: u64,
+    late: u64,
+    cycle_time: CycleTime,
+    interrupt: bool,
+    losses: Losses,
+    fault: Option<Fault>,
 }
 
 impl ComponentDescriptor {
@@ -155,6 +170,35 @@ impl ComponentStatus {
     pub(crate) fn set_losses(&self, losses: Losses) {
         self.dropped.store(losses.dropped, Ordering::Relaxed);
         self.misfits.store(losses.misfits, Ordering::Relaxed);
+    }
+
+    /// Everything but the state and the period, which follow from the unit.
+    pub(crate) fn snapshot(&self) -> StatusSnapshot {
+        StatusSnapshot {
+            target: self.target(),
+            cycles: self.cycles.load(Ordering::Relaxed),
+            overruns: self.overruns.load(Ordering::Relaxed),
+            late: self.late.load(Ordering::Relaxed),
+            cycle_time: self.cycle_time(),
+            interrupt: self.is_interrupted(),
+            losses: self.losses(),
+            fault: self.fault().clone(),
+        }
+    }
+
+    pub(crate) fn restore(&self, state: State, snapshot: &StatusSnapshot) {
+        let nanos = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        self.enter(state);
+        self.aim(snapshot.target);
+        self.cycles.store(snapshot.cycles, Ordering::Relaxed);
+        self.overruns.store(snapshot.overruns, Ordering::Relaxed);
+        self.late.store(snapshot.late, Ordering::Relaxed);
+        let CycleTime { total, longest } = snapshot.cycle_time;
+        self.spent.store(nanos(total), Ordering::Relaxed);
+        self.longest.store(nanos(longest), Ordering::Relaxed);
+        self.interrupt.store(snapshot.interrupt, Ordering::Relaxed);
+        self.set_losses(snapshot.losses);
+        self.fault().clone_from(&snapshot.fault);
     }
 
     pub(crate) fn fault(&self) -> MutexGuard<'_, Option<Fault>> {

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use asmotion_component::suggestion_among;
 use asmotion_datum::{DatumError, Sample};
-use asmotion_port::{AnySender, ConnectionId, Policy, PushOutcome, Time};
+use asmotion_port::{AnySender, ConnectionId, Policy, PushOutcome, SampleSnapshot, Time};
+use serde::{Deserialize, Serialize};
 
 use crate::connections::ConnectionTable;
 use crate::effects::Effects;
@@ -21,6 +22,7 @@ pub struct InjectionPort {
     /// Full name of the input, `component.port`.
     name: String,
     component: usize,
+    connection: ConnectionId,
     /// Whether a sample triggers the component.
     trigger: bool,
     /// The port's type, for error messages.
@@ -38,7 +40,7 @@ pub struct InjectionPorts {
 }
 
 /// The target of an injected sample.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub enum InjectionTarget {
     /// The input port at this position.
     Port(usize),
@@ -162,6 +164,26 @@ impl InjectionPorts {
         }
     }
 
+    /// All of them, in order.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &InjectionPort> {
+        let of_topics = self.topics.iter().flat_map(|(_, ports)| ports);
+        self.ports.iter().chain(of_topics)
+    }
+
+    /// All of them, in order.
+    pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut InjectionPort> {
+        let of_topics = self.topics.iter_mut().flat_map(|(_, ports)| ports);
+        self.ports.iter_mut().chain(of_topics)
+    }
+
+    /// Whether there is such a target.
+    pub(crate) fn has(&self, target: InjectionTarget) -> bool {
+        match target {
+            InjectionTarget::Port(port) => port < self.ports.len(),
+            InjectionTarget::Topic(topic) => topic < self.topics.len(),
+        }
+    }
+
     fn at(&mut self, target: InjectionTarget) -> &mut [InjectionPort] {
         match target {
             InjectionTarget::Port(port) => std::slice::from_mut(&mut self.ports[port]),
@@ -188,11 +210,39 @@ impl InjectionPort {
         Some(Self {
             name: format!("{}.{}", unit.name, port.name),
             component: unit.index,
+            connection,
             trigger: policy.trigger,
             expected: port.schema.to_string(),
             sender,
             dropped: 0,
         })
+    }
+
+    /// The connection into the input port.
+    pub(crate) fn connection(&self) -> ConnectionId {
+        self.connection
+    }
+
+    /// Samples dropped so far.
+    pub(crate) fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// Sets the number of samples dropped so far.
+    pub(crate) fn set_dropped(&mut self, dropped: u64) {
+        self.dropped = dropped;
+    }
+
+    /// Sends again what waited in the connection, without effects.
+    ///
+    /// # Errors
+    /// A sample is of another type than the port.
+    pub(crate) fn refill(&mut self, waiting: &[SampleSnapshot]) -> Result<(), DatumError> {
+        for sample in waiting {
+            let value = Arc::new(sample.value.clone());
+            (self.sender).send_sample(value, sample.at, sample.order)?;
+        }
+        Ok(())
     }
 
     fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), RunError> {

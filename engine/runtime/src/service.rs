@@ -5,10 +5,10 @@ mod message;
 mod provider;
 mod reference;
 
-pub(crate) use calls::OutgoingCalls;
+pub(crate) use calls::{FrozenCalls, OutgoingCalls};
 pub use message::{
     CallKey, ComponentReply, ProviderMessage, RemoteCaller, ReplyTo, ServiceRequest,
 };
-pub(crate) use provider::ProvidedService;
 pub use provider::RequestQueue;
+pub(crate) use provider::{FrozenService, ProvidedService, ThawContext};
 pub(crate) use reference::{RequiredReference, Wiring};

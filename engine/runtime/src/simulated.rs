@@ -3,6 +3,7 @@
 //! Runs of the same system are identical: only the pacer reads the real clock, and it only sleeps. Committed outputs
 //! are delivered at once; a component they trigger runs at the same instant, after the writer.
 
+mod freeze;
 mod handle;
 mod pacer;
 mod queue;

@@ -1,5 +1,6 @@
 //! A unit: a component with its runtime state, its life cycle and its cycles. Executors drive units.
 
+mod freeze;
 mod timing;
 
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use asmotion_component::{
 use asmotion_datum::Datum;
 use asmotion_port::Time;
 
+pub(crate) use self::freeze::FrozenUnit;
 use crate::body::{ComponentBody, CycleBody};
 use crate::descriptor::{ComponentDescriptor, ComponentStatus};
 use crate::effects::{ComponentEffects, Effects};

@@ -1,5 +1,7 @@
 //! The caller's side of services: a call is outstanding until a reply, a cancellation or the deadline ends it.
 
+mod freeze;
+
 use std::sync::Arc;
 
 use asmotion_bus::TraceContext;
@@ -8,6 +10,7 @@ use asmotion_datum::Sample;
 use asmotion_port::Time;
 use crossbeam_queue::ArrayQueue;
 
+pub(crate) use self::freeze::FrozenCalls;
 use super::message::{
     CallAnswer, CallKey, ComponentReply, ProviderMessage, ReplyTo, ServiceRequest,
 };

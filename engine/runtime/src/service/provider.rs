@@ -1,5 +1,7 @@
 //! The provider's side of services: a request waits for the provider's cycle and stays open until it replies.
 
+mod freeze;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,6 +11,7 @@ use asmotion_datum::Sample;
 use asmotion_port::{Notifier, Time};
 use crossbeam_queue::ArrayQueue;
 
+pub(crate) use self::freeze::{FrozenService, ThawContext};
 use super::message::{CallKey, ProviderMessage, ReplyTo, ServiceRequest};
 use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;

@@ -38,6 +38,15 @@ impl SimulatedHandle {
         self.now.store(now.nanos(), Ordering::Relaxed);
     }
 
+    /// Place of the last sample among all samples.
+    pub(super) fn order(&self) -> u64 {
+        self.order.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn set_order(&self, order: u64) {
+        self.order.store(order, Ordering::Relaxed);
+    }
+
     pub(super) fn end(&self) {
         self.ended.store(true, Ordering::Release);
     }

@@ -31,6 +31,12 @@ impl Pacer {
         }
     }
 
+    /// Virtual time is this from now on.
+    pub(super) fn begin_at(&mut self, now: Time) {
+        self.from = now;
+        self.since = Instant::now();
+    }
+
     /// Sleeps until the real clock allows virtual time to be `at`.
     pub(super) fn wait(&self, at: Time) {
         let seconds = at.since(self.from).as_secs_f64() / self.factor;

@@ -91,6 +91,29 @@ impl DueQueue {
         (due.0.at <= until).then(|| PeekMut::pop(due).0)
     }
 
+    /// Everything that is due, in order: when, its serial number, and what.
+    pub(super) fn entries(&self) -> Vec<(Time, u64, &DueWork)> {
+        let mut entries: Vec<_> = self.heap.iter().map(|Reverse(due)| due).collect();
+        entries.sort();
+        let entries = entries.into_iter();
+        entries.map(|due| (due.at, due.serial, &due.what)).collect()
+    }
+
+    /// The number of entries planned so far.
+    pub(super) fn planned(&self) -> u64 {
+        self.planned
+    }
+
+    /// A queue of these entries.
+    pub(super) fn of(planned: u64, entries: Vec<(Time, u64, DueWork)>) -> Self {
+        let entries = entries.into_iter();
+        let due = |(at, serial, what)| Reverse(Due { at, serial, what });
+        Self {
+            heap: entries.map(due).collect(),
+            planned,
+        }
+    }
+
     /// Time of the next item.
     pub(super) fn next(&self) -> Option<Time> {
         self.heap.peek().map(|Reverse(due)| due.at)

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use asmotion_component::{Drive, Fault};
 use asmotion_port::Time;
+use serde::{Deserialize, Serialize};
 
 use super::handle::SimulatedHandle;
 use super::queue::{DueQueue, DueWork};
@@ -26,10 +27,12 @@ pub(super) struct Timeline {
     /// A component has failed whose activity stops all components.
     pub escalated: bool,
     /// Shared with threads outside of the simulation.
-    handle: Arc<SimulatedHandle>,
+    pub handle: Arc<SimulatedHandle>,
 }
 
 /// The schedule of one unit.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct UnitSchedule {
     drive: Drive,
     /// A triggered cycle is in the queue already.

@@ -1,0 +1,301 @@
+//! Freezing a simulation between two steps, and thawing one.
+
+use std::collections::BTreeSet;
+
+use asmotion_datum::DatumError;
+use asmotion_port::{ConnectionId, SampleSnapshot, Time};
+use serde::{Deserialize, Serialize};
+
+use super::Simulation;
+use super::queue::{DueQueue, DueWork};
+use super::timeline::UnitSchedule;
+use crate::frozen::{
+    FrozenSample, FrozenSystem, SampleNames, SystemFreezeError, SystemThawError, no_data, other,
+};
+use crate::injection::InjectionTarget;
+use crate::service::ThawContext;
+use crate::unit::FrozenUnit;
+
+/// Everything a simulation depends on, but its observers and its pace.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrozenSimulation {
+    now: Time,
+    /// Place of the last sample among all samples.
+    order: u64,
+    /// The number of things planned so far.
+    planned: u64,
+    /// What is due, in order: when, its serial number, and what.
+    due: Vec<(Time, u64, FrozenWork)>,
+    schedules: Vec<UnitSchedule>,
+    /// Samples that each injection port has dropped.
+    dropped: Vec<u64>,
+    units: Vec<FrozenUnit>,
+}
+
+/// Something that is due.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum FrozenWork {
+    Sample {
+        target: InjectionTarget,
+        sample: FrozenSample,
+    },
+    Deadline {
+        component: usize,
+    },
+    Trigger {
+        component: usize,
+        generation: u64,
+    },
+    Period {
+        component: usize,
+        generation: u64,
+    },
+}
+
+impl Simulation {
+    /// Everything that the run depends on from here on, as data. The simulation itself goes on unchanged.
+    ///
+    /// Not part of it are observers and the pace. A system that is joined to the world outside cannot be frozen: by an
+    /// adapter (a bus, HTTP), a reader, writer or caller on another thread, or a message queue.
+    ///
+    /// # Errors
+    /// A component does not freeze, or something leads out of the system.
+    pub fn freeze(&mut self) -> Result<FrozenSystem, SystemFreezeError> {
+        if !self.adapters.is_empty() {
+            let what = "an adapter joins the system to a bus".to_owned();
+            return Err(SystemFreezeError::Outside(what));
+        }
+        // what threads outside have asked for until now counts; the next step would begin with it
+        self.timeline.effects(None).take_outside_triggers();
+        let units = self.units.iter_mut().map(|unit| unit.snapshot());
+        let units: Vec<_> = units.collect::<Result<_, _>>()?;
+        self.refuse_writers_outside(&units)?;
+        let timeline = &self.timeline;
+        let due = timeline.queue.entries().into_iter();
+        let due = due.map(|(at, serial, work)| Ok((at, serial, FrozenWork::of(work)?)));
+        FrozenSystem::of(FrozenSimulation {
+            now: timeline.now,
+            order: timeline.handle.order(),
+            planned: timeline.queue.planned(),
+            due: due.collect::<Result<_, SystemFreezeError>>()?,
+            schedules: timeline.each.clone(),
+            dropped: self.injections.all().map(|port| port.dropped()).collect(),
+            units: Self::without_repetition(units, &self.shared_queues()),
+        })
+    }
+
+    /// Takes over a frozen state. This simulation has been started from the same composite; it goes on as the frozen
+    /// one would have, its clock included. Observers see nothing of it.
+    ///
+    /// # Errors
+    /// The bytes are no frozen system, one of another composite, or one of another version. The simulation is then as
+    /// it was before.
+    pub fn thaw(&mut self, frozen: &FrozenSystem) -> Result<(), SystemThawError> {
+        let state: FrozenSimulation = frozen.read()?;
+        self.compare(&state)?;
+        let before = self.freeze().map_err(SystemThawError::Unfreezable)?;
+        let thawed = self.restore(&state);
+        if thawed.is_err() {
+            // what this system has just frozen itself, it takes back
+            let before: FrozenSimulation = before.read()?;
+            self.restore(&before)?;
+        }
+        thawed
+    }
+
+    /// Refuses the state of a system with other components.
+    fn compare(&self, state: &FrozenSimulation) -> Result<(), SystemThawError> {
+        let count = self.units.len();
+        if state.units.len() != count || state.schedules.len() != count {
+            let theirs = state.units.len();
+            return Err(other(format!(
+                "it has {theirs} components, and this one {count}"
+            )));
+        }
+        for (unit, frozen) in self.units.iter().zip(&state.units) {
+            unit.compare(frozen)?;
+        }
+        if state.dropped.len() != self.injections.all().count() {
+            return Err(other("it has other topics"));
+        }
+        let fits = state.due.iter().all(|(at, _, work)| {
+            *at >= state.now
+                && match work {
+                    FrozenWork::Sample { target, .. } => self.injections.has(*target),
+                    FrozenWork::Deadline { component }
+                    | FrozenWork::Trigger { component, .. }
+                    | FrozenWork::Period { component, .. } => *component < count,
+                }
+        });
+        match fits {
+            true => Ok(()),
+            false => Err(other("something is due there that cannot be due here")),
+        }
+    }
+
+    fn restore(&mut self, state: &FrozenSimulation) -> Result<(), SystemThawError> {
+        let declarations = self.units.iter().map(|unit| &unit.body.declaration);
+        let context = ThawContext {
+            names: SampleNames::of(declarations),
+            reply_queues: (self.units.iter())
+                .map(|unit| unit.body.caller.reply_queue())
+                .collect(),
+        };
+        for (unit, frozen) in self.units.iter_mut().zip(&state.units) {
+            unit.restore(frozen, &context)?;
+        }
+        for (connection, waiting) in state.units.iter().flat_map(|unit| unit.waiting()) {
+            self.refill(connection, waiting)
+                .map_err(SystemThawError::Malformed)?;
+        }
+        for (port, dropped) in self.injections.all_mut().zip(&state.dropped) {
+            port.set_dropped(*dropped);
+        }
+        let due = state.due.iter();
+        let due = due.map(|(at, serial, work)| Ok((*at, *serial, work.thaw(&context.names)?)));
+        let due = due.collect::<Result<_, SystemThawError>>()?;
+        let timeline = &mut self.timeline;
+        timeline.queue = DueQueue::of(state.planned, due);
+        timeline.each.clone_from(&state.schedules);
+        timeline.escalated = false;
+        timeline.set_now(state.now);
+        timeline.handle.set_order(state.order);
+        if let Some(pacer) = &mut self.pacer {
+            pacer.begin_at(state.now);
+        }
+        Ok(())
+    }
+
+    /// Sends again what waited in a connection.
+    fn refill(
+        &mut self,
+        connection: ConnectionId,
+        waiting: &[SampleSnapshot],
+    ) -> Result<(), DatumError> {
+        let mut injections = self.injections.all_mut();
+        if let Some(port) = injections.find(|port| port.connection() == connection) {
+            return port.refill(waiting);
+        }
+        for unit in &mut self.units {
+            for output in &mut unit.body.outputs {
+                if output.refill(connection, waiting)? {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The connections that lead into inputs from within: from outputs, and from injection ports.
+    fn senders(&self) -> BTreeSet<u64> {
+        let outputs = self.units.iter().flat_map(|unit| &unit.body.outputs);
+        let links = outputs.flat_map(|output| output.links());
+        let readers = links.flat_map(|link| &link.readers);
+        let injections = self.injections.all().map(|port| port.connection().number());
+        readers
+            .map(|reader| reader.connection.number())
+            .chain(injections)
+            .collect()
+    }
+
+    /// Refuses connections whose writing end is outside of the system.
+    fn refuse_writers_outside(&self, units: &[FrozenUnit]) -> Result<(), SystemFreezeError> {
+        let senders = self.senders();
+        for unit in units {
+            let mut channels = unit.inputs.iter().flat_map(|input| &input.channels);
+            if let Some((number, _)) = channels.find(|it| !senders.contains(&it.0)) {
+                let what = format!(
+                    "connection {number} into an input of `{}` has a writer on another thread, or had one",
+                    unit.name()
+                );
+                return Err(SystemFreezeError::Outside(what));
+            }
+        }
+        Ok(())
+    }
+
+    /// For each connection that has its queue in common with others, the position of that queue.
+    fn shared_queues(&self) -> Vec<(u64, usize)> {
+        let outputs = self.units.iter().flat_map(|unit| &unit.body.outputs);
+        let links = outputs.flat_map(|output| output.links());
+        let shared = links.filter_map(|link| Some((&link.readers, link.queue?)));
+        shared
+            .flat_map(|(readers, queue)| {
+                let readers = readers.iter();
+                readers.map(move |reader| (reader.connection.number(), queue))
+            })
+            .collect()
+    }
+
+    /// Keeps what waits in a common queue with the first of its connections only.
+    fn without_repetition(mut units: Vec<FrozenUnit>, shared: &[(u64, usize)]) -> Vec<FrozenUnit> {
+        let mut seen = BTreeSet::new();
+        for unit in &mut units {
+            for (number, waiting) in unit.inputs.iter_mut().flat_map(|input| &mut input.channels) {
+                let queue = shared.iter().find(|(connection, _)| connection == number);
+                if let Some((_, queue)) = queue
+                    && !seen.insert(*queue)
+                {
+                    waiting.clear();
+                }
+            }
+        }
+        units
+    }
+}
+
+impl FrozenWork {
+    fn of(work: &DueWork) -> Result<Self, SystemFreezeError> {
+        Ok(match work {
+            DueWork::Sample { target, sample } => Self::Sample {
+                target: *target,
+                sample: FrozenSample::of(&**sample).map_err(no_data("an injected sample"))?,
+            },
+            DueWork::Deadline { component } => Self::Deadline {
+                component: *component,
+            },
+            DueWork::Trigger {
+                component,
+                generation,
+            } => Self::Trigger {
+                component: *component,
+                generation: *generation,
+            },
+            DueWork::Period {
+                component,
+                generation,
+            } => Self::Period {
+                component: *component,
+                generation: *generation,
+            },
+        })
+    }
+
+    fn thaw(&self, names: &SampleNames) -> Result<DueWork, SystemThawError> {
+        Ok(match self {
+            Self::Sample { target, sample } => DueWork::Sample {
+                target: *target,
+                sample: sample.thaw(names)?,
+            },
+            Self::Deadline { component } => DueWork::Deadline {
+                component: *component,
+            },
+            Self::Trigger {
+                component,
+                generation,
+            } => DueWork::Trigger {
+                component: *component,
+                generation: *generation,
+            },
+            Self::Period {
+                component,
+                generation,
+            } => DueWork::Period {
+                component: *component,
+                generation: *generation,
+            },
+        })
+    }
+}
