@@ -40,7 +40,7 @@ impl Loader for DiskLoader {
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
         let candidates = candidates(from, import);
         let found = candidates.iter().find(|path| path.is_file());
-        found.map(|path| tidy(path))
+        found.map(|path| normalize(path))
     }
 }
 
@@ -115,7 +115,7 @@ impl SentFiles {
 
     /// The full path of one of the files.
     pub fn path(&self, path: &str) -> String {
-        tidy(&self.folder.join(path))
+        normalize(&self.folder.join(path))
     }
 
     /// All full paths.
@@ -134,7 +134,7 @@ impl Loader for SentFiles {
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
         let candidates = candidates(from, import);
-        let mut paths = candidates.iter().map(|path| tidy(path));
+        let mut paths = candidates.iter().map(|path| normalize(path));
         paths.find(|path| self.texts.contains_key(path))
     }
 }
@@ -153,21 +153,21 @@ pub fn reason(error: &std::io::Error) -> String {
 }
 
 /// Removes `.` and `a/..` from a path, so that each file has one path.
-fn tidy(path: &Path) -> String {
-    let mut tidy = PathBuf::new();
+fn normalize(path: &Path) -> String {
+    let mut normalized = PathBuf::new();
     for part in path.components() {
         match part {
             std::path::Component::CurDir => {}
-            std::path::Component::ParentDir if tidy.file_name().is_some() => {
-                tidy.pop();
+            std::path::Component::ParentDir if normalized.file_name().is_some() => {
+                normalized.pop();
             }
             std::path::Component::Prefix(_)
             | std::path::Component::RootDir
             | std::path::Component::ParentDir
-            | std::path::Component::Normal(_) => tidy.push(part),
+            | std::path::Component::Normal(_) => normalized.push(part),
         }
     }
-    tidy.display().to_string()
+    normalized.display().to_string()
 }
 
 /// Returns all specifications below a folder, sorted.

@@ -13,7 +13,7 @@ use crate::mission::{ListenCallback, MissionGateways};
 pub fn open(
     http: &[String],
     named: &[String],
-    told: ListenCallback,
+    on_listen: ListenCallback,
 ) -> Result<MissionGateways, String> {
     if http == ["off"] {
         return Ok(MissionGateways::Closed);
@@ -23,7 +23,10 @@ pub fn open(
     Ok(if named.is_empty() {
         MissionGateways::Closed
     } else {
-        MissionGateways::Open { elsewhere, told }
+        MissionGateways::Open {
+            elsewhere,
+            on_listen,
+        }
     })
 }
 

@@ -127,14 +127,14 @@ impl Mission {
         }
     }
 
-    /// Runs the mission. `hear` receives every event, with its line of the story if it has one; setting `stop` ends the
+    /// Runs the mission. `on_event` receives every event, with its line of the story if it has one; setting `stop` ends the
     /// run early.
     ///
     /// # Errors
     /// Fails if the composite has errors or cannot be assembled in this binary.
     pub fn run(
         &self,
-        mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
+        mut on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<MissionEnd, MissionError> {
         let opened = self.open(&self.composite, &DiskLoader);
@@ -186,8 +186,8 @@ impl Mission {
         let watch = Arc::new(Mutex::new(watch));
         let (listener, watcher) = (story.clone(), watch.clone());
         system.observe(move |at: Time, event: &Event<'_>| {
-            let line = lock(&listener).tell(at, event);
-            hear(at, event, line.as_deref());
+            let line = lock(&listener).report(at, event);
+            on_event(at, event, line.as_deref());
             lock(&watcher).observe(at, event);
         });
         let connected = self.connect(plan)?;

@@ -28,7 +28,7 @@ use crate::terminal::{BAD, FAINT, NAME, NOTE};
 #[derive(Debug, Default)]
 pub struct Story {
     /// The inputs of specifications, whose messages are reported.
-    ears: Vec<StoryInput>,
+    inputs: Vec<StoryInput>,
     repeats: RepeatedEntries,
     summary: Summary,
 }
@@ -56,7 +56,7 @@ impl Story {
     /// Creates the story of a plan that has not started yet.
     pub fn of(plan: &Plan) -> Self {
         Self {
-            ears: input::of(plan),
+            inputs: input::of(plan),
             ..Self::default()
         }
     }
@@ -67,18 +67,18 @@ impl Story {
     }
 
     /// Handles an event. Returns the lines to print, which are usually none.
-    pub fn tell(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
+    pub fn report(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
         self.summary.ended = Some(at);
-        let told = self.happened(at, event);
-        let repeated = self.repeats.due(at, told.as_ref());
-        let told = told.filter(|told| match &told.again {
+        let entry = self.happened(at, event);
+        let repeated = self.repeats.due(at, entry.as_ref());
+        let entry = entry.filter(|entry| match &entry.again {
             Some(name) => self.repeats.is_new(at, name),
             None => true,
         });
-        let told = told.map(|told| stamped(at, &told.line));
-        match (repeated.map(|line| stamped(at, &line)), told) {
-            (Some(repeated), Some(told)) => Some(format!("{repeated}\n{told}")),
-            (repeated, told) => repeated.or(told),
+        let entry = entry.map(|entry| stamped(at, &entry.line));
+        match (repeated.map(|line| stamped(at, &line)), entry) {
+            (Some(repeated), Some(entry)) => Some(format!("{repeated}\n{entry}")),
+            (repeated, entry) => repeated.or(entry),
         }
     }
 
@@ -92,16 +92,16 @@ impl Story {
                 ..
             } => {
                 let moved = self.summary.moved(at, *sample);
-                let mut ears = self.ears.iter_mut();
-                match ears.find(|ear| ear.hears(component, port, *topic)) {
-                    Some(ear) => heard(ear, &mut self.summary, component, *sample),
+                let mut inputs = self.inputs.iter_mut();
+                match inputs.find(|input| input.receives(component, port, *topic)) {
+                    Some(input) => received(input, &mut self.summary, component, *sample),
                     None => moved,
                 }
             }
             Event::Injected { place, sample } => {
-                let mut ears = self.ears.iter_mut();
-                let ear = ears.find(|ear| ear.is_at(place))?;
-                heard(ear, &mut self.summary, "outside", *sample)
+                let mut inputs = self.inputs.iter_mut();
+                let input = inputs.find(|input| input.is_at(place))?;
+                received(input, &mut self.summary, "outside", *sample)
             }
             Event::Called {
                 reference,
@@ -166,7 +166,7 @@ impl Story {
             STEP_REPORT => {
                 let record: StepRecord = what.to().ok()?;
                 self.summary.step(&record);
-                Some(step::told(component, &record))
+                Some(step::entry(component, &record))
             }
             UNSENT_REPORT => {
                 let missing = what.as_text().unwrap_or_default();
@@ -225,22 +225,22 @@ impl Story {
 }
 
 /// The entry for a message to a specification, if it is worth reporting.
-fn heard(
-    ear: &mut StoryInput,
+fn received(
+    input: &mut StoryInput,
     summary: &mut Summary,
     speaker: &str,
     sample: &dyn Sample,
 ) -> Option<StoryEntry> {
-    let (name, what) = ear.news(sample)?;
-    if !ear.is_state() {
-        summary.heard.count(&name);
+    let (name, what) = input.describe(sample)?;
+    if !input.is_state() {
+        summary.received.count(&name);
         summary.wanted(sample);
     }
     let what = what.map_or_else(String::new, |what| format!(" {what}"));
-    let topic = &ear.name;
+    let topic = &input.name;
     let line = format!("{NAME}{topic}{NAME:#} {what}   {FAINT}{speaker}{FAINT:#}");
     // streams of numbers are reported from time to time, words each time
-    let flows = ear.is_state() && !what.contains(char::is_alphabetic);
+    let flows = input.is_state() && !what.contains(char::is_alphabetic);
     Some(if flows {
         StoryEntry::often(line, name)
     } else {

@@ -104,7 +104,7 @@ fn it_goes_straight_to_the_goal() {
 fn it_goes_around_what_stands_in_the_way() {
     let (story, ended) = tell(&mission(&[TO_LOBBY], r#"[{ "disc": [19.0, 7.45, 0.25] }]"#));
     assert_eq!(ended.outcome, MissionOutcome::Reached);
-    assert_eq!(ended.summary.heard.of("event BLOCKED"), 0);
+    assert_eq!(ended.summary.received.of("event BLOCKED"), 0);
     insta::assert_snapshot!(story);
 }
 
@@ -112,7 +112,7 @@ fn it_goes_around_what_stands_in_the_way() {
 fn it_plans_anew_where_the_corridor_is_closed() {
     let (story, ended) = tell(&mission(&[TO_LOBBY], CLOSED_CORRIDOR));
     assert_eq!(ended.outcome, MissionOutcome::Reached);
-    assert_eq!(ended.summary.heard.of("event BLOCKED"), 1);
+    assert_eq!(ended.summary.received.of("event BLOCKED"), 1);
     insta::assert_snapshot!(story);
 }
 

@@ -5,12 +5,14 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use asmotion_assembly::model::BuiltinComponent;
-use asmotion_assembly::{AsmFiles, Context, EmptyEnvironment, Opened, Standard, Tables};
+use asmotion_assembly::Standard;
 use asmotion_component::{Span, Time};
+use asmotion_composite::model::BuiltinComponent;
+use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
 use asmotion_datum::{Datum, Sample, cbor};
 use asmotion_lang::Loader;
 use asmotion_lang::diagnostics::LoadError;
+use asmotion_plan::Opened;
 use asmotion_runtime::{Event, FrozenSystem, Run, Simulation, SystemThawError};
 
 const BUILD: Tables = Tables {
@@ -108,23 +110,24 @@ impl SpecsMission {
         let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../specs");
         let path = specs.join(format!("{}.composite.toml", self.composite));
         let seed = [("seed".to_owned(), self.seed.to_string())];
+        let specifications = AsmFiles::new(&Specs);
         let context = |settings| Context {
             loader: &Specs,
             environment: &EmptyEnvironment,
             catalogue: &BUILD,
-            specifications: &AsmFiles::new(&Specs),
+            specifications: &specifications,
             settings,
         };
         let path = path.canonicalize().unwrap().display().to_string();
         let has_seed = self.composite.starts_with("navigation");
         let settings: &[_] = if has_seed { &seed } else { &[] };
-        asmotion_assembly::open(&path, &context(settings))
+        asmotion_plan::open(&path, &context(settings))
     }
 
     /// The mission, started; with what observers see, from the beginning.
     fn started(self) -> (Simulation, Lines) {
         let opened = self.opened();
-        let plan = opened.plan(None).unwrap_or_else(|_| {
+        let plan = opened.plan(None).unwrap_or_else(|| {
             let found = opened.report.diagnostics.iter().map(|it| &it.message);
             panic!("{}: {:?}", self.composite, found.collect::<Vec<_>>())
         });

@@ -111,16 +111,16 @@ fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
     AmqpBus::connect(settings.clone(), PATIENCE).map_err(|error| {
         let (user, vhost) = (settings.credentials.user(), &settings.vhost);
         let what = error.to_string();
-        let said = what.to_lowercase();
-        let mend = if said.contains("login") || said.contains("authentication") {
+        let text = what.to_lowercase();
+        let mend = if text.contains("login") || text.contains("authentication") {
             format!(
                 "wrong user or password: `rabbitmqctl list_users` lists the users,\n`rabbitmqctl change_password {user} …` sets a password; `guest` can connect only from the same machine"
             )
-        } else if said.contains("vhost") && said.contains("not found") {
+        } else if text.contains("vhost") && text.contains("not found") {
             format!("`rabbitmqctl add_vhost {vhost}`, then `{}`", permit(settings))
-        } else if said.contains("vhost") {
+        } else if text.contains("vhost") {
             format!("the user has no access: `{}`", permit(settings))
-        } else if said.contains("certificate") || said.contains("tls") {
+        } else if text.contains("certificate") || text.contains("tls") {
             "`--ca FILE` names the authority that signed the broker's certificate; `--certificate` and `--key` identify this client"
                 .to_owned()
         } else {

@@ -132,11 +132,11 @@ impl Fmt {
         if tally.wrong > 0 {
             parts.push(format!("{} with errors left unchanged", tally.wrong));
         }
-        let told = parts.join(", ");
+        let summary = parts.join(", ");
         if tally.wrong + tally.failed > 0 || (self.check && tally.changed > 0) {
-            terminal.error(told);
+            terminal.error(summary);
         } else {
-            terminal.status("Finished", told);
+            terminal.status("Finished", summary);
         }
     }
 }

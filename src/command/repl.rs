@@ -50,7 +50,7 @@ impl Repl {
         prompt.know(names(&session));
         let history = History::new(session, self.seed, self.random);
         let mut talk = ReplSession::new(self.spec, self.seed, history);
-        talk.greet(terminal);
+        talk.print_banner(terminal);
         loop {
             match prompt.read(&talk.prompt()) {
                 PromptLine::Text(line) => {

@@ -156,7 +156,7 @@ impl Run {
         for settings in mission.brokers.settings_mut() {
             broker::prepare(settings, self.robot.clone(), self.common.top);
         }
-        mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.told())?;
+        mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.on_listen())?;
         let over = match (mission.brokers.are_there(), mission.gateways.are_there()) {
             (true, _) => Some(("a broker", "")),
             (false, true) => Some(("a gateway", ", or add `--http off`")),
@@ -184,7 +184,7 @@ impl Run {
     }
 
     /// Returns the printer of gateway addresses.
-    fn told(&self) -> ListenCallback {
+    fn on_listen(&self) -> ListenCallback {
         let (quiet, as_json) = (self.common.quiet, self.common.json);
         ListenCallback::new(move |name, at| {
             let url = format!("http://{at}/services");

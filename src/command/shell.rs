@@ -36,7 +36,7 @@ impl Shell {
             }
         };
         let mut browser = Browser::new(remote);
-        browser.greet(terminal);
+        browser.print_banner(terminal);
         loop {
             prompt.know(browser.names());
             match prompt.read(&browser.prompt()) {

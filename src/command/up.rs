@@ -75,7 +75,7 @@ impl Up {
             return Exit::Usage;
         };
         match self.children(plan, terminal) {
-            Ok(children) => look_after(children, terminal),
+            Ok(children) => supervise(children, terminal),
             Err(problem) => {
                 terminal.error(problem);
                 Exit::Usage
@@ -170,11 +170,11 @@ enum SupervisedState {
 }
 
 /// Starts and reaps processes until all have ended.
-fn look_after(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput) -> Exit {
+fn supervise(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput) -> Exit {
     let stop = Arc::new(AtomicBool::new(false));
-    let told = stop.clone();
+    let stop_flag = stop.clone();
     // without the handler, Ctrl-C would end this process and leave the children running
-    let _ = ctrlc::set_handler(move || told.store(true, Ordering::Relaxed));
+    let _ = ctrlc::set_handler(move || stop_flag.store(true, Ordering::Relaxed));
     while !stop.load(Ordering::Relaxed) {
         for child in &mut children {
             child.look(terminal);
@@ -190,7 +190,7 @@ fn look_after(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutpu
     let until = Instant::now() + GRACE;
     children.iter_mut().for_each(SupervisedProcess::tell_to_end);
     for child in &mut children {
-        child.see_end(until, terminal);
+        child.wait_for_end(until, terminal);
     }
     for child in &children {
         let (name, all) = (&child.name, child.restarts.all);
@@ -270,7 +270,7 @@ impl SupervisedProcess {
     }
 
     /// Waits for the process to end, and kills it at `until`.
-    fn see_end(&mut self, until: Instant, terminal: &mut TerminalOutput) {
+    fn wait_for_end(&mut self, until: Instant, terminal: &mut TerminalOutput) {
         let SupervisedState::Running(child) = &mut self.state else {
             return;
         };

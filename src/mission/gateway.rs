@@ -24,7 +24,7 @@ pub enum MissionGateways {
         /// Overriding addresses, as pairs of gateway and address.
         elsewhere: Vec<(String, SocketAddr)>,
         /// Called with the address of each gateway.
-        told: ListenCallback,
+        on_listen: ListenCallback,
     },
 }
 

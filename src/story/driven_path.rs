@@ -22,7 +22,7 @@ pub struct DrivenPath {
     pub(super) goal: Option<Point>,
     at: Option<Point>,
     /// Time of the last report of progress, and the distance driven by then.
-    told: (f64, f64),
+    last_report: (f64, f64),
 }
 
 impl DrivenPath {
@@ -50,11 +50,11 @@ impl DrivenPath {
             self.driven_m += distance(&from, &to);
         }
         let left = self.to_goal_m()?;
-        let (then, driven) = self.told;
+        let (then, driven) = self.last_report;
         if at.seconds() - then < PROGRESS_S || self.driven_m - driven < STANDS {
             return None;
         }
-        self.told = (at.seconds(), self.driven_m);
+        self.last_report = (at.seconds(), self.driven_m);
         Some(StoryEntry::once(format!(
             "{FAINT}at ({:.1}, {:.1}), {left:.1} m from the goal{FAINT:#}",
             to.x, to.y

@@ -18,7 +18,7 @@ pub(super) struct StoryInput {
     writers: Vec<(String, String)>,
     /// The field that distinguishes messages, if there is one.
     field: Option<String>,
-    hears: StoryTrigger,
+    receives: StoryTrigger,
 }
 
 /// The messages of an input that are worth reporting.
@@ -32,27 +32,27 @@ enum StoryTrigger {
 
 /// The inputs of all specifications; an input with several readers is listed once.
 pub(super) fn of(plan: &Plan) -> Vec<StoryInput> {
-    let mut ears: Vec<StoryInput> = Vec::new();
+    let mut inputs: Vec<StoryInput> = Vec::new();
     for component in &plan.components {
         let bound = component.binding.iter().flat_map(|it| &it.monitored);
         for monitored in bound {
             let Source::Port(port) = &monitored.from else {
                 continue;
             };
-            let ear = StoryInput {
+            let input = StoryInput {
                 field: monitored.map.clone(),
-                hears: match monitored.receive {
+                receives: match monitored.receive {
                     Receive::Last => StoryTrigger::State(None),
                     Receive::All | Receive::Edge => StoryTrigger::Events,
                 },
                 ..StoryInput::at(plan, component, port)
             };
-            if !ears.iter().any(|known| known.place == ear.place) {
-                ears.push(ear);
+            if !inputs.iter().any(|known| known.place == input.place) {
+                inputs.push(input);
             }
         }
     }
-    ears
+    inputs
 }
 
 impl StoryInput {
@@ -73,17 +73,17 @@ impl StoryInput {
             topic,
             writers: joined.collect(),
             field: None,
-            hears: StoryTrigger::Events,
+            receives: StoryTrigger::Events,
         }
     }
 
     /// Returns whether the messages are a state, of which only the newest is relevant.
     pub(super) fn is_state(&self) -> bool {
-        matches!(self.hears, StoryTrigger::State(_))
+        matches!(self.receives, StoryTrigger::State(_))
     }
 
     /// Returns whether the input is connected to this output, directly or through a topic.
-    pub(super) fn hears(&self, component: &str, port: &str, topic: Option<&str>) -> bool {
+    pub(super) fn receives(&self, component: &str, port: &str, topic: Option<&str>) -> bool {
         let is = |(writer, output): &(String, String)| writer == component && output == port;
         (topic.is_some() && self.topic.as_deref() == topic) || self.writers.iter().any(is)
     }
@@ -94,9 +94,9 @@ impl StoryInput {
     }
 
     /// The name and the content of a message, if it is worth reporting.
-    pub(super) fn news(&mut self, sample: &dyn Sample) -> Option<(String, Option<String>)> {
+    pub(super) fn describe(&mut self, sample: &dyn Sample) -> Option<(String, Option<String>)> {
         let what = message::brief(sample);
-        if let StoryTrigger::State(last) = &mut self.hears {
+        if let StoryTrigger::State(last) = &mut self.receives {
             if last.is_some() && *last == what {
                 return None;
             }

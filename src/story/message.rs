@@ -24,11 +24,11 @@ pub(super) fn brief(sample: &dyn Sample) -> Option<String> {
         let map = sample.to_shared().read::<OccupancyGrid>();
         return map.ok().map(|map| in_a_map(&map));
     }
-    let said = match untyped {
+    let text = match untyped {
         Some(datum) => words(datum),
         None => words(&sample.to_datum().ok()?),
     };
-    said.filter(|words| !words.is_empty())
+    text.filter(|words| !words.is_empty())
 }
 
 /// The content of one field of a message.
@@ -59,12 +59,12 @@ fn words(datum: &Datum) -> Option<String> {
             if let Some(place) = place(datum) {
                 return Some(place);
             }
-            let said = fields
+            let text = fields
                 .iter()
                 .filter(|(name, _)| !matches!(&**name, "stamp" | "header"));
-            let said: Option<Vec<String>> = said.map(|(_, value)| words(value)).collect();
-            let said: Vec<String> = said?.into_iter().filter(|it| !it.is_empty()).collect();
-            Some(said.join(": "))
+            let text: Option<Vec<String>> = text.map(|(_, value)| words(value)).collect();
+            let text: Vec<String> = text?.into_iter().filter(|it| !it.is_empty()).collect();
+            Some(text.join(": "))
         }
         Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
             (datum.count()? <= FEW).then(|| number(datum))

@@ -49,9 +49,9 @@ impl RepeatedEntries {
     }
 
     /// The report of the counts, if it is due: before another entry, or after a while.
-    pub(super) fn due(&mut self, at: Time, told: Option<&StoryEntry>) -> Option<String> {
+    pub(super) fn due(&mut self, at: Time, entry: Option<&StoryEntry>) -> Option<String> {
         let since = self.since?;
-        let interrupted = told.is_some_and(|told| match &told.again {
+        let interrupted = entry.is_some_and(|entry| match &entry.again {
             Some(name) => !self.happened_soon(at, name),
             None => true,
         });

@@ -9,7 +9,7 @@ use super::summary::control;
 use crate::terminal::{FAINT, GOOD};
 
 /// The entry for a step: with all updates if the control state changes, otherwise on one line.
-pub(super) fn told(component: &str, record: &StepRecord) -> StoryEntry {
+pub(super) fn entry(component: &str, record: &StepRecord) -> StoryEntry {
     let number = record.number;
     let Some(control) = control(record) else {
         let (changed, locations) = changed(record);

@@ -19,7 +19,7 @@ pub struct Summary {
     /// Number of changes of the control state.
     pub transitions: u64,
     /// Number of messages received by specifications, by name.
-    pub heard: EventCounts,
+    pub received: EventCounts,
     /// Number of service calls, by operation.
     pub calls: EventCounts,
     /// Number of calls that failed or timed out.

@@ -29,7 +29,7 @@ pub struct Board {
 #[derive(Clone)]
 struct BoardProcess {
     presence: Presence,
-    heard: Duration,
+    received_at: Duration,
 }
 
 /// Known facts about a topic.
@@ -72,11 +72,11 @@ pub enum Silence {
 
 impl Board {
     /// Processes a message.
-    pub fn hear(&mut self, envelope: &Envelope, now: Duration) {
+    pub fn receive(&mut self, envelope: &Envelope, now: Duration) {
         if is_presence(&envelope.topic) {
             // other programs can publish on the same exchange
             if let Some(word) = RobotPresence::of(envelope) {
-                self.meet(word, now);
+                self.update_process(word, now);
             }
             return;
         }
@@ -103,7 +103,7 @@ impl Board {
         topic.arrivals.push_back(now);
     }
 
-    fn meet(&mut self, word: RobotPresence, now: Duration) {
+    fn update_process(&mut self, word: RobotPresence, now: Duration) {
         let RobotPresence {
             robot,
             mut presence,
@@ -113,12 +113,18 @@ impl Board {
             // the last message of a process need not list its components
             presence.components.clone_from(&known.presence.components);
         }
-        let heard = now;
-        self.processes.insert(key, BoardProcess { presence, heard });
+        let received_at = now;
+        self.processes.insert(
+            key,
+            BoardProcess {
+                presence,
+                received_at,
+            },
+        );
     }
 
     /// Records the state of the broker link.
-    pub fn feel(&mut self, link: LinkState, now: Duration) {
+    pub fn set_link(&mut self, link: LinkState, now: Duration) {
         if self.link.as_ref().is_none_or(|(known, _)| *known != link) {
             self.link = Some((link, now));
         }
@@ -159,7 +165,7 @@ fn is_presence(topic: &str) -> bool {
 
 impl BoardProcess {
     fn silence(&self, now: Duration) -> Option<Silence> {
-        let silent = now.saturating_sub(self.heard);
+        let silent = now.saturating_sub(self.received_at);
         if self.presence.leaves {
             Some(Silence::Left)
         } else {

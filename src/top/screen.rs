@@ -26,10 +26,10 @@ pub fn show(
     let mut screen = ratatui::try_init()?;
     let shown = loop {
         while let Some(envelope) = everything.try_next() {
-            board.hear(&envelope, began.elapsed());
+            board.receive(&envelope, began.elapsed());
         }
         let now = began.elapsed();
-        board.feel(remote.bus().health().link, now);
+        board.set_link(remote.bus().health().link, now);
         if let Err(error) = screen.draw(|frame| draw(frame, &board, &view, place, now)) {
             break Err(error);
         }

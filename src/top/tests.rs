@@ -76,12 +76,12 @@ fn joints(shift: f64) -> Datum {
 /// A model after ten seconds: joints at 10 Hz, one goal; the last message of the station is three seconds old.
 fn board() -> Board {
     let mut board = Board::default();
-    board.feel(LinkState::Up, at(0.0));
+    board.set_link(LinkState::Up, at(0.0));
     let driver = component("Driver", "Running", 100, 10.0, 0);
     let locomotor = component("Locomotor", "Running", 50, 19.4, 7);
     let monitor = component("Monitor", "Exception", 0, 0.0, 0);
-    board.hear(&presence("station", vec![locomotor, monitor]), at(7.0));
-    board.hear(&presence("robot", vec![driver]), at(9.5));
+    board.receive(&presence("station", vec![locomotor, monitor]), at(7.0));
+    board.receive(&presence("robot", vec![driver]), at(9.5));
     for tick in 0..100 {
         let now = at(f64::from(tick) / 10.0);
         let message = envelope(
@@ -89,14 +89,14 @@ fn board() -> Board {
             "youbot/JointStatus",
             joints(f64::from(tick)),
         );
-        board.hear(&message, now);
+        board.receive(&message, now);
         if tick < 40 {
             let fast = Datum::record([("linear", Datum::Float(0.5))]);
-            board.hear(&envelope("youbot.twist", "geometry_msgs/Twist", fast), now);
+            board.receive(&envelope("youbot.twist", "geometry_msgs/Twist", fast), now);
         }
     }
     let goal = Datum::record([("x", Datum::Float(1.25)), ("frame", Datum::text("map"))]);
-    board.hear(
+    board.receive(
         &envelope("youbot.goal", "geometry_msgs/Pose", goal),
         at(2.0),
     );
@@ -137,7 +137,7 @@ fn it_fills_a_large_terminal() {
 fn y11_what_is_not_heard_any_more_is_stale_with_its_age() {
     let mut board = board();
     let reason = "connection reset".into();
-    board.feel(LinkState::Down { reason }, at(11.0));
+    board.set_link(LinkState::Down { reason }, at(11.0));
     let view = pressed(&board, &[Key::Down], 14.0);
     insta::assert_snapshot!(screen(&board, &view, 14.0, (100, 24)));
 }
@@ -146,7 +146,7 @@ fn y11_what_is_not_heard_any_more_is_stale_with_its_age() {
 fn time_stops_and_says_so() {
     let mut board = board();
     let view = pressed(&board, &[Key::Char('p')], 10.0);
-    board.hear(&envelope("new", "", Datum::Int(1)), at(12.0));
+    board.receive(&envelope("new", "", Datum::Int(1)), at(12.0));
     let shown = screen(&board, &view, 13.0, (80, 24));
     assert!(shown.contains("PAUSED for 3.0 s"), "{shown}");
     assert!(!shown.contains("new"), "{shown}");

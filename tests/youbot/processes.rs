@@ -149,10 +149,10 @@ impl Monitor {
         let until = Instant::now() + Duration::from_secs(30);
         loop {
             while let Some(envelope) = self.everything.try_next() {
-                self.board.hear(&envelope, self.began.elapsed());
+                self.board.receive(&envelope, self.began.elapsed());
             }
             let now = self.began.elapsed();
-            self.board.feel(self.bus.health().link, now);
+            self.board.set_link(self.bus.health().link, now);
             if wanted(&self.board, now) {
                 return;
             }

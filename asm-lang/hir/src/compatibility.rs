@@ -47,15 +47,19 @@ impl TypeTable {
         // at most as many steps as there are domains: declaration errors may have made the chain a
         // cycle
         for _ in 0..=domains.len() {
-            match self.get(at) {
-                Type::Domain(domain) => match domains[domain.0 as usize].kind {
-                    DomainKind::Concrete { base } => at = base,
-                    _ => return at,
-                },
-                _ => return at,
+            let domain = self.get(at).as_domain();
+            match domain.and_then(|domain| domains[domain.0 as usize].kind.base()) {
+                Some(base) => at = base,
+                None => return at,
             }
         }
         at
+    }
+
+    /// Returns whether the type is an abstract domain, or a subset of one.
+    pub fn is_abstract(&self, id: TypeId, domains: &[Domain]) -> bool {
+        let root = self.get(self.root(id, domains)).as_domain();
+        root.is_some_and(|root| domains[root.0 as usize].kind == DomainKind::Abstract)
     }
 
     /// Iterates over a type, its components, and the bases of the domains in it, each once.
@@ -95,12 +99,8 @@ impl TypeTable {
     }
 
     fn variable(&self, id: TypeId, domains: &[Domain]) -> Option<DomainId> {
-        match self.get(id) {
-            Type::Domain(domain) if domains[domain.0 as usize].kind == DomainKind::Any => {
-                Some(*domain)
-            }
-            _ => None,
-        }
+        let domain = self.get(id).as_domain()?;
+        (domains[domain.0 as usize].kind == DomainKind::Any).then_some(domain)
     }
 
     /// Returns `true` if a value of one type may stand where the other is wanted. The relation is

@@ -22,11 +22,11 @@ impl StepContext<'_> {
         let known = self.post.answer(mail, asked, messages, self.now_ns);
         // traces and scripts need no entry for queries about messages that do not exist
         let function = self.state.function(self.program, slot);
-        let heard = known.or_else(|| self.environment.read(function?, asked).ok()?);
+        let provided = known.or_else(|| self.environment.read(function?, asked).ok()?);
         self.stack.truncate(arguments);
         self.asked(slot);
         let silence = MessagesInTransit::silence(mail, messages);
-        let value = match heard {
+        let value = match provided {
             Some(value) if value != silence => {
                 self.record.inputs.push(StepInput {
                     slot,

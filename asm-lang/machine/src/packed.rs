@@ -144,13 +144,13 @@ impl MachineState {
         // the reference has no initial state: a location exists from its first access on
         program.compatible
             || self.store.slots[slot as usize] != self.initial.slots[slot as usize]
-            || self.initial.heard.contains(&slot)
+            || self.initial.provided.contains(&slot)
     }
 
     fn met(&self, program: &Program, layout: &Layout, slot: Slot) -> Option<Met<'_>> {
         let now = &self.store.slots[slot as usize];
         let initially = &self.initial.slots[slot as usize];
-        let was_heard = self.initial.heard.contains(&slot);
+        let was_heard = self.initial.provided.contains(&slot);
         let (function, arguments) = self.location(program, slot)?;
         (!layout.is_asked_anew[function.0 as usize]).then_some(Met {
             function,
@@ -316,7 +316,7 @@ impl MachineState {
             };
             self.store.slots[slot as usize] = now;
             if was_heard {
-                self.initial.heard.push(slot);
+                self.initial.provided.push(slot);
             }
         }
         self.commit();

@@ -45,7 +45,7 @@ pub(crate) struct InitialState {
     pub now_ns: i64,
     /// Lazy and interned slots whose initial value the environment provided in the first step, in
     /// order of access.
-    pub heard: Vec<Slot>,
+    pub provided: Vec<Slot>,
 }
 
 impl MachineState {
@@ -92,9 +92,9 @@ impl MachineState {
         let initial = &mut self.initial;
         if slot >= self.locations.eager
             && initial.slots[slot as usize] != value
-            && !initial.heard.contains(&slot)
+            && !initial.provided.contains(&slot)
         {
-            initial.heard.push(slot);
+            initial.provided.push(slot);
         }
         initial.slots[slot as usize] = value;
     }
@@ -119,7 +119,7 @@ impl MachineState {
         while let Some(slot) = self.locations.uncommitted.pop() {
             self.store.slots[slot as usize] = Value::Undef;
             self.initial.slots[slot as usize] = Value::Undef;
-            self.initial.heard.retain(|heard| *heard != slot);
+            self.initial.provided.retain(|provided| *provided != slot);
             self.locations.met[(slot - self.locations.eager) as usize] = false;
         }
         let committed = self.locations.committed;
@@ -130,8 +130,8 @@ impl MachineState {
             self.locations.forget_last();
         }
         self.initial
-            .heard
-            .retain(|heard| (*heard as usize) < committed);
+            .provided
+            .retain(|provided| (*provided as usize) < committed);
         self.memo.near.forget(committed as Slot);
     }
 
@@ -143,7 +143,7 @@ impl MachineState {
         self.store.slots[lazy.clone()].fill(Value::Undef);
         self.initial.slots.truncate(fixed);
         self.initial.slots[lazy].fill(Value::Undef);
-        self.initial.heard.clear();
+        self.initial.provided.clear();
         self.memo.asked.truncate(fixed);
         self.memo.near.forget(0);
         self.locations.forget_all();

@@ -35,7 +35,7 @@ pub struct TrajectoryAdapter {
     /// The cycle that received the newest usable scan.
     seen: Option<Time>,
     /// Time of the last publication of obstacles, and whether there were any.
-    told: Option<(Time, bool)>,
+    last_report: Option<(Time, bool)>,
 }
 
 #[derive(Ports)]
@@ -97,7 +97,7 @@ impl TrajectoryAdapter {
             blockers: Blockers::default(),
             known: None,
             seen: None,
-            told: None,
+            last_report: None,
         }
     }
 
@@ -185,8 +185,8 @@ impl TrajectoryAdapter {
         let Some(discs) = discs else {
             return;
         };
-        let had_any = self.told.is_some_and(|(_, any)| any);
-        self.told = Some((now, !discs.is_empty()));
+        let had_any = self.last_report.is_some_and(|(_, any)| any);
+        self.last_report = Some((now, !discs.is_empty()));
         if !discs.is_empty() || had_any {
             cycle.write(self.ports.obstacles, obstacles(now, &discs));
         }
@@ -195,7 +195,10 @@ impl TrajectoryAdapter {
     /// Returns whether obstacles must be published in this cycle.
     fn due(&self, now: Time, blocked: bool) -> bool {
         let period = self.properties.obstacles_period_s;
-        blocked || self.told.is_none_or(|(at, _)| now.since(at) >= period)
+        blocked
+            || self
+                .last_report
+                .is_none_or(|(at, _)| now.since(at) >= period)
     }
 }
 
@@ -208,7 +211,7 @@ impl Component for TrajectoryAdapter {
         self.memory.clear();
         self.blockers = Blockers::default();
         self.seen = None;
-        self.told = None;
+        self.last_report = None;
         Ok(())
     }
 

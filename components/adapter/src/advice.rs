@@ -64,7 +64,7 @@ enum LastAdvice {
 #[serde(deny_unknown_fields)]
 pub struct Adviser {
     route: Option<BendableRoute>,
-    told: LastAdvice,
+    last_advice: LastAdvice,
     fruitless: u32,
     /// `true` while the path leads back from a bend that is no longer needed.
     returns: bool,
@@ -94,7 +94,7 @@ impl Default for Adviser {
     fn default() -> Self {
         Self {
             route: None,
-            told: LastAdvice::Nothing,
+            last_advice: LastAdvice::Nothing,
             fruitless: 0,
             returns: false,
             milestone: None,
@@ -108,7 +108,7 @@ impl Adviser {
     /// Accepts a new path. The advice passes an empty path on.
     pub fn order(&mut self, path: &Path) -> Advice {
         self.route = BendableRoute::new(path.clone());
-        self.told = LastAdvice::Nothing;
+        self.last_advice = LastAdvice::Nothing;
         self.fruitless = 0;
         self.returns = false;
         self.milestone = None;
@@ -120,7 +120,7 @@ impl Adviser {
 
     /// Returns whether there is a path that is not blocked.
     pub fn is_busy(&self) -> bool {
-        self.route.is_some() && self.told != LastAdvice::Blocked
+        self.route.is_some() && self.last_advice != LastAdvice::Blocked
     }
 
     /// Decides without a scan: passes a path on as planned if there never was a scan, and stops if the laser has
@@ -129,13 +129,13 @@ impl Adviser {
         let Some(route) = &self.route else {
             return Advice::default();
         };
-        match self.told {
+        match self.last_advice {
             LastAdvice::Nothing | LastAdvice::Planned | LastAdvice::Bent if has_seen => {
-                self.told = LastAdvice::Hold;
+                self.last_advice = LastAdvice::Hold;
                 say(empty(route.planned()))
             }
             LastAdvice::Nothing => {
-                self.told = LastAdvice::Planned;
+                self.last_advice = LastAdvice::Planned;
                 say(route.planned().clone())
             }
             LastAdvice::Planned | LastAdvice::Bent | LastAdvice::Hold | LastAdvice::Blocked => {
@@ -214,14 +214,14 @@ impl Adviser {
 
     /// Called if the way is free: sends the path if the follower has no order or holds.
     fn go_on(&mut self) -> Advice {
-        match (&self.route, self.told) {
+        match (&self.route, self.last_advice) {
             (Some(route), LastAdvice::Nothing | LastAdvice::Hold) => {
-                let (told, path) = if route.is_bent(0) {
+                let (last_advice, path) = if route.is_bent(0) {
                     (LastAdvice::Bent, route.bent())
                 } else {
                     (LastAdvice::Planned, route.planned().clone())
                 };
-                self.told = told;
+                self.last_advice = last_advice;
                 say(path)
             }
             (Some(_), LastAdvice::Planned | LastAdvice::Bent | LastAdvice::Blocked) | (None, _) => {
@@ -237,8 +237,8 @@ impl Adviser {
         };
         let before: Vec<f64> = route.offsets().to_vec();
         route.bend(from, offsets);
-        if before != route.offsets() && self.told != LastAdvice::Nothing {
-            self.told = LastAdvice::Hold; // the new order must be sent even if the follower has one
+        if before != route.offsets() && self.last_advice != LastAdvice::Nothing {
+            self.last_advice = LastAdvice::Hold; // the new order must be sent even if the follower has one
         }
         self.go_on()
     }
@@ -252,8 +252,8 @@ impl Adviser {
         if self.fruitless >= patience.looks {
             return self.give_up(BlockedCause::Barrier(barrier));
         }
-        if barrier.ahead <= patience.hold_m && self.told != LastAdvice::Hold {
-            self.told = LastAdvice::Hold;
+        if barrier.ahead <= patience.hold_m && self.last_advice != LastAdvice::Hold {
+            self.last_advice = LastAdvice::Hold;
             return say(stop);
         }
         Advice::default()
@@ -267,8 +267,8 @@ impl Adviser {
             .and_then(BendableRoute::progress)
             .unwrap_or(0.0);
         let left = self.route.as_ref().map_or(0.0, BendableRoute::length) - along;
-        let drives =
-            matches!(self.told, LastAdvice::Planned | LastAdvice::Bent) && left > ALMOST_THERE;
+        let drives = matches!(self.last_advice, LastAdvice::Planned | LastAdvice::Bent)
+            && left > ALMOST_THERE;
         match self.milestone {
             Some((reached, since)) if drives && (along - reached).abs() < MILESTONE => {
                 now.since(since) >= patience.stuck_s
@@ -283,8 +283,8 @@ impl Adviser {
     /// Stops the robot until the next path, and gives the reason.
     fn give_up(&mut self, cause: BlockedCause) -> Advice {
         let stop = self.route.as_ref().map(|route| empty(route.planned()));
-        let stands = self.told == LastAdvice::Hold;
-        self.told = LastAdvice::Blocked;
+        let stands = self.last_advice == LastAdvice::Hold;
+        self.last_advice = LastAdvice::Blocked;
         Advice {
             path: stop.filter(|_| !stands),
             blocked: Some(cause),
@@ -501,10 +501,14 @@ mod tests {
     #[test]
     fn a_path_that_is_given_before_a_barrier_is_never_driven() {
         let mut adviser = ordered();
-        let told: Vec<Advice> = (0..3)
+        let last_advice: Vec<Advice> = (0..3)
             .map(|_| look(&mut adviser, 0.0, &wall(0.8)))
             .collect();
-        assert!(is_stop(&told[0]) && told[1] == Advice::default() && told[2].blocked.is_some());
+        assert!(
+            is_stop(&last_advice[0])
+                && last_advice[1] == Advice::default()
+                && last_advice[2].blocked.is_some()
+        );
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub struct World {
     truth: Truth,
     chance: ChaCha8Rng,
     /// The newest wheel speeds, and the time at which they arrived.
-    told: Option<(WheelSpeeds, Time)>,
+    commanded: Option<(WheelSpeeds, Time)>,
     /// Time of the first cycle, from which the schedule counts.
     began: Option<Time>,
     /// Time of the last cycle.
@@ -143,7 +143,7 @@ impl World {
             properties: interface.properties(),
             truth: Truth::default(),
             chance: ChaCha8Rng::seed_from_u64(0),
-            told: None,
+            commanded: None,
             began: None,
             last: Time::ZERO,
         }
@@ -152,10 +152,10 @@ impl World {
     /// Speeds of the wheels in this cycle, rad/s; zero once the newest command is too old.
     fn turning(&mut self, cycle: &Cycle<'_>, now: Time) -> WheelSpeeds {
         if let Flow::NewData(wheels) = cycle.read(self.ports.wheels) {
-            self.told = Some((*wheels, now));
+            self.commanded = Some((*wheels, now));
         }
         let timeout = self.properties.wheel_timeout_s;
-        match self.told {
+        match self.commanded {
             Some((wheels, at)) if now.since(at) <= timeout && is_number(wheels) => wheels,
             _ => WheelSpeeds::default(),
         }
@@ -198,7 +198,7 @@ impl Component for World {
         self.truth = properties.truth()?;
         self.chance = ChaCha8Rng::seed_from_u64(properties.seed);
         self.chance.set_stream(STREAM);
-        self.told = None;
+        self.commanded = None;
         self.began = None;
         Ok(())
     }

@@ -22,7 +22,7 @@ pub struct YoubotOperator {
     properties: PropertySet<HandOperatorProperties>,
     next: usize,
     state: OperatorState,
-    heard: Option<Time>,
+    received_at: Option<Time>,
 }
 
 #[derive(Ports)]
@@ -61,7 +61,7 @@ impl YoubotOperator {
             properties: interface.properties(),
             next: 0,
             state: OperatorState::Done,
-            heard: None,
+            received_at: None,
         }
     }
 
@@ -72,7 +72,7 @@ impl YoubotOperator {
             return;
         }
         let now = cycle.now();
-        let before = self.heard.replace(now);
+        let before = self.received_at.replace(now);
         let was_silent = before.is_some_and(|before| now.since(before) > SILENCE);
         let arrived = notices.iter().any(|it| it.argument.event == "idle");
         self.state = match self.state {

@@ -35,7 +35,7 @@ pub struct PortProxy {
     motion: Option<MotionMonitor>,
     events: Option<ProxyEvents>,
     /// Time of the newest sample; before the first one, time of the proxy's first cycle.
-    heard: Option<Time>,
+    received_at: Option<Time>,
 }
 
 #[derive(Clone)]
@@ -76,7 +76,7 @@ impl PortProxy {
                 .and_then(|notify| notify.idle.clone())
                 .map(MotionMonitor::new),
             events: notify.map(|notify| ProxyEvents::declare(notify, interface)),
-            heard: None,
+            received_at: None,
         }
     }
 }
@@ -112,7 +112,7 @@ impl PortProxy {
             let Some(written) = cycle.written_at(port).filter(|_| !samples.is_empty()) else {
                 continue;
             };
-            self.heard = Some(cycle.now());
+            self.received_at = Some(cycle.now());
             for operation in &mut self.operations {
                 operation.taken(written, cycle);
             }
@@ -149,11 +149,11 @@ impl PortProxy {
 
     /// Reports once that samples have stopped, and ends the wait of callers for the end of a motion.
     fn watch(&mut self, cycle: &mut Cycle<'_>) {
-        let heard = *self.heard.get_or_insert(cycle.now());
+        let received_at = *self.received_at.get_or_insert(cycle.now());
         let Some(events) = &mut self.events else {
             return;
         };
-        if let Some(age) = events.watch(cycle.now().since(heard), cycle) {
+        if let Some(age) = events.watch(cycle.now().since(received_at), cycle) {
             for operation in &mut self.operations {
                 operation.refuse_waiting("STALE", &format!("no data for {age:?}"), cycle);
             }

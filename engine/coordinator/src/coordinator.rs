@@ -34,7 +34,7 @@ pub struct Coordinator {
     health: Option<In<Datum>>,
     pub(crate) frame: InputFrame,
     /// The losses as last reported.
-    pub(crate) told: Losses,
+    pub(crate) reported: Losses,
 }
 
 /// Kind of the report with the number of lost messages, a [`Losses`].
@@ -83,7 +83,7 @@ impl Coordinator {
             requests,
             health,
             frame: InputFrame::default(),
-            told: Losses::default(),
+            reported: Losses::default(),
         })
     }
 }
@@ -157,8 +157,8 @@ impl Coordinator {
     /// Reports the losses if they have increased.
     fn tell_losses(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let losses = self.inbox.losses;
-        if losses != self.told {
-            self.told = losses;
+        if losses != self.reported {
+            self.reported = losses;
             cycle.set_losses(losses);
             cycle.report(LOSSES_REPORT, Datum::of(&losses)?);
         }

@@ -40,7 +40,7 @@ struct FrozenCoordinator {
     chooser: Seeded,
     inputs: Vec<FrozenInput>,
     losses: Losses,
-    told: Losses,
+    reported: Losses,
     /// Replies, by the names under which the binding keeps them.
     kept: BTreeMap<String, Datum>,
     outcomes: Vec<FrozenOutcome>,
@@ -174,7 +174,7 @@ impl Coordinator {
             chooser: self.chooser.clone(),
             inputs: self.inbox.inputs.iter().map(FrozenInput::of).collect(),
             losses: self.inbox.losses,
-            told: self.told,
+            reported: self.reported,
             kept: self.outbox.kept.clone(),
             outcomes: outcomes.collect(),
             heard: heard.collect(),
@@ -234,7 +234,7 @@ impl Coordinator {
         self.outbox.pending = outcomes;
         self.outbox.kept = frozen.kept;
         self.inbox.losses = frozen.losses;
-        self.told = frozen.told;
+        self.reported = frozen.reported;
         self.chooser = frozen.chooser;
         self.machine = machine;
         self.frame.clear();

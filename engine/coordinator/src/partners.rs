@@ -161,7 +161,7 @@ impl MessagePartners {
         for (index, served) in self.served.iter().enumerate() {
             for request in cycle.requests(served.handle) {
                 let program = machine.program().clone();
-                let Some(data) = said(&request.argument, &served.argument, &program) else {
+                let Some(data) = content(&request.argument, &served.argument, &program) else {
                     misfits += 1;
                     let fault = ServiceFault::new(
                         "MISFIT",
@@ -204,7 +204,7 @@ impl MessagePartners {
         let outcome = match &result {
             Ok(answer) => {
                 let program = machine.program().clone();
-                said(answer, &asked.answer, &program).ok_or(CallFault::Failed)
+                content(answer, &asked.answer, &program).ok_or(CallFault::Failed)
             }
             Err(CallError::Timeout) => Err(CallFault::Timeout),
             Err(CallError::Unavailable) => Err(CallFault::Unavailable),
@@ -312,7 +312,7 @@ fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value,
 }
 
 /// The content of a message. An empty message is `true`, to distinguish it from no message.
-fn said(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
+fn content(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
     let is_empty = matches!(datum, Datum::Record(fields) if fields.is_empty());
     if is_empty || *datum == Datum::Null {
         return Some(Value::Bool(true));

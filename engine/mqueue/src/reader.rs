@@ -10,7 +10,7 @@ use asmotion_runtime::Source;
 use crate::layout::QueueLayout;
 use crate::name::QueueName;
 use crate::queue::KernelQueue;
-use crate::writer::told;
+use crate::writer::to_datum_error;
 
 /// The meaning of the first message in a queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,7 @@ impl QueueReader {
             }
             Err(problem) => {
                 thread::sleep(at_most.min(SEARCH));
-                let problem = told(problem);
+                let problem = to_datum_error(problem);
                 let known = self.problem.replace(problem.clone());
                 (known.as_ref() != Some(&problem)).then_some(problem)
             }
@@ -114,7 +114,7 @@ impl QueueReader {
 
 impl OpenQueue {
     fn read(&mut self) -> Result<Option<usize>, DatumError> {
-        self.queue.pop(&mut self.buffer).map_err(told)
+        self.queue.pop(&mut self.buffer).map_err(to_datum_error)
     }
 }
 

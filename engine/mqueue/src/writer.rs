@@ -92,7 +92,7 @@ impl QueueWriter {
             Some(datum) => self.layout.encode(datum, &mut self.message)?,
             None => self.layout.encode(&sample.to_datum()?, &mut self.message)?,
         }
-        self.push().map_err(told)
+        self.push().map_err(to_datum_error)
     }
 
     fn push(&mut self) -> Result<PushOutcome, QueueCheckError> {
@@ -129,6 +129,6 @@ impl Sink for QueueWriter {
 }
 
 /// Converts a problem of the queue to an error of the sample.
-pub(crate) fn told(error: QueueCheckError) -> DatumError {
+pub(crate) fn to_datum_error(error: QueueCheckError) -> DatumError {
     DatumError::new(DatumProblem::Mismatch(error.to_string()))
 }

@@ -76,7 +76,7 @@ impl<'p> ProcessContact<'p> {
             }
         }
         self.reply();
-        self.greet();
+        self.repeat_for_new_processes();
         self.herald.speak(run);
     }
 
@@ -97,12 +97,12 @@ impl<'p> ProcessContact<'p> {
 
     /// Publishes the presence early if a new process was heard, because it may have missed messages published only
     /// once.
-    fn greet(&mut self) {
-        let mut somebody = false;
+    fn repeat_for_new_processes(&mut self) {
+        let mut is_new = false;
         while let Some(presence) = self.presences.try_next() {
-            somebody |= self.known.insert((presence.source, presence.incarnation));
+            is_new |= self.known.insert((presence.source, presence.incarnation));
         }
-        if somebody {
+        if is_new {
             self.bus.repeat();
         }
     }

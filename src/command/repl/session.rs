@@ -49,7 +49,7 @@ impl ReplSession {
         format!("{} {}> ", name.to_string_lossy(), self.machine().steps())
     }
 
-    pub fn greet(&self, terminal: &mut TerminalOutput) {
+    pub fn print_banner(&self, terminal: &mut TerminalOutput) {
         let report = &self.history.session().specification.report;
         terminal.report(report, &self.history.session().specification.sources);
         terminal.say(format_args!(

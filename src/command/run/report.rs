@@ -78,7 +78,7 @@ pub(super) fn summary_json(ended: &MissionEnd) -> serde_json::Value {
         "steps": summary.steps, "transitions": summary.transitions,
         "driven_m": way.map(|way| way.driven_m), "to_goal_m": way.and_then(DrivenPath::to_goal_m),
         "failed_calls": summary.failed_calls, "control_state": summary.control_state,
-        "heard": tally_json(&summary.heard), "calls": tally_json(&summary.calls), "faults": summary.faults,
+        "heard": tally_json(&summary.received), "calls": tally_json(&summary.calls), "faults": summary.faults,
     })
 }
 
@@ -113,8 +113,8 @@ pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
         let driven = way.driven_m;
         terminal.result(format_args!("  driven     {driven:.1} m{distance}"));
     }
-    if !summary.heard.0.is_empty() {
-        terminal.result(format_args!("  heard      {}", summary.heard));
+    if !summary.received.0.is_empty() {
+        terminal.result(format_args!("  heard      {}", summary.received));
     }
     if !summary.calls.0.is_empty() {
         let failed = summary.failed_calls;

@@ -42,7 +42,7 @@ impl Browser {
     }
 
     /// Prints the greeting.
-    pub fn greet(&self, terminal: &mut TerminalOutput) {
+    pub fn print_banner(&self, terminal: &mut TerminalOutput) {
         let count = self.remote.components().len();
         terminal.say(format_args!(
             "{FAINT}{count} components; `ls` shows them, `cd COMPONENT` enters one, `help` tells the rest{FAINT:#}"

@@ -38,7 +38,9 @@ pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> TestResult {
             ended.steps = run.steps;
             ended.coverage = run.coverage;
             ended.sources = run.specification.sources;
-            ended.report.extend(difference.iter().map(said).collect());
+            ended
+                .report
+                .extend(difference.iter().map(diagnostic).collect());
             ended.difference = difference;
         }
         Err(OpenFailure { report, sources }) => (ended.report, ended.sources) = (report, sources),
@@ -62,7 +64,7 @@ fn compare(script: &Path, actual: String) -> (Verdict, Option<SnapshotDifference
     (Verdict::Fail, Some(difference))
 }
 
-fn said(difference: &SnapshotDifference) -> Diagnostic {
+fn diagnostic(difference: &SnapshotDifference) -> Diagnostic {
     let path = difference.path.display().to_string();
     match difference.accepted {
         None => NoSnapshot { path }.diagnostic(),

@@ -24,7 +24,11 @@ impl Mission {
         plan: &Plan,
         part: &Part,
     ) -> Result<Vec<Gateway>, MissionError> {
-        let MissionGateways::Open { elsewhere, told } = &self.gateways else {
+        let MissionGateways::Open {
+            elsewhere,
+            on_listen,
+        } = &self.gateways
+        else {
             return Ok(Vec::new());
         };
         let gateways = plan.gateways_of(part);
@@ -48,7 +52,7 @@ impl Mission {
                     name: gateway.name.clone(),
                     reason: reason.to_string(),
                 })?;
-                (told.0)(&gateway.name, open.address());
+                (on_listen.0)(&gateway.name, open.address());
                 Ok(open)
             };
         gateways.iter().map(open).collect()

@@ -163,7 +163,7 @@ impl ScenarioPlanner<'_> {
         }
     }
 
-    fn heard<T>(&mut self, added: Result<T, Report>) -> Option<T> {
+    fn collect_errors<T>(&mut self, added: Result<T, Report>) -> Option<T> {
         match added {
             Ok(added) => Some(added),
             Err(report) => {
@@ -193,7 +193,7 @@ impl ScenarioPlanner<'_> {
         let kind = match &command.kind {
             ScenarioCommandKind::Set(target, value) => {
                 let added = self.model.add_assignment(target, value);
-                self.heard(added).map(ScenarioActionKind::Set)
+                self.collect_errors(added).map(ScenarioActionKind::Set)
             }
             ScenarioCommandKind::Check(term) => self
                 .condition(term, "a check")
@@ -204,7 +204,7 @@ impl ScenarioPlanner<'_> {
                 .map(ScenarioActionKind::StepUntil),
             ScenarioCommandKind::Exec(rule) => {
                 let added = self.model.add_rule(rule);
-                self.heard(added).map(ScenarioActionKind::Exec)
+                self.collect_errors(added).map(ScenarioActionKind::Exec)
             }
             ScenarioCommandKind::Pick(pick) => self.pick(pick),
             ScenarioCommandKind::Block(block) => {
@@ -267,7 +267,7 @@ impl ScenarioPlanner<'_> {
         what: &str,
     ) -> Option<PlannedCondition> {
         let added = self.model.add_condition(term, what);
-        let added = self.heard(added)?;
+        let added = self.collect_errors(added)?;
         Some(PlannedCondition {
             term: added,
             span: term.span,
@@ -304,7 +304,7 @@ impl ScenarioPlanner<'_> {
     fn pick(&mut self, pick: &Pick) -> Option<ScenarioActionKind> {
         let ranges = self.ranges(pick)?;
         let added = self.model.add_term(&pick.value);
-        let value = self.heard(added)?;
+        let value = self.collect_errors(added)?;
         let root = &self.model.added.terms[value.0 as usize].root;
         if matches!(*root.kind, TermKind::Value(Value::Undef)) {
             self.error(PicksUndef {

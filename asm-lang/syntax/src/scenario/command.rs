@@ -75,7 +75,7 @@ impl ScenarioReader<'_, '_> {
             "set" => {
                 let part = self.part(at);
                 let parsed = parse_assignment_in(self.file, self.text, part);
-                let (target, value) = self.heard(parsed)?;
+                let (target, value) = self.collect_errors(parsed)?;
                 Some(ScenarioCommandKind::Set(target, value))
             }
             "check" => {
@@ -92,7 +92,7 @@ impl ScenarioReader<'_, '_> {
             "exec" => {
                 let part = self.part(at);
                 let parsed = parse_rule_in(self.file, self.text, part);
-                Some(ScenarioCommandKind::Exec(self.heard(parsed)?))
+                Some(ScenarioCommandKind::Exec(self.collect_errors(parsed)?))
             }
             "pick" => Some(ScenarioCommandKind::Pick(self.pick(at)?)),
             "begin" => Some(ScenarioCommandKind::Block(self.block(at, open)?)),

@@ -80,10 +80,10 @@ impl<'input> ScenarioReader<'input, '_> {
 
     pub(super) fn term(&mut self, part: Range<usize>) -> Option<Term> {
         let parsed = parse_term_in(self.file, self.text, part);
-        self.heard(parsed)
+        self.collect_errors(parsed)
     }
 
-    pub(super) fn heard<T>(&mut self, parsed: Result<T, Report>) -> Option<T> {
+    pub(super) fn collect_errors<T>(&mut self, parsed: Result<T, Report>) -> Option<T> {
         match parsed {
             Ok(part) => Some(part),
             Err(report) => {

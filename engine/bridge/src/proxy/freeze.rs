@@ -25,7 +25,7 @@ struct FrozenProxy {
     motion: Option<FrozenMotion>,
     /// Whether silence has been reported; absent, if nothing is.
     is_stale: Option<bool>,
-    heard: Option<Time>,
+    received_at: Option<Time>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -55,7 +55,7 @@ impl PortProxy {
                 .collect(),
             motion: self.motion.as_ref().map(FrozenMotion::of),
             is_stale: self.events.as_ref().map(|events| events.is_stale),
-            heard: self.heard,
+            received_at: self.received_at,
         };
         FrozenState::of(COMPONENT, VERSION, &frozen)
     }
@@ -85,7 +85,7 @@ impl PortProxy {
         if let (Some(events), Some(is_stale)) = (&mut self.events, frozen.is_stale) {
             events.is_stale = is_stale;
         }
-        self.heard = frozen.heard;
+        self.received_at = frozen.received_at;
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ const NAMES: usize = 8192;
 pub(crate) struct DuplicateFilter {
     streams: HashMap<String, MessageStream>,
     /// Streams by the time of their last message, oldest first.
-    heard: BTreeMap<u64, String>,
+    last_seen: BTreeMap<u64, String>,
     now: u64,
     names: HashSet<String>,
     oldest_names: VecDeque<String>,
@@ -27,7 +27,7 @@ struct MessageStream {
     highest: u64,
     /// Numbers below the highest that have not arrived.
     gaps: BTreeSet<u64>,
-    heard: u64,
+    last_seen: u64,
 }
 
 impl DuplicateFilter {
@@ -53,20 +53,20 @@ impl DuplicateFilter {
             let stream = MessageStream {
                 highest: sequence,
                 gaps: BTreeSet::new(),
-                heard: now,
+                last_seen: now,
             };
             self.streams.insert(name.clone(), stream);
-            self.heard.insert(now, name);
+            self.last_seen.insert(now, name);
             self.forget();
             return true;
         };
         // usually the stream is the one that was heard last
-        if stream.heard != self.now {
+        if stream.last_seen != self.now {
             self.now += 1;
-            if let Some(name) = self.heard.remove(&stream.heard) {
-                self.heard.insert(self.now, name);
+            if let Some(name) = self.last_seen.remove(&stream.last_seen) {
+                self.last_seen.insert(self.now, name);
             }
-            stream.heard = self.now;
+            stream.last_seen = self.now;
         }
         if sequence <= stream.highest {
             let late = stream.gaps.remove(&sequence);
@@ -85,7 +85,7 @@ impl DuplicateFilter {
 
     fn forget(&mut self) {
         if self.streams.len() > STREAMS
-            && let Some((_, name)) = self.heard.pop_first()
+            && let Some((_, name)) = self.last_seen.pop_first()
         {
             self.streams.remove(&name);
         }
@@ -154,7 +154,7 @@ mod tests {
             assert!(repeats.is_new(numbered("busy", n as u64 + 1)));
         }
         assert!(!repeats.is_new(numbered("busy", 1)));
-        assert!(repeats.streams.len() <= STREAMS && repeats.heard.len() <= STREAMS);
+        assert!(repeats.streams.len() <= STREAMS && repeats.last_seen.len() <= STREAMS);
     }
 
     #[test]

@@ -10,17 +10,17 @@ pub(crate) struct FirstDeclaration(Option<SyncSender<Result<(), ChannelError>>>)
 impl FirstDeclaration {
     /// Creates the reporting and the receiving end.
     pub(crate) fn new() -> (Self, Receiver<Result<(), ChannelError>>) {
-        let (tell, told) = sync_channel(1);
-        (Self(Some(tell)), told)
+        let (report, outcome) = sync_channel(1);
+        (Self(Some(report)), outcome)
     }
 
     /// Reports the outcome, unless one was reported before. Returns whether the outcome is final: a refusal that
     /// reached the waiting thread is not retried.
-    pub(crate) fn tell(&mut self, end: Result<(), ChannelError>) -> bool {
+    pub(crate) fn report(&mut self, end: Result<(), ChannelError>) -> bool {
         let refused = matches!(end, Err(ChannelError::Closed { .. }));
         match self.0.take() {
             // fails if the thread does not wait; it can read the outcome in the health
-            Some(tell) => tell.send(end).is_ok() && refused,
+            Some(report) => report.send(end).is_ok() && refused,
             None => false,
         }
     }

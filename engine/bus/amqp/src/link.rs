@@ -155,7 +155,7 @@ impl Link {
     }
 
     /// Waits until this pair of connections is no longer the current one.
-    pub(crate) async fn gone(&self, pair: &Arc<ConnectionPair>) {
+    pub(crate) async fn replaced(&self, pair: &Arc<ConnectionPair>) {
         let mut state = self.state();
         let same = |current: &Arc<ConnectionPair>| Arc::ptr_eq(current, pair);
         // never fails: `self` owns the sender
@@ -167,7 +167,7 @@ impl Link {
     /// Called after an error on a pair: waits until the supervisor has replaced the pair, or for a short pause if the
     /// pair is healthy.
     pub(crate) async fn rest(&self, pair: &Arc<ConnectionPair>) {
-        let _ = timeout(REST, self.gone(pair)).await;
+        let _ = timeout(REST, self.replaced(pair)).await;
     }
 
     /// Waits until the bus is closing.

@@ -49,7 +49,7 @@ struct Method {
 ///
 /// # Errors
 /// The reason why the broker is unreachable or rejects the credentials or the virtual host.
-pub(crate) async fn knock(
+pub(crate) async fn probe(
     settings: &AmqpSettings,
     connector: Option<&TlsConnector>,
 ) -> Result<(), ProbeError> {

@@ -138,7 +138,7 @@ impl PublisherTask {
         while let Some(pair) = self.link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair) => end,
-                () = self.link.gone(&pair) => Err(ChannelError::Lost),
+                () = self.link.replaced(&pair) => Err(ChannelError::Lost),
                 () = self.link.closing() => break,
             };
             match end {
@@ -174,7 +174,7 @@ impl PublisherTask {
                 return Ok(());
             }
             tokio::select! {
-                word = session.words.recv() => self.hear(word, &mut session)?,
+                word = session.words.recv() => self.handle(word, &mut session)?,
                 end = pending_or(&mut session.barrier) => self.pass(end, &mut session)?,
                 () = self.lane.wake.notified() => {}
                 _ = state.changed() => {}
@@ -237,7 +237,7 @@ impl PublisherTask {
         Ok(EncodedMessage { properties, bytes })
     }
 
-    fn hear(
+    fn handle(
         &self,
         word: Option<BrokerEvent>,
         session: &mut PublisherSession,

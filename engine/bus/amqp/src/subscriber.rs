@@ -94,11 +94,11 @@ impl SubscriberTask {
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair, &mut repeats) => end,
-                () = link.gone(&pair) => Err(ChannelError::Lost),
+                () = link.replaced(&pair) => Err(ChannelError::Lost),
             };
             match end {
                 Ok(()) => return,
-                Err(broken) if self.ready.tell(Err(broken.clone())) => return,
+                Err(broken) if self.ready.report(Err(broken.clone())) => return,
                 Err(ChannelError::Closed { reason, .. }) => {
                     link.refused(self.pattern.as_str(), reason);
                     sleep(REST).await;
@@ -131,7 +131,7 @@ impl SubscriberTask {
         }
         let begun = self.declare(&channel).await;
         let mut messages = begun.map_err(|_| channel::why(&mut words))?;
-        self.ready.tell(Ok(()));
+        self.ready.report(Ok(()));
         let link = Arc::clone(&self.link);
         let mut closing = pin!(link.closing());
         let mut owed = PendingAcknowledgement::default();

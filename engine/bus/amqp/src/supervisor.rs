@@ -18,7 +18,7 @@ use crate::backoff::Backoff;
 use crate::channel::{self, AmqpResult};
 use crate::link::{ConnectionPair, Link};
 use crate::notice::BusNotice;
-use crate::probe::knock;
+use crate::probe::probe;
 use crate::pulse;
 use crate::settings::AmqpSettings;
 use crate::tls::TlsSettings;
@@ -114,15 +114,15 @@ async fn connect(
         .as_ref()
         .map(TlsSettings::connector)
         .transpose()?;
-    knock(settings, connector.as_ref())
+    probe(settings, connector.as_ref())
         .await
         .map_err(|refusal| refusal.to_string())?;
-    let (ear, closes) = unbounded_channel();
+    let (closed, closes) = unbounded_channel();
     let pair = ConnectionPair {
-        publishers: open(settings, connector.as_ref(), "publishers", &ear)
+        publishers: open(settings, connector.as_ref(), "publishers", &closed)
             .await
             .map_err(|error| error.to_string())?,
-        consumers: open(settings, connector.as_ref(), "consumers", &ear)
+        consumers: open(settings, connector.as_ref(), "consumers", &closed)
             .await
             .map_err(|error| error.to_string())?,
     };
@@ -141,7 +141,7 @@ async fn open(
     settings: &AmqpSettings,
     connector: Option<&TlsConnector>,
     purpose: &str,
-    ear: &UnboundedSender<String>,
+    closed: &UnboundedSender<String>,
 ) -> AmqpResult<Connection> {
     let credentials = &settings.credentials;
     let mut arguments = OpenConnectionArguments::new(
@@ -160,7 +160,7 @@ async fn open(
     }
     let connection = Connection::open(&arguments).await?;
     connection
-        .register_callback(CloseListener(ear.clone()))
+        .register_callback(CloseListener(closed.clone()))
         .await?;
     Ok(connection)
 }

@@ -164,7 +164,7 @@ impl TestBroker {
     /// Waits until the broker accepts connections.
     pub(crate) fn wait_until_up(&self) -> Result<(), BrokerError> {
         let until = Instant::now() + START;
-        while !self.greets() {
+        while !self.answers() {
             if Instant::now() > until {
                 return Err(BrokerError::Mute {
                     log: self.files.log(),
@@ -184,7 +184,7 @@ impl TestBroker {
     }
 
     /// Returns whether the broker answers an AMQP connection.
-    pub(crate) fn greets(&self) -> bool {
+    pub(crate) fn answers(&self) -> bool {
         let second = Duration::from_secs(1);
         let greeted = || {
             let mut stream = TcpStream::connect_timeout(&self.address(), second)?;

@@ -7,7 +7,7 @@ pub mod render;
 pub mod specification;
 pub mod variables;
 
-use asmotion_composite::{Context, VariableSource};
+use asmotion_composite::Context;
 use asmotion_plan::Opened;
 
 pub use catalogue::SmallBuild;

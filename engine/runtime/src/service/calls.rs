@@ -157,11 +157,11 @@ impl OutgoingCalls {
             lose("", effects);
         }
         for wiring in wirings {
-            let told = wiring
+            let notified = wiring
                 .operations
                 .get(call.slot.operation)
                 .map(|operation| wiring.ask(request(call, *operation, None, effects), effects));
-            if !matches!(told, Some(Ok(()))) {
+            if !matches!(notified, Some(Ok(()))) {
                 lose(&wiring.to, effects);
             }
         }

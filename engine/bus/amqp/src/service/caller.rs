@@ -114,7 +114,7 @@ impl CallerTask {
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair) => end,
-                () = link.gone(&pair) => Err(ChannelError::Lost),
+                () = link.replaced(&pair) => Err(ChannelError::Lost),
                 () = link.closing() => break,
             };
             match end {
@@ -165,7 +165,7 @@ impl CallerTask {
                         return Err(ChannelError::Closed { code, reason });
                     }
                     Some(word) => {
-                        self.hear(word, &mut session);
+                        self.handle(word, &mut session);
                         Ok(())
                     }
                     None => return Err(ChannelError::Lost),
@@ -192,7 +192,7 @@ impl CallerTask {
         end
     }
 
-    fn hear(&mut self, word: BrokerEvent, session: &mut CallerSession) {
+    fn handle(&mut self, word: BrokerEvent, session: &mut CallerSession) {
         match word {
             BrokerEvent::Ack { tag, multiple } => {
                 for id in session.settle(tag, multiple) {

@@ -87,11 +87,11 @@ impl ProviderTask {
             let Some(pair) = pair else { return };
             let end = tokio::select! {
                 end = self.session(&pair, &mut leave) => end,
-                () = link.gone(&pair) => Err(ChannelError::Lost),
+                () = link.replaced(&pair) => Err(ChannelError::Lost),
             };
             match end {
                 Ok(()) => return,
-                Err(broken) if self.post.ready.tell(Err(broken.clone())) => return,
+                Err(broken) if self.post.ready.report(Err(broken.clone())) => return,
                 Err(ChannelError::Closed { reason, .. }) => {
                     link.refused(&self.post.key, reason);
                     sleep(REST).await;
@@ -112,7 +112,7 @@ impl ProviderTask {
         let (replies, mut refusals) = channel::open(&pair.publishers).await.map_err(lost)?;
         let begun = self.declare(&channel).await;
         let mut requests = begun.map_err(|_| channel::why(&mut words))?;
-        self.post.ready.tell(Ok(()));
+        self.post.ready.report(Ok(()));
         let mut ticks = interval(TICK);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let link = Arc::clone(&self.post.link);
