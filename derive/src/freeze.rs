@@ -1,4 +1,4 @@
-//! `#[derive(Freeze)]`: the fields of a component that are state, as a record and back.
+//! `#[derive(Freeze)]`: converts the state fields of a component to a record and back.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -6,16 +6,16 @@ use syn::{DeriveInput, Error, Expr, Field, Ident, LitInt, LitStr, Result};
 
 use crate::field::{each, named, plain};
 
-/// What `#[freeze(…)]` says about the struct.
+/// The options of `#[freeze(…)]` on the struct.
 #[derive(Default)]
 struct FreezeAttributes {
     component: Option<LitStr>,
     version: Option<LitInt>,
-    /// Asked before the fields are read.
+    /// A function that may refuse to freeze; called before the fields are read.
     check: Option<Expr>,
 }
 
-/// One field and what becomes of it.
+/// A field, with its `#[freeze(…)]` attribute as a role.
 struct FrozenField<'a> {
     field: &'a Field,
     name: &'a Ident,

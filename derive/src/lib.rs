@@ -34,11 +34,14 @@ pub fn ports(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), ports::derive)
 }
 
-/// Makes a component's struct say what of it is state: every field without a mark, by serde.
+/// Implements `Freeze` for a component's struct: every unmarked field is state and is converted by
+/// serde.
 ///
-/// `#[freeze(component = "nav::Follower", version = 1)]` on the struct names the type and its layout, and
-/// `check = "Self::is_idle"` a function `fn(&self) -> Result<(), FreezeProblem>` that is asked before. A field marked
-/// `#[freeze(skip)]` stays as it is, one marked `#[freeze(reset)]` becomes its `Default` when a state is thawed.
+/// `#[freeze(component = "nav::Follower", version = 1)]` on the struct gives the name of the type
+/// and the version of its layout. The option `check = "Self::is_idle"` names a function
+/// `fn(&self) -> Result<(), FreezeProblem>` that is called before freezing. When a state is thawed,
+/// a field marked `#[freeze(skip)]` keeps its value, and one marked `#[freeze(reset)]` is set to its
+/// `Default`.
 #[proc_macro_derive(Freeze, attributes(freeze))]
 pub fn freeze(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), freeze::derive)

@@ -48,7 +48,8 @@ impl Snapshot {
         self.steps
     }
 
-    /// The snapshot as bytes. Equal snapshots have equal bytes.
+    /// Encodes the snapshot. Equal snapshots have equal bytes, whose format depends on the program
+    /// and on the version of this crate.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut to = Writer::default();
         to.number(self.steps);
@@ -58,10 +59,11 @@ impl Snapshot {
         to.bytes
     }
 
-    /// Reads what [`Snapshot::to_bytes`] wrote. Which program it is of is seen when it is restored.
+    /// Decodes the output of [`Snapshot::to_bytes`]. [`Machine::restore`] checks that the snapshot
+    /// belongs to the program.
     ///
     /// # Errors
-    /// The bytes are no snapshot.
+    /// The bytes are malformed.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForeignSnapshot> {
         Self::read(&mut Reader::new(bytes, 0)).ok_or(ForeignSnapshot)
     }
@@ -84,7 +86,8 @@ const COMPLETE: u64 = 1;
 /// Flag: the first step is done, or does not differ from others.
 const BEGUN: u64 = 2;
 
-/// A value as bytes, in the encoding of packed states: for what is kept beside a machine.
+/// Encodes a value like those in packed states, for data that is stored together with a snapshot.
+/// [`Machine::unpack_value`] decodes it.
 ///
 /// ```
 /// use asmotion_machine::pack_value;
@@ -100,10 +103,11 @@ pub fn pack_value(value: &Value) -> Vec<u8> {
 }
 
 impl Machine {
-    /// Reads what [`pack_value`] wrote. The value may name the elements that the machine's state has.
+    /// Decodes the output of [`pack_value`]. The value may contain all elements that exist in the
+    /// current state, including those created by `extend`.
     ///
     /// # Errors
-    /// The bytes are no value, or one of another program.
+    /// The bytes are malformed, or the value contains an unknown element or rule.
     pub fn unpack_value(&self, bytes: &[u8]) -> Result<Value, ForeignSnapshot> {
         let mut from = Reader::new(bytes, self.program.rules.len());
         from.set_atoms(self.program.atom_domains.len() + self.state.store.reserve.len());

@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 /// Chooses among the candidates with uniform probability.
 ///
-/// Serialised, it is the seed and how far it has come: read again, it makes the choices that would have followed.
+/// The serialised form consists of the seed and the position in the sequence; once deserialised, it
+/// continues with the choices that would have followed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Seeded {
     random: ChaCha8Rng,

@@ -177,7 +177,7 @@ pub enum FunctionKind {
     Derived,
     /// Updated by the environment.
     Monitored,
-    /// Updated by rules only, and hidden from the environment.
+    /// Updated by rules only; the environment neither sets nor observes it.
     Controlled,
     /// Updated by rules and by the environment.
     Shared,

@@ -89,7 +89,7 @@ impl Writer {
         self.bytes.extend_from_slice(text.as_bytes());
     }
 
-    /// Bytes of this number, after their number.
+    /// Writes the number of bytes, then the bytes.
     pub fn block(&mut self, bytes: &[u8]) {
         self.count(bytes.len());
         self.bytes.extend_from_slice(bytes);
@@ -218,7 +218,7 @@ impl<'a> Reader<'a> {
         String::from_utf8(self.take(count)?.to_vec()).ok()
     }
 
-    /// What [`Writer::block`] wrote.
+    /// Reads the output of [`Writer::block`].
     pub fn block(&mut self) -> Option<&'a [u8]> {
         let count = self.count()?;
         self.take(count)
