@@ -1,4 +1,4 @@
-//! Every component of the catalogue freezes and thaws, and takes no state but its own.
+//! Every component of the catalogue can be frozen and thawed and rejects states of other components.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use asmotion_component::{Component, FrozenState, Interface, ThawProblem};
@@ -6,12 +6,12 @@ use asmotion_components::COMPONENTS;
 use asmotion_datum::{Datum, cbor};
 use proptest::prelude::*;
 
-/// A component as its constructor makes it.
+/// Creates a component with its registered constructor.
 fn made(name: &str) -> Box<dyn Component> {
     asmotion_components::component(name).unwrap()(&mut Interface::new())
 }
 
-/// A state whose bytes have been tampered with.
+/// Returns a state with modified fields.
 fn tampered(frozen: &FrozenState, change: impl Fn(&mut Vec<(String, Datum)>)) -> FrozenState {
     let Datum::Record(entries) = Datum::of(frozen).unwrap() else {
         panic!("a frozen state is a record");
@@ -155,7 +155,7 @@ fn a_component_that_does_not_freeze_says_so_by_name() {
     );
 }
 
-/// A length of thousands of millions, and not a byte behind it.
+/// Lengths of 2⁴⁷ − 1 elements without content must not cause an allocation.
 #[test]
 fn a_length_that_is_not_there_allocates_nothing() {
     let own = made("nav::Operator").freeze().unwrap();
@@ -181,7 +181,7 @@ proptest! {
         let _ = cbor::decode::<FrozenState>(&bytes);
     }
 
-    /// What is accepted all the same is a state like any other: it freezes to what was thawed.
+    /// Modified bytes are either rejected or accepted as a state that can be frozen and thawed again.
     #[test]
     fn changed_bytes_are_refused_or_are_a_state(
         which in 0..COMPONENTS.len(),

@@ -45,7 +45,7 @@ pub struct BendableRoute {
     progress: Option<f64>,
 }
 
-/// What a route is read from: line and stations follow from the planned path.
+/// Serialised form of a route; the line and the stations are derived from the planned path.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenRoute {

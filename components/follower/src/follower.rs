@@ -32,7 +32,7 @@ pub struct TrajectoryFollower {
     commanding: bool,
 }
 
-/// Reason why the robot must not drive.
+/// Reason that prevents the robot from driving.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Hindrance {
@@ -44,7 +44,7 @@ enum Hindrance {
 }
 
 impl Hindrance {
-    /// The words of the report.
+    /// Returns the text for the report.
     fn words(self) -> &'static str {
         match self {
             Self::NoOdometry => "no odometry",

@@ -24,7 +24,7 @@ pub struct Distances {
     envelope: Vec<(i64, i64)>,
 }
 
-/// What distances are read from: without the memory of the two passes.
+/// Serialised form of the distances, without the working memory of the two passes.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SquaredDistances {

@@ -38,7 +38,7 @@ pub struct GridLayout {
     inverse: Pose,
 }
 
-/// What a layout is read from.
+/// Serialised form of a layout.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LayoutNumbers {

@@ -35,7 +35,7 @@ pub struct ObstacleScene {
     index: SceneIndex,
 }
 
-/// What a scene is read from: its shapes, without the index.
+/// Serialised form of a scene: its shapes without the index.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneShapes {

@@ -178,7 +178,8 @@ pub struct MapLibrary {
     loads: u64,
 }
 
-/// What a library has found out and loaded, for a frozen state; the rest follows from the server's properties.
+/// Frozen content of a library: places and maps found and loaded so far. The rest is derived from the properties of the
+/// server.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LibraryContents {
@@ -283,7 +284,7 @@ impl MapLibrary {
         })
     }
 
-    /// What the library has found out and loaded so far.
+    /// Returns the places and maps found and loaded so far.
     pub(crate) fn contents(&self) -> LibraryContents {
         LibraryContents {
             places: self.places.clone(),
@@ -292,7 +293,7 @@ impl MapLibrary {
         }
     }
 
-    /// A library that has loaded this already; reads no file.
+    /// Creates a library with previously loaded content, without reading any file.
     pub(crate) fn with_contents(
         files: Arc<dyn FileSource>,
         settings: MapSettings,

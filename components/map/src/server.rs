@@ -243,7 +243,7 @@ fn summary(served: &ServedMap<'_>) -> String {
     format!("{}: {size}{}", served.place, notes.collect::<String>())
 }
 
-/// Maps are state, also where their files are still there: they may have changed meanwhile.
+/// The maps themselves are part of the state, since their files may change after freezing.
 impl Freeze for MapServer {
     const COMPONENT: &'static str = "nav::MapServer";
     const VERSION: u32 = 1;

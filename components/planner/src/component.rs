@@ -23,7 +23,8 @@ pub struct TrajectoryPlanner {
     ports: PlannerPorts,
     properties: PropertySet<PlannerProperties>,
 
-    /// The planner, and what it was made of. No state: a plan does not depend on the plans before it.
+    /// Planner with the name and settings it was created from. Not part of the state, since plans do not depend on
+    /// earlier ones.
     #[freeze(reset)]
     made: Option<(String, PlannerSettings, Box<dyn Planner>)>,
     /// Requests that wait for a map, with the calls that fetch it.

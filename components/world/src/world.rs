@@ -44,7 +44,7 @@ struct Truth {
     body: Body,
     walls: ObstacleScene,
     schedule: Schedule,
-    /// Walls and obstacles.
+    /// Walls and obstacles currently present.
     #[serde(skip_serializing)]
     scene: ObstacleScene,
     revision: u64,
@@ -52,7 +52,7 @@ struct Truth {
     touches: bool,
 }
 
-/// What the state of the world is read from: the scene follows from walls and schedule.
+/// Serialised form of the world; the scene is derived from the walls and the schedule.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenTruth {
@@ -291,7 +291,7 @@ impl Truth {
         changed
     }
 
-    /// Makes the scene of the walls and the obstacles that are there.
+    /// Builds the scene from the walls and the obstacles currently present.
     fn see(&mut self) {
         let mut polygons = self.walls.polygons().to_vec();
         let mut discs = self.walls.discs().to_vec();

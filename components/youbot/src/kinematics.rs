@@ -11,7 +11,7 @@ use crate::unreachable::Unreachable;
 
 /// `youbot::Kinematics`: provides inverse kinematics; replies with a fault if the pose cannot be reached.
 ///
-/// It remembers nothing: an answer depends on its request alone.
+/// Stateless: a reply depends only on its request.
 #[derive(Freeze)]
 #[freeze(component = "youbot::Kinematics", version = 1)]
 pub struct Kinematics {

@@ -57,8 +57,8 @@ pub trait Component: Send {
         Ok(())
     }
 
-    /// The component's state between two cycles, as data: everything that a later cycle depends on, beside its inputs,
-    /// its properties and the time. `#[derive(Freeze)]` and [`freeze_by_fields!`](crate::freeze_by_fields) write this
+    /// Returns the state of the component between two cycles: everything that later cycles depend on except inputs,
+    /// properties and time. `#[derive(Freeze)]` and [`freeze_by_fields!`](crate::freeze_by_fields) implement this
     /// method and [`thaw`](Self::thaw).
     ///
     /// ```
@@ -89,8 +89,8 @@ pub trait Component: Send {
     /// ```
     ///
     /// # Errors
-    /// The component does not implement this method, which is the default; it owns something that is no data, such as a
-    /// device; or work of it is under way in the background.
+    /// An error if the component does not implement this method, which is the default, if it owns something that cannot
+    /// be represented as data, such as a device, or if background work is in progress.
     fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
         Err(CannotFreeze {
             component: type_name::<Self>().to_owned(),
@@ -98,12 +98,13 @@ pub trait Component: Send {
         })
     }
 
-    /// Takes over a state that a component of this type has frozen. The component is configured already, in a system of
-    /// the same composite; it goes on as the other one would have.
+    /// Restores a state frozen by a component of the same type. The component must be configured, in a system of the
+    /// same composite; it continues where the frozen one stopped.
     ///
     /// # Errors
-    /// The component does not implement this method, or the state is of another type, of another version, or not what
-    /// the type writes. The component is then as it was before.
+    ///
+    /// An error if the component does not implement this method, or if the state has another type, another version or
+    /// malformed content. The component is then unchanged.
     fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
         let _ = state;
         Err(ThawError {

@@ -57,16 +57,18 @@ pub trait Properties: Default {
     /// Reads the current value of every field.
     fn read(handles: &Self::Handles, from: &impl PropertySource) -> Self;
 
-    /// The values as a record, for a frozen state.
+    /// Returns the values as a record, for a frozen state.
     ///
     /// # Errors
-    /// A value has no form as data.
+    ///
+    /// An error if a value cannot be represented as a datum.
     fn to_datum(&self) -> Result<Datum, DatumError>;
 
-    /// Reads what [`to_datum`](Self::to_datum) wrote.
+    /// Reads the record written by [`to_datum`](Self::to_datum).
     ///
     /// # Errors
-    /// A field is missing, unknown, or of another type.
+    ///
+    /// An error if a field is missing, unknown or of another type.
     fn of_datum(datum: &Datum) -> Result<Self, DatumError>;
 }
 
@@ -143,7 +145,7 @@ impl<P: Properties> PropertySet<P> {
         &self.values
     }
 
-    /// Replaces the values until the next refresh, which reads them all again.
+    /// Sets the values; the next refresh reads all properties again.
     pub(crate) fn set_values(&mut self, values: P) {
         self.values = values;
         self.seen = None;

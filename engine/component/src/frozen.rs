@@ -1,15 +1,14 @@
-//! Frozen state: what a component remembers between two cycles, as data.
+//! Frozen states: the state of a component between two cycles as data.
 //!
-//! A model checker keeps many states, compares them and goes on from each; a recording begins with one and replays from
-//! there. Both need the state of a component as plain bytes. `#[derive(Freeze)]` on the component's struct makes them:
-//! each field becomes an entry of a record, encoded as CBOR, unless it is marked
-//! - `#[freeze(skip)]`: belongs to the place and not to the state (ports, the source of files), and stays as it is, or
-//! - `#[freeze(reset)]`: holds nothing that a later cycle depends on (a cache, scratch memory), and becomes its
-//!   [`Default`].
+//! A model checker stores many states, compares them and continues from each; a recording starts with one and is
+//! replayed from there. Both need the state of a component as plain bytes. `#[derive(Freeze)]` on the component's struct
+//! generates the conversion: each field becomes an entry of a CBOR record, unless it is marked
+//! - `#[freeze(skip)]`: part of the environment, such as a port or a file source; left unchanged by thawing, or
+//! - `#[freeze(reset)]`: irrelevant for later cycles, such as a cache or working memory; set to its [`Default`].
 //!
-//! Fields are frozen by serde, [`PropertySet`]s by their last values. A type whose numbers must fit together should read
-//! itself with `#[serde(try_from = "…")]`, since frozen bytes may come from a stranger. Fields must be serialised in the
-//! same order each time: a `BTreeMap`, not a `HashMap`.
+//! Fields are serialised with serde, [`PropertySet`]s by their last values. Since frozen bytes may come from an untrusted
+//! source, a type with invariants should validate them with `#[serde(try_from = "…")]`. The serialisation must be
+//! deterministic: use a `BTreeMap`, not a `HashMap`.
 
 use std::fmt;
 
@@ -22,11 +21,11 @@ use crate::derived::{Properties, PropertySet};
 
 /// The state of a component between two cycles.
 ///
-/// Two states are equal if and only if their bytes are, floating-point numbers included: NaN equals itself, and zero is
-/// not minus zero. A state is of a type of component, not of one instance: it thaws into any other component of that
-/// type. It contains the values of the component's properties, secrets among them.
+/// Two states are equal if and only if their bytes are. This includes floating-point numbers: NaN equals itself, and
+/// zero differs from negative zero. A state belongs to a component type, not to an instance, and can be thawed into any
+/// component of that type. It contains the values of the component's properties, including secrets.
 ///
-/// It is written with serde, for instance as CBOR:
+/// States are serialised with serde, for example as CBOR:
 ///
 /// ```
 /// use asmotion_component::{Freeze, FrozenState, freeze_fields};
@@ -49,16 +48,17 @@ use crate::derived::{Properties, PropertySet};
 pub struct FrozenState {
     component: String,
     version: u32,
-    /// The fields, as CBOR.
+    /// Fields encoded as a CBOR record.
     #[serde(with = "serde_bytes")]
     fields: Box<[u8]>,
 }
 
 impl FrozenState {
-    /// A state that a component encodes by itself, instead of by `#[derive(Freeze)]`: any record.
+    /// Creates a state from a custom record, for components that do not use `#[derive(Freeze)]`.
     ///
     /// # Errors
-    /// The value has no form as data.
+    ///
+    /// An error if the value cannot be represented as a datum.
     pub fn of(
         component: &str,
         version: u32,
@@ -75,33 +75,35 @@ impl FrozenState {
         })
     }
 
-    /// The type of the component: `nav::TrajectoryFollower`.
+    /// Returns the component type, such as `nav::TrajectoryFollower`.
     pub fn component(&self) -> &str {
         &self.component
     }
 
-    /// The version of the layout in which that type froze itself.
+    /// Returns the version of the layout used by the component type.
     pub fn version(&self) -> u32 {
         self.version
     }
 
-    /// The encoded fields. Equal states have equal bytes.
+    /// Returns the encoded fields. Equal states have equal bytes.
     pub fn as_bytes(&self) -> &[u8] {
         &self.fields
     }
 
-    /// The fields by name, for people and for comparing two states field by field.
+    /// Returns the fields by name, for display and for comparison field by field.
     ///
     /// # Errors
-    /// The bytes are none that a component wrote.
+    ///
+    /// An error if the bytes are malformed.
     pub fn to_datum(&self) -> Result<Datum, ThawError> {
         cbor::decode(&self.fields).map_err(|error| self.refused(ThawProblem::Malformed(error)))
     }
 
-    /// Checks that this is a state of a type of component in its present layout, and reads it.
+    /// Decodes the state after checking the component type and the layout version.
     ///
     /// # Errors
-    /// It is a state of another type or version, or the bytes are not what the type writes.
+    ///
+    /// An error if the type or version differs, or if the bytes are malformed.
     pub fn read<T: DeserializeOwned>(&self, component: &str, version: u32) -> Result<T, ThawError> {
         let problem = if self.component != component {
             ThawProblem::OtherComponent(self.component.clone())
@@ -130,7 +132,7 @@ impl FrozenState {
     }
 }
 
-/// The type, the version and the number of bytes; the bytes themselves are for [`FrozenState::to_datum`].
+/// Displays the type, the version and the number of bytes; see [`FrozenState::to_datum`] for the content.
 impl fmt::Debug for FrozenState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
@@ -142,91 +144,94 @@ impl fmt::Debug for FrozenState {
     }
 }
 
-/// Why a component cannot be frozen now, or at all.
+/// The error type of freezing a component.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("`{component}` cannot be frozen: {reason}")]
 pub struct CannotFreeze {
-    /// The type of the component.
+    /// Type of the component.
     pub component: String,
-    /// What stands in the way.
+    /// Reason for the failure.
     pub reason: FreezeProblem,
 }
 
-/// What stands in the way of freezing a component.
+/// The reason that a component cannot be frozen.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FreezeProblem {
-    /// The component leaves out [`Component::freeze`](crate::Component::freeze).
+    /// The component does not implement [`Component::freeze`](crate::Component::freeze).
     #[error(
         "it does not implement `Component::freeze` and `thaw`: derive `Freeze`, and add `asmotion_component::freeze_by_fields!()` to its `impl Component`"
     )]
     NotImplemented,
-    /// Work is under way outside of the component; it can be frozen when that is done.
+    /// Background work is in progress; the component can be frozen once it is done. Contains a description of the work.
     #[error("{0}, which is under way")]
     Busy(String),
-    /// A field has no form as data.
+    /// A field cannot be represented as a datum.
     #[error(transparent)]
     NoData(DatumError),
 }
 
-/// Why a component does not take a frozen state. The component is as it was before.
+/// The error type of thawing a component, which is then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("`{component}` does not take the frozen state: {problem}")]
 pub struct ThawError {
-    /// The type of the component.
+    /// Type of the component.
     pub component: String,
-    /// What does not fit.
+    /// Reason for the failure.
     pub problem: ThawProblem,
 }
 
-/// What of a frozen state does not fit.
+/// The reason that a frozen state is rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ThawProblem {
-    /// The component leaves out [`Component::thaw`](crate::Component::thaw).
+    /// The component does not implement [`Component::thaw`](crate::Component::thaw).
     #[error("it does not implement `Component::thaw`")]
     NotImplemented,
-    /// The state is of another type of component.
+    /// The state has another component type, contained here.
     #[error("it is a state of `{0}`")]
     OtherComponent(String),
-    /// The state has been frozen by another version of the component.
+    /// The state was frozen by another version of the component.
     #[error("it has layout {frozen}, and this build has layout {present}")]
     OtherVersion {
-        /// The version of the state.
+        /// Version of the state.
         frozen: u32,
-        /// The version of the component.
+        /// Version of the component.
         present: u32,
     },
-    /// The bytes are not what this type of component writes.
+    /// The bytes are malformed.
     #[error(transparent)]
     Malformed(DatumError),
-    /// The state is readable, but does not belong to this component: what differs.
+    /// The state is well-formed but belongs to another component; contains a description of the difference.
     #[error("{0}")]
     Foreign(String),
 }
 
-/// A component whose struct says what of it is state: see the [derive](derive@crate::Freeze).
+/// A component whose struct declares which of its fields are state; see the [derive](derive@crate::Freeze).
 pub trait Freeze {
-    /// The type of the component, as composites name it.
+    /// Type of the component, as named in composites.
     const COMPONENT: &'static str;
-    /// Number of the present layout; to be incremented whenever the meaning of a field changes.
+    /// Version of the layout; must be incremented whenever the meaning of a field changes.
     const VERSION: u32;
 
-    /// The fields that are state, by name, in order.
+    /// Returns the state fields by name, in declaration order.
     ///
     /// # Errors
-    /// Work is under way, or a field has no form as data.
+    ///
+    /// An error if background work is in progress or if a field cannot be represented as a datum.
     fn fields(&self) -> Result<Vec<(FieldName, Datum)>, FreezeProblem>;
 
-    /// Sets all fields, or none.
+    /// Sets all fields; on error none is changed.
     ///
     /// # Errors
-    /// A field is missing, unknown, or not what the type writes.
+    ///
+    /// An error if a field is missing, unknown or malformed.
     fn set_fields(&mut self, fields: &[(FieldName, Datum)]) -> Result<(), DatumError>;
 }
 
 /// Freezes a component by its fields.
 ///
 /// # Errors
-/// Work is under way, or a field has no form as data.
+///
+/// An error if background work is in progress or if a field cannot be represented as a datum.
 pub fn freeze_fields<C: Freeze>(component: &C) -> Result<FrozenState, CannotFreeze> {
     let fields = component.fields().map_err(|reason| CannotFreeze {
         component: C::COMPONENT.to_owned(),
@@ -235,17 +240,19 @@ pub fn freeze_fields<C: Freeze>(component: &C) -> Result<FrozenState, CannotFree
     FrozenState::of(C::COMPONENT, C::VERSION, &Datum::Record(fields))
 }
 
-/// Sets the fields of a component to a frozen state, all or none.
+/// Restores the fields of a component from a frozen state; on error none is changed.
 ///
 /// # Errors
-/// The state is of another type or version, or the bytes are not what the type writes.
+///
+/// An error if the type or version differs, or if the bytes are malformed.
 pub fn thaw_fields<C: Freeze>(component: &mut C, state: &FrozenState) -> Result<(), ThawError> {
     let record: Datum = state.read(C::COMPONENT, C::VERSION)?;
     let set = entries(&record).and_then(|fields| component.set_fields(fields));
     set.map_err(|error| state.refused(ThawProblem::Malformed(error)))
 }
 
-/// The two methods of a [`Component`](crate::Component) that derives [`Freeze`]; stands in its `impl Component`.
+/// Implements the two methods of a [`Component`](crate::Component) that derives [`Freeze`]; used in its
+/// `impl Component`.
 #[macro_export]
 macro_rules! freeze_by_fields {
     () => {
@@ -262,24 +269,26 @@ macro_rules! freeze_by_fields {
     };
 }
 
-/// A field that is state. Everything that serde reads and writes is, and so is a [`PropertySet`].
+/// A type of state fields: every type that serde can serialise and deserialise, and [`PropertySet`].
 pub trait StateField {
-    /// A value that has been read, on its way into the field.
+    /// Decoded value. Decoding is separate from assignment, so that no field is changed if any is malformed.
     type Read;
 
-    /// The value as data.
+    /// Returns the value as a datum.
     ///
     /// # Errors
-    /// It has no form as data.
+    ///
+    /// An error if it cannot be represented as a datum.
     fn to_datum(&self) -> Result<Datum, DatumError>;
 
-    /// Reads a value.
+    /// Decodes a value.
     ///
     /// # Errors
-    /// The data does not fit.
+    ///
+    /// An error if the datum has another type.
     fn read(datum: &Datum) -> Result<Self::Read, DatumError>;
 
-    /// Puts a value that has been read into the field.
+    /// Assigns a decoded value.
     fn set(&mut self, read: Self::Read);
 }
 
@@ -299,7 +308,7 @@ impl<T: Serialize + DeserializeOwned> StateField for T {
     }
 }
 
-/// The values of the last refresh. After thawing, the next refresh reads the properties again.
+/// Freezes the values of the last refresh. After thawing, the next refresh reads the properties again.
 impl<P: Properties> StateField for PropertySet<P> {
     type Read = P;
 
@@ -316,10 +325,10 @@ impl<P: Properties> StateField for PropertySet<P> {
     }
 }
 
-/// A short text that tells apart what a frozen state can belong to: specifications, bindings, declarations. (FNV-1a of
-/// 64 bits: against mistakes, not against an adversary.)
+/// Returns a short fingerprint of the texts a frozen state depends on, such as specifications, bindings and
+/// declarations. It is a 64-bit FNV-1a hash, which protects against mistakes but not against an adversary.
 pub fn fingerprint<'t>(texts: impl IntoIterator<Item = &'t str>) -> String {
-    // a byte that no text contains keeps neighbours apart
+    // the separator is a byte that does not occur in UTF-8, so that `ab`, `c` differs from `a`, `bc`
     let bytes = texts
         .into_iter()
         .flat_map(|text| text.bytes().chain([0xff]));
@@ -329,10 +338,11 @@ pub fn fingerprint<'t>(texts: impl IntoIterator<Item = &'t str>) -> String {
     format!("{hash:016x}")
 }
 
-/// The entries of a record. For the derive macros.
+/// Returns the entries of a record. Used by the derive macros.
 ///
 /// # Errors
-/// It is no record.
+///
+/// An error if the datum is not a record.
 pub fn entries(datum: &Datum) -> Result<&[(FieldName, Datum)], DatumError> {
     match datum {
         Datum::Record(entries) => Ok(entries),
@@ -350,10 +360,11 @@ pub fn entries(datum: &Datum) -> Result<&[(FieldName, Datum)], DatumError> {
     }
 }
 
-/// One field as an entry of a record. For the derive macros.
+/// Returns a field as an entry of a record. Used by the derive macros.
 ///
 /// # Errors
-/// The value has no form as data.
+///
+/// An error if the value cannot be represented as a datum.
 pub fn entry(
     name: &'static str,
     value: &impl StateField,
@@ -363,10 +374,11 @@ pub fn entry(
     Ok((name.into(), datum))
 }
 
-/// One field of a record, read. For the derive macros.
+/// Decodes a field of a record. Used by the derive macros.
 ///
 /// # Errors
-/// There is no such field, or its data does not fit.
+///
+/// An error if the field is missing or has another type.
 pub fn field<F: StateField>(
     fields: &[(FieldName, Datum)],
     name: &str,
@@ -374,18 +386,20 @@ pub fn field<F: StateField>(
     F::read(one(fields, name)?).map_err(|error| error.within(name))
 }
 
-/// One field of a record that is itself a struct of properties. For the derive macros.
+/// Decodes a field that is itself a struct of properties. Used by the derive macros.
 ///
 /// # Errors
-/// There is no such field, or its data does not fit.
+///
+/// An error if the field is missing or has another type.
 pub fn nested<P: Properties>(fields: &[(FieldName, Datum)], name: &str) -> Result<P, DatumError> {
     P::of_datum(one(fields, name)?).map_err(|error| error.within(name))
 }
 
-/// One field of a record that is a word. For the derive macros.
+/// Decodes a field that is a word. Used by the derive macros.
 ///
 /// # Errors
-/// There is no such field, or no such word.
+///
+/// An error if the field is missing or its word is unknown.
 pub fn word<W: Word>(fields: &[(FieldName, Datum)], name: &str) -> Result<W, DatumError> {
     let word = one(fields, name)?.as_text().and_then(W::of_word);
     word.ok_or_else(|| mismatch("expected a word of the type".to_owned()).within(name))
@@ -401,10 +415,11 @@ fn one<'a>(fields: &'a [(FieldName, Datum)], name: &str) -> Result<&'a Datum, Da
     }
 }
 
-/// Refuses fields that are not known. For the derive macros.
+/// Rejects unknown fields. Used by the derive macros.
 ///
 /// # Errors
-/// The first of them.
+///
+/// An error naming the first unknown field.
 pub fn refuse_unknown(fields: &[(FieldName, Datum)], known: &[&str]) -> Result<(), DatumError> {
     let unknown = |(name, _): &&(FieldName, Datum)| !known.contains(&&**name);
     match fields.iter().find(unknown) {

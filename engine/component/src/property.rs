@@ -126,10 +126,11 @@ pub trait AnyProperty: Any + Send {
     /// Stages an allowed value; [`AnyProperty::apply`] puts it into effect.
     fn prepare(&mut self, value: &Datum);
 
-    /// The prepared value, if there is one.
+    /// Returns the staged value; `None` if there is none.
     ///
     /// # Errors
-    /// The value has no form as data.
+    ///
+    /// An error if the value cannot be represented as a datum.
     fn prepared(&self) -> Result<Option<Datum>, DatumError>;
 
     /// Puts the staged value into effect. Returns whether there was one.

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// A component that runs a specification: its cycle is one step of the machine.
 pub struct Coordinator {
     pub(crate) specification: Arc<Specification>,
-    /// Tells apart specifications and bindings, for frozen states.
+    /// Fingerprint of the specification and the bindings, stored in frozen states.
     pub(crate) fingerprint: String,
     pub(crate) machine: Machine,
     pub(crate) chooser: Seeded,

@@ -72,7 +72,7 @@ pub(crate) struct PendingOutcome {
 /// The effects of the end of a call.
 #[derive(Clone)]
 pub(crate) struct OutcomeEffect {
-    /// Number of the call among all that the binding makes.
+    /// Position of the call among all calls of the binding.
     pub number: usize,
     /// The out function whose update made the call; a later update of it cancels the call.
     function: FunctionId,
@@ -269,7 +269,7 @@ impl EffectOutbox {
     }
 }
 
-/// What the calls of the binding do when they end.
+/// Iterates over the outcome effects of the calls in a binding.
 fn outcomes(outs: &mut [BoundOutput]) -> impl Iterator<Item = &mut OutcomeEffect> {
     let cases = outs.iter_mut().flat_map(|out| match &mut out.effect {
         BoundEffect::Literals(cases) => cases.as_mut_slice(),
@@ -284,7 +284,7 @@ fn outcomes(outs: &mut [BoundOutput]) -> impl Iterator<Item = &mut OutcomeEffect
 }
 
 impl EffectOutbox {
-    /// What the call of this number does when it ends.
+    /// Returns the outcome effect of the call at this position.
     pub fn outcome(&mut self, number: usize) -> Option<OutcomeEffect> {
         outcomes(&mut self.outs).nth(number).cloned()
     }
@@ -344,7 +344,7 @@ impl EffectHandles {
                     _ => Ok(None),
                 };
                 let outcome = OutcomeEffect {
-                    // set when all are known
+                    // assigned once all calls are known
                     number: 0,
                     function,
                     keep: call.keep.clone(),

@@ -1,4 +1,4 @@
-//! The state of a coordinator as data: the machine, and everything that is under way around it.
+//! Freezing and thawing of the state of a coordinator: the machine, inputs, pending calls and pending requests.
 
 use crate::binding::Binding;
 use crate::coordinator::Coordinator;
@@ -20,19 +20,19 @@ use asmotion_lang::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, VecDeque};
 
-/// The type that frozen states name.
+/// Component type named in frozen states.
 const COMPONENT: &str = "asm::Coordinator";
 
-/// The layout of [`FrozenCoordinator`], and of the encoding of the machine.
+/// Version of the layout of [`FrozenCoordinator`] and of the machine encoding.
 const VERSION: u32 = 1;
 
-/// A packed value.
+/// A value in the compact encoding of the machine.
 type PackedValue = serde_bytes::ByteBuf;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenCoordinator {
-    /// Name of the specification, for people.
+    /// Name of the specification, for error messages.
     specification: String,
     fingerprint: String,
     #[serde(with = "serde_bytes")]
@@ -41,12 +41,12 @@ struct FrozenCoordinator {
     inputs: Vec<FrozenInput>,
     losses: Losses,
     reported: Losses,
-    /// Replies, by the names under which the binding keeps them.
+    /// Kept replies by the name given in the binding.
     kept: BTreeMap<String, Datum>,
     outcomes: Vec<FrozenOutcome>,
     heard: Vec<FrozenRequests>,
     calls: Vec<FrozenCall>,
-    /// Requests that the machine has not answered: the message, the operation, the request.
+    /// Requests not yet answered by the machine: message, operation, request.
     requests: Vec<(u64, usize, RequestId)>,
 }
 
@@ -55,31 +55,32 @@ struct FrozenCoordinator {
 struct FrozenInput {
     newest: Option<Time>,
     last: Option<PackedValue>,
-    /// Each with the function whose call it answers.
+    /// Messages not yet read, each with the function whose call it answers.
     waiting: Vec<(Option<u32>, PackedValue)>,
 }
 
-/// A call of the binding, under way.
+/// A pending call of the binding.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenOutcome {
     call: CallId,
-    /// Number of the call in the binding.
+    /// Position of the call in the binding.
     number: usize,
-    /// Operation and request that it answers for.
+    /// Operation and request to be answered with the outcome.
     caller: Option<(usize, RequestId)>,
 }
 
-/// What was asked of an operation that a monitored function is bound to.
+/// Requests to an operation bound to a monitored function.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenRequests {
-    /// What was asked last: a list of one, or none. (An option of a datum that is null would read as absent.)
+    /// Last request, as a list of at most one element. `Option<Datum>` would not distinguish an absent request from
+    /// null.
     last: Vec<Datum>,
     open: Vec<RequestId>,
 }
 
-/// A call of a partner, under way.
+/// A pending call to a partner.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenCall {
@@ -91,7 +92,7 @@ struct FrozenCall {
     asked: usize,
 }
 
-/// Tells apart what a frozen coordinator can belong to: all texts of the specification, and the binding.
+/// Fingerprint of all source texts of the specification and of the binding.
 pub(crate) fn fingerprint(specification: &Specification, binding: &Binding) -> String {
     let binding = format!("{binding:?}");
     let sources = &specification.sources;
@@ -126,7 +127,7 @@ impl FrozenInput {
     }
 }
 
-/// What was read of an input, on its way there.
+/// Decoded state of an input, before it is assigned.
 struct ThawedInput {
     newest: Option<Time>,
     last: Option<Value>,
@@ -147,8 +148,8 @@ impl ThawedInput {
 }
 
 impl Coordinator {
-    /// The machine and what is under way around it. What the present cycle has read is no part of it: the next cycle
-    /// reads anew.
+    /// Returns the state of the machine and of the pending work. Values read in the current cycle are not included,
+    /// since the next cycle reads them again.
     pub(crate) fn frozen(&self) -> Result<FrozenState, CannotFreeze> {
         let outcomes = self.outbox.pending.iter().map(|pending| FrozenOutcome {
             call: pending.call,
@@ -186,7 +187,7 @@ impl Coordinator {
         FrozenState::of(COMPONENT, VERSION, &state)
     }
 
-    /// Takes over a state, all or nothing.
+    /// Restores a state; on error the coordinator is unchanged.
     pub(crate) fn thawed(&mut self, state: &FrozenState) -> Result<(), ThawError> {
         let frozen = state.read(COMPONENT, VERSION)?;
         self.take_over(frozen).map_err(|problem| ThawError {

@@ -28,11 +28,11 @@ pub(crate) struct RequestInput {
     pub open: Vec<RequestId>,
 }
 
-/// A caller that waits for the end of the call that is made for it.
+/// A caller waiting for the outcome of the call made on its behalf.
 #[derive(Clone, Copy)]
 pub(crate) struct WaitingCaller {
     pub handle: Provided<Dynamic>,
-    /// Position of the operation among the served ones.
+    /// Position of the operation among the provided ones.
     pub served: usize,
     pub request: RequestId,
 }

@@ -1,4 +1,4 @@
-//! The state of a port-proxy as data.
+//! Freezing and thawing of the state of a port-proxy.
 
 use std::collections::VecDeque;
 
@@ -10,20 +10,20 @@ use super::PortProxy;
 use super::motion::MotionMonitor;
 use super::operation::Waiting;
 
-/// The type that frozen states name.
+/// Component type named in frozen states.
 const COMPONENT: &str = "port-proxy";
 
-/// The layout of [`FrozenProxy`].
+/// Layout version of [`FrozenProxy`].
 const VERSION: u32 = 1;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenProxy {
-    /// In the order of the map: samples kept for a reader, and callers that wait.
+    /// Per operation, in the order of the mapping: messages not yet read and pending callers.
     operations: Vec<(VecDeque<Datum>, Vec<Waiting>)>,
-    /// Absent, if no motions are watched.
+    /// `None` if no motion is monitored.
     motion: Option<FrozenMotion>,
-    /// Whether silence has been reported; absent, if nothing is.
+    /// Whether the event `stale` has been sent; `None` if silence is not monitored.
     is_stale: Option<bool>,
     received_at: Option<Time>,
 }
@@ -60,7 +60,7 @@ impl PortProxy {
         FrozenState::of(COMPONENT, VERSION, &frozen)
     }
 
-    /// Takes over a state, all or nothing.
+    /// Restores a state; on error the proxy is unchanged.
     pub(super) fn thawed(&mut self, state: &FrozenState) -> Result<(), ThawError> {
         let frozen: FrozenProxy = state.read(COMPONENT, VERSION)?;
         let fits = frozen.operations.len() == self.operations.len()
