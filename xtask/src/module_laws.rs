@@ -51,9 +51,12 @@ mod tests {
             .map(|(from, to)| ((from.to_owned(), to.to_owned()), ["Name".to_owned()].into()))
             .collect();
         let files = uses.keys().flat_map(|(from, to)| [from, to]);
-        let room = |file: &String| match one_room {
-            true => "room".to_owned(),
-            false => file.clone(),
+        let room = |file: &String| {
+            if one_room {
+                "room".to_owned()
+            } else {
+                file.clone()
+            }
         };
         CrateModules {
             name: "one".to_owned(),
