@@ -1,5 +1,5 @@
 //! Pools without synchronisation, for ends that share one thread (RTT UNSYNC).
-#![allow(
+#![expect(
     unsafe_code,
     reason = "the promise of one thread is the caller's, and argued where it is made"
 )]
