@@ -1,4 +1,4 @@
-//! Fixes applied to a text.
+//! Applies fixes to a text.
 
 use crate::diagnostic::Diagnostic;
 use crate::fix::{Applicability, Edit, Fix};

@@ -3,7 +3,7 @@
 //! [`Sources`] holds the texts, and a [`Span`] is a range in one of them. A stage describes a
 //! problem as a [`Finding`], a struct of facts whose [`Code`] carries the documentation page;
 //! [`Finding::diagnostic`] puts it into words. A [`Diagnostic`] may offer a [`Fix`] that a tool can
-//! [`apply`], [`similar`] finds the name that was probably meant, and [`render()`] formats a
+//! [`apply()`], [`similar()`] finds the name that was probably meant, and [`render()`] formats a
 //! diagnostic as text. Nothing here prints or reads a file: texts come from a [`Loader`].
 
 mod apply;

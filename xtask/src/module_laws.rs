@@ -6,10 +6,10 @@ use crate::modules::CrateModules;
 /// Largest permitted cycle of files.
 pub const LARGEST_CYCLE: usize = 5;
 
-/// Describes every breach, one sentence each.
+/// Describes all violations, one sentence each.
 ///
-/// Names are imported from their modules, not from the root of the crate; first-level modules do not use one
-/// another in a cycle; and a cycle of files has at most [`LARGEST_CYCLE`] of them.
+/// The laws: names are imported from their modules, not from the root of the crate; first-level
+/// modules have no cyclic dependencies; a cycle of files contains at most [`LARGEST_CYCLE`] of them.
 pub fn breaches(crates: &[CrateModules]) -> Vec<String> {
     let mut found = Vec::new();
     for modules in crates {
@@ -42,7 +42,7 @@ mod tests {
     use super::breaches;
     use crate::modules::{CrateModules, HubUse};
 
-    /// A crate whose files `a`, `b` … are first-level modules, or all parts of one.
+    /// Returns a crate whose files `a`, `b`, … are either first-level modules or parts of a single one.
     fn modules(arrows: &str, one_room: bool) -> CrateModules {
         let pairs = arrows
             .split_whitespace()

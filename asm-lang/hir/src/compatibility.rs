@@ -1,4 +1,4 @@
-//! Types compared: what fits what, by the domains of a model.
+//! Compatibility of types, which depends on the domains of a model.
 
 use crate::id::DomainId;
 use crate::model::{Domain, DomainKind, Model};
@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Name of the library's domain of all values.
 const ANY: &str = "Any";
 
-/// How well an argument fits a parameter: smaller is better, `None` means not at all.
+/// Fit of an argument to a parameter: smaller is better, `None` means that it does not fit.
 pub(crate) type Fit = Option<u32>;
 
 /// The bindings of type variables within one application.

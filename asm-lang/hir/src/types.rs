@@ -1,4 +1,4 @@
-//! Types, interned.
+//! Types and their table, which interns them.
 
 use crate::id::DomainId;
 use std::collections::BTreeMap;

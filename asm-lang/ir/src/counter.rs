@@ -1,4 +1,4 @@
-//! What a program counts while it runs.
+//! Coverage counters: the parts of a program that are counted, and the increments.
 
 use crate::id::Origin;
 

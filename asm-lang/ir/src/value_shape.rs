@@ -1,4 +1,4 @@
-//! The shape of a value.
+//! Shapes: the structure of values, without the names of their types.
 
 use crate::id::DomainId;
 

@@ -1,4 +1,4 @@
-//! Collections as Rust's standard library has them.
+//! The Rust types of sets and bags.
 
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};

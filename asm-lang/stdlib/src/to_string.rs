@@ -1,4 +1,4 @@
-//! Values as text.
+//! Conversion of values and numbers to strings.
 
 use crate::argument::unary;
 use crate::builtin::BuiltinBody;

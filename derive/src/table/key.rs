@@ -1,4 +1,4 @@
-//! `#[key(…)]`: a field as a key of the table.
+//! `#[key(…)]`: the key that a field or variant stands for.
 
 use proc_macro2::TokenStream;
 use quote::quote;

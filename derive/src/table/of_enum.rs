@@ -1,4 +1,4 @@
-//! An enum as a table: its keys choose one of the variants.
+//! Tables from enums: the first key of a variant selects it.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};

@@ -1,4 +1,4 @@
-//! A struct as a table: each field is a key.
+//! Tables from structs: each field is a key.
 
 use proc_macro2::TokenStream;
 use quote::quote;

@@ -1,4 +1,4 @@
-//! `#[table(…)]`.
+//! Parsing of `#[table(…)]`.
 
 use syn::{DeriveInput, Error, Expr, Ident, LitStr, Result};
 

@@ -1,4 +1,4 @@
-//! The table without places.
+//! Generates the resolved table, which has no source spans.
 
 use proc_macro2::TokenStream;
 use quote::quote;
