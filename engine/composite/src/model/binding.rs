@@ -50,7 +50,7 @@ pub struct Monitored {
     pub is: Vec<At<String>>,
     /// The value in a step without a message.
     pub none: Option<Node>,
-    /// Age in milliseconds after which the last message is stale; unlimited if not given.
+    /// Maximum age of the last message; unlimited by default.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub stale_ms: Option<At<u64>>,
     /// Value if the last message is stale, or if there has been none.
