@@ -102,7 +102,7 @@ impl Entry {
 }
 
 impl Branch {
-    /// What it is, for people: "a string", "a list".
+    /// Returns the type for use in messages, such as "a string" or "a list".
     pub fn describe(&self) -> &'static str {
         match self {
             Self::Text(_) => "a string",
