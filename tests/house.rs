@@ -222,7 +222,8 @@ fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
     }
 }
 
-/// Inside a crate: names from their modules, no cycle of first-level modules, no large cycle of files.
+/// Modules of a crate import names from their defining modules, without cycles of first-level modules or large cycles
+/// of files.
 #[test]
 fn modules_keep_the_laws_of_the_house() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

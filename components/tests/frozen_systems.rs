@@ -1,4 +1,4 @@
-//! Missions are frozen in the middle and go on in another system, with the trace of a run without interruption.
+//! A mission frozen at an intermediate step continues in another system with the trace of an uninterrupted run.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use std::fmt::Write;
@@ -22,7 +22,7 @@ const BUILD: Tables = Tables {
     builtins: &[BuiltinComponent::PortProxy],
 };
 
-/// The files of the folder `specs`.
+/// Loads the files of the folder `specs`.
 struct Specs;
 
 impl Loader for Specs {
@@ -45,12 +45,12 @@ impl Loader for Specs {
     }
 }
 
-/// One of the missions in `specs`.
+/// A mission in `specs`.
 #[derive(Clone, Copy)]
 struct SpecsMission {
     composite: &'static str,
     seed: u64,
-    /// s, of virtual time.
+    /// Duration in virtual seconds.
     seconds: u64,
 }
 
@@ -78,7 +78,7 @@ const COURIER: SpecsMission = SpecsMission {
     seconds: 20,
 };
 
-/// All that observers see, with every sample in full.
+/// Output of the observers, with the full content of every sample.
 type Lines = Arc<Mutex<Vec<String>>>;
 
 fn line(at: Time, event: &Event<'_>) -> String {
@@ -147,7 +147,7 @@ impl SpecsMission {
         Time::ZERO + self.seconds.s()
     }
 
-    /// What observers see of the whole mission, and after how many steps each line comes.
+    /// Returns the observers' output for the whole mission and the number of steps after which each line appears.
     fn reference(self) -> (Vec<String>, Vec<usize>) {
         let (mut run, lines) = self.started();
         let mut after = vec![0; lines.lock().unwrap().len()];
@@ -162,7 +162,7 @@ impl SpecsMission {
         (lines, after)
     }
 
-    /// The mission after so many steps, and what observers have seen of it.
+    /// Runs the mission for a number of steps; returns it with the observers' output so far.
     fn advanced(self, steps: usize) -> (Simulation, Lines) {
         let (mut run, lines) = self.started();
         for _ in 0..steps {
@@ -171,7 +171,7 @@ impl SpecsMission {
         (run, lines)
     }
 
-    /// Lets a run come to its end.
+    /// Runs the simulation to the end of the mission.
     fn finish(self, run: &mut Simulation) {
         while run.next_due().is_some_and(|due| due <= self.end()) {
             run.step();
@@ -179,7 +179,7 @@ impl SpecsMission {
     }
 }
 
-/// The numbers of steps after which a mission is frozen: evenly over the mission, and where something is under way.
+/// Returns the step counts at which to freeze a mission: evenly distributed, and while calls are outstanding.
 fn points(lines: &[String], after: &[usize]) -> Vec<usize> {
     let last = after.last().copied().unwrap_or(0);
     let mut points: Vec<usize> = (0..=4).map(|part| last * part / 5 + part).collect();
@@ -187,7 +187,7 @@ fn points(lines: &[String], after: &[usize]) -> Vec<usize> {
         .iter()
         .zip(after)
         .filter(|(line, _)| line.contains(" attempt "));
-    // right after a call has been made: it is not answered yet
+    // directly after a call, before its reply
     let calls: Vec<usize> = calls.map(|(_, step)| *step).collect();
     points.extend(calls.first());
     points.extend(calls.get(calls.len() / 2));
@@ -284,7 +284,7 @@ fn a_state_of_another_composite_is_refused_and_nothing_changes() {
     assert_eq!(courier.freeze().unwrap(), own);
 }
 
-/// A frozen courier with one of its entries changed.
+/// Returns a frozen courier mission with modified entries.
 fn changed(frozen: &FrozenSystem, change: impl Fn(&mut Vec<(String, Datum)>)) -> FrozenSystem {
     let Datum::Record(entries) = frozen.to_datum().unwrap() else {
         panic!("a frozen system is a record");

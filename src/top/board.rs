@@ -55,7 +55,7 @@ pub struct BoardComponent<'b> {
     pub robot: &'b str,
     /// Name of the process, as announced on the bus.
     pub process: &'b str,
-    /// Its last description.
+    /// Description of the component last received from the process.
     pub present: &'b PresentComponent,
     /// Set if its process has been silent for too long or has ended.
     pub silence: Option<Silence>,

@@ -14,11 +14,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The cell in this column and row.
-    ///
-    /// # Errors
-    /// [`GridLayoutError::Resolution`] if the resolution is not a positive number, [`GridLayoutError::Origin`] if the
-    /// origin is not finite, [`GridLayoutError::TooLarge`] beyond [`Self::MAX_CELLS`].
+    /// Creates the cell in this column and row.
     pub fn new(column: u32, row: u32) -> Self {
         Self { column, row }
     }

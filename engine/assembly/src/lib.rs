@@ -1,4 +1,4 @@
-//! Plans become running systems: components are made and joined, and a running system is brought to another plan.
+//! Creation of running systems from plans, and reconfiguration of a running system to another plan.
 
 pub mod reconfigure;
 mod start;

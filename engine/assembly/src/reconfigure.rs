@@ -1,4 +1,4 @@
-//! From one plan to another while the system runs: what changes, and what cannot without a new start.
+//! Changes of a running system to another plan.
 
 use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Run};
@@ -6,43 +6,44 @@ use asmotion_runtime::{Change, Run};
 use crate::start;
 use asmotion_plan::{Component, Connection, End, Part, Plan, PropertyValues, Terminal, Wire};
 
-/// Something that is as it was when the process started.
+/// A difference between two plans that requires a restart.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FixedPart {
     /// A table of the composite.
     #[error("{0} of the composite")]
     Table(&'static str),
-    /// A component that was not there.
+    /// A new component.
     #[error("`{0}` is new")]
     Added(String),
-    /// A component that is there no more.
+    /// A removed component.
     #[error("`{0}` is removed")]
     Removed(String),
-    /// A component that is another one.
+    /// A component that differs in more than properties and period.
     #[error("`{0}` differs in more than its properties and its period")]
     Component(String),
-    /// What does not go from port to port within the process.
+    /// A connection that leaves the process.
     #[error("the connection from `{from}` to `{to}` leaves the process")]
     Connection {
-        /// Where it comes from.
+        /// Writing end.
         from: String,
-        /// Where it goes.
+        /// Reading end.
         to: String,
     },
     /// A wire that leaves the process.
     #[error("the wire of `{reference}` to `{service}` leaves the process")]
     Wire {
-        /// The reference.
+        /// Reference of the wire.
         reference: String,
-        /// The service.
+        /// Service of the wire.
         service: String,
     },
 }
 
-/// What must be done to a running part of a plan for it to be that of another plan.
+/// Returns the changes that turn a running part of a plan into that of another plan.
 ///
 /// # Errors
-/// Everything that differs and cannot change while it runs.
+///
+/// All differences that require a restart.
 pub fn changes(
     running: &Plan,
     wanted: &Plan,
@@ -65,7 +66,7 @@ pub fn changes(
     }
 }
 
-/// The tables that differ and must not.
+/// Returns the tables that differ but cannot be changed at run time.
 fn tables(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
     let placed = |plan: &Plan| (plan.processes.clone(), plan.restart.clone());
     let same = [
@@ -85,7 +86,7 @@ fn tables(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
 struct Difference<'p> {
     part: &'p Part,
     run: &'p dyn Run,
-    /// What ends, before anything new begins.
+    /// Removals, applied before any addition.
     ends: Vec<Change>,
     begins: Vec<Change>,
     fixed: Vec<FixedPart>,
@@ -129,7 +130,7 @@ impl Difference<'_> {
         }
     }
 
-    /// The properties that have other values; one that is set no more has its default.
+    /// Returns the changed property values; properties no longer set return to their default.
     fn values(
         &self,
         component: &str,
@@ -172,7 +173,8 @@ impl Difference<'_> {
         }
     }
 
-    /// The ends of a connection within this part. Another one cannot change, and is nothing to us if it is elsewhere.
+    /// Returns the ends of a connection within this part. Records a connection that crosses its boundary as fixed;
+    /// connections of other parts are ignored.
     fn ports<'c>(&mut self, connection: &'c Connection) -> Option<(&'c End, &'c End)> {
         let Connection { from, to, .. } = connection;
         let here = |terminal: &Terminal| match terminal {
@@ -211,7 +213,7 @@ impl Difference<'_> {
         }
     }
 
-    /// The ends of a wire within this part, if its component uses the reference.
+    /// Returns the ends of a wire within this part if the component declares the reference.
     fn ends_of(&mut self, joint: &WiredService<'_>) -> Option<(String, String)> {
         let reference = joint.reference;
         if !self.part.has(&reference.component) {
@@ -235,7 +237,7 @@ struct WiredService<'p> {
     reference: &'p End,
     service: &'p End,
     how: asmotion_component::Wire,
-    /// Whether it does without a bus.
+    /// Whether the call needs no bus.
     stays_here: bool,
 }
 
@@ -252,7 +254,7 @@ fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
     joints
 }
 
-/// What of a component stays as it was.
+/// Returns a component without the values that can be changed at run time.
 fn steady(component: &Component) -> Component {
     let mut component = component.clone();
     component.properties = PropertyValues::default();

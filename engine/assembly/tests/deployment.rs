@@ -1,4 +1,4 @@
-//! Deployment (O3, O12, O13): how components are scheduled, what a site changes, in which order they stop.
+//! Deployment (O3, O12, O13): scheduling, site-specific overlays and stop order.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[path = "../../plan/tests/support/render.rs"]
@@ -45,13 +45,13 @@ fn said(opened: &Opened) -> String {
     render::report(&opened.sources, &opened.report)
 }
 
-/// Tells how its thread is scheduled.
+/// Reports the scheduling of its thread.
 struct Teller;
 
 impl Component for Teller {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let stat = std::fs::read_to_string("/proc/thread-self/stat")?;
-        // what follows the name in parentheses, which may have blanks
+        // the fields after the process name, which is in parentheses and may contain blanks
         let fields = stat.rsplit(')').next().unwrap_or_default();
         let fields: Vec<_> = fields.split_whitespace().collect();
         let status = std::fs::read_to_string("/proc/thread-self/status")?;
@@ -124,7 +124,7 @@ fn o3_a_process_says_how_its_components_are_scheduled_that_do_not_say_it_themsel
     assert_eq!(tells("Own"), "\"policy 0, 0, on 1\"");
 }
 
-/// Two gains and a limit.
+/// A component with array and list properties.
 struct Pid {
     gains: [Property<f64>; 2],
     limits: Property<Vec<f64>>,
@@ -180,7 +180,7 @@ fn controlled(pid: &str, site: &str) -> MemoryFiles {
     files
 }
 
-/// What the components of a composite say in its first 25 ms.
+/// Returns the log of a composite's first 25 ms.
 fn first_lines(files: &MemoryFiles, path: &str) -> Vec<String> {
     let opened = open(files, path);
     assert_eq!(said(&opened), "");

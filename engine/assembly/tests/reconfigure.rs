@@ -1,4 +1,4 @@
-//! C18: a running composite becomes its next version, or stays what it is.
+//! Reconfiguration (C18): a running composite is changed to its next version or remains unchanged.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[path = "../../plan/tests/support/render.rs"]
@@ -14,15 +14,15 @@ use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::{Log, Run};
 
 asmotion_datum::message! {
-    /// A number.
+    /// A test message with a number.
     #[derive(Copy)]
     pub struct Number = "test/Number" {
-        /// The number.
+        /// Payload of the message.
         pub n: i64,
     }
 }
 
-/// Counts up by its step.
+/// Increments its output by the property `step`.
 struct Counter {
     step: Property<i64>,
     n: i64,
@@ -37,7 +37,7 @@ impl Component for Counter {
     }
 }
 
-/// Passes on what it reads.
+/// Publishes the messages it receives.
 struct Echo {
     input: In<Number>,
     out: Out<Number>,
@@ -123,7 +123,7 @@ fn open(text: &str) -> (MemoryFiles, Opened) {
     (files, opened)
 }
 
-/// The composite with some texts replaced.
+/// Returns the plan of the composite after textual replacements.
 fn version(replaced: &[(&str, &str)]) -> Plan {
     let mut text = COMPOSITE.to_owned();
     for (from, to) in replaced {
@@ -138,7 +138,7 @@ fn version(replaced: &[(&str, &str)]) -> Plan {
         .clone()
 }
 
-/// A running composite, its plan, and what happens in it.
+/// Starts the composite; returns its plan, system and log.
 fn running() -> (Plan, asmotion_runtime::System, Log) {
     let (files, opened) = open(COMPOSITE);
     let plan = opened.plan(None).expect("a plan").clone();
@@ -154,7 +154,7 @@ fn running() -> (Plan, asmotion_runtime::System, Log) {
     (plan, system, log)
 }
 
-/// Echo listens to the other counter; the first one counts slower and by its default.
+/// Replacements: Echo reads from the other counter; the first counter has a longer period and the default step.
 const NEXT: &[(&str, &str)] = &[
     ("from = \"One.number\"", "from = \"Other.number\""),
     ("period_ms = 10", "period_ms = 40"),

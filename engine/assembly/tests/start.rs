@@ -1,4 +1,4 @@
-//! From a composite to a running system, in simulated time.
+//! Execution of composites in simulated time.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[path = "../../plan/tests/support/render.rs"]
@@ -20,18 +20,18 @@ use asmotion_runtime::{Log, Run, System};
 use variables::Variables;
 
 asmotion_datum::message! {
-    /// Something happened.
+    /// A test event.
     pub struct Event = "test/Event" {
-        /// What.
+        /// Code of the event.
         pub code: String,
-        /// Where, why.
+        /// Additional information.
         pub detail: String,
     }
 
-    /// A number.
+    /// A test message with a number.
     #[derive(Copy)]
     pub struct Number = "test/Number" {
-        /// The number.
+        /// Payload of the message.
         pub n: i64,
     }
 }
@@ -69,7 +69,7 @@ impl Component for Starter {
     }
 }
 
-/// Doubles.
+/// Provides a service that doubles numbers.
 struct Doubler {
     double: Provided<Double>,
 }
@@ -84,7 +84,7 @@ impl Component for Doubler {
     }
 }
 
-/// Passes numbers on.
+/// Publishes the messages it receives.
 struct Echo {
     input: In<Number>,
     output: Out<Number>,
@@ -255,7 +255,7 @@ fn start(files: &MemoryFiles, plan: &asmotion_plan::Plan) -> Result<System, Star
     asmotion_assembly::start(plan, &mut workshop)
 }
 
-/// What the innermost component says in the end.
+/// Returns the final output of the innermost component.
 fn echoes(composite: &str, settings: &[(String, String)]) -> Vec<i64> {
     let files = files(composite);
     let opened = open(&files, settings);
@@ -435,7 +435,7 @@ default init s0:
 	function heard = 0
 ";
 
-/// A specification that tells two others.
+/// A specification that notifies two components.
 const TOLD: &str = r#"
 schema = "composite/1"
 [composite]
@@ -503,7 +503,7 @@ fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
     );
 }
 
-/// Two that join over a message queue, as if each were in a process of its own.
+/// Two components connected by a message queue, as if in separate processes.
 const QUEUED: &str = r#"
 schema = "composite/1"
 [composite]
@@ -557,7 +557,7 @@ fn o17_ports_join_over_a_message_queue() {
         )
     });
     let read = log.samples::<Number>("Reader.number").into_iter();
-    // the first message of the queue, of zeros, is no data
+    // the first message of a queue consists of zeros and is discarded
     assert_eq!(
         read.map(|(_, number)| number.n).collect::<Vec<_>>(),
         [1, 2, 3]
@@ -583,7 +583,7 @@ fn it_says_why_a_message_queue_cannot_be_made() {
     );
 }
 
-/// A master and its slave, in one thread.
+/// A master and its slave in one thread.
 const CHAIN: &str = r#"
 schema = "composite/1"
 [composite]

@@ -1,5 +1,5 @@
-//! The ten properties of a component of the Task Component Architecture, with the paper's meaning; each test is named
-//! by the row of the paper's table.
+//! The ten properties of a component in the Task Component Architecture; tests are named after the rows of the paper's
+//! table.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[path = "../../plan/tests/support/render.rs"]
@@ -20,15 +20,15 @@ use asmotion_runtime::{Event, Run, Simulation};
 use variables::Variables;
 
 asmotion_datum::message! {
-    /// A number.
+    /// A test message with a number.
     #[derive(Copy)]
     pub struct Number = "test/Number" {
-        /// The number.
+        /// Payload of the message.
         pub n: i64,
     }
 }
 
-/// Does nothing, in time.
+/// A component without behaviour.
 struct Task;
 
 impl Component for Task {
@@ -49,7 +49,7 @@ const BUILD: Tables = Tables {
     builtins: &[],
 };
 
-/// A composite with one component that has these lines.
+/// Returns a composite whose only component has these lines.
 fn composite(lines: &str) -> String {
     format!(
         "schema = \"composite/1\"\n[composite]\nname = \"tca\"\n\n[components.Task]\n\
@@ -70,7 +70,7 @@ fn open(text: &str) -> Opened {
     asmotion_plan::open("tca.toml", &context)
 }
 
-/// What is found in it: the codes and the texts.
+/// Returns the rendered diagnostics of a composite.
 fn findings(text: &str) -> String {
     let opened = open(text);
     render::report(&opened.sources, &opened.report)
@@ -85,13 +85,13 @@ fn plan(text: &str) -> Plan {
         .clone()
 }
 
-/// The component with this `task`.
+/// Returns the planned component with this `task` table.
 fn task(keys: &str) -> asmotion_plan::Component {
     let plan = plan(&composite(&format!("task = {{ {keys} }}")));
     plan.component("Task").expect("the task").clone()
 }
 
-/// The same in simulated time.
+/// Simulates the component with this `task` table.
 fn simulated(keys: &str) -> Simulation {
     let plan = plan(&composite(&format!("task = {{ {keys} }}")));
     let files = MemoryFiles::new();
@@ -163,7 +163,7 @@ fn t19_only_who_says_so_may_be_interrupted() {
     assert!(may.pace.may_interrupt_if_running);
 }
 
-/// Each step writes its own number to many places.
+/// A specification whose steps write their number to many locations.
 const LONG: &str = "asm long
 import StandardLibrary
 signature:
@@ -222,7 +222,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
     assert!(steps.len() > 20, "{}", steps.len());
     for (before, step) in steps.iter().enumerate() {
         let number = (before + 1).to_string();
-        // after each stop the next step goes on from the whole of the one before
+        // after a cancellation the next step continues from a complete state
         assert_eq!(step.updates.len(), 2001);
         assert!(step.updates.iter().all(|update| update.after == number));
     }
@@ -239,7 +239,7 @@ fn t20_a_component_goes_over_the_broker_it_names_and_else_stays_inside() {
     let second = BROKER.replace("main", "spare");
     let named = composite(&format!("task = {{ broker = \"spare\" }}{BROKER}{second}"));
     assert_eq!(broker(&named).as_deref(), Some("spare"));
-    // another one names a broker, this one stays inside
+    // if another component names a broker, this one remains local
     let other = "\n[components.Other]\nimplementation = { rust = \"test::Task\" }\ntask = { broker = \"main\" }";
     assert_eq!(broker(&composite(&format!("{other}{BROKER}"))), None);
     assert_eq!(broker(&composite(&format!("{BROKER}{second}"))), None);

@@ -50,8 +50,8 @@ pub trait Bus: Send + Sync {
     /// Provides a service at an address, which can have one provider at a time. At most `size` requests wait.
     ///
     /// # Errors
-    /// [`BusError::Served`] if the address has a server, [`BusError::BadName`] if the transport cannot use it as a
-    /// name, [`BusError::Refused`] if the user may not serve it.
+    /// [`BusError::Served`] if the address has a provider, [`BusError::BadName`] if the transport cannot use it as a
+    /// name, [`BusError::Refused`] if the user may not provide it.
     fn serve(
         &self,
         address: &str,

@@ -164,7 +164,7 @@ impl PendingCall {
     /// Waits for the result, at most until the deadline.
     ///
     /// # Errors
-    /// [`CallFailure::Timeout`] at the deadline, [`CallFailure::Unavailable`] without a server,
+    /// [`CallFailure::Timeout`] at the deadline, [`CallFailure::Unavailable`] without a provider,
     /// [`CallFailure::Refused`] with the error of the operation, [`CallFailure::Cancelled`] after
     /// [`cancel`](Self::cancel).
     pub fn wait(self) -> CallResult {

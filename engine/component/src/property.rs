@@ -108,7 +108,7 @@ pub(crate) struct Slot<T> {
 
 /// A property at run time, without its static type. Used by its component's thread only.
 pub trait AnyProperty: Any + Send {
-    /// What the component declared.
+    /// Returns the declaration: name, type, default, range and unit.
     fn declaration(&self) -> &PropertyDeclaration;
 
     /// The current value.

@@ -1,8 +1,8 @@
-//! Addresses that may have a password in them.
+//! Addresses that may contain a password.
 
 use crate::value::REDACTED;
 
-/// An address with its secrets; shows itself without them.
+/// An address that may contain a password; `Debug` and `Display` mask the password.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Endpoint {
     full: String,
@@ -10,7 +10,7 @@ pub struct Endpoint {
 }
 
 impl Endpoint {
-    /// An address and how it is shown.
+    /// Creates an endpoint from the full address and its displayed form, whose password is masked.
     pub fn new(full: impl Into<String>, shown: impl Into<String>) -> Self {
         let shown = mask(&shown.into());
         Self {
@@ -19,18 +19,18 @@ impl Endpoint {
         }
     }
 
-    /// The address with its secrets; not for logs.
+    /// Returns the address including the password. Must not be logged.
     pub fn reveal(&self) -> &str {
         &self.full
     }
 
-    /// The address without its secrets.
+    /// Returns the address with the password masked.
     pub fn shown(&self) -> &str {
         &self.shown
     }
 }
 
-/// Blots out the password of `scheme://user:password@host`.
+/// Masks the password in `scheme://user:password@host`.
 pub(crate) fn mask(url: &str) -> String {
     match password(url) {
         Some(range) => format!("{}{REDACTED}{}", &url[..range.start], &url[range.end..]),
@@ -38,10 +38,10 @@ pub(crate) fn mask(url: &str) -> String {
     }
 }
 
-/// Where the password of an address stands.
+/// Byte range of the password in an address.
 pub fn password(url: &str) -> Option<std::ops::Range<usize>> {
     let start = url.find("://")? + 3;
-    // up to the last `@`, since a password may be written with a `/` that should be escaped
+    // up to the last `@`, since an unescaped `/` may occur in the password
     let at = start + url[start..].rfind('@')?;
     let colon = start + url[start..at].find(':')?;
     Some(colon + 1..at)

@@ -1,4 +1,4 @@
-//! Whether a property can have a value: its type, its range, its choices.
+//! Validates values of properties: type, range and permitted values.
 
 use crate::codes::c015::InvalidSetting;
 use asmotion_component::declaration::PropertyDeclaration;
@@ -10,7 +10,8 @@ use crate::range::Range;
 use crate::scope::{SubstitutionNotes, within};
 use crate::value::SettingValue;
 
-/// The value as the property takes it; `None` where it cannot have it.
+/// Converts a value to the type of the property; reports an error and returns `None` if the property does not accept
+/// it.
 pub fn lawful(
     declared: &PropertyDeclaration,
     value: SettingValue,
@@ -54,7 +55,7 @@ pub fn lawful(
     None
 }
 
-/// A value of this type: a whole number where a broken one is wanted becomes one.
+/// Converts a value to the type of `schema`; an integer becomes a float if a float is required.
 fn conform(value: SettingValue, schema: &Schema) -> Option<SettingValue> {
     let each = |items: Vec<SettingValue>, item: &Schema| {
         let items = items.into_iter().map(|value| conform(value, item));

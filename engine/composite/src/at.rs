@@ -1,25 +1,25 @@
-//! A value and the place it was written at.
+//! Values with their location in the source file.
 
 use std::ops::Deref;
 
 use asmotion_diagnostics::Span;
 
-/// A value and its place in a file; reads as the value itself.
+/// A value and its source location; dereferences to the value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct At<T> {
-    /// The value.
+    /// The parsed value.
     pub value: T,
-    /// Where it was written; for a text the characters between the quotes.
+    /// Source location of the value; for a quoted string, the characters between the quotes.
     pub span: Span,
 }
 
 impl<T> At<T> {
-    /// `value`, written at `span`.
+    /// Creates a value located at `span`.
     pub fn new(value: T, span: Span) -> Self {
         Self { value, span }
     }
 
-    /// Another value at the same place.
+    /// Maps the value and keeps the location.
     pub fn map<U>(self, change: impl FnOnce(T) -> U) -> At<U> {
         At::new(change(self.value), self.span)
     }

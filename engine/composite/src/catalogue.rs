@@ -1,5 +1,5 @@
-//! What this build has: components, messages, operations. The robot's crates fill it; this crate
-//! only asks.
+//! Interface to the components, message types and service interfaces linked into the executable. The application's
+//! crates implement it.
 
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{Component, Interface};
@@ -7,59 +7,58 @@ use asmotion_datum::Schema;
 
 use crate::model::BuiltinComponent;
 
-/// Makes a component: declares its ports, services and properties on the interface.
+/// Creates a component and declares its ports, services and properties on the interface.
 pub type Constructor = fn(&mut Interface) -> Box<dyn Component>;
 
-/// Gives the schema of a message.
+/// Returns the schema of a message type.
 pub type SchemaOf = fn() -> &'static Schema;
 
-/// Gives the operations of an interface.
+/// Returns the operations of a service interface.
 pub type OperationsOf = fn() -> Vec<OperationDeclaration>;
 
-/// What this build has.
+/// Lookup of the components, messages and service interfaces available in an executable.
 pub trait Catalogue {
-    /// The names under `implementation.rust`.
+    /// Names accepted by `implementation.rust`.
     fn components(&self) -> Vec<String>;
 
-    /// Makes the component of this name.
+    /// Returns the constructor of the component; `None` if the executable does not contain it.
     fn constructor(&self, component: &str) -> Option<Constructor>;
 
-    /// What the component of this name declares.
+    /// Returns the ports, services, references and properties that the component declares; `None` if it is unknown.
     fn declaration(&self, component: &str) -> Option<Declaration> {
         let mut scratch = Interface::new();
         self.constructor(component)?(&mut scratch);
         Some(scratch.declaration().clone())
     }
 
-    /// Whether this built-in is in this build.
+    /// Returns whether the executable contains the built-in component.
     fn has(&self, builtin: BuiltinComponent) -> bool;
 
-    /// The names of all message types.
+    /// Names of all message types.
     fn messages(&self) -> Vec<String>;
 
-    /// What a message looks like.
+    /// Returns the schema of a message type; `None` if it is unknown.
     fn schema(&self, message: &str) -> Option<Schema>;
 
-    /// The operations of an interface; `None` where the interface is not known.
+    /// Returns the operations of a service interface; `None` if it is unknown.
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>>;
 }
 
-/// A build as tables of names. An empty one has nothing: what a composite says of its components
-/// is then believed.
+/// A catalogue backed by static tables. With an empty table the declarations in the composite are not verified.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tables {
-    /// Components by the name a composite gives them.
+    /// Component constructors by implementation name.
     pub components: &'static [(&'static str, Constructor)],
-    /// Message types.
+    /// Schemas by message type.
     pub messages: &'static [(&'static str, SchemaOf)],
-    /// Interfaces of services.
+    /// Operations by service interface.
     pub interfaces: &'static [(&'static str, OperationsOf)],
-    /// Built-ins.
+    /// Built-in components contained in the executable.
     pub builtins: &'static [BuiltinComponent],
 }
 
 impl Tables {
-    /// A build that has nothing.
+    /// A catalogue without any entry.
     pub const EMPTY: Self = Self {
         components: &[],
         messages: &[],

@@ -1,6 +1,6 @@
-//! The findings about composites, one file a code: the file as text, values, names, implementations, wires,
-//! connections, topics, promotions, queues and gateways, processes, nesting, bindings, types, proxies and bridges.
-//! `asmotion-plan` has the few that flattening makes.
+//! Diagnostics of composites, one file per code, grouped by: file syntax, values, names, implementations, wires,
+//! connections, topics, promotions, queues and gateways, processes, nesting, bindings, types, proxies and bridges. The
+//! diagnostics of flattening are in `asmotion-plan`.
 
 pub(crate) mod c001;
 pub(crate) mod c002;
@@ -102,7 +102,7 @@ pub(crate) mod c127;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of this crate, in order.
+/// All codes of this crate in ascending order.
 pub const CODES: &[&Code] = &[
     c001::InvalidToml::CODE,
     c002::UnreadableComposite::CODE,

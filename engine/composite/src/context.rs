@@ -1,4 +1,4 @@
-//! Everything a composite needs from outside its files.
+//! Inputs of a composite from outside its files.
 
 use asmotion_diagnostics::Loader;
 
@@ -6,23 +6,24 @@ use crate::catalogue::{Catalogue, Tables};
 use crate::environment::{EmptyEnvironment, VariableSource};
 use crate::signature::{NoSpecifications, Specifications};
 
-/// Everything a composite needs from outside its files.
+/// Inputs of a composite from outside its files.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
-    /// Where files come from.
+    /// Loader of composite, type and property files.
     pub loader: &'a dyn Loader,
-    /// Where `${NAME}` comes from.
+    /// Source of environment variables and secret files.
     pub environment: &'a dyn VariableSource,
-    /// What this build has.
+    /// Components, message types and interfaces in the executable.
     pub catalogue: &'a dyn Catalogue,
-    /// Opens `.asm` files.
+    /// Loader of `.asm` files.
     pub specifications: &'a dyn Specifications,
-    /// Properties of the outermost composite, set from outside: name and text.
+    /// Properties of the outermost composite set from outside, as name and text.
     pub settings: &'a [(String, String)],
 }
 
 impl<'a> Context<'a> {
-    /// Files alone: no variables, nothing in the build, specifications not opened.
+    /// Creates a context with files only: no environment variables, an empty catalogue, and specifications that are not
+    /// loaded.
     pub fn files(loader: &'a dyn Loader) -> Self {
         Self {
             loader,

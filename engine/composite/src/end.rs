@@ -1,22 +1,22 @@
-//! Ends of connections and wires, as components have them.
+//! Ends of connections and wires in a plan.
 
-/// The end of a connection or wire; shown as `Component.name`.
+/// A port, service or reference of a component; displayed as `Component.name`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct End {
-    /// The component.
+    /// Component name, qualified by the enclosing composites.
     pub component: String,
-    /// Its port, service or reference.
+    /// Port, service or reference name.
     pub name: String,
 }
 
-/// One end of a connection; shown as `Component.port`, `topic:name` or `mqueue:/name`.
+/// One end of a connection; displayed as `Component.port`, `topic:name` or `mqueue:/name`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Terminal {
-    /// A port.
+    /// A port of a component.
     Port(End),
-    /// A topic.
+    /// A topic name.
     Topic(String),
-    /// A message queue, beyond which there is an Orocos component.
+    /// A POSIX message queue shared with an Orocos component.
     Mqueue(String),
 }
 

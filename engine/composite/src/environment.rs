@@ -1,19 +1,20 @@
-//! Environment variables and secrets come in through a parameter: this crate reads none itself.
+//! Access to environment variables and secret files, supplied by the caller; this crate reads neither itself.
 
-/// Where `${NAME}` comes from.
+/// Source of the values of `${NAME}`.
 pub trait VariableSource {
-    /// The value of an environment variable.
+    /// Returns the value of an environment variable; `None` if it is not set.
     fn variable(&self, name: &str) -> Option<String>;
 
-    /// The text of the file that a variable `${…_FILE}` names: secrets stand in files so that they
-    /// do not stand in lists of processes.
+    /// Returns the content of the file named by a `${…_FILE}` variable. Keeping secrets in files hides them from
+    /// process listings.
     ///
     /// # Errors
-    /// Why it cannot be read, for people.
+    ///
+    /// A human-readable reason if the file cannot be read.
     fn secret(&self, path: &str) -> Result<String, String>;
 }
 
-/// No variable is set.
+/// An environment without any variable.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EmptyEnvironment;
 
@@ -27,7 +28,7 @@ impl VariableSource for EmptyEnvironment {
     }
 }
 
-/// Whether the value of a variable must never be shown.
+/// Returns whether the value of a variable is treated as a secret, judged by its name.
 pub(crate) fn is_secret(variable: &str) -> bool {
     [
         "_FILE",

@@ -1,4 +1,4 @@
-//! A composite with everything it names: nested composites, types, specifications.
+//! Loads a composite together with its nested composites, message types and specifications.
 
 mod layers;
 
@@ -18,26 +18,25 @@ use crate::read;
 use crate::signature::Signature;
 use crate::types::{TypeFile, Types};
 
-/// All files of a composite, by the path the loader gave them.
+/// All files of a composite, keyed by resolved path.
 pub struct Family {
-    /// The path of the outermost composite.
+    /// Path of the outermost composite.
     pub root: String,
     members: BTreeMap<String, Member>,
     types: BTreeMap<String, TypeFile>,
     specifications: BTreeMap<String, Box<dyn Signature>>,
 }
 
-/// A composite file and where the names in it lead.
+/// A composite file and the resolved paths of the files it names.
 pub struct Member {
-    /// The composite as it was written.
+    /// Model of the file, not yet checked.
     pub composite: Composite,
-    /// What each name of a file in it resolved to; absent where there is no such file, or where
-    /// the file would include itself.
+    /// Resolved path by file name as written; names that were not found or would form a cycle are absent.
     paths: BTreeMap<String, String>,
 }
 
 impl Family {
-    /// Reads a composite and everything it names.
+    /// Reads a composite and all files it refers to.
     pub fn read(
         path: &str,
         context: &Context<'_>,
@@ -73,36 +72,36 @@ impl Family {
         }
     }
 
-    /// The composite at a path.
+    /// Returns the composite at a path.
     pub fn member(&self, path: &str) -> Option<&Member> {
         self.members.get(path)
     }
 
-    /// The files of composites, by path.
+    /// Iterates over the composite files in order of their paths.
     pub fn members(&self) -> impl Iterator<Item = (&str, &Member)> {
         self.members
             .iter()
             .map(|(path, member)| (path.as_str(), member))
     }
 
-    /// The composites in order of their paths.
+    /// Iterates over the composites in order of their paths.
     pub(crate) fn composites(&self) -> impl Iterator<Item = &Composite> {
         self.members.values().map(|member| &member.composite)
     }
 
-    /// The nested composite that `file` names.
+    /// Returns the nested composite that `member` names as `file`.
     pub fn nested<'f>(&'f self, member: &'f Member, file: &str) -> Option<(&'f str, &'f Member)> {
         let path = member.path(file)?;
         Some((path, self.members.get(path)?))
     }
 
-    /// The specification that `file` names.
+    /// Returns the specification that `member` names as `file`.
     pub(crate) fn specification(&self, member: &Member, file: &str) -> Option<&dyn Signature> {
         self.specifications.get(member.path(file)?).map(Box::as_ref)
     }
 
-    /// The message types that each composite can name, by the path of its file. Two composites may name one file
-    /// of types; a finding in it is reported once.
+    /// Returns the message types visible in each composite, by file path. A type file may be named by several
+    /// composites; its diagnostics are reported once.
     pub fn all_types<'f>(
         &'f self,
         catalogue: &'f dyn Catalogue,
@@ -118,7 +117,7 @@ impl Family {
         types
     }
 
-    /// The files of types that the composite names.
+    /// Iterates over the type files named by a composite.
     pub(crate) fn types<'f>(&'f self, member: &'f Member) -> impl Iterator<Item = &'f TypeFile> {
         let files = member.composite.head.types.iter();
         files.filter_map(|file| self.types.get(member.path(file)?))
@@ -126,7 +125,7 @@ impl Family {
 }
 
 impl Member {
-    /// What the name of a file in this composite resolved to.
+    /// Returns the resolved path of a file named in this composite.
     pub fn path(&self, file: &str) -> Option<&str> {
         self.paths.get(file).map(String::as_str)
     }
@@ -139,9 +138,9 @@ struct Visit<'v, 'c> {
     members: BTreeMap<String, Member>,
     types: BTreeMap<String, TypeFile>,
     specifications: BTreeMap<String, Box<dyn Signature>>,
-    /// Files that were tried and are not to be tried again.
+    /// Files that failed to load; not read again.
     broken: Vec<String>,
-    /// The composites being read, outermost first, each with the place that includes the next one.
+    /// Composites being read, outermost first, each with the location that includes the next.
     chain: Vec<(String, Option<Span>)>,
 }
 
@@ -191,7 +190,7 @@ impl Visit<'_, '_> {
             .insert(path.to_owned(), Member { composite, paths });
     }
 
-    /// Reads a nested composite, unless that would never end.
+    /// Reads a nested composite; reports a cycle or excessive depth instead.
     fn nest(&mut self, path: &str, at: Span) -> bool {
         if let Some(innermost) = self.chain.last_mut() {
             innermost.1 = Some(at);
@@ -249,7 +248,7 @@ impl Visit<'_, '_> {
         }
     }
 
-    /// The file of a name, beside that in which the name stands.
+    /// Resolves a file name relative to the file that contains it.
     fn resolve(&mut self, file: &At<String>) -> Option<String> {
         let from = self.sources.path(file.span.file);
         let found = self.context.loader.resolve(from, file);

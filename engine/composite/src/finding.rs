@@ -1,10 +1,10 @@
-//! Where findings are collected.
+//! Collection of diagnostics.
 
 use asmotion_diagnostics::{Finding, Report};
 
-/// Collects findings.
+/// A collection of diagnostics.
 pub trait Findings {
-    /// Adds a finding.
+    /// Adds a diagnostic.
     fn found(&mut self, finding: impl Finding);
 }
 

@@ -1,5 +1,7 @@
-//! Composite files: text → model → check. A composite is read with everything it names, every value with its place, and
-//! checked in every profile; nothing here plans or starts anything.
+//! Composite files: parsing and checking.
+//!
+//! A composite is read together with all files it refers to, keeping the source location of every value, and checked in
+//! every profile. Planning and starting are provided by other crates.
 
 pub mod address;
 pub mod admissible;

@@ -1,5 +1,4 @@
-//! The map of a port-proxy: how arguments become messages, messages results, and events arguments. The checker asks
-//! whether they do, the plan how.
+//! Conversions of a port-proxy between arguments, messages, results and events; used by the checker and the planner.
 
 use asmotion_bridge::{Conversion, Use, inside};
 use asmotion_component::declaration::OperationDeclaration;
@@ -7,7 +6,7 @@ use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
 use crate::model::{ProxyEntry, ProxyMode};
 
-/// How an operation and the messages of its port become one another, if they do.
+/// Returns the conversion between an operation and the messages of its port; `None` if the types are incompatible.
 pub fn conversion(
     entry: &ProxyEntry,
     operation: &OperationDeclaration,
@@ -34,7 +33,7 @@ pub fn conversion(
     }
 }
 
-/// The operation that takes an event, and how.
+/// Returns the operation that accepts an event, with the conversion of its argument; `None` if there is none.
 pub fn listener(operations: &[OperationDeclaration]) -> Option<(String, Conversion)> {
     let takes = |operation: &OperationDeclaration| {
         let event = Schema::plain(Shape::Text);
@@ -48,7 +47,7 @@ pub fn listener(operations: &[OperationDeclaration]) -> Option<(String, Conversi
     operations.iter().find_map(takes)
 }
 
-/// What a port-proxy tells.
+/// Schema of the events sent by a port-proxy.
 pub(crate) fn notice() -> Schema {
     let text = |name: &'static str| OutlineKey {
         name: name.into(),

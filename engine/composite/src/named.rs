@@ -1,23 +1,23 @@
-//! Names and types that a composite or an implementation gives, with their place if they have one.
+//! Names and types with the optional source location of their declaration.
 
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::Span;
 
-/// A name and where it was declared, if that can be shown.
+/// A name and the location of its declaration, if in a source file.
 #[derive(Clone, Debug)]
 pub struct NamedAt {
-    /// As it is written or declared.
+    /// Name as written or declared.
     pub text: String,
-    /// Its place; `None` where only the implementation declares it.
+    /// Source location; `None` if only the implementation declares it.
     pub at: Option<Span>,
 }
 
-/// A type or an interface and where it was written, if that can be shown.
+/// A message type or interface and its source location, if in a source file.
 #[derive(Clone, Debug)]
 pub struct TypeAt {
-    /// As it is written or declared.
+    /// Type name as written or declared.
     pub text: String,
-    /// Its place; `None` where only the implementation declares it.
+    /// Source location; `None` if only the implementation declares it.
     pub at: Option<Span>,
 }
 
@@ -31,7 +31,7 @@ impl NamedAt {
 }
 
 impl TypeAt {
-    /// A type that a component declares.
+    /// Creates a type from a declared schema; `None` if the schema is unspecified.
     pub(crate) fn declared(schema: &Schema) -> Option<Self> {
         let unknown = schema.shape == Shape::Any && schema.name.is_empty();
         (!unknown).then(|| Self {
@@ -40,7 +40,7 @@ impl TypeAt {
         })
     }
 
-    /// A type that was written somewhere; the empty one is no type at all.
+    /// Creates a type from its written name; `None` if the name is empty.
     pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Option<Self> {
         let text = text.into();
         (!text.is_empty()).then_some(Self { text, at })

@@ -1,15 +1,15 @@
-//! Did you mean: the known name that a misspelt one resembles.
+//! Suggestions for misspelled names.
 
 use asmotion_diagnostics::{Diagnostic, Span};
 
-/// A known name that resembles what was written, and where it was declared if that can be shown.
+/// A similar known name and the location of its declaration, if in a source file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Nearest {
     pub name: String,
     pub declared: Option<Span>,
 }
 
-/// The known name that `written` most resembles, if one is near enough to be meant.
+/// Returns the known name most similar to `written`; `None` if none is similar enough.
 pub(crate) fn nearest<'n>(
     written: &str,
     known: impl IntoIterator<Item = (&'n str, Option<Span>)>,
@@ -30,7 +30,7 @@ pub(crate) fn nearest<'n>(
         .map(|(_, nearest)| nearest)
 }
 
-/// The same for names that were declared nowhere in a file.
+/// Like `nearest`, for names without source locations.
 pub(crate) fn nearest_name<'n>(
     written: &str,
     known: impl IntoIterator<Item = &'n str>,
@@ -38,10 +38,10 @@ pub(crate) fn nearest_name<'n>(
     nearest(written, known.into_iter().map(|name| (name, None)))
 }
 
-/// How far the two names are apart; `None` where nobody would mistake one for the other.
+/// Edit distance of two names; `None` if it is too large for a typing error.
 ///
-/// A third of the letters may differ. A path matches by its last part alone, since `MapServer` is
-/// what people write for `nav::MapServer`.
+/// At most a third of the letters may differ. A path is also compared by its last segment alone, since users write
+/// `MapServer` for `nav::MapServer`.
 fn distance(written: &str, name: &str) -> Option<usize> {
     if written == name || written.len() > MAX_LENGTH {
         return None;
@@ -59,15 +59,15 @@ fn distance(written: &str, name: &str) -> Option<usize> {
     (distance * 3 <= letters).then_some(distance + 1)
 }
 
-/// Longer texts are not names that somebody misspelt.
+/// Maximum length in bytes of a name considered for suggestions.
 const MAX_LENGTH: usize = 80;
 
-/// Adds the suggestion to a finding about the characters at `span`.
+/// Adds spelling suggestions to a diagnostic about the text at `span`.
 pub(crate) trait Suggest {
-    /// "did you mean", as a fix and with the place of the declaration.
+    /// Adds "did you mean" as a fix, with the location of the declaration.
     fn suggest(self, span: Span, nearest: &Option<Nearest>) -> Self;
 
-    /// The same, or other help where no name resembles what was written.
+    /// Like `suggest`, with `help` as the fallback if there is no similar name.
     fn suggest_or(self, span: Span, nearest: &Option<Nearest>, help: impl Into<String>) -> Self;
 }
 

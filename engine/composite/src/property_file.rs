@@ -1,4 +1,4 @@
-//! Files of properties: those of one component, as TOML. What RTT keeps in a CPF file.
+//! Property files: the property values of one component as TOML, corresponding to RTT's CPF files.
 //!
 //! ```toml
 //! # 0.0 to 5.0 m/s: cruise speed
@@ -20,22 +20,22 @@ use crate::table::toml;
 use crate::tree::Table;
 use crate::value::SettingValue;
 
-/// The properties of a component by name, in the order of its declaration.
+/// Property values in declaration order.
 pub type PropertyFileValues = Vec<(String, Datum)>;
 
-/// A file of properties that was read.
+/// A parsed property file.
 pub struct PropertyFile {
-    /// Its text; the findings point into it.
+    /// Source text; diagnostics refer to it.
     pub sources: Sources,
-    /// Everything that is wrong with it.
+    /// All diagnostics of the file.
     pub report: Report,
-    /// The properties in it that are lawful.
+    /// Valid properties of the file.
     pub properties: PropertyFileValues,
-    /// Those that the component has and the file does not.
+    /// Declared properties that the file does not contain.
     pub missing: Vec<String>,
 }
 
-/// Reads a file of properties for a component: unknown names, other types and values out of range are findings.
+/// Reads a property file of a component; reports unknown names, wrong types and values out of range.
 pub fn read(path: &str, text: &str, component: &str, declared: &Declaration) -> PropertyFile {
     let mut sources = Sources::new();
     let file = sources.add(path, text);
@@ -45,7 +45,7 @@ pub fn read(path: &str, text: &str, component: &str, declared: &Declaration) -> 
     PropertyFile { sources, ..read }
 }
 
-/// Reads properties from a tree, of a file of whatever form.
+/// Reads properties from a tree, which may originate from another file format.
 pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> PropertyFile {
     let mut notes = SubstitutionNotes::default();
     let mut properties = PropertyFileValues::new();
@@ -79,7 +79,7 @@ pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> Proper
     }
 }
 
-/// A value as it stands in a composite, where `$$` is a dollar.
+/// Unescapes `$$`, which denotes a dollar sign in composite files.
 fn literal(value: SettingValue) -> SettingValue {
     match value {
         SettingValue::Text(text) => SettingValue::Text(text.replace("$$", "$")),
@@ -95,11 +95,11 @@ fn literal(value: SettingValue) -> SettingValue {
     }
 }
 
-/// Writes the properties of a component, each behind what it is for.
+/// Writes the properties of a component, each preceded by a comment with its description.
 pub fn write(declared: &Declaration, properties: &PropertyFileValues) -> String {
     let mut file = DocumentMut::new();
     for (name, value) in properties {
-        // TOML has no word for what is absent
+        // TOML has no null value
         let Some(value) = SettingValue::of_datum(value) else {
             continue;
         };
@@ -112,7 +112,7 @@ pub fn write(declared: &Declaration, properties: &PropertyFileValues) -> String 
     file.to_string()
 }
 
-/// What a property is for, as a comment.
+/// Formats the range, unit and description of a property.
 fn about(property: &PropertyDeclaration) -> String {
     let range = property.range.as_ref();
     let range = range.map(|(least, greatest)| format!("{least} to {greatest}"));
@@ -125,8 +125,7 @@ fn about(property: &PropertyDeclaration) -> String {
     }
 }
 
-/// How the properties of a file and those of a running component differ: the name, the value in the file, the value
-/// there.
+/// Returns the differing properties of a file and a running component: name, value in the file, current value.
 pub fn difference<'a>(
     file: &'a PropertyFileValues,
     running: &'a PropertyFileValues,
@@ -140,7 +139,7 @@ pub fn difference<'a>(
         .collect()
 }
 
-/// Whether two values are the same, however their numbers are packed.
+/// Returns whether two values are equal, regardless of their numeric representation.
 fn same(one: &Datum, other: &Datum) -> bool {
     SettingValue::of_datum(one) == SettingValue::of_datum(other)
 }

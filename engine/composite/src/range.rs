@@ -1,11 +1,11 @@
-//! Ranges of numbers.
+//! Numeric ranges.
 
-/// A range of numbers; open where there is no limit.
+/// A numeric range, inclusive; `None` for an unlimited end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Range {
     pub min: Option<f64>,
     pub max: Option<f64>,
-    /// A unit to show behind it; empty for none.
+    /// Unit displayed after the limits; empty if none.
     pub unit: String,
 }
 

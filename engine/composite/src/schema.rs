@@ -1,5 +1,5 @@
-//! The dialect for editors and people: as JSON Schema, and as a page of all keys. Both come from the declarations of the
-//! tables, like the reader, so they cannot disagree with it.
+//! JSON Schema and reference page of the composite dialect. Both are generated from the declarations used by the reader
+//! and are therefore consistent with it.
 
 use std::fmt::Write;
 
@@ -9,12 +9,12 @@ use crate::model::Composite;
 use crate::table::{Key, Many, Outline, Table};
 use crate::types::TypeFile;
 
-/// The schema of composite files.
+/// Returns the JSON Schema of composite files.
 pub fn composite() -> Json {
     document("a composite of asmotion", &Composite::outline())
 }
 
-/// The schema of files of message types.
+/// Returns the JSON Schema of type files.
 pub fn types() -> Json {
     document("message types of asmotion", &TypeFile::outline())
 }
@@ -31,7 +31,7 @@ fn document(title: &str, outline: &Outline) -> Json {
     schema
 }
 
-/// The reference page: every table of the dialect with its keys, in Markdown.
+/// Returns the reference page in Markdown: all tables with their keys.
 pub fn reference() -> String {
     let mut page = String::from(
         "# Keys of composite files\n\nGenerated from the declarations in `engine`; \
@@ -46,7 +46,7 @@ pub fn reference() -> String {
 
 fn section(page: &mut String, title: &str, path: &str, outline: &Outline) {
     let doc = outline.doc;
-    // writing to a text does not fail
+    // writing to a string cannot fail
     let _ = write!(
         page,
         "\n## `{title}`\n\n{doc}\n\n| key | value | default | |\n|---|---|---|---|\n"
@@ -87,7 +87,7 @@ fn row(key: &Key, with: Option<&str>, outline: &Outline) -> String {
     format!("| {name}{with} | {} | {default} | {doc} |", value(key))
 }
 
-/// What a key takes, for people.
+/// Describes the values of a key.
 fn value(key: &Key) -> String {
     let one = kind(&(key.schema)(key));
     let unit = match key.unit {

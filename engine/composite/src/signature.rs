@@ -1,21 +1,21 @@
-//! What a composite must know of an `.asm` file: its functions. The language crates stay outside.
+//! Interface to the functions declared in an `.asm` file; avoids a dependency on the language crates.
 
 use asmotion_diagnostics::{Report, Sources, Span};
 
-/// Opens specifications.
+/// Loader of specifications.
 pub trait Specifications {
-    /// The signature of the specification at `path`, which is as the loader resolved it. Its text
-    /// is added to `sources`, so that findings can point into it.
+    /// Returns the signature of the specification at the resolved `path` and adds its text to `sources`.
     ///
-    /// `Ok(None)` where specifications cannot be opened here: their bindings are then believed.
+    /// Returns `Ok(None)` if specifications are not supported; bindings are then not checked.
     ///
     /// # Errors
-    /// What is wrong with the specification.
+    ///
+    /// The diagnostics of an invalid specification.
     fn open(&self, path: &str, sources: &mut Sources)
     -> Result<Option<Box<dyn Signature>>, Report>;
 }
 
-/// Opens nothing: bindings are believed.
+/// Loads no specifications; bindings are not checked.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoSpecifications;
 
@@ -25,90 +25,90 @@ impl Specifications for NoSpecifications {
     }
 }
 
-/// The functions of a specification.
+/// Functions of a specification.
 pub trait Signature {
-    /// All functions that are declared, libraries left out.
+    /// Returns all declared functions except those of libraries.
     fn functions(&self) -> Vec<FunctionInfo>;
 
-    /// The function of this name.
+    /// Returns the function of this name.
     fn function(&self, name: &str) -> Option<FunctionInfo> {
         self.functions()
             .into_iter()
             .find(|function| function.name == name)
     }
 
-    /// The first operation of a partner for whose answer the specification waits, and where it does.
+    /// Returns the first operation of a partner whose reply the specification awaits, and the location of the call.
     fn awaits(&self, partner: &str) -> Option<(String, Span)> {
         let _ = partner;
         None
     }
 
-    /// What the annotations of SCA-ASM say of its services and references; nothing where there are none.
+    /// Returns the services and references annotated with SCA-ASM; empty without annotations.
     fn annotations(&self) -> Annotations {
         Annotations::default()
     }
 
-    /// The main rule and its place.
+    /// Returns the name and location of the main rule.
     fn main_rule(&self) -> Option<(String, Span)>;
 }
 
-/// The component type that stands in a specification: `//@Reference`, `//@MainService`, `//@Provided`,
+/// Component type declared by the annotations of a specification: `//@Reference`, `//@MainService`, `//@Provided`,
 /// `//@Service`, `//@Required`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Annotations {
-    /// Functions under `//@Reference`, each with the domain of the partner it leads to.
+    /// Functions annotated with `//@Reference`, with the domain of the partner.
     pub references: Vec<Annotated>,
-    /// Modules under `//@MainService` or `//@Provided`, which are imported.
+    /// Imported modules annotated with `//@MainService` or `//@Provided`.
     pub provided: Vec<Annotated>,
 }
 
-/// Something that is annotated.
+/// An annotated function or module.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Annotated {
-    /// The function, or the module.
+    /// Function or module name.
     pub name: String,
-    /// The last part of the interface: the domain of the partner, or the module.
+    /// Last segment of the interface name: the domain of the partner or the module.
     pub interface: String,
-    /// Where it stands.
+    /// Source location of the declaration.
     pub declared: Span,
 }
 
 /// A function of a specification.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FunctionInfo {
-    /// Its name.
+    /// Name of the function.
     pub name: String,
-    /// Who may write it.
+    /// Kind, which determines who may write it.
     pub kind: FunctionKind,
-    /// Its domain as written; empty for a function without arguments.
+    /// Domain as written; empty for a function without arguments.
     pub domain: String,
-    /// What its values are.
+    /// Type of the values.
     pub codomain: Codomain,
-    /// Where it is declared.
+    /// Source location of the declaration.
     pub declared: Span,
 }
 
-/// Who may write a function.
+/// Kind of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FunctionKind {
-    /// The environment.
+    /// Written by the environment.
     Monitored,
-    /// The environment and the specification.
+    /// Written by the environment and the specification.
     Shared,
-    /// The specification, for the environment to read.
+    /// Written by the specification and read by the environment.
     Out,
-    /// The specification.
+    /// Written by the specification.
     Controlled,
-    /// Nobody.
+    /// Constant.
     Static,
-    /// Nobody: it follows from the others.
+    /// Computed from other functions.
     Derived,
-    /// One rule, for itself.
+    /// Local to a rule.
     Local,
 }
 
 impl FunctionKind {
-    /// The keyword.
+    /// Returns the keyword.
     pub fn word(self) -> &'static str {
         match self {
             Self::Monitored => "monitored",
@@ -122,32 +122,32 @@ impl FunctionKind {
     }
 }
 
-/// What the values of a function are.
+/// Type of the values of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Codomain {
-    /// Truth values.
+    /// Boolean values.
     Boolean,
-    /// Whole numbers: `Integer`, `Natural` and their subsets.
+    /// Integers: `Integer`, `Natural` and their subsets.
     Integer,
-    /// Numbers.
+    /// Real numbers.
     Real,
-    /// Texts.
+    /// Strings.
     Text,
-    /// The literals of an enum domain.
+    /// Literals of an enumeration.
     Enum {
-        /// The domain.
+        /// Name of the domain.
         name: String,
-        /// Its literals in order.
+        /// Literals in declaration order.
         literals: Vec<String>,
-        /// Where it is declared.
+        /// Source location of the declaration; `None` for library domains.
         declared: Option<Span>,
     },
-    /// Anything else, as written.
+    /// Any other domain, as written.
     Other(String),
 }
 
 impl Codomain {
-    /// Its name, for people.
+    /// Returns the name for use in messages.
     pub fn name(&self) -> &str {
         match self {
             Self::Boolean => "Boolean",

@@ -1,4 +1,4 @@
-//! Signatures of `.asm` files, as the language crates read them.
+//! Signatures of `.asm` files, read with the language crates.
 
 use asmotion_diagnostics::{Loader, Report, Sources, Span};
 use asmotion_lang::hir::{self, DomainKind, Model, Type, TypeId};
@@ -11,22 +11,22 @@ use crate::signature::{
     Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, Signature, Specifications,
 };
 
-/// Opens `.asm` files with the language crates.
+/// Loads `.asm` files with the language crates.
 #[derive(Clone, Copy)]
 pub struct AsmFiles<'a> {
     loader: &'a dyn Loader,
 }
 
 impl<'a> AsmFiles<'a> {
-    /// Files of this loader.
+    /// Creates a loader of specifications from a loader of files.
     pub fn new(loader: &'a dyn Loader) -> Self {
         Self { loader }
     }
 }
 
 impl Specifications for AsmFiles<'_> {
-    /// Its errors become findings of the composite; its warnings belong to those who check the
-    /// specification alone.
+    /// Errors of the specification are reported with the composite; its warnings are omitted, since checking the
+    /// specification itself reports them.
     fn open(
         &self,
         path: &str,
@@ -55,7 +55,7 @@ struct ModelSignature {
 impl Signature for ModelSignature {
     fn functions(&self) -> Vec<FunctionInfo> {
         let own = self.model.own_functions();
-        // what partners can be asked is no output
+        // operations of partners are not outputs
         let own = own.filter(|(_, function)| !self.model.is_operation(function));
         own.map(|(_, function)| FunctionInfo {
             name: function.name.to_string(),
@@ -88,7 +88,7 @@ impl Signature for ModelSignature {
 }
 
 impl ModelSignature {
-    /// The name of the element that a term is.
+    /// Returns the name of the element denoted by a term.
     fn element(&self, term: &hir::Term) -> Option<&str> {
         let hir::TermKind::Value(Value::Atom(Atom(index))) = &*term.kind else {
             return None;
@@ -151,7 +151,7 @@ impl ModelSignature {
     }
 }
 
-/// What the annotations of a file say; each belongs to the import or function that follows it.
+/// Collects the annotations; each belongs to the import or function that follows it.
 fn annotations(tree: &File, model: &Model) -> Annotations {
     let mut found = Annotations::default();
     let functions = tree.functions.iter().map(|it| (&it.name, true));

@@ -1,4 +1,4 @@
-//! TOML text as a tree in which every key and every value knows its place.
+//! TOML syntax tree with the source location of every key and value.
 
 use asmotion_diagnostics::{FileId, Span};
 use toml::Spanned;
@@ -6,65 +6,64 @@ use toml::de::{DeTable, DeValue};
 
 use crate::at::At;
 
-/// A value of a TOML file and its place.
+/// A value with its source location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// Where it stands; for a `[table]` its header.
+    /// Source location; for a `[table]` that of its header.
     pub span: Span,
-    /// What stands there.
+    /// Content of the node.
     pub value: Branch,
 }
 
-/// What can stand at a place of a TOML file.
+/// A TOML value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Branch {
-    /// A text.
+    /// String.
     Text(String),
-    /// A whole number.
+    /// Integer.
     Integer(i64),
-    /// A number with a fraction.
+    /// Floating-point number.
     Float(f64),
     /// `true` or `false`.
     Boolean(bool),
-    /// A date or a time of day, as written.
+    /// Date or time, as written.
     Date(String),
-    /// A list.
+    /// Array.
     List(Vec<Node>),
-    /// A table, inline or not.
+    /// Table, inline or not.
     Table(Table),
 }
 
-/// The keys of a table in the order of the file.
+/// Keys of a table in file order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// Keys and values.
+    /// Entries in file order; keys are unique.
     pub entries: Vec<Entry>,
 }
 
-/// A key of a table and its value.
+/// An entry of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The key.
+    /// Key and its source location.
     pub key: At<String>,
-    /// Its value.
+    /// Value of the key.
     pub node: Node,
 }
 
 impl Table {
-    /// A table with one key.
+    /// Creates a table with one key.
     pub(crate) fn short(key: &str, node: &Node) -> Self {
         let (key, node) = (At::new(key.to_owned(), node.span), node.clone());
         let entries = vec![Entry { key, node }];
         Self { entries }
     }
 
-    /// The value of a key.
+    /// Returns the entry of a key.
     pub fn get(&self, key: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.key.value == key)
     }
 
-    /// Lays another table over this one: tables of one name become one, anything else takes the place of what was
-    /// there.
+    /// Merges another table over this one: tables of the same name are merged, other values are replaced.
     pub fn lay(&mut self, over: Self) {
         for entry in over.entries {
             let mut known = self.entries.iter_mut();
@@ -75,7 +74,7 @@ impl Table {
         }
     }
 
-    /// Gives a key a table as its value; a key that is new is at that place.
+    /// Sets a key to a table; a new key gets the location `span`.
     pub(crate) fn set(&mut self, key: &str, table: Self, span: Span) {
         let value = Branch::Table(table);
         match self.entries.iter_mut().find(|it| it.key.value == key) {
@@ -103,7 +102,7 @@ impl Entry {
 }
 
 impl Branch {
-    /// What it is, for people: "a string", "a list".
+    /// Returns the type for use in messages, such as "a string" or "a list".
     pub fn describe(&self) -> &'static str {
         match self {
             Self::Text(_) => "a string",
@@ -117,15 +116,15 @@ impl Branch {
     }
 }
 
-/// Why a text is not TOML.
+/// A syntax error.
 pub(crate) struct TomlError {
     pub message: String,
     pub span: Span,
-    /// The same key or header further up, where the finding is a duplicate.
+    /// Location of the first occurrence of a duplicate key or header.
     pub earlier: Option<Span>,
 }
 
-/// Reads TOML: as much of the tree as can be understood, and every place that cannot.
+/// Parses TOML with error recovery; returns the readable part of the tree and all errors.
 pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<TomlError>) {
     let (root, errors) = DeTable::parse_recoverable(text);
     let mut grower = Grower {
@@ -133,7 +132,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<TomlError>) {
         text,
         errors: Vec::new(),
     };
-    // up to where a second table of one name reaches: its keys clash only because of that
+    // end of the last duplicate table; its keys are reported as duplicates only because of the table
     let mut second_table = 0;
     for error in errors {
         let span = error.span().unwrap_or(0..0);
@@ -160,8 +159,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<TomlError>) {
     (table, grower.errors)
 }
 
-/// The first line that is the same `[header]` as the one around `offset`: the parser reports a
-/// duplicate without the place of the original.
+/// Returns the first occurrence of the `[header]` at `offset`. The parser reports only the location of the duplicate.
 fn earlier_header(text: &str, offset: usize) -> Option<std::ops::Range<usize>> {
     let header = |line: &str| -> Option<String> {
         let line = line.trim();
@@ -186,7 +184,7 @@ fn earlier_header(text: &str, offset: usize) -> Option<std::ops::Range<usize>> {
     None
 }
 
-/// Turns the parser's tree, which borrows the text and has lost the order, into ours.
+/// Converts the parser's tree, which borrows the text and is unordered, to a [`Table`] in file order.
 struct Grower<'t> {
     file: FileId,
     text: &'t str,
@@ -248,7 +246,7 @@ impl Grower<'_> {
         })
     }
 
-    /// The characters between the quotes, so that a part of a text can be pointed at and replaced.
+    /// Returns the range between the quotes, so that parts of a string can be located and replaced.
     fn content(&self, range: std::ops::Range<usize>) -> Span {
         let raw = self.text.get(range.clone()).unwrap_or("");
         let quote = ["\"\"\"", "'''", "\"", "'"]

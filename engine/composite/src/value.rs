@@ -1,4 +1,4 @@
-//! Values of properties and arguments, after all substitutions.
+//! Values of properties and arguments after substitution.
 
 use std::fmt;
 
@@ -10,30 +10,30 @@ use serde::ser::{SerializeMap, Serializer};
 
 use crate::tree::{self, Branch, Entry};
 
-/// A value. Serialises as itself; a secret serialises and prints as `***`.
+/// A value. Secrets are serialised and displayed as `***`.
 #[derive(Clone, PartialEq)]
 pub enum SettingValue {
-    /// A Boolean.
+    /// Boolean.
     Boolean(bool),
-    /// A whole number.
+    /// Integer.
     Integer(i64),
-    /// A number with a fraction.
+    /// Floating-point number.
     Real(f64),
-    /// A text.
+    /// String.
     Text(String),
-    /// A text that is never shown.
+    /// String that is never displayed.
     Secret(String),
-    /// A list.
+    /// List of values.
     List(Vec<SettingValue>),
-    /// Named values in the order they were written.
+    /// Named values in file order.
     Record(Vec<(String, SettingValue)>),
 }
 
-/// What is shown in place of a secret.
+/// Replacement for displayed secrets.
 pub const REDACTED: &str = "***";
 
 impl SettingValue {
-    /// The value that a text of TOML writes, as in `[1.4, 4.7]`.
+    /// Parses a TOML value such as `[1.4, 4.7]`; `None` if it is malformed.
     pub fn from_toml(text: &str) -> Option<Self> {
         let (table, errors) = tree::parse(FileId::default(), &format!("value = {text}"));
         match (table.entries.as_slice(), errors.is_empty()) {
@@ -59,7 +59,7 @@ impl SettingValue {
         }
     }
 
-    /// The value of data that travelled; `None` for what is absent.
+    /// Converts from a datum; `None` for null.
     pub fn of_datum(datum: &Datum) -> Option<Self> {
         Some(match datum {
             Datum::Null => return None,
@@ -81,7 +81,7 @@ impl SettingValue {
         })
     }
 
-    /// The number, also of a whole number.
+    /// Returns the value as a floating-point number if it is numeric.
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Integer(number) => Some(*number as f64),
@@ -94,7 +94,7 @@ impl SettingValue {
         }
     }
 
-    /// The same as data that travels; a secret is shown there.
+    /// Converts to a datum, including secrets in plain text.
     pub fn datum(&self) -> Datum {
         match self {
             Self::Boolean(truth) => Datum::Bool(*truth),
@@ -110,7 +110,7 @@ impl SettingValue {
         }
     }
 
-    /// Whether a secret is in it.
+    /// Returns whether the value contains a secret.
     fn has_secret(&self) -> bool {
         match self {
             Self::Secret(_) => true,
@@ -120,7 +120,7 @@ impl SettingValue {
         }
     }
 
-    /// What it is, for people.
+    /// Returns the type for use in messages.
     pub fn describe(&self) -> &'static str {
         match self {
             Self::Boolean(_) => "a Boolean",
@@ -199,12 +199,12 @@ impl Serialize for SettingValue {
     }
 }
 
-/// Names and values, in the order they were declared or set.
+/// Names and values in declaration or file order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PropertyValues(pub Vec<(String, SettingValue)>);
 
 impl PropertyValues {
-    /// The value of a property.
+    /// Returns the value of a property.
     pub fn get(&self, name: &str) -> Option<&SettingValue> {
         self.0
             .iter()

@@ -1,13 +1,13 @@
-//! Parts of messages: lists of names, and the place of a value.
+//! Building blocks of messages: enumerations and locations.
 
 use asmotion_diagnostics::{Diagnostic, Span};
 
-/// The names in backquotes with commas and a final "or".
+/// Joins the names in backquotes with commas and "or".
 pub(crate) fn enumerate(names: &[&str]) -> String {
     joined(names, "or")
 }
 
-/// "it has `a`, `b` and `c`": what there is instead of what was not found.
+/// Returns a note listing the existing names, such as "it has `a`, `b` and `c`".
 pub(crate) fn has<'n>(what: &str, names: impl IntoIterator<Item = &'n str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
     match names.is_empty() {
@@ -27,7 +27,7 @@ fn joined(names: &[&str], last_word: &str) -> String {
     }
 }
 
-/// The note of a finding about a value that was set outside all files.
+/// Note of diagnostics about values set outside the files.
 const OUTSIDE: &str = "set from outside the file";
 
 /// Returns `true` if [`label_or_outside`] found no place in a file for the value.

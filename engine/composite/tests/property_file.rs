@@ -1,4 +1,4 @@
-//! Files of properties (O12): saved, loaded, compared and checked.
+//! Property files (O12): saving, loading, comparing and checking.
 #![allow(missing_docs, clippy::expect_used, reason = "tests")]
 
 #[path = "../../plan/tests/support/render.rs"]
@@ -9,7 +9,7 @@ use asmotion_component::declaration::Declaration;
 use asmotion_composite::property_file;
 use asmotion_datum::Datum;
 
-/// Two gains and a limit.
+/// A component with array and list properties.
 fn declaration() -> Declaration {
     let mut interface = Interface::new();
     for (name, doc) in [("kp", "for the error"), ("ki", "for its sum")] {

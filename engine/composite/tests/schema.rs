@@ -1,11 +1,11 @@
-//! The schema of the dialect says what the reader says.
+//! The JSON Schema of the dialect agrees with the reader.
 #![allow(missing_docs, clippy::expect_used, reason = "tests")]
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value as Json;
 
-/// All files of a folder and the folders in it that are read as composites or as message types.
+/// Returns all composite and type files below a folder.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let mut paths: Vec<PathBuf> = entries
@@ -21,7 +21,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// A file as JSON, and the schema it should follow; `None` where it is no TOML, or something else.
+/// Returns a file as JSON and the schema it should satisfy; `None` for other files.
 fn document(path: &Path) -> Option<(Json, Json)> {
     let text = std::fs::read_to_string(path).expect("a file");
     let json: Json = toml::from_str(&text).ok()?;
@@ -79,7 +79,7 @@ fn it_accepts_every_composite_that_the_reader_accepts() {
         let Some((json, schema)) = document(&path) else {
             continue;
         };
-        // a mistake that only the meaning shows is none of the schema's
+        // the schema cannot detect semantic errors
         let text = std::fs::read_to_string(&path).expect("a file");
         let is_read = (1..=10).all(|code| !text.contains(&format!("C{code:03}")));
         if is_read {

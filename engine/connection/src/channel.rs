@@ -117,14 +117,15 @@ impl<T> Receiver<T> {
 }
 
 impl<T> Receiver<T> {
-    /// Shows what waits, in order, and leaves it there: for looking at a connection whose ends are at rest.
+    /// Passes the unread values to `see`, in order, without consuming them. Intended for connections whose ends are
+    /// idle.
     ///
-    /// A value that is sent meanwhile is not lost, but one of a queue that several have in common may be overtaken.
+    /// A value sent concurrently is not lost, but in a queue shared by several writers the order may change.
     pub fn look(&mut self, mut see: impl FnMut(&T)) {
         match &mut self.0 {
             ReceiverKind::Newest(reader) => reader.look(see),
             ReceiverKind::Buffer(reader) => reader.look(see),
-            // a full turn of the queue
+            // rotates the queue once
             ReceiverKind::Shared(shared) => {
                 for _ in 0..shared.len() {
                     let Some(sample) = shared.pop() else { return };

@@ -126,13 +126,13 @@ impl<T> RingReader<T> {
         })
     }
 
-    /// Shows every value that lies in the ring, and leaves it there.
+    /// Passes every unread value to `see` without consuming it.
     pub(crate) fn look(&mut self, mut see: impl FnMut(&T)) {
         for ahead in 0..self.len() {
             let slot = self.ring.slot(self.taken.wrapping_add(ahead));
             slot.with(|slot| {
-                // SAFETY: it has been written and not been taken, so the slot is the reader's and holds a value; the
-                // writer does not reach it before `taken` grows, which needs `&mut self`.
+                // SAFETY: the slot has been written and not been consumed, so it belongs to the reader and is
+                // initialised; the writer cannot reuse it before `taken` grows, which requires `&mut self`.
                 see(unsafe { (*slot).assume_init_ref() });
             });
         }

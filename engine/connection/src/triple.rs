@@ -86,14 +86,14 @@ impl<T> TripleReader<T> {
         Arc::strong_count(&self.shared) == 1
     }
 
-    /// Shows the newest value, unless it was taken before, and leaves it where it is. If the writer publishes another one
-    /// meanwhile, that one stays.
+    /// Passes the newest value to `see` without consuming it, unless it has been consumed before. A value published
+    /// concurrently is kept instead.
     pub(crate) fn look(&mut self, mut see: impl FnMut(&T)) {
         let Some(value) = self.take() else {
             return;
         };
         see(&value);
-        // SAFETY: `self.slot` is the reader's own, and `&mut self` keeps other readers away.
+        // SAFETY: `self.slot` belongs to the reader, and `&mut self` excludes other readers.
         unsafe {
             self.shared
                 .with(self.slot, |content| *content = Some(value))
@@ -109,10 +109,10 @@ impl<T> TripleReader<T> {
                 )
                 .is_ok();
         if given_back {
-            // An exchange like that of the writer: the numbers remain a permutation.
+            // An exchange like the writer's: the three slot indices remain a permutation.
             self.slot = middle & SLOT;
         } else {
-            // SAFETY: as above; there is a newer value, so this one is dropped.
+            // SAFETY: as above. A newer value has been published, so this one is dropped.
             unsafe { self.shared.with(self.slot, |content| *content = None) };
         }
     }
@@ -187,7 +187,7 @@ mod tests {
 mod exhaustively {
     use super::*;
 
-    /// Every interleaving of a look and two writes.
+    /// All interleavings of a look and two writes.
     #[test]
     fn no_interleaving_loses_the_newest_value_to_a_look() {
         loom::model(|| {

@@ -19,7 +19,7 @@ use crate::response::{self, HttpResponse};
 use crate::service::{GatewayOperation, GatewayService};
 use crate::settings::GatewaySettings;
 
-/// What comes in.
+/// An HTTP request whose body has not been read yet.
 type HttpRequest = hyper::Request<Incoming>;
 
 /// Handles the requests of all connections.

@@ -1,4 +1,4 @@
-//! The findings about composites that flattening makes, one file a code.
+//! Diagnostics of flattening, one file per code.
 
 pub(crate) mod c019;
 pub(crate) mod c054;
@@ -7,7 +7,7 @@ pub(crate) mod c082;
 
 use asmotion_diagnostics::Code;
 
-/// The codes of this crate, in order.
+/// All codes of this crate in ascending order.
 pub const CODES: &[&Code] = &[
     c019::SecretInFile::CODE,
     c054::PollTooSlow::CODE,

@@ -1,4 +1,4 @@
-//! A component of a plan.
+//! Components of a plan.
 
 use crate::plan::{Lifecycle, Pace, PropertyValues};
 use asmotion_composite::model::{
@@ -6,38 +6,38 @@ use asmotion_composite::model::{
 };
 use asmotion_coordinator::Binding;
 
-/// A component.
+/// A component of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
-    /// Its name, behind those of the composites it is nested in: `Driver/youBotDriver`.
+    /// Name qualified by the enclosing composites, such as `Driver/youBotDriver`.
     pub name: String,
-    /// Its id: names its queue, its log, its metrics.
+    /// Identifier used for queues, logs and metrics.
     pub id: String,
-    /// What it is made of.
+    /// Implementation to run.
     pub implementation: Implementation,
-    /// When it cycles.
+    /// Schedule of its cycles.
     pub pace: Pace,
-    /// What happens without anybody asking.
+    /// Automatic lifecycle transitions.
     pub lifecycle: Lifecycle,
-    /// Input ports.
+    /// Input ports in declaration order.
     pub inputs: Vec<Port>,
-    /// Output ports.
+    /// Output ports in declaration order.
     pub outputs: Vec<Port>,
-    /// Services.
+    /// Provided services.
     pub services: Vec<Service>,
-    /// References.
+    /// Required references.
     pub references: Vec<Service>,
-    /// Properties that are set.
+    /// Property values set by the composite.
     pub properties: PropertyValues,
-    /// `bind`, of an ASM.
+    /// `bind` of an ASM component; `None` for other implementations.
     pub binding: Option<Binding>,
-    /// `verify`, of an ASM.
+    /// `verify` of an ASM component.
     pub verify: Option<PlannedVerify>,
-    /// `map` of a port-proxy.
+    /// `map` of a port-proxy; empty for other components.
     pub proxy: Vec<PlannedProxyEntry>,
     /// `notify` of a port-proxy.
     pub notify: Option<PlannedNotify>,
-    /// Both as the bridge executes them.
+    /// `map` and `notify` compiled for the bridge; `None` for components other than port-proxies.
     pub bridge: Option<asmotion_bridge::ProxySettings>,
     /// `map` of a ros-bridge.
     pub ros: Vec<PlannedRosEntry>,
@@ -45,61 +45,61 @@ pub struct Component {
     pub plots: Vec<PlannedPlot>,
 }
 
-/// What a component is made of.
+/// Implementation of a component.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Implementation {
-    /// A component of the build, by its name in the catalogue.
+    /// Name in the catalogue.
     Rust(String),
-    /// A specification.
+    /// An ASM specification.
     Asm(Asm),
-    /// A component of the engine.
+    /// A built-in component.
     Builtin(BuiltinSettings),
-    /// Another program and its arguments.
+    /// Command line of an external program.
     Process(Vec<String>),
-    /// A ROS node: package and executable.
+    /// Package and executable of a ROS node.
     Ros(Vec<String>),
-    /// A component of a running Orocos system, and where its name service is.
+    /// Component name in a running Orocos system and address of the name service.
     Orocos(Vec<String>),
 }
 
-/// A specification.
+/// An ASM specification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asm {
-    /// Its path, as the loader resolved it.
+    /// Resolved path of the file.
     pub path: String,
-    /// Its main rule, where the composite names it.
+    /// Main rule; `None` if the composite does not name it.
     pub main: Option<String>,
 }
 
-/// A component of the engine.
+/// Settings of a built-in component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltinSettings {
-    /// Which one.
+    /// Kind of built-in component.
     pub kind: BuiltinComponent,
-    /// The component whose ports it offers.
+    /// `port-proxy`: component whose ports are accessed.
     pub target: Option<String>,
-    /// The bridge it uses.
+    /// `ros-bridge`: name of the bridge.
     pub bridge: Option<String>,
-    /// The TCP port.
+    /// `web-monitor`, `http-gateway`: TCP port.
     pub port: Option<u64>,
 }
 
-/// A port.
+/// A port of a component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
-    /// Its name.
+    /// Name in the component.
     pub name: String,
-    /// The type of its messages.
+    /// Message type name; empty if unknown.
     pub kind: String,
-    /// The topic it is on.
+    /// Topic of the port; `None` if it is only connected directly.
     pub topic: Option<String>,
 }
 
 /// A service or a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Service {
-    /// Its name.
+    /// Name in the component.
     pub name: String,
-    /// Its interface.
+    /// Interface name.
     pub interface: String,
 }

@@ -1,5 +1,4 @@
-//! The way from a writer to its reader, or from a caller to its service: inside a process, where real time holds, or
-//! over something that knows no real time.
+//! Routes between writers and readers and between callers and services, classified by their suitability for real time.
 
 use std::fmt;
 
@@ -7,34 +6,34 @@ use crate::joint::{Connection, Topic};
 use crate::plan::{End, Plan, Terminal, Wire};
 use asmotion_composite::model::{Lock, Transport};
 
-/// The way from a writer to its reader, or from a caller to its service.
+/// Route from a writer to a reader or from a caller to a service.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConnectionRoute {
-    /// The writer or caller.
+    /// Writer or caller.
     pub from: Terminal,
-    /// The reader or service.
+    /// Reader or service.
     pub to: Terminal,
-    /// The topic that joins them, if one does.
+    /// Topic of the route; `None` for connections and wires.
     pub topic: Option<String>,
-    /// What lies between.
+    /// Transport between both ends.
     pub over: RouteTransport,
 }
 
-/// What lies between a writer and its reader.
+/// Transport between a writer and its reader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RouteTransport {
-    /// Nothing: both are in one process.
+    /// Shared memory within a process.
     Nothing(Lock),
-    /// A message queue of the kernel.
+    /// A POSIX message queue.
     Mqueue,
-    /// A broker; its name, where the composite names one.
+    /// A broker; `None` if the composite does not name it.
     Broker(Option<String>),
     /// Another middleware.
     Other(Transport),
 }
 
 impl Plan {
-    /// All ways, as the composite is deployed: connections, topics, then wires.
+    /// Returns all routes of the deployed system: connections, topics, then wires.
     pub fn ways(&self) -> Vec<ConnectionRoute> {
         let connections = (self.connections.iter()).filter_map(|it| self.way_of_connection(it));
         let topics = self.topics.iter().flat_map(|it| self.ways_of_topic(it));
@@ -42,7 +41,7 @@ impl Plan {
         connections.chain(topics).chain(wires).collect()
     }
 
-    /// A topic's ways depend on all who are on it.
+    /// Returns the route of a connection between ports or queues; routes over topics are listed by topic.
     fn way_of_connection(&self, connection: &Connection) -> Option<ConnectionRoute> {
         let over = match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => {
@@ -76,7 +75,7 @@ impl Plan {
             to: Terminal::Port(to.clone()),
             topic: None,
             over: match wire.binding {
-                // a component's inbox takes requests without a lock
+                // requests to a component's inbox are lock-free
                 Transport::Local => self.between(&wire.reference, to, Lock::LockFree),
                 Transport::Amqp => {
                     RouteTransport::Broker(self.broker_of_wire(wire).map(str::to_owned))
@@ -94,7 +93,7 @@ impl Plan {
         }
     }
 
-    /// How a reader of a topic is kept apart from its writers.
+    /// Returns the synchronisation between a reader of a topic and its writers.
     fn lock_of(&self, topic: &Topic, reader: &End) -> Lock {
         let is_it = |it: &&Connection| {
             matches!(&it.from, Terminal::Topic(name) if *name == topic.name)
@@ -106,7 +105,7 @@ impl Plan {
 }
 
 impl ConnectionRoute {
-    /// Those of its ends that are components'.
+    /// Returns the ends that are ports, services or references.
     pub fn ends(&self) -> impl Iterator<Item = &End> {
         let both = [&self.from, &self.to].into_iter();
         both.filter_map(|terminal| match terminal {
@@ -117,7 +116,7 @@ impl ConnectionRoute {
 }
 
 impl RouteTransport {
-    /// Whether neither side waits for anybody, and nothing but memory lies between.
+    /// Returns whether the transport is shared memory without locks, as required for real time.
     pub fn is_real_time(&self) -> bool {
         match self {
             Self::Nothing(Lock::LockFree | Lock::Unsync) => true,

@@ -1,5 +1,5 @@
-//! A plan as a composite file: opened up, everything filled in, secrets left out. It can be checked and
-//! started like any other, and expands to itself.
+//! Serialises a plan as a flat composite file with defaults filled in and secrets omitted. The result is a valid
+//! composite, and expanding it again yields the same text.
 
 mod binding;
 mod component;
@@ -14,7 +14,7 @@ use crate::plan::{Plan, Terminal, Wire};
 use asmotion_composite::model::{ConnectionType, Transport};
 use asmotion_composite::table::{Lines, WrittenTable, one_or_many, table, tables};
 
-/// The text of a plan of `opened` as a composite file, which belongs beside the outermost one.
+/// Serialises a plan of `opened`. Relative paths in the result refer to the directory of the outermost composite.
 pub fn expand(opened: &Opened, plan: &Plan) -> String {
     let root = &opened.path;
     let types = opened.type_files.iter();
@@ -74,7 +74,7 @@ fn written(it: &impl WrittenTable) -> Table {
     table(it.keys(""))
 }
 
-/// A table of things by name.
+/// Builds a table of named entries.
 fn named<'p, T>(things: &'p [T], show: impl Fn(&'p T) -> (&'p String, Table)) -> Table {
     let mut section = Table::new();
     section.set_implicit(true);
@@ -85,7 +85,7 @@ fn named<'p, T>(things: &'p [T], show: impl Fn(&'p T) -> (&'p String, Table)) ->
     section
 }
 
-/// The topics of which more is said than who is on them.
+/// Topics with settings of their own.
 fn topics(topics: &[Topic]) -> Table {
     let mut section = Table::new();
     section.set_implicit(true);
@@ -98,7 +98,7 @@ fn topics(topics: &[Topic]) -> Table {
     section
 }
 
-/// What a wire goes over is left out where it follows from where its ends are.
+/// Serialises a wire. A local binding is omitted: the transport then follows from the processes of both ends.
 fn wire(wire: &Wire) -> Lines {
     match wire.binding {
         Transport::Local => wire.keys("").without("binding"),
@@ -106,13 +106,13 @@ fn wire(wire: &Wire) -> Lines {
     }
 }
 
-/// The connections, those together that share one queue.
+/// Groups connections that share a queue.
 fn joint(connections: &[Connection]) -> impl Iterator<Item = &[Connection]> {
     let queue = |connection: &'_ Connection| connection.queue.clone();
     connections.chunk_by(move |one, next| queue(one).is_some() && queue(one) == queue(next))
 }
 
-/// Connections of one policy; each of their writers is joined to each of their readers.
+/// Serialises connections with a common policy, every writer of which is connected to every reader.
 fn connection(connections: &[Connection]) -> Lines {
     let mut keys = Lines::new();
     let (from, to) = (
@@ -126,7 +126,7 @@ fn connection(connections: &[Connection]) -> Lines {
     keys.put_some("to", one_or_many(&each_once(connections.iter().map(to))));
     if let Some(Connection { policy, .. }) = connections.first() {
         let mut how = policy.keys("");
-        // the last value has no size, and nothing grows stale that has no age
+        // keys without effect would be reported: `size` of a last value, `on_stale` without a maximum age
         if policy.kind == ConnectionType::Data {
             how = how.without("size");
         }

@@ -1,4 +1,4 @@
-//! The plan as a graph, for pictures and for the order of starting.
+//! Dependency graph of a plan, used for diagrams and for the start order.
 
 use std::collections::BTreeMap;
 
@@ -6,25 +6,25 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use crate::plan::{End, Plan, Terminal};
 
-/// Why one component needs another.
+/// A dependency between two components.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Dependency {
-    /// It reads what the other writes, over this topic if there is one.
+    /// One component reads messages written by the other.
     Reads {
-        /// The topic.
+        /// Topic between them; `None` for a direct connection.
         topic: Option<String>,
-        /// The type of the messages.
+        /// Message type name.
         kind: String,
     },
-    /// It calls the other, through this interface.
+    /// One component calls the other.
     Calls {
-        /// The interface.
+        /// Interface of the calls.
         interface: String,
     },
 }
 
 impl Plan {
-    /// The interface of a reference; empty where nobody says.
+    /// Returns the interface of a reference; empty if unknown.
     fn interface(&self, reference: &End) -> String {
         let component = self.component(&reference.component);
         let mut references = component.into_iter().flat_map(|it| &it.references);
@@ -32,8 +32,8 @@ impl Plan {
         found.map_or_else(String::new, |it| it.interface.clone())
     }
 
-    /// Components and their links. An edge leads from the one that must be there first, so from
-    /// writers to readers and from providers to callers.
+    /// Returns the dependency graph. Edges lead from the component that must start first, that is from writers to
+    /// readers and from providers to callers.
     pub fn graph(&self) -> DiGraph<&str, Dependency> {
         let mut graph = DiGraph::new();
         let nodes: BTreeMap<&str, NodeIndex> = self

@@ -1,59 +1,59 @@
-//! What joins the components of a plan.
+//! Topics, connections and promotions of a plan.
 
 use asmotion_composite::end::{End, Terminal};
 use asmotion_composite::model::{PlannedPolicy, PlannedSending, Transport};
 
-/// A topic.
+/// A topic of the system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topic {
-    /// Its name.
+    /// Name, qualified by the enclosing composites unless promoted.
     pub name: String,
-    /// The type of its messages, if anybody says.
+    /// Message type name; `None` if unknown.
     pub kind: Option<String>,
-    /// Whether the outside may publish and subscribe it.
+    /// Whether clients outside the system may publish and subscribe.
     pub promoted: bool,
-    /// How it goes over a broker; what is absent follows from the connections.
+    /// Settings for sending over a broker; absent ones are derived from the connections.
     pub sending: PlannedSending,
-    /// The ports that publish it.
+    /// Ports that publish to the topic.
     pub publishers: Vec<End>,
-    /// The ports that subscribe it.
+    /// Ports that subscribe to the topic.
     pub subscribers: Vec<End>,
 }
 
-/// A connection.
+/// A connection between one writer and one reader.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connection {
-    /// Who writes.
+    /// Writing end.
     pub from: Terminal,
-    /// Who reads.
+    /// Reading end.
     pub to: Terminal,
-    /// How messages are carried.
+    /// Transfer policy.
     pub policy: PlannedPolicy,
-    /// The queue that several connections share: their ends.
+    /// Identifier of the queue shared by several connections, formed from their ends; `None` if not shared.
     pub queue: Option<String>,
 }
 
-/// Something that the outside sees.
+/// An element visible outside the system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Promoted {
     /// `service`, `reference`, `property`, `port` or `topic`.
     pub what: &'static str,
-    /// Its name outside.
+    /// Public name.
     pub name: String,
-    /// What it is inside: `Component.name`, or a topic.
+    /// Promoted element: `Component.name` or a topic.
     pub inside: String,
-    /// Over what the outside reaches it.
+    /// Transports for access from outside.
     pub bindings: Vec<Transport>,
-    /// Over which broker.
+    /// Broker name; `None` for the default broker.
     pub broker: Option<String>,
-    /// Through which gateway.
+    /// Gateway name; `None` if not accessible over HTTP.
     pub gateway: Option<String>,
-    /// How long a call through the gateway may take whose caller does not say.
+    /// Default timeout in milliseconds of calls through the gateway.
     pub timeout_ms: Option<u64>,
 }
 
 impl Promoted {
-    /// Whether it is a service that the outside reaches over this.
+    /// Returns whether it is a service accessible over this transport.
     pub fn is_served_over(&self, transport: Transport) -> bool {
         self.what == "service" && self.bindings.contains(&transport)
     }

@@ -1,5 +1,5 @@
-//! Checked composites, flattened: a plan is a composite in one profile, with nested composites opened, substitutions made
-//! and defaults filled in. It can be started, drawn, described, and written as a composite again.
+//! Plans: checked composites flattened for one profile, with nested composites expanded, substitutions applied and
+//! defaults filled in. A plan can be started, drawn, described and serialised as a composite.
 
 mod codes;
 mod component;

@@ -1,4 +1,4 @@
-//! Opens a composite with everything it names: read, checked in every profile, and planned.
+//! Loading, checking and planning of a composite.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,34 +14,33 @@ use asmotion_composite::{Context, check};
 use crate::flatten::{Parts, flatten};
 use crate::plan::Plan;
 
-/// A composite that was opened: its texts, what was found, and a plan for every profile in which
-/// no error was found.
+/// A loaded composite: its source texts, diagnostics and a plan for every profile without errors.
 pub struct Opened {
-    /// All texts that were read; the findings point into them.
+    /// All source texts; diagnostics refer to them.
     pub sources: Sources,
-    /// Everything that was found, by place.
+    /// All diagnostics, ordered by location.
     pub report: Report,
-    /// Whether a value that was set from outside all files is among what is wrong.
+    /// Whether an error concerns a value that was set outside the files, such as on the command line.
     pub outside: bool,
-    /// The path of the outermost composite, as the loader resolved it.
+    /// Resolved path of the outermost composite.
     pub path: String,
-    /// The files of message types that the composites name, as the loader resolved them.
+    /// Resolved paths of the type files named by the composites.
     pub type_files: Vec<String>,
-    /// The model of the outermost composite, as far as it could be read.
+    /// Model of the outermost composite; `None` if it could not be read.
     pub composite: Option<Composite>,
-    /// The profiles in order of their names; none where the composite has none.
+    /// Profile names in ascending order; empty if the composite has none.
     pub profiles: Vec<String>,
     plans: Vec<(Option<String>, Plan)>,
 }
 
 impl Opened {
-    /// What a type looks like that a port of a plan names.
+    /// Returns the schema of a message type used by a port of a plan.
     pub fn schema(&self, name: &str) -> Option<&Schema> {
         self.plans.iter().find_map(|(_, plan)| plan.types.get(name))
     }
 
-    /// The plan for a profile; for none where the composite has none. `None` where an error stands
-    /// in the way, or where there is no such profile.
+    /// Returns the plan of a profile; pass `None` if the composite has no profiles. Returns `None` if the profile is
+    /// unknown or has errors.
     pub fn plan(&self, profile: Option<&str>) -> Option<&Plan> {
         let found = self
             .plans
@@ -51,7 +50,7 @@ impl Opened {
     }
 }
 
-/// Opens a composite: text in, a plan for every profile out, and every finding of all of them.
+/// Loads and checks a composite in every profile and plans the profiles without errors.
 pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let mut sources = Sources::new();
     let mut report = Report::new();
@@ -115,7 +114,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     }
 }
 
-/// The shape of every type that a port names, as far as anybody says.
+/// Schemas of the message types used by ports; unknown types are absent.
 fn schemas(plan: &Plan, types: &BTreeMap<&str, Types<'_>>) -> BTreeMap<String, Schema> {
     let components = plan.components.iter();
     let ports = components.flat_map(|it| it.inputs.iter().chain(&it.outputs));
@@ -127,7 +126,7 @@ fn schemas(plan: &Plan, types: &BTreeMap<&str, Types<'_>>) -> BTreeMap<String, S
         .collect()
 }
 
-/// The findings of all profiles, each once; one that some profiles do not have says which do.
+/// Merges the diagnostics of all profiles; those that occur in some profiles only are marked with the profile names.
 fn merge(reports: Vec<(Option<&str>, Report)>) -> Report {
     let profiles = reports.len();
     let mut merged: Vec<(Diagnostic, Vec<&str>)> = Vec::new();
@@ -166,7 +165,7 @@ fn merge(reports: Vec<(Option<&str>, Report)>) -> Report {
     }
 }
 
-/// Counts of a report, as people say them.
+/// Returns the number of errors and warnings as text.
 pub fn summary(report: &Report) -> String {
     let count = |severity, one: &str| match report.count(severity) {
         0 => format!("no {one}s"),

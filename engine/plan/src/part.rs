@@ -1,22 +1,22 @@
-//! Which part of a plan runs in a process, and what of it goes over a bus.
+//! The subset of a plan that runs in a process.
 
 use std::collections::BTreeSet;
 
 use crate::plan::{Plan, Process};
 
-/// The part of a plan that runs in a process.
+/// Subset of a plan that runs in one process.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// All of it, joined directly.
+    /// All components, connected directly.
     Whole,
-    /// All of it, its topics and wires over the bus.
+    /// All components; topics and wires use the bus.
     WholeOverBus,
-    /// Some components. What joins two of them is direct, what joins them to others is over the bus.
+    /// The named components. Connections between them are direct; connections to others use the bus.
     Components(BTreeSet<String>),
 }
 
 impl Part {
-    /// All components, in one process, and what the composite has over its brokers goes over them.
+    /// All components in one process, using the brokers named in the composite.
     pub fn with_brokers(plan: &Plan) -> Self {
         Self::Components(plan.components.iter().map(|it| it.name.clone()).collect())
     }
@@ -26,7 +26,7 @@ impl Part {
         Self::Components(process.components.iter().cloned().collect())
     }
 
-    /// Whether a component is of this part.
+    /// Returns whether a component belongs to this part.
     pub fn has(&self, component: &str) -> bool {
         match self {
             Self::Whole | Self::WholeOverBus => true,
@@ -34,12 +34,12 @@ impl Part {
         }
     }
 
-    /// Whether there is nobody else: no bus is needed.
+    /// Returns whether no bus is needed.
     pub fn is_alone(&self) -> bool {
         *self == Self::Whole
     }
 
-    /// Whether topics and wires between its own components go over the bus, too.
+    /// Returns whether topics and wires between its own components use the bus, too.
     pub fn takes_the_bus_inside(&self) -> bool {
         *self == Self::WholeOverBus
     }

@@ -1,5 +1,5 @@
-//! A composite in one profile, flattened: nested composites opened, promotions and renames
-//! applied, substitutions made, defaults filled in. Plain data, in the order of the files.
+//! Plan of a system: a composite flattened for one profile, with promotions and renames resolved, substitutions applied
+//! and defaults filled in. Lists keep the order of the files.
 
 use std::collections::BTreeMap;
 
@@ -17,56 +17,56 @@ pub use asmotion_composite::model::{
 };
 pub use asmotion_composite::value::PropertyValues;
 
-/// A composite in one profile, ready to be started.
+/// A flattened composite for one profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The name of the composite.
+    /// Name of the composite.
     pub name: String,
-    /// Its version.
+    /// Version of the composite; `None` if not given.
     pub version: Option<String>,
-    /// The profile; absent where the composite has none.
+    /// Profile name; `None` if the composite has no profiles.
     pub profile: Option<String>,
-    /// Environment variables that must be set before this can be started.
+    /// Unset environment variables, which prevent the plan from being started.
     pub missing: Vec<String>,
-    /// The names of the components, providers before their callers, writers before their readers.
+    /// Component names in start order: providers before callers, writers before readers.
     pub start_order: Vec<String>,
-    /// The properties of the outermost composite.
+    /// Properties of the outermost composite.
     pub properties: PropertyValues,
-    /// Brokers.
+    /// Brokers of all composites.
     pub brokers: Vec<Broker>,
-    /// Gateways.
+    /// Gateways of the outermost composite.
     pub gateways: Vec<Gateway>,
-    /// Bridges.
+    /// Bridges of all composites.
     pub bridges: Vec<Bridge>,
-    /// Components, in the order of the files.
+    /// Components in file order.
     pub components: Vec<Component>,
-    /// Topics, by name.
+    /// Topics in order of their names.
     pub topics: Vec<Topic>,
-    /// Connections, one for each pair of ends.
+    /// Connections, one per pair of ends.
     pub connections: Vec<Connection>,
-    /// Wires.
+    /// Wires of all composites.
     pub wires: Vec<Wire>,
-    /// What the outside sees.
+    /// Elements visible outside the system.
     pub promoted: Vec<Promoted>,
-    /// Processes; one that has everything where the composite says nothing.
+    /// Processes; a single process with all components if the composite has no deployment.
     pub processes: Vec<Process>,
-    /// When a process is started again.
+    /// Restart policy; `None` if the composite has none.
     pub restart: Option<Restart>,
-    /// What is written down.
+    /// Recording settings; `None` if the composite has none.
     pub record: Option<Record>,
-    /// What the types look like that ports name, as far as anybody says.
+    /// Schemas by message type name; unknown types are absent.
     pub types: BTreeMap<String, Schema>,
 }
 
 impl Plan {
-    /// The component of this name.
+    /// Returns the component of this qualified name.
     pub fn component(&self, name: &str) -> Option<&Component> {
         self.components
             .iter()
             .find(|component| component.name == name)
     }
 
-    /// The process that a component is placed in.
+    /// Returns the process of a component; `None` if the component is unknown.
     pub fn process_of(&self, component: &str) -> Option<&Process> {
         let mut processes = self.processes.iter();
         processes.find(|process| process.components.iter().any(|it| it == component))

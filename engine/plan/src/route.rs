@@ -1,7 +1,7 @@
-//! Over which broker what goes, and through which gateway.
+//! Selection of brokers and gateways.
 //!
-//! A component's broker is the one that [`asmotion_composite::model::Composite::broker_of`] gave it; where no component has one, all are
-//! on the only one there is.
+//! The broker of a component is determined by [`asmotion_composite::model::Composite::broker_of`]. If no component has
+//! a broker, all use the only one of the composite.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use crate::plan::{Broker, End, Gateway, Plan, Wire};
 use asmotion_composite::model::Transport;
 
 impl Plan {
-    /// Whether components, wires or promotions say over which broker they go.
+    /// Returns whether any component, wire or promotion names a broker.
     pub fn names_brokers(&self) -> bool {
         let of_components = self.components.iter().map(|it| &it.pace.broker);
         let of_wires = self.wires.iter().map(|it| &it.broker);
@@ -21,7 +21,7 @@ impl Plan {
         all.any(Option::is_some)
     }
 
-    /// The broker that a component is on.
+    /// Returns the broker of a component; `None` if it has none.
     pub fn broker_of(&self, component: &str) -> Option<&str> {
         let named = |it: &'_ Component| it.pace.broker.is_some();
         match (self.components.iter().any(named), &*self.brokers) {
@@ -31,7 +31,7 @@ impl Plan {
         }
     }
 
-    /// The broker that a wire goes over where it does not stay inside: its own, that of the caller, that of the service.
+    /// Returns the broker of a wire between processes: that of the wire, the caller or the service, in this order.
     pub fn broker_of_wire<'p>(&'p self, wire: &'p Wire) -> Option<&'p str> {
         let of_ends = || {
             let mut ends = std::iter::once(&wire.reference).chain(&wire.services);
@@ -40,7 +40,7 @@ impl Plan {
         wire.broker.as_deref().or_else(of_ends)
     }
 
-    /// Where a service is offered to those outside of a part: its name there, and the broker.
+    /// Returns the public names and brokers under which a service is available outside a part.
     pub fn doors(
         &self,
         component: &str,
@@ -64,7 +64,7 @@ impl Plan {
         doors
     }
 
-    /// The names that a service is promoted under over brokers, and which.
+    /// Iterates over the names under which a service is promoted over AMQP, with the broker.
     pub fn promoted_over_brokers<'p>(
         &'p self,
         service: &End,
@@ -77,7 +77,7 @@ impl Plan {
         promoted.map(move |it| (it.name.as_str(), it.broker.as_deref().or(own)))
     }
 
-    /// The gateways through which a part of the system is called, each with what is promoted there.
+    /// Returns the gateways of a part, each with the services promoted through it.
     pub fn gateways_of(&self, part: &Part) -> Vec<(&Gateway, Vec<&Promoted>)> {
         let is_here = |promoted: &Promoted| {
             let (component, _) = promoted.inside.split_once('.').unwrap_or_default();
@@ -96,7 +96,7 @@ impl Plan {
             .collect()
     }
 
-    /// The brokers that a part of the system speaks to.
+    /// Returns the brokers used by a part.
     pub fn brokers_of(&self, part: &Part) -> Vec<&Broker> {
         let here = self.components.iter().filter(|it| part.has(&it.name));
         let mut names: BTreeSet<&str> = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! A composite, opened up and written as one, can be checked and expands to itself.
+//! Expanded composites are valid and expand to themselves.
 #![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod support;
@@ -10,7 +10,7 @@ use asmotion_diagnostics::{LoadError, Loader};
 use asmotion_plan::{Opened, expand};
 use support::{Files, Variables};
 
-/// The files of a folder, and one more.
+/// The files of a folder and one additional file.
 struct With<'w> {
     files: Files,
     name: &'w str,
@@ -44,7 +44,7 @@ fn open(loader: &dyn Loader, file: &str) -> Opened {
     asmotion_plan::open(file, &context)
 }
 
-/// The expansions of a composite, by profile; each was expanded once more, to the same.
+/// Returns the expansions of a composite by profile, after verifying that each expands to itself.
 fn expansions(folder: &str, file: &str) -> Vec<String> {
     let opened = open(&Files::new(folder), file);
     let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
@@ -54,7 +54,7 @@ fn expansions(folder: &str, file: &str) -> Vec<String> {
     let plans = profiles
         .into_iter()
         .filter_map(|profile| opened.plan(profile));
-    // without its variables nobody knows what a composite is
+    // a composite with unset variables cannot be expanded
     let plans = plans.filter(|plan| plan.missing.is_empty());
     let expand_again = |plan| {
         let text = expand(&opened, plan);

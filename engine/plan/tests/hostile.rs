@@ -1,4 +1,4 @@
-//! Bad input: a finding each, no panic, and in good time.
+//! Malformed input leads to diagnostics, without panics and in bounded time.
 #![allow(clippy::expect_used, reason = "tests")]
 
 mod support;
@@ -40,7 +40,7 @@ fn codes(opened: &Opened) -> Vec<&'static str> {
     codes
 }
 
-/// The first finding, as people see it.
+/// Compares the first diagnostic with a snapshot.
 fn shown(name: &str, opened: &Opened) {
     let finding = opened.report.diagnostics.first();
     let report = finding.cloned().into_iter().collect();
@@ -197,7 +197,7 @@ fn it_says_what_is_wrong_with_a_specification() {
     assert!(opened.plan(None).is_none());
 }
 
-/// Pieces of composites, in any order.
+/// Fragments of composites in random order.
 fn pieces() -> impl Strategy<Value = String> {
     let piece = prop_oneof![
         Just("[components.A]\n".to_owned()),
@@ -228,7 +228,7 @@ proptest! {
     #[test]
     fn it_never_panics(text in pieces()) {
         let opened = opened(&text);
-        // every place that is shown is one of the text
+        // every reported location lies within the text
         for finding in &opened.report.diagnostics {
             let labels = finding.primary.iter().chain(&finding.secondary);
             for label in labels {

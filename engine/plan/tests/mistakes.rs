@@ -1,12 +1,12 @@
-//! Every file of `tests/composites` has one planted mistake, with its code beside the line (`#~`).
-//! The rendered findings are snapshots that were read before they were accepted.
+//! Each file of `tests/composites` contains a mistake, marked with its code after `#~`. The rendered diagnostics are
+//! reviewed snapshots.
 #![allow(clippy::expect_used, reason = "tests")]
 
 mod support;
 
 use std::collections::BTreeSet;
 
-/// The expectations of a file: line and code; line 0 for findings without a place in it.
+/// Expected diagnostics of a file as line and code; line 0 for diagnostics without a location in it.
 fn expected(text: &str) -> BTreeSet<(usize, String)> {
     let mut expected = BTreeSet::new();
     for (index, line) in text.lines().enumerate() {
@@ -74,7 +74,7 @@ fn it_has_a_planted_mistake_for_every_code() {
         let text = std::fs::read_to_string(format!("tests/composites/{file}")).expect("a file");
         planted.extend(expected(&text).into_iter().map(|(_, code)| code));
     }
-    // no small file shows these: see `tests/hostile.rs`
+    // covered by `tests/hostile.rs`, since no small file triggers them
     let elsewhere = ["C081", "C082", "C116"];
     let codes = [asmotion_composite::CODES, asmotion_plan::CODES].concat();
     let codes: BTreeSet<&str> = codes.iter().map(|code| code.name).collect();

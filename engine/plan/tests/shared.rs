@@ -1,5 +1,5 @@
-//! The composites of `shared/specs`: no error in any profile, and the five mistakes of robotics
-//! §4.4 when they are planted in them. Left out, with a notice, where the folder is not there.
+//! Composites of `shared/specs`: no errors in any profile, and detection of the five planted mistakes of robotics §4.4.
+//! Skipped with a notice if the folder is missing.
 #![allow(clippy::expect_used, reason = "tests")]
 
 mod support;
@@ -22,7 +22,7 @@ fn is_there() -> bool {
     there
 }
 
-/// The files, one of them changed.
+/// The files of a folder, one of them modified.
 struct Changed<'c> {
     files: Files,
     path: &'c str,
@@ -194,7 +194,7 @@ fn it_finds_a_misspelt_rename() {
             "C052: cannot rename `trajectroy`: `TrajectoryPlanner` neither subscribes nor publishes it"
         ]
     );
-    // the connection that dangles because of it
+    // the unconnected port resulting from the misspelling
     let loader = Changed {
         files: Files::new(FOLDER),
         path,

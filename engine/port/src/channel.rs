@@ -119,7 +119,7 @@ impl<T: Message> InputChannel<T> {
 }
 
 impl<T: Message> InputChannel<T> {
-    /// What waits in the connection, which stays there.
+    /// Returns the unread samples without consuming them.
     pub(crate) fn snapshot(&mut self) -> Result<Vec<SampleSnapshot>, DatumError> {
         let mut waiting = Vec::new();
         match &mut self.receiver {
@@ -138,7 +138,7 @@ impl<T: Message> InputChannel<T> {
         waiting.into_iter().collect()
     }
 
-    /// Takes out what waits, and drops it.
+    /// Discards the unread samples.
     pub(crate) fn empty(&mut self) {
         match &mut self.receiver {
             InputReceiver::Own(receiver) => receiver.drain(drop),

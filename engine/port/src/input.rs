@@ -125,7 +125,7 @@ impl<T: Message> InputPort<T> {
     }
 }
 
-/// Samples as data.
+/// Converts samples to data.
 fn data<'a, T: Message>(
     samples: impl IntoIterator<Item = &'a T>,
 ) -> Result<Vec<Datum>, DatumError> {
@@ -153,20 +153,22 @@ pub trait AnyInput: Any + Send {
     /// Adds the reading end of a connection.
     fn join(&mut self, end: ReadingEnd);
 
-    /// What the port holds, and what waits in its connections, whose writers are at rest.
+    /// Returns the content of the port and the unread samples of its connections, whose writers must be idle.
     ///
     /// # Errors
-    /// A sample has no form as data.
+    ///
+    /// An error if a sample cannot be represented as a datum.
     fn snapshot(&mut self) -> Result<InputSnapshot, DatumError>;
 
-    /// Takes over what a port of the same connections held, and empties the connections: what waited in them has to be
-    /// sent again ([`AnyOutput::refill`](crate::AnyOutput::refill)).
+    /// Restores the content of a port with the same connections, and empties the connections. Their unread samples must
+    /// be sent again with [`AnyOutput::refill`](crate::AnyOutput::refill).
     ///
     /// # Errors
-    /// A sample is of another type, or the port has other connections; the port is then as it was.
+    ///
+    /// An error if a sample has another type or the port has other connections; the port is then unchanged.
     fn restore(&mut self, snapshot: &InputSnapshot) -> Result<(), DatumError>;
 
-    /// The number and the policy of each connection, in order.
+    /// Returns the identifier and the policy of each connection, in order of creation.
     fn connections(&self) -> Vec<(ConnectionId, &Policy)>;
 
     /// Removes a connection. Its samples are lost, as in RTT: data that are no longer renewed must not look fresh.

@@ -229,29 +229,33 @@ pub trait AnyOutput: Any + Send {
     /// Drops the pending samples, because the cycle failed.
     fn discard(&mut self);
 
-    /// What the port holds between two cycles, when nothing is pending.
+    /// Returns the content of the port between two cycles, when no sample is pending.
     ///
     /// # Errors
-    /// A sample has no form as data.
+    ///
+    /// An error if a sample cannot be represented as a datum.
     fn snapshot(&self) -> Result<OutputSnapshot, DatumError>;
 
-    /// Takes over what a port of the same connections held.
+    /// Restores the content of a port with the same connections.
     ///
     /// # Errors
-    /// A sample is of another type, or the port has other connections; the port is then as it was.
+    ///
+    /// An error if a sample has another type or the port has other connections; the port is then unchanged.
     fn restore(&mut self, snapshot: &OutputSnapshot) -> Result<(), DatumError>;
 
-    /// Sends again what waited in a connection, without effects. Returns whether the connection leads from here.
+    /// Sends the unread samples of a connection again, without side effects. Returns whether the connection starts at
+    /// this port.
     ///
     /// # Errors
-    /// A sample is of another type than the connection's reader.
+    ///
+    /// An error if a sample does not have the type of the connection's reader.
     fn refill(
         &mut self,
         connection: ConnectionId,
         waiting: &[SampleSnapshot],
     ) -> Result<bool, DatumError>;
 
-    /// The links, in order.
+    /// Returns the links in order of creation.
     fn links(&self) -> Vec<&OutputLink>;
 }
 
@@ -352,7 +356,7 @@ impl<T: Message> AnyOutput for OutputPort<T> {
             return Ok(false);
         };
         for sample in waiting {
-            // as data: the reader may have another type than this port
+            // converted to data, since the reader may have another type than this port
             let value = Arc::new(sample.value.clone());
             match sender {
                 PortSender::Same(sender) => sender.send_sample(value, sample.at, sample.order),

@@ -1,4 +1,4 @@
-//! Snapshots: what ports hold between two cycles, as data.
+//! Snapshots: the content of ports between two cycles, as data.
 
 use asmotion_datum::{Datum, DatumError, DatumProblem};
 use serde::{Deserialize, Serialize};
@@ -6,23 +6,23 @@ use serde::{Deserialize, Serialize};
 use crate::sender::Stamped;
 use crate::time::Time;
 
-/// What an input port holds between two cycles.
+/// Content of an input port between two cycles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InputSnapshot {
-    /// Samples that the last cycle saw as new.
+    /// Samples that were new in the last cycle.
     pub(crate) fresh: Vec<Datum>,
-    /// The newest sample of earlier cycles: a list of one, or none.
+    /// Newest sample of earlier cycles, as a list of at most one element.
     pub(crate) last: Vec<Datum>,
-    /// Where the newest sample came from.
+    /// Origin of the newest sample; `None` if there is none.
     pub(crate) newest: Option<NewestSnapshot>,
-    /// Whether it is older than its connection promises.
+    /// Whether the newest sample exceeds the maximum age of its connection.
     pub(crate) stale: bool,
-    /// What waits in each connection, by its number.
+    /// Unread samples by connection number.
     pub channels: Vec<(u64, Vec<SampleSnapshot>)>,
 }
 
-/// Where the newest sample of an input came from.
+/// Origin of the newest sample of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct NewestSnapshot {
@@ -31,32 +31,32 @@ pub(crate) struct NewestSnapshot {
     pub zeroed: bool,
 }
 
-/// What an output port holds between two cycles.
+/// Content of an output port between two cycles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputSnapshot {
-    /// Number of the last sample that left.
+    /// Sequence number of the last sample sent.
     pub(crate) sequence: u64,
-    /// The last sample that left: a list of one, or none.
+    /// Last sample sent, as a list of at most one element.
     pub(crate) last: Vec<SampleSnapshot>,
-    /// Samples that each link has dropped.
+    /// Number of samples dropped by each link.
     pub(crate) dropped: Vec<u64>,
 }
 
-/// A sample on its way, as data.
+/// An unread sample as data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleSnapshot {
-    /// The time of the writer's cycle.
+    /// Time of the writer's cycle.
     pub at: Time,
     /// Position among all samples of the run.
     pub order: u64,
-    /// The sample itself.
+    /// Content of the sample.
     pub value: Datum,
 }
 
 impl SampleSnapshot {
-    /// A sample of any type.
+    /// Converts a sample of any type.
     pub(crate) fn of<T: serde::Serialize>(sample: &Stamped<T>) -> Result<Self, DatumError> {
         Ok(Self {
             at: sample.at,
@@ -66,7 +66,7 @@ impl SampleSnapshot {
     }
 }
 
-/// The error of a snapshot of a port with other links.
+/// Returns the error for a snapshot of a port with other links.
 pub(crate) fn other_links() -> DatumError {
     let problem = DatumProblem::Mismatch("the port has other connections".to_owned());
     DatumError::new(problem)

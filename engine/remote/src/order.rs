@@ -60,7 +60,7 @@ pub enum OrderKind {
 pub enum OrderOutcome {
     /// The component carries it out after its current cycle.
     Asked(Asked),
-    /// It has been carried out, with this reply.
+    /// Carried out, with this reply.
     Done(Datum),
     /// The output `Component.port` of this type is to be published.
     Watched(String, Schema),

@@ -24,7 +24,7 @@ pub enum OrderError {
     Direction {
         /// The port, as `Component.port`.
         port: String,
-        /// Its direction: `input` or `output`.
+        /// Direction of the port: `input` or `output`.
         is: &'static str,
         /// The operation that is possible instead.
         instead: &'static str,

@@ -63,11 +63,11 @@ pub struct Presence {
     pub process: String,
     /// `true` in the last message, when the process leaves.
     pub leaves: bool,
-    /// Its components, in the order of the composite.
+    /// Components of the process, in the order of the composite.
     pub components: Vec<PresentComponent>,
-    /// The topics of its components.
+    /// Topics of these components.
     pub topics: Vec<PresentTopic>,
-    /// Connections and wires of its components, also to other processes.
+    /// Connections and wires of these components, including those to other processes.
     pub joined: Vec<PresentConnection>,
 }
 

@@ -189,7 +189,7 @@ pub fn listen(bus: &dyn Bus, pattern: &str) -> Result<Subscription, BusError> {
     bus.subscribe("tool", &Pattern::new(pattern), queue, notifier)
 }
 
-/// A request of ours.
+/// Creates a request of this process.
 pub(crate) fn request(argument: Datum, patience: Duration) -> Request {
     Request::new(SenderId::new(TOOL, 0), Payload::of(argument), patience)
 }

@@ -73,10 +73,10 @@ impl Component for Hello {
     }
 }
 
-/// Ann and Ben, each the other's peer. Ben greets whatever Ann's greeting port writes.
+/// Creates two peers, Ann and Ben. Ben greets every name that Ann's greeting port writes.
 ///
 /// # Errors
-/// Two names are equal, or ends do not fit; neither happens here.
+/// An error if two components have the same name or connected ends do not match, which does not occur here.
 pub fn system() -> Result<System, BuildError> {
     let mut system = System::new();
     let ann = system.add("Ann", Activity::event(), Hello::declare)?;

@@ -36,7 +36,7 @@ pub(crate) struct ComponentBody {
     pub cause: Arc<CycleCause>,
     /// The actions of the current cycle, in order. Carried out by `commit`, dropped by `discard`.
     pub journal: Vec<CycleAction>,
-    /// Where background work of the component runs.
+    /// Executor of the component's background work.
     pub work_place: WorkPlace,
     /// Duration of the current cycle in simulated time.
     pub lasts: Duration,

@@ -125,7 +125,7 @@ pub enum BuildError {
     Joined {
         /// The end that is connected already.
         end: String,
-        /// Its existing counterpart.
+        /// The other end of the existing connection or wire.
         to: String,
     },
     /// An output that would publish on the topic reserved for the system's own bus health reports.

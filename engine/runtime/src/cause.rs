@@ -54,7 +54,7 @@ impl CycleCause {
         (id != 0).then_some(TraceContext { id, span })
     }
 
-    /// The trace that has arrived for the next cycle, and that of the present one.
+    /// Returns the trace that has arrived for the next cycle and that of the last one.
     pub(crate) fn snapshot(&self) -> [Option<TraceContext>; 2] {
         let arrived = self.arrived.pop();
         if let Some(trace) = arrived {

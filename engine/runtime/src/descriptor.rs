@@ -71,7 +71,7 @@ pub(crate) struct ComponentStatus {
     fault: Mutex<Option<Fault>>,
 }
 
-/// A component's status in a frozen system.
+/// Status of a component in a frozen system.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StatusSnapshot {
@@ -172,7 +172,7 @@ impl ComponentStatus {
         self.misfits.store(losses.misfits, Ordering::Relaxed);
     }
 
-    /// Everything but the state and the period, which follow from the unit.
+    /// Returns the status without the state and the period, which are derived from the unit.
     pub(crate) fn snapshot(&self) -> StatusSnapshot {
         StatusSnapshot {
             target: self.target(),

@@ -1,10 +1,10 @@
-//! Frozen systems: everything that a simulation depends on between two steps, as data.
+//! Frozen systems: the complete state of a simulation between two steps, as data.
 //!
-//! A frozen system contains the states of its components and, around them, what is on its way: samples in connections,
-//! requests and replies, calls under way, the clock, what is due next, counters. It thaws into a system that has been
-//! started from the same composite, which goes on as the frozen one would have. Nothing is left out in silence: a system
-//! that touches the world outside (an adapter, a thread that reads or writes ports, a caller) cannot be frozen, and says
-//! why.
+//! A frozen system contains the states of its components and everything in transit between them: unread samples,
+//! requests and replies, outstanding calls, the clock, scheduled work and counters. It can be thawed into a system
+//! started from the same composite, which continues exactly as the frozen one would have. State is never omitted
+//! silently: freezing a system with connections to the outside (an adapter, a thread that reads or writes ports, a
+//! caller) is an error.
 
 mod sample;
 
@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use sample::{FrozenSample, SampleNames};
 
-/// The layout of frozen systems; to be incremented with each change.
+/// Layout version of frozen systems; must be incremented with each change.
 const VERSION: u32 = 1;
 
-/// A simulation between two steps, as bytes. Equal bytes: equal runs from here on.
+/// The state of a simulation between two steps, as bytes. Simulations with equal states run identically from there on.
 ///
-/// Secrets among the values of properties are in it.
+/// Includes the values of secret properties.
 ///
 /// ```
 /// use asmotion_component::{Activity, Component, Cycle, Fault, Freeze, Span, freeze_by_fields};
@@ -62,20 +62,21 @@ const VERSION: u32 = 1;
 pub struct FrozenSystem(#[serde(with = "serde_bytes")] Box<[u8]>);
 
 impl FrozenSystem {
-    /// The bytes, CBOR. Equal states have equal bytes.
+    /// Returns the state as CBOR. Equal states have equal bytes.
     pub fn as_bytes(&self) -> &[u8] {
         &self.0
     }
 
-    /// Takes bytes for a frozen system. Whether they are one is checked by [`Simulation::thaw`](crate::Simulation::thaw).
+    /// Creates a frozen system from bytes, which are checked by [`Simulation::thaw`](crate::Simulation::thaw).
     pub fn from_bytes(bytes: impl Into<Box<[u8]>>) -> Self {
         Self(bytes.into())
     }
 
-    /// Everything by name, for people and for comparing two states.
+    /// Returns the whole state by name, for display and for comparing two states.
     ///
     /// # Errors
-    /// The bytes are no frozen system.
+    ///
+    /// An error if the bytes are malformed.
     pub fn to_datum(&self) -> Result<Datum, SystemThawError> {
         cbor::decode(&self.0).map_err(SystemThawError::Malformed)
     }
@@ -101,7 +102,7 @@ impl FrozenSystem {
     }
 }
 
-/// The number of bytes; the bytes themselves are for [`FrozenSystem::to_datum`].
+/// Displays the number of bytes; see [`FrozenSystem::to_datum`] for the content.
 impl std::fmt::Debug for FrozenSystem {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "FrozenSystem({} bytes)", self.0.len())
@@ -115,56 +116,56 @@ struct VersionedState<S> {
     state: S,
 }
 
-/// Why a system cannot be frozen now, or at all.
+/// The error type of freezing a system.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SystemFreezeError {
-    /// A component does not freeze.
+    /// A component cannot be frozen.
     #[error("`{component}`: {source}")]
     Component {
-        /// Its name in the system.
+        /// Name of the component in the system.
         component: String,
-        /// Its reason.
+        /// Reason reported by the component.
         source: CannotFreeze,
     },
-    /// Something belongs to the world outside of the system, which does not freeze with it.
+    /// The system depends on something outside that cannot be frozen; contains its description.
     #[error("{0}: that is outside of the system, and does not freeze with it")]
     Outside(String),
-    /// Something on its way has no form as data.
+    /// An unread sample, request or reply cannot be represented as a datum.
     #[error("{place}: {source}")]
     NoData {
-        /// Where it is: `Follower.path`.
+        /// Location, such as `Follower.path`.
         place: String,
-        /// Why not.
+        /// Reason for the failure.
         source: DatumError,
     },
 }
 
-/// Why a system does not take a frozen state. The system is as it was before.
+/// The error type of thawing a system, which is then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SystemThawError {
-    /// The bytes are no frozen system.
+    /// The bytes are malformed.
     #[error("this is no frozen system: {0}")]
     Malformed(DatumError),
-    /// The bytes were written by another version.
+    /// The bytes were written by another version: the version of the bytes and the current one.
     #[error("the frozen system has layout {0}, and this build has layout {1}")]
     OtherVersion(i64, u32),
-    /// The system was made of another composite: what differs.
+    /// The state belongs to another composite; contains a description of the difference.
     #[error("the frozen system is another one: {0}")]
     OtherSystem(String),
-    /// A component does not take its state.
+    /// A component rejects its state.
     #[error("`{component}`: {source}")]
     Component {
-        /// Its name in the system.
+        /// Name of the component in the system.
         component: String,
-        /// Its reason.
+        /// Reason reported by the component.
         source: ThawError,
     },
-    /// The system that is to take the state could not be frozen itself, so a failure could not be undone.
+    /// The system to be thawed cannot be frozen itself, so a failure could not be rolled back.
     #[error(transparent)]
     Unfreezable(SystemFreezeError),
 }
 
-/// The error of a value without a form as data.
+/// Returns the error for a value that cannot be represented as a datum.
 pub(crate) fn no_data(place: &str) -> impl Fn(DatumError) -> SystemFreezeError + use<> {
     let place = place.to_owned();
     move |source| SystemFreezeError::NoData {
@@ -173,22 +174,22 @@ pub(crate) fn no_data(place: &str) -> impl Fn(DatumError) -> SystemFreezeError +
     }
 }
 
-/// A trace as the text of its header.
+/// Formats a trace as the text of its header.
 pub(crate) fn trace_text(trace: Option<TraceContext>) -> Option<String> {
     trace.map(|trace| trace.to_string())
 }
 
-/// Reads the text of a trace.
+/// Parses the header text of a trace.
 pub(crate) fn trace_of(text: &Option<String>) -> Result<Option<TraceContext>, SystemThawError> {
     let read = text.as_ref().map(|text| text.parse());
     read.transpose()
         .map_err(|_| other("a trace has no W3C text"))
 }
 
-/// The error of a state that does not fit this system.
+/// Returns the error for a state that belongs to another system.
 pub(crate) fn other(what: impl Into<String>) -> SystemThawError {
     SystemThawError::OtherSystem(what.into())
 }
 
-/// The end of a call: a response, or why there is none.
+/// Outcome of a call: a response or an error.
 pub(crate) type FrozenResult = Result<FrozenSample, CallError>;

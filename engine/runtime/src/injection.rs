@@ -164,19 +164,19 @@ impl InjectionPorts {
         }
     }
 
-    /// All of them, in order.
+    /// Iterates over all injection ports in order of creation.
     pub(crate) fn all(&self) -> impl Iterator<Item = &InjectionPort> {
         let of_topics = self.topics.iter().flat_map(|(_, ports)| ports);
         self.ports.iter().chain(of_topics)
     }
 
-    /// All of them, in order.
+    /// Iterates over all injection ports in order of creation.
     pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut InjectionPort> {
         let of_topics = self.topics.iter_mut().flat_map(|(_, ports)| ports);
         self.ports.iter_mut().chain(of_topics)
     }
 
-    /// Whether there is such a target.
+    /// Returns whether the target exists.
     pub(crate) fn has(&self, target: InjectionTarget) -> bool {
         match target {
             InjectionTarget::Port(port) => port < self.ports.len(),
@@ -218,12 +218,12 @@ impl InjectionPort {
         })
     }
 
-    /// The connection into the input port.
+    /// Returns the connection into the input port.
     pub(crate) fn connection(&self) -> ConnectionId {
         self.connection
     }
 
-    /// Samples dropped so far.
+    /// Returns the number of samples dropped so far.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
     }
@@ -233,10 +233,11 @@ impl InjectionPort {
         self.dropped = dropped;
     }
 
-    /// Sends again what waited in the connection, without effects.
+    /// Sends the unread samples of the connection again, without side effects.
     ///
     /// # Errors
-    /// A sample is of another type than the port.
+    ///
+    /// An error if a sample does not have the type of the port.
     pub(crate) fn refill(&mut self, waiting: &[SampleSnapshot]) -> Result<(), DatumError> {
         for sample in waiting {
             let value = Arc::new(sample.value.clone());

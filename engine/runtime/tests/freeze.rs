@@ -1,4 +1,4 @@
-//! Frozen systems: everything on its way is in the state, and what leads out of the system is refused.
+//! Frozen systems contain everything in transit; systems with connections to the outside are rejected.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 mod common;
@@ -12,7 +12,7 @@ use asmotion_component::{
 use asmotion_runtime::{FrozenSystem, Log, Run, Simulation, System};
 use common::{Double, Number, doubler, number};
 
-/// Counts up, two a cycle.
+/// Publishes two consecutive numbers per cycle.
 #[derive(Freeze)]
 #[freeze(component = "test::Source", version = 1)]
 struct Source {
@@ -33,7 +33,7 @@ impl Component for Source {
     }
 }
 
-/// Adds up what it reads.
+/// Adds up the numbers it reads.
 #[derive(Freeze)]
 #[freeze(component = "test::Adder", version = 1)]
 struct Adder {
@@ -49,7 +49,7 @@ impl Component for Adder {
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.sum += cycle.all(self.input).iter().map(|it| it.n).sum::<i64>();
-        // old samples, stale ones and the time of writing count as well
+        // includes earlier and stale samples and their time
         let newest = cycle.read(self.input).any().map_or(0, |it| it.n);
         let stale = i64::from(cycle.is_stale(self.input));
         let age = cycle.written_at(self.input).map_or(0, Time::nanos);
@@ -58,7 +58,7 @@ impl Component for Adder {
     }
 }
 
-/// Calls every cycle, and takes back each third call.
+/// Makes a call in every cycle and cancels every third.
 #[derive(Freeze)]
 #[freeze(component = "test::Caller", version = 1)]
 struct Caller {
@@ -84,7 +84,7 @@ impl Component for Caller {
     }
 }
 
-/// Answers one request a cycle, the newest first.
+/// Replies to one request per cycle, newest first.
 #[derive(Freeze)]
 #[freeze(component = "test::SlowDoubler", version = 1)]
 struct SlowDoubler {
@@ -108,7 +108,7 @@ impl Component for SlowDoubler {
     }
 }
 
-/// Two sources with one reader over connections of this policy, and calls with retries.
+/// Creates two sources with a common reader over connections of this policy, and calls with retries.
 fn system(policy: &Policy, log: &Log) -> Simulation {
     let mut system = System::new();
     system.observe(log.clone());
@@ -261,7 +261,7 @@ fn what_leads_out_of_the_system_is_refused_by_name() {
         .unwrap();
     assert!(refusal(&mut run).starts_with("a caller waits for an answer of `sums`"));
     assert_eq!(run.collect(sent), Ok(number(8)));
-    // when it has been answered, nothing leads out any more
+    // once the reply has arrived, nothing refers to the outside
     run.freeze().unwrap();
 }
 

@@ -1,4 +1,4 @@
-//! What drives a component: its pace, and what the process says that it is placed in.
+//! Schedules of components, combining their own settings with those of their process.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use asmotion_component::{Activity, Scheduler};
 use asmotion_composite::model;
 use asmotion_plan::{Plan, Process, Terminal};
 
-/// The activity of a component.
+/// Returns the activity of a component.
 pub(crate) fn of(component: &asmotion_plan::Component, plan: &Plan) -> Activity {
     let pace = &component.pace;
     let process = plan.process_of(&component.name);
@@ -32,7 +32,7 @@ pub(crate) fn of(component: &asmotion_plan::Component, plan: &Plan) -> Activity 
     }
 }
 
-/// How often a component looks that has no period of its own but polls a connection.
+/// Returns the shortest polling interval of the connections to an event-driven component, in milliseconds.
 fn polls(component: &asmotion_plan::Component, plan: &Plan) -> Option<u64> {
     let into = |to: &Terminal| match to {
         Terminal::Port(end) => end.component == component.name,
@@ -46,16 +46,16 @@ fn polls(component: &asmotion_plan::Component, plan: &Plan) -> Option<u64> {
         .min()
 }
 
-/// The lowest priority of a class, where nobody names one.
+/// Default priority: the lowest of a real-time class.
 const LOWEST_PRIORITY: u8 = 1;
 
-/// The class that the component names, or else its process.
+/// Returns the scheduling class of the component or, by default, of its process.
 fn scheduler(pace: &asmotion_plan::Pace, process: Option<&Process>) -> Scheduler {
     let class = pace.scheduler.or(process.map(|it| it.scheduler));
     class.unwrap_or_default()
 }
 
-/// The priority in that class.
+/// Returns the scheduling priority of the component or, by default, of its process.
 fn priority(pace: &asmotion_plan::Pace, process: Option<&Process>) -> u8 {
     let priority = pace.priority.or(process.and_then(|it| it.priority));
     let priority = priority.and_then(|given| u8::try_from(given).ok());

@@ -1,4 +1,4 @@
-//! A specification as a component: the binding as the coordinator wants it.
+//! Creates coordinators for components implemented by specifications.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use asmotion_diagnostics::Loader;
 use super::Make;
 use asmotion_plan::Asm;
 
-/// Opens the specification, and makes the component that runs it.
+/// Loads the specification and creates the component that executes it.
 pub(super) fn make(
     component: &asmotion_plan::Component,
     asm: &Asm,

@@ -1,4 +1,4 @@
-//! A plan becomes a system: components are made, given their properties, joined and wired.
+//! Creation of a runnable system from a plan: components, property values, connections and wires.
 
 mod activity;
 mod coordinator;
@@ -21,76 +21,77 @@ pub(crate) use activity::of as activity;
 pub(crate) use policy::of as policy;
 pub use workshop::{Make, Standard, Workshop};
 
-/// Why a plan cannot be started.
+/// The error type of starting a plan.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// Something that must come from the environment is not there.
+    /// Environment variables are not set.
     #[error("environment variables not set: {}", variables.join(", "))]
     Missing {
-        /// The variables.
+        /// Names of the variables.
         variables: Vec<String>,
     },
-    /// A component could not be made.
+    /// A component could not be created.
     #[error("`{component}` cannot be created: {reason}")]
     NotMade {
-        /// The component.
+        /// Component name.
         component: String,
-        /// Why.
+        /// Human-readable reason.
         reason: String,
     },
-    /// What a wire goes over is not in this build.
+    /// The executable does not support the transport of a wire.
     #[error("the wire of `{reference}` uses `{binding}`, which is not in this build")]
     Binding {
-        /// The reference.
+        /// Reference of the wire.
         reference: String,
-        /// Over what.
+        /// Unsupported transport.
         binding: model::Transport,
     },
-    /// A property does not take its value.
+    /// A property rejected its value.
     #[error("`{component}`: {source}")]
     Property {
-        /// The component.
+        /// Component name.
         component: String,
-        /// Why.
+        /// Reason for the rejection.
         source: PropertyError,
     },
-    /// A message queue cannot be joined to a port.
+    /// A message queue could not be connected to a port.
     #[error("`{port}`: {reason}")]
     Queue {
-        /// The port.
+        /// Port, displayed as `Component.port`.
         port: String,
-        /// Why.
+        /// Human-readable reason.
         reason: String,
     },
-    /// The system does not go together.
+    /// The components do not form a valid system.
     #[error(transparent)]
     Build(#[from] BuildError),
 }
 
-/// How many messages wait for a subscriber between two of its cycles; the oldest go first.
+/// Capacity of a subscription in messages; the oldest messages are dropped.
 pub const SUBSCRIPTION_SIZE: usize = 64;
 
-/// Builds the system of a plan, all of it in this process: `simulate` it, or run it live. The order
-/// of components is that of the files.
+/// Creates the system of a plan in this process, to be simulated or run live. Components keep the file order.
 ///
 /// # Errors
-/// The first thing that stands in the way.
+///
+/// The first error encountered.
 pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartError> {
     start_part(plan, &Part::Whole, workshop).map(|assembled| assembled.system)
 }
 
-/// A part of a plan, ready to be attached to its buses and to run.
+/// A part of a plan, ready to be connected to its buses and run.
 pub struct Assembled {
-    /// The components, joined.
+    /// Connected components of the part.
     pub system: System,
-    /// What joins them to the rest of the plan, over buses.
+    /// Connections to the rest of the plan over buses.
     pub network: Network,
 }
 
-/// Builds a part of a plan's system, and what joins it to the rest over a bus.
+/// Creates the system of a part of a plan and its connections to the rest over a bus.
 ///
 /// # Errors
-/// The first thing that stands in the way.
+///
+/// The first error encountered.
 pub fn start_part(
     plan: &Plan,
     part: &Part,
@@ -183,7 +184,7 @@ impl Building<'_> {
         Ok(())
     }
 
-    /// Joins the ports that are on a topic by themselves.
+    /// Connects ports that are on a topic without an explicit connection.
     fn topics(&mut self, component: &asmotion_plan::Component) -> Result<(), StartError> {
         for port in &component.outputs {
             if let Some(topic) = &port.topic
@@ -209,7 +210,7 @@ impl Building<'_> {
         Ok(())
     }
 
-    /// Offers the services of a component to those outside of this part.
+    /// Makes the services of a component available outside this part.
     fn services(&mut self, component: &asmotion_plan::Component) -> Result<(), StartError> {
         if self.part.is_alone() {
             return Ok(());
@@ -228,7 +229,7 @@ impl Building<'_> {
         Ok(())
     }
 
-    /// Whether a component really has something; what it does not use it need not declare.
+    /// Returns whether the created component declares an element; it may omit elements it does not use.
     fn has(&self, component: &str, what: impl Fn(&Declaration) -> bool) -> bool {
         let id: Option<ComponentId> = self.system.id(component);
         id.and_then(|id| self.system.declaration(id))
@@ -252,14 +253,14 @@ impl Building<'_> {
             (Terminal::Topic(topic), Terminal::Port(to)) if self.part.has(&to.component) => {
                 self.system.subscribe(topic, &to.to_string(), policy)?;
             }
-            // the others are of another part; the checker refuses those that join no component
+            // the others belong to another part; connections without a component are rejected by the checker
             (_, Terminal::Topic(_) | Terminal::Mqueue(_))
             | (Terminal::Topic(_) | Terminal::Mqueue(_), Terminal::Port(_)) => {}
         }
         Ok(())
     }
 
-    /// Connects two ports, of which one or both may be of another part.
+    /// Connects two ports, one or both of which may be in another part.
     fn ports(
         &mut self,
         from: &asmotion_plan::End,
@@ -312,7 +313,7 @@ impl Building<'_> {
     }
 }
 
-/// The attempts and the patience of a wire.
+/// Converts the timeout and retries of a wire.
 pub(crate) fn how(wire: &asmotion_plan::Wire) -> Wire {
     Wire {
         timeout: Duration::from_millis(wire.timeout_ms),
@@ -323,7 +324,7 @@ pub(crate) fn how(wire: &asmotion_plan::Wire) -> Wire {
     }
 }
 
-/// Whether a service is called without a bus by a component of this part.
+/// Returns whether a service is called within this part without a bus.
 pub(crate) fn stays_here(
     wire: &asmotion_plan::Wire,
     service: &asmotion_plan::End,
@@ -333,7 +334,7 @@ pub(crate) fn stays_here(
     part.has(&service.component) && !abroad
 }
 
-/// Stands in for a component that could not be made, until that is reported.
+/// Placeholder for a component that could not be created, until the error is reported.
 struct Nothing;
 
 impl Component for Nothing {
@@ -345,7 +346,7 @@ impl Component for Nothing {
     }
 }
 
-/// Makes a component of this build.
+/// Creates a component from its constructor in the catalogue.
 fn of_build(constructor: asmotion_composite::Constructor) -> Make {
     Box::new(move |interface: &mut Interface| Ok(constructor(interface)))
 }

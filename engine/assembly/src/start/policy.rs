@@ -1,4 +1,4 @@
-//! The policy of a connection, from the plan's words to the engine's.
+//! Converts connection policies of the plan to those of the engine.
 
 use std::time::Duration;
 

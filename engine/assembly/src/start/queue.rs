@@ -1,4 +1,4 @@
-//! Ports joined to Orocos components over message queues.
+//! Connects ports to Orocos components over POSIX message queues.
 
 use asmotion_component::Policy;
 use asmotion_component::declaration::{Declaration, PortDeclaration};
@@ -10,10 +10,10 @@ use asmotion_runtime::System;
 use super::StartError;
 use asmotion_composite::model::ConnectionType;
 
-/// As many messages as RTT gives a queue where nobody says.
+/// Default capacity of a queue in messages; the same as in RTT.
 const MESSAGES: usize = 10;
 
-/// An output writes to a queue.
+/// Connects an output port to a queue.
 pub(super) fn to(
     system: &mut System,
     from: &asmotion_plan::End,
@@ -34,7 +34,7 @@ pub(super) fn to(
     Ok(system.stream_out(&from.to_string(), Box::new(writer))?)
 }
 
-/// An input reads from a queue.
+/// Connects an input port to a queue.
 pub(super) fn from(
     system: &mut System,
     queue: &str,

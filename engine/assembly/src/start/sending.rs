@@ -1,4 +1,4 @@
-//! How topics are sent over a bus: as the connections at both ends want what they carry.
+//! Publish options of topics sent over a bus, derived from the connections at both ends.
 
 use std::num::NonZeroUsize;
 
@@ -10,7 +10,7 @@ use super::policy;
 use asmotion_composite::model::{self, PlannedSending};
 use asmotion_plan::{Connection, End, Part, Plan, Terminal};
 
-/// How each topic that this part writes to is sent.
+/// Returns the options of the topics published by this part.
 pub(super) fn of_topics<'p>(
     plan: &'p Plan,
     part: &'p Part,
@@ -32,7 +32,7 @@ pub(super) fn of_topics<'p>(
     })
 }
 
-/// How a port is sent that others are connected to.
+/// Returns the options of a port with direct connections to other parts.
 pub(super) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
     let from = plan.connections.iter().filter(|connection| {
         let to_port = matches!(connection.to, Terminal::Port(_));
@@ -41,7 +41,7 @@ pub(super) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
     of_connections(plan, from, Some(port))
 }
 
-/// How to send what these connections carry.
+/// Derives the options from a set of connections.
 fn of_connections<'p>(
     plan: &Plan,
     connections: impl Iterator<Item = &'p Connection> + Clone,
@@ -52,14 +52,14 @@ fn of_connections<'p>(
     of(kinds).init(init).by(codec(plan, publisher))
 }
 
-/// How the broker of a publisher wants payloads encoded.
+/// Returns the codec of the publisher's broker.
 fn codec(plan: &Plan, publisher: Option<&End>) -> Codec {
     let name = publisher.and_then(|end| plan.broker_of(&end.component));
     let broker = plan.brokers.iter().find(|it| Some(&*it.name) == name);
     broker.map_or_else(Codec::default, |broker| broker.codec)
 }
 
-/// What the composite says of a topic goes before what follows from its connections.
+/// Overrides derived options with the settings of the topic.
 fn as_written(topic: &PlannedSending, mut sending: PublishOptions) -> PublishOptions {
     sending.assurance = match topic.confirm {
         None => sending.assurance,
@@ -79,11 +79,13 @@ fn as_written(topic: &PlannedSending, mut sending: PublishOptions) -> PublishOpt
     }
 }
 
-/// A state is sent again and again, and the newest counts. Messages of a sequence are confirmed; while the bus is away as
-/// many are kept as a buffer holds, or, where the oldest would be dropped in any case, the newest.
+/// Derives the options from the connection types.
+///
+/// A last value is sent repeatedly, so an unconfirmed latest message suffices. Queued messages are confirmed; during an
+/// outage as many messages are kept as the queue holds, or only the newest if the queue overwrites the oldest anyway.
 fn of(kinds: impl IntoIterator<Item = BufferKind>) -> PublishOptions {
     let mut kinds = kinds.into_iter().peekable();
-    // ports on a topic by themselves keep a sequence
+    // ports on a topic without an explicit connection use a queue
     let mut state = kinds.peek().is_some();
     let mut buffer = None;
     for kind in kinds {

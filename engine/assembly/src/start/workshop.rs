@@ -1,4 +1,4 @@
-//! Where components come from.
+//! Creation of component instances.
 
 use asmotion_bridge::PortProxy;
 use asmotion_component::{Component, Interface};
@@ -8,28 +8,29 @@ use super::{coordinator, of_build};
 use asmotion_composite::Catalogue;
 use asmotion_plan::{Implementation, Plan};
 
-/// Makes a component: declares it on the interface, or says why that cannot be.
+/// Creates a component and declares it on the interface; `Err` contains a human-readable reason.
 pub type Make = Box<dyn FnOnce(&mut Interface) -> Result<Box<dyn Component>, String>>;
 
-/// Makes the components of a plan.
+/// A factory of components.
 pub trait Workshop {
-    /// What makes a component.
+    /// Returns the constructor of a component.
     ///
     /// # Errors
-    /// Why it cannot be made here.
+    ///
+    /// A human-readable reason if the component cannot be created.
     fn make(&mut self, component: &asmotion_plan::Component, plan: &Plan) -> Result<Make, String>;
 }
 
-/// The usual workshop: components of the build from the catalogue, specifications run by the
-/// coordinator, the port-proxy by the bridge, other built-ins by whoever knows them.
+/// The default factory: components from the catalogue, specifications run by coordinators, port-proxies, and other
+/// built-ins through a callback.
 pub struct Standard<'a> {
-    /// The components of the build.
+    /// Catalogue of the components in the executable.
     pub catalogue: &'a dyn Catalogue,
-    /// Where specifications come from.
+    /// Loader of specifications.
     pub loader: &'a dyn Loader,
-    /// The seed of all choices; two coordinators choose differently all the same.
+    /// Seed of random choices; the position of each coordinator is added, so that they choose differently.
     pub seed: u64,
-    /// Makes the built-ins that this crate does not know.
+    /// Creates the built-in components unknown to this crate; returns `None` if unsupported.
     pub builtins: &'a mut dyn FnMut(&asmotion_plan::Component, &Plan) -> Option<Make>,
 }
 

@@ -1,4 +1,4 @@
-//! What joins components of two processes: it goes over a broker that both are on.
+//! Checks wires and connections between processes: both ends must use a common broker.
 
 use crate::codes::c074::LocalWireAcross;
 use crate::codes::c075::NoCommonBroker;
@@ -45,7 +45,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut 
     }
 }
 
-/// Which process each component is placed in.
+/// Process name by component name.
 pub(super) fn processes(deploy: &Deploy) -> BTreeMap<&str, &str> {
     let placed = deploy.processes.iter().flat_map(|process| {
         let components = process.components.iter();
@@ -54,12 +54,12 @@ pub(super) fn processes(deploy: &Deploy) -> BTreeMap<&str, &str> {
     placed.collect()
 }
 
-/// On which broker a component is.
+/// Broker assigned to a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Home<'s> {
     On(&'s str),
     Inside,
-    /// A nested composite: its components say it.
+    /// A nested composite; its inner components determine the broker.
     Nested,
 }
 
@@ -80,13 +80,13 @@ struct Across<'s, 'r> {
 }
 
 impl<'s> Across<'s, '_> {
-    /// The processes of two components, if they are two.
+    /// Returns the processes of two components if they differ.
     fn apart(&self, from: &str, to: &str) -> Option<(String, String)> {
         let (from, to) = (self.processes.get(from)?, self.processes.get(to)?);
         (from != to).then(|| ((*from).to_owned(), (*to).to_owned()))
     }
 
-    /// Where no component names a broker, all are on the one that the run has.
+    /// Returns the broker of a component. If no component names a broker, all use the default broker of the run.
     fn home(&self, name: &str) -> Option<Home<'s>> {
         let mut homes = self.scene.parts.iter().map(|part| {
             let component = part.component;
@@ -146,7 +146,7 @@ impl<'s> Across<'s, '_> {
         }
     }
 
-    /// Two components of two processes meet on the broker that both are on.
+    /// Checks that two components in different processes share a broker.
     fn meet(&mut self, what: String, from: &str, to: &str, at: Span) {
         let Some(processes) = self.apart(from, to) else {
             return;

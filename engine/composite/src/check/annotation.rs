@@ -1,5 +1,5 @@
-//! What the annotations of a specification say of its services and references (SCA-ASM), held against the
-//! composite: both describe one component.
+//! Compares the annotations in a specification (`@Provided`, `@Required`; SCA-ASM) with the services and references of
+//! its component.
 
 use crate::codes::c102::UnlistedAnnotation;
 use crate::codes::c103::OtherInterface;
@@ -13,7 +13,7 @@ use crate::model::binding::{Action, Effect};
 use crate::nearest::nearest;
 use crate::signature::{Annotated, Signature};
 
-/// Checks a component that is a specification. One without annotations says nothing of itself.
+/// Checks a component implemented by a specification. Specifications without annotations are skipped.
 pub(crate) fn check(
     part: &CheckedComponent<'_>,
     signature: &dyn Signature,
@@ -64,10 +64,10 @@ pub(crate) fn check(
     }
 }
 
-/// A name and its interface.
+/// Name and interface of an annotated service or reference.
 type AnnotatedName<'c> = (&'c At<String>, &'c At<String>);
 
-/// `Dispatch` of `courier/Dispatch`.
+/// Returns the last segment of an interface name: `Dispatch` for `courier/Dispatch`.
 fn last(interface: &str) -> &str {
     interface.rsplit('/').next().unwrap_or(interface)
 }
@@ -88,7 +88,7 @@ fn reference(
             declared,
         });
     };
-    // any agent may be meant
+    // `Agent` matches every interface
     if annotated.interface != "Agent" && annotated.interface != last(interface) {
         report.found(OtherInterface {
             what: "reference",
@@ -120,7 +120,7 @@ fn unannotated<'c>(
     }
 }
 
-/// The references that the composite itself calls: they need no annotation.
+/// Returns the references called by the bindings of the composite; they need no annotation.
 fn called<'c>(part: &CheckedComponent<'c>) -> Vec<&'c str> {
     let effects = part.component.bind.out.iter().map(|it| &it.effect);
     let actions = effects.flat_map(|effect| match effect {

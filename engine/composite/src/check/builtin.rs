@@ -1,4 +1,4 @@
-//! The built-ins that have a map: port-proxy and ros-bridge.
+//! Checks the port mappings of the built-in components port-proxy and ros-bridge.
 
 use crate::codes::c004::MissingKey;
 use crate::codes::c122::PortNotListed;
@@ -108,7 +108,7 @@ fn ros_entry(
     }
 }
 
-/// A key that a built-in needs is not there.
+/// Reports a missing key of a built-in component.
 pub(super) fn missing(
     component: &Component,
     key: &'static str,

@@ -1,4 +1,4 @@
-//! What goes by CDR, because its topic or its broker says so, is of a type that CDR can carry.
+//! Checks that the messages on topics and brokers configured for CDR have types CDR can encode.
 
 use crate::codes::c057::Uncarried;
 use asmotion_datum::Schema;
@@ -33,7 +33,7 @@ pub(super) fn topics(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut
     }
 }
 
-/// Checks a connection that goes over a broker, because its ends are in two processes.
+/// Checks a connection between two processes, which uses a broker.
 pub(super) fn connection(scene: &CheckedComposite<'_>, from: &End, to: &End, report: &mut Report) {
     let mut parts = scene.parts.iter();
     let part = parts.find(|part| part.component.name.value == from.component.value);
@@ -47,7 +47,8 @@ pub(super) fn connection(scene: &CheckedComposite<'_>, from: &End, to: &End, rep
     }
 }
 
-/// The broker that says CDR for what a component sends: its own; where it names none, any.
+/// Returns the broker configured for CDR that transports messages of the component: its own broker or, if it names
+/// none, any broker.
 fn broker<'s>(
     scene: &CheckedComposite<'s>,
     component: Option<&str>,

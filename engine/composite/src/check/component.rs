@@ -1,4 +1,4 @@
-//! Components: what the composite says of each, against what its implementation declares.
+//! Checks components against the declarations of their implementations.
 
 use crate::codes::c018::DuplicatePort;
 use crate::codes::c020::UnknownName;
@@ -21,7 +21,7 @@ use crate::model::{BuiltinComponent, Component, Implementation, Listed, Wanted};
 use crate::nearest::{Nearest, nearest_name};
 use asmotion_datum::Word;
 
-/// The components that take part, with what they show.
+/// Returns the active components with their ports, services and properties.
 pub(crate) fn parts<'s>(
     scene: &CheckedComposite<'s>,
     nested: &BTreeMap<String, Rc<Endpoints>>,
@@ -42,7 +42,7 @@ pub(crate) fn parts<'s>(
     parts
 }
 
-/// Types that nobody describes, each where it is named first.
+/// Reports undeclared types at their first occurrence.
 fn types(scene: &CheckedComposite<'_>, report: &mut Report) {
     let components = scene.composite.components.iter();
     let active = components.filter(|component| scene.active(&component.profiles));
@@ -58,7 +58,7 @@ fn types(scene: &CheckedComposite<'_>, report: &mut Report) {
     }
 }
 
-/// The id names the queue, the log and the metrics of a component.
+/// Checks that component identifiers, which name queues, logs and metrics, are unique.
 fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Report) {
     let id = component.pace().and_then(|pace| pace.id.as_ref());
     let id = id.unwrap_or(&component.name);
@@ -71,7 +71,7 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
     }
 }
 
-/// The names of other things that a component refers to.
+/// Checks references from one component to others.
 fn names(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
     let Some(pace) = component.pace() else {
         return;
@@ -89,7 +89,7 @@ fn names(scene: &CheckedComposite<'_>, component: &Component, report: &mut Repor
     }
 }
 
-/// The master of a component, its master, and so on; in a circle, each of it once.
+/// Iterates over the master of a component, the master of that master and so on; stops at the first repetition.
 pub(crate) fn masters<'s>(
     scene: &CheckedComposite<'s>,
     name: &'s str,
@@ -152,7 +152,7 @@ fn face(
     }
 }
 
-/// A name that the catalogue does not have: misspelt, or from another build.
+/// Reports an implementation missing from the catalogue, either misspelled or not part of this executable.
 fn absent(scene: &CheckedComposite<'_>, name: &At<String>, report: &mut Report) {
     let known = scene.catalogue.components();
     let (what, at) = ("component", name.span);
@@ -193,7 +193,7 @@ fn builtin(
     }
 }
 
-/// What the composite lists of a component.
+/// Returns the ports, services and properties listed in the composite.
 fn listed(component: &Component, report: &mut Report) -> Endpoints {
     let mut face = Endpoints::default();
     let mut first: BTreeMap<(&str, &str), Span> = BTreeMap::new();
@@ -243,7 +243,7 @@ fn listed(component: &Component, report: &mut Report) -> Endpoints {
     face
 }
 
-/// The topic that a name of a component is on: the name itself, or what it is renamed to.
+/// Returns the topic of a port: its own name or the renamed one.
 pub fn topic(component: &Component, name: &str) -> String {
     let rename = component
         .rename
@@ -274,7 +274,7 @@ fn wanted(wanted: &Wanted) -> EndpointService {
     }
 }
 
-/// Properties that are set are there.
+/// Checks that properties set in the composite exist.
 fn properties(component: &Component, face: &Endpoints, made_of: Span, report: &mut Report) {
     let Some(known) = &face.properties else {
         return;
@@ -295,7 +295,7 @@ fn properties(component: &Component, face: &Endpoints, made_of: Span, report: &m
     }
 }
 
-/// A thing that a built-in refers to.
+/// Reports an unknown name referenced by a built-in component.
 pub(crate) fn unknown(
     what: &'static str,
     name: &At<String>,

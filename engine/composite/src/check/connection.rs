@@ -1,5 +1,5 @@
-//! Connections: from outputs to inputs of the same type, one writer for a last value, and every
-//! input driven by somebody.
+//! Checks connections: direction and type of both ends, a single writer for last-value data, and a writer for every
+//! input.
 
 use crate::codes::c004::MissingKey;
 use crate::codes::c040::WrongDirection;
@@ -24,18 +24,18 @@ use super::wire::own_place;
 use crate::finding::Findings;
 use crate::model::{Connection, ConnectionType, Delivery, End, Lock, Policy, Promoted, Terminal};
 
-/// A connection that leads somewhere: a port and a topic.
+/// A connection between a port and a topic.
 pub(crate) struct TopicLink {
     pub topic: String,
-    /// The place of the topic's name.
+    /// Source location of the topic name.
     pub at: Span,
     pub port: (String, String),
     pub kind: Option<TypeAt>,
-    /// Whether the port writes the topic.
+    /// Whether the port publishes to the topic.
     pub published: bool,
 }
 
-/// Checks all connections, and returns those that join topics.
+/// Checks all connections and returns those that connect topics.
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) -> Vec<TopicLink> {
     let mut drivers = Drivers::default();
     let mut links = Vec::new();
@@ -59,12 +59,13 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) -> Vec<To
     links
 }
 
-/// Who writes each input port.
+/// Writers of the input ports.
 #[derive(Default)]
 struct Drivers {
     joined: BTreeMap<(String, String), Span>,
     inside: BTreeMap<(String, String), (Span, ConnectionType)>,
-    /// Ports that are written from outside the composite, or by somebody misnamed.
+    /// Ports written from outside the composite or by a misspelled component; exempt from the check for missing
+    /// writers.
     elsewhere: Vec<(String, String)>,
 }
 
@@ -79,7 +80,7 @@ fn connection(
     queue::size_elsewhere(connection, report);
     let before = report.diagnostics.len();
     let from = terminals(scene, &connection.from, PortDirection::Out, report);
-    // an end that could not be read is not in the list
+    // ends that could not be parsed are missing from the list
     let misnamed = report.diagnostics.len() > before || connection.from.is_empty();
     let to = terminals(scene, &connection.to, PortDirection::In, report);
     let mut repeated = Vec::new();
@@ -124,7 +125,7 @@ fn connection(
         }
     }
     if misnamed {
-        // somebody was meant to write these: one finding for one mistake
+        // do not report these inputs a second time as having no writer
         let ends = connection.from.iter().chain(&connection.to);
         drivers.elsewhere.extend(ends.filter_map(|end| match end {
             Terminal::Port(end) => Some((end.component.value.clone(), end.name.value.clone())),
@@ -133,7 +134,7 @@ fn connection(
     }
 }
 
-/// What an end is that is no component's.
+/// Returns the description of an end that is not a port; `None` for ports.
 fn beyond(terminal: &Terminal) -> Option<&'static str> {
     match terminal {
         Terminal::Port(_) => None,
@@ -142,7 +143,7 @@ fn beyond(terminal: &Terminal) -> Option<&'static str> {
     }
 }
 
-/// An end that takes part and fits its side of the connection.
+/// A valid end of a connection: it exists, is active and has the required direction.
 struct JoinedEnd<'s> {
     terminal: &'s Terminal,
     kind: Option<TypeAt>,
@@ -250,7 +251,7 @@ fn pair(
     }
 }
 
-/// Remembers who writes a port; a last value has one writer.
+/// Records the writer of a port; reports a second writer of last-value data.
 fn drive(
     scene: &CheckedComposite<'_>,
     connection: &Connection,
@@ -322,7 +323,8 @@ fn undriven(part: &CheckedComponent<'_>, drivers: &Drivers, report: &mut Report)
     }
 }
 
-/// Without any lock both ends must run one after the other; with one, no more threads than allowed.
+/// Checks the thread count: without a lock, both ends must run in the same thread; other policies limit the number of
+/// threads.
 fn threads(
     scene: &CheckedComposite<'_>,
     connection: &Connection,
@@ -356,14 +358,14 @@ fn threads(
     }
 }
 
-/// The component in whose thread a component cycles.
+/// Returns the component in whose thread the component runs.
 fn thread<'s>(scene: &CheckedComposite<'s>, name: &'s str) -> &'s str {
     super::component::masters(scene, name)
         .last()
         .unwrap_or(name)
 }
 
-/// Keys that belong together stand together.
+/// Reports policy keys that have no effect in combination.
 fn policy(policy: &Policy, report: &mut Report) {
     let kind = policy
         .kind

@@ -1,4 +1,4 @@
-//! What the composite lists of a component, against what the component declares.
+//! Compares the ports, services and properties listed in the composite with those the component declares.
 
 use crate::codes::c026::UndeclaredMember;
 use crate::codes::c027::DeclarationDiffers;
@@ -14,7 +14,7 @@ use crate::at::At;
 use crate::finding::Findings;
 use crate::nearest::nearest_name;
 
-/// Holds what the composite lists against what the component declares, and adds what is not listed.
+/// Checks the listed elements and adds the declared ones that are not listed.
 pub(super) fn declared(
     scene: &CheckedComposite<'_>,
     listed: Endpoints,
@@ -50,7 +50,7 @@ pub(super) fn declared(
     }
 }
 
-/// What services and references have in common.
+/// Common view of services and references.
 struct Declared<'d> {
     name: &'d str,
     interface: &'d str,
@@ -123,8 +123,8 @@ impl Compare<'_> {
         ports
     }
 
-    /// An output that is not there leaves its readers waiting for ever; an input that is not there
-    /// merely is not read, unless its name was meant to be another one.
+    /// Reports a port the component does not declare. An undeclared output is an error, since its readers would wait
+    /// indefinitely; an undeclared input is reported only if its name resembles a declared one.
     fn undeclared(
         &mut self,
         port: &EndpointPort,

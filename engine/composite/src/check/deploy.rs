@@ -1,4 +1,4 @@
-//! Deployment: every component runs in exactly one process.
+//! Checks the deployment: every component must run in exactly one process.
 
 use crate::codes::c070::PlacedTwice;
 use crate::codes::c071::PlacedNowhere;

@@ -1,4 +1,4 @@
-//! Brokers and bridges.
+//! Checks brokers and bridges.
 
 use crate::codes::c004::MissingKey;
 use asmotion_diagnostics::Report;

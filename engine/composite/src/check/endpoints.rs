@@ -1,38 +1,38 @@
-//! What a component shows to the wires and connections around it.
+//! Ports, services and properties of a component, as visible to wires and connections.
 
 pub use crate::named::{NamedAt, TypeAt};
 use crate::nearest::{Nearest, nearest};
 
-/// What a component shows: what the composite lists, what the implementation declares, or what a
-/// nested composite promotes.
+/// Ports, services, references and properties of a component, merged from the composite, the implementation and
+/// promotions of a nested composite.
 #[derive(Clone, Debug, Default)]
 pub struct Endpoints {
-    /// Input ports, those that the composite lists first.
+    /// Input ports; those listed in the composite come first.
     pub inputs: Vec<EndpointPort>,
-    /// Output ports, those that the composite lists first.
+    /// Output ports; those listed in the composite come first.
     pub outputs: Vec<EndpointPort>,
-    /// Services it provides.
+    /// Provided services.
     pub services: Vec<EndpointService>,
-    /// References it needs.
+    /// Required references.
     pub references: Vec<EndpointService>,
-    /// Topics that a nested composite promotes.
+    /// Topics promoted by a nested composite.
     pub topics: Vec<PromotedTopic>,
-    /// `None` where nobody knows which there are.
+    /// `None` if the properties are unknown.
     pub properties: Option<Vec<NamedAt>>,
-    /// Nothing is known: the implementation could not be read, so no name can be wrong.
+    /// Set if the implementation could not be read; no name is then reported as unknown.
     pub blank: bool,
 }
 
-/// A port.
+/// A port of a component.
 #[derive(Clone, Debug)]
 pub struct EndpointPort {
     /// Name within the component.
     pub name: NamedAt,
-    /// The type of its messages and its place; `None` where nobody knows.
+    /// Message type and its source location; `None` if unknown.
     pub kind: Option<TypeAt>,
-    /// The topic it is on.
+    /// Topic of the port.
     pub topic: Option<String>,
-    /// Whether the composite lists it; otherwise only the implementation declares it.
+    /// Whether the composite lists the port; `false` if only the implementation declares it.
     pub listed: bool,
 }
 
@@ -41,26 +41,26 @@ pub struct EndpointPort {
 pub struct EndpointService {
     /// Name within the component.
     pub name: NamedAt,
-    /// The interface with its operations.
+    /// Service interface.
     pub interface: TypeAt,
-    /// `true` for a reference that may stay without a service.
+    /// `true` for a reference that may remain unconnected; always `false` for services.
     pub optional: bool,
 }
 
 /// A promoted topic.
 #[derive(Clone, Debug)]
 pub struct PromotedTopic {
-    /// Name outside of the composite.
+    /// Public name.
     pub name: NamedAt,
-    /// The type of its messages; `None` where no port on it has one.
+    /// Message type; `None` if no port on the topic has one.
     pub kind: Option<TypeAt>,
-    /// `true` if a component inside publishes it.
+    /// `true` if an inner component publishes to the topic.
     pub published: bool,
-    /// `true` if a component inside subscribes to it.
+    /// `true` if an inner component subscribes to the topic.
     pub subscribed: bool,
 }
 
-/// Which way messages go through a port.
+/// Direction of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PortDirection {
     In,
@@ -84,7 +84,7 @@ impl PortDirection {
 }
 
 impl Endpoints {
-    /// The port of this name, of the wanted direction if there is one.
+    /// Looks up a port by name, preferring the wanted direction.
     pub(crate) fn port(
         &self,
         name: &str,
@@ -103,7 +103,7 @@ impl Endpoints {
         find(wanted).or_else(|| find(wanted.other()))
     }
 
-    /// The port that a misspelt name resembles.
+    /// Returns the port whose name is most similar to a misspelled one.
     pub(crate) fn nearest_port(&self, name: &str) -> Option<Nearest> {
         let ports = self.inputs.iter().chain(&self.outputs);
         nearest(
@@ -113,12 +113,12 @@ impl Endpoints {
     }
 }
 
-/// The service or reference of this name.
+/// Looks up a service or reference by name.
 pub fn find<'s>(services: &'s [EndpointService], name: &str) -> Option<&'s EndpointService> {
     services.iter().find(|service| service.name.text == name)
 }
 
-/// The service or reference that a misspelt name resembles.
+/// Returns the service or reference whose name is most similar to a misspelled one.
 pub(crate) fn nearest_service(services: &[EndpointService], name: &str) -> Option<Nearest> {
     nearest(
         name,

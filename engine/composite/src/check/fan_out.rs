@@ -1,4 +1,4 @@
-//! A wire to several services: each is told, so nobody may wait for an answer.
+//! Checks wires to several services, which must not be used for calls that await a reply.
 
 use crate::codes::c034::AwaitsSeveral;
 use asmotion_datum::Shape;
@@ -10,7 +10,7 @@ use crate::finding::Findings;
 use crate::model::binding::{Action, Effect};
 use crate::model::{Implementation, Wire};
 
-/// Checks that nobody waits for the answer of a reference with several services.
+/// Checks that no call through a reference wired to several services awaits a reply.
 pub(super) fn check(
     scene: &CheckedComposite<'_>,
     wire: &Wire,
@@ -31,7 +31,7 @@ pub(super) fn check(
     }
 }
 
-/// Who waits for an answer of the reference, and where that stands.
+/// Returns the component or binding that awaits a reply and its source location.
 fn awaited(
     scene: &CheckedComposite<'_>,
     wire: &Wire,
@@ -50,7 +50,7 @@ fn awaited(
         })
 }
 
-/// The binding keeps an answer, or tells of it.
+/// Returns the binding that keeps a reply or reports its arrival.
 fn by_binding(part: &CheckedComponent<'_>, reference: &str) -> Option<(String, Option<Span>)> {
     let effects = part.component.bind.out.iter().map(|out| &out.effect);
     let actions = effects.flat_map(|effect| match effect {
@@ -79,7 +79,7 @@ fn by_binding(part: &CheckedComponent<'_>, reference: &str) -> Option<(String, O
     None
 }
 
-/// The specification asks, and waits for what it is answered.
+/// Returns the specification of the caller if a reply sets one of its functions.
 fn by_specification(
     scene: &CheckedComposite<'_>,
     part: &CheckedComponent<'_>,
@@ -94,7 +94,7 @@ fn by_specification(
     Some((who, Some(place)))
 }
 
-/// An operation of the interface answers something.
+/// Returns the interface if one of its operations has a reply.
 fn by_interface(
     scene: &CheckedComposite<'_>,
     reference: &EndpointService,

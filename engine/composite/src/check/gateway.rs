@@ -1,4 +1,4 @@
-//! What is called over HTTP: services, each through one gateway.
+//! Checks services promoted over HTTP: each uses exactly one gateway.
 
 use crate::codes::c009::InvalidName;
 use crate::codes::c010::ExclusiveKeys;
@@ -32,9 +32,9 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
 
 struct Gateways<'s, 'r> {
     scene: &'s CheckedComposite<'s>,
-    /// Which process each component is in, if the composite says.
+    /// Process name by component; `None` if the composite has no deployment.
     processes: Option<BTreeMap<&'s str, &'s str>>,
-    /// Which process a gateway is in, and the promotion that put it there.
+    /// Process of each gateway and the promotion that determined it.
     homes: BTreeMap<&'s str, (&'s str, Span)>,
     report: &'r mut Report,
 }
@@ -56,7 +56,7 @@ impl<'s> Gateways<'s, '_> {
         };
         let end = match &promotion.what {
             Promoted::Service(end) => end,
-            // calls go out
+            // a gateway only accepts calls; it makes none
             Promoted::Reference(_) => return self.scene.transport(Some(binding), self.report),
             Promoted::Property(_) | Promoted::Port(_) | Promoted::Topic(_) => {
                 let reason = "only services can be promoted over HTTP";
@@ -85,7 +85,7 @@ impl<'s> Gateways<'s, '_> {
         }
     }
 
-    /// The gateway that a promotion goes through.
+    /// Returns the gateway of a promotion; reports an error if it is missing or ambiguous.
     fn gateway(&mut self, promotion: &'s Promotion, binding: Span) -> Option<&'s str> {
         let gateways = &self.scene.composite.gateways;
         let Some(name) = &promotion.gateway else {
@@ -113,7 +113,7 @@ impl<'s> Gateways<'s, '_> {
         found.map(|it| it.name.value.as_str())
     }
 
-    /// The name is a part of the address that is called.
+    /// Checks the promoted name, which becomes part of the URL.
     fn name(&mut self, name: &At<String>) {
         let plain =
             |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-' | '.');

@@ -1,7 +1,7 @@
-//! Everything that can be said before anything starts.
+//! Static checks of a composite.
 //!
-//! A composite is looked at once in every profile. A nested composite is looked at first; what it
-//! promotes is then what its component shows.
+//! Each profile is checked separately. Nested composites are checked first; their promotions define the ports and
+//! services of the enclosing component.
 
 mod across;
 mod annotation;
@@ -40,11 +40,11 @@ use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
 use crate::types::Types;
 
-/// What the components of a composite show, by name.
+/// Ports and services of the components of a composite, by component name.
 pub type Faces = BTreeMap<String, Endpoints>;
 
-/// Checks a composite and all it nests in one profile, and returns what the components of each
-/// file show.
+/// Checks a composite and all nested composites in one profile; returns the ports and services of the components by
+/// file path.
 pub fn check(
     family: &Family,
     types: &BTreeMap<&str, Types<'_>>,
@@ -72,14 +72,14 @@ struct Checker<'c> {
     types: &'c BTreeMap<&'c str, Types<'c>>,
     catalogue: &'c dyn Catalogue,
     profile: Option<&'c str>,
-    /// What each composite promotes, by the path of its file.
+    /// Promoted ports and services of each composite, by file path.
     promoted: BTreeMap<String, Rc<Endpoints>>,
     faces: BTreeMap<String, Faces>,
     report: &'c mut Report,
 }
 
 impl<'c> Checker<'c> {
-    /// Checks a composite and returns what it promotes.
+    /// Checks a composite and returns its promoted ports and services.
     fn composite(&mut self, path: &str, member: &'c Member) -> Rc<Endpoints> {
         if let Some(face) = self.promoted.get(path) {
             return face.clone();

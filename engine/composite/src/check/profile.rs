@@ -1,4 +1,4 @@
-//! Profiles: which there are, and which something takes part in.
+//! Profiles of a composite.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +10,13 @@ use crate::family::Family;
 use crate::finding::Findings;
 use crate::nearest::nearest;
 
-/// Returns whether something with these profiles takes part in `profile`: it does in all, if it names none.
+/// Returns whether an element with these profiles is active in `profile`; an empty list means all profiles.
 pub fn takes_part(profiles: &[At<String>], profile: Option<&str>) -> bool {
     let mut own = profiles.iter();
     profiles.is_empty() || own.any(|own| Some(own.value.as_str()) == profile)
 }
 
-/// Every profile in which some component takes part, by name. Reports every other profile that something names.
+/// Returns the names of the profiles used by components in ascending order. Reports other profiles named anywhere.
 pub fn profiles(family: &Family, report: &mut Report) -> Vec<String> {
     let components = family
         .composites()

@@ -1,4 +1,4 @@
-//! Promotion: what is promoted exists, and no name is given twice.
+//! Checks promotions: the promoted element exists and the public name is unique.
 
 use crate::codes::c010::ExclusiveKeys;
 use crate::codes::c020::UnknownName;
@@ -16,7 +16,7 @@ use crate::finding::Findings;
 use crate::model::{End, Promoted, Promotion, Transport};
 use crate::nearest::nearest;
 
-/// Checks all promotions, and returns what the composite shows.
+/// Checks all promotions; returns the public ports, services and properties of the composite.
 pub(crate) fn check(
     scene: &CheckedComposite<'_>,
     topics: &Topics,
@@ -46,7 +46,7 @@ pub(crate) fn check(
         optional(promotion, report);
         let over_broker = promotion.over(Transport::Amqp);
         scene.broker(over_broker, promotion.broker.as_ref(), report);
-        // calls over HTTP come in, and do not go out
+        // HTTP is available for services only
         scene.transport(promotion.over(Transport::Ros), report);
         self::promotion(scene, promotion, topics, &mut face, &mut properties, report);
     }
@@ -132,7 +132,7 @@ fn promotion(
     }
 }
 
-/// Only a reference can stay open.
+/// Reports `optional` on anything but a reference.
 fn optional(promotion: &Promotion, report: &mut Report) {
     if promotion.optional && !matches!(promotion.what, Promoted::Reference(_)) {
         report.found(ExclusiveKeys {

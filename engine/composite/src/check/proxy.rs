@@ -1,4 +1,4 @@
-//! The port-proxy: its map from operations to ports of its target, and the events it tells.
+//! Checks port-proxies: the mapping from operations to ports of the target, and the notifications.
 
 use crate::codes::c120::WrongPortDirection;
 use crate::codes::c121::PortOfOtherComponent;
@@ -24,7 +24,7 @@ use crate::model::{
 };
 use crate::nearest::nearest;
 
-/// A port-proxy mirrors the ports of its target: what is an input there is an output here.
+/// Checks a port-proxy and adds ports mirroring those of its target: an input of the target is an output of the proxy.
 pub(super) fn check(
     scene: &CheckedComposite<'_>,
     component: &Component,
@@ -120,7 +120,7 @@ fn mirror(
     }
 }
 
-/// The operation, where the build knows the interface; it is reported if the interface has none of this name.
+/// Returns the operation of an entry if the catalogue knows its interface; reports an unknown operation.
 fn operation(
     scene: &CheckedComposite<'_>,
     entry: &ProxyEntry,
@@ -137,7 +137,7 @@ fn operation(
     found.cloned()
 }
 
-/// Argument and message, or message and result, are of shapes that become one another.
+/// Checks that the argument or result of the operation is convertible to or from the message type.
 fn shapes(
     scene: &CheckedComposite<'_>,
     entry: &ProxyEntry,
@@ -180,7 +180,7 @@ fn shapes(
     });
 }
 
-/// Who waits for the end of a motion needs somebody who knows it.
+/// Checks that an entry with mode `done` has an `idle` condition that detects the end of a motion.
 fn motion(entry: &ProxyEntry, told: Option<&Notify>, report: &mut Report) {
     if entry.mode.value != ProxyMode::Done {
         return;
@@ -197,7 +197,7 @@ fn motion(entry: &ProxyEntry, told: Option<&Notify>, report: &mut Report) {
     }
 }
 
-/// Who is to notice that nothing comes must look at the clock.
+/// Checks that a proxy with `stale_ms` has a period; an event-driven component would not notice missing messages.
 fn pace(scene: &CheckedComposite<'_>, component: &Component, told: &Notify, report: &mut Report) {
     let Some(stale_ms) = &told.stale_ms else {
         return;
@@ -218,7 +218,7 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, told: &Notify, repo
     }
 }
 
-/// The listener is there, and what it is told can be known.
+/// Checks that the notified reference exists and the conditions are valid.
 fn notify(scene: &CheckedComposite<'_>, told: &Notify, face: &Endpoints, report: &mut Report) {
     match find(&face.references, &told.reference) {
         None => {
@@ -240,7 +240,7 @@ fn notify(scene: &CheckedComposite<'_>, told: &Notify, face: &Endpoints, report:
     }
 }
 
-/// The interface of the listener has an operation that takes an event.
+/// Checks that the notified interface has an operation that accepts an event.
 fn listener(
     scene: &CheckedComposite<'_>,
     told: &Notify,
@@ -264,7 +264,7 @@ fn listener(
     }
 }
 
-/// A condition can be read, and asked of the messages of its port.
+/// Parses a condition and checks it against the message type of its port.
 fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, report: &mut Report) {
     let read = match told.text.parse::<asmotion_bridge::MessageCondition>() {
         Ok(read) => read,
@@ -282,7 +282,7 @@ fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, repor
         return;
     };
     if read.path.is_empty() {
-        // `port.new` is no field: it says that a message came
+        // `port.new` is not a field; it is true if a message has arrived
         path.steps.pop();
     }
     if let Some((schema, at)) = field(scene, &path, face, report)
@@ -308,8 +308,8 @@ fn condition(
     });
 }
 
-/// `port.field`: the port is one of the proxy, and its messages have the field: its shape, and where the message is
-/// described.
+/// Resolves `port.field` to the shape of the field and the source location of the message type; reports an unknown port
+/// or field.
 fn field(
     scene: &CheckedComposite<'_>,
     path: &MessagePath,
@@ -331,7 +331,7 @@ fn field(
     }
 }
 
-/// Numbers can be near each other.
+/// Returns whether the schema is numeric, as required for a tolerance.
 fn is_number(schema: &Schema) -> bool {
     match &schema.shape {
         Shape::Any

@@ -1,4 +1,4 @@
-//! Connections to message queues, beyond which there is an Orocos component.
+//! Checks connections to POSIX message queues, which exchange data with Orocos components.
 
 use crate::codes::c048::IdleKey;
 use crate::codes::c061::NoMqueueLayout;
@@ -12,7 +12,8 @@ use crate::at::At;
 use crate::finding::Findings;
 use crate::model::{Connection, Terminal};
 
-/// Checks that a port's type has a form in a queue, and that who makes the queue, the writer, knows how large messages are.
+/// Checks that the message type of the port has a queue layout, and that the size of its messages is known if the port
+/// is the writer, which creates the queue.
 pub(super) fn check(
     scene: &CheckedComposite<'_>,
     (way, kind): (PortDirection, Option<&TypeAt>),
@@ -20,7 +21,7 @@ pub(super) fn check(
     queue: &At<String>,
     report: &mut Report,
 ) {
-    // what nobody knows is told when it is put together
+    // unknown types are checked when the system starts
     let Some((kind, schema)) = kind.and_then(|kind| Some((kind, scene.types.schema(&kind.text)?)))
     else {
         return;
@@ -45,7 +46,7 @@ pub(super) fn check(
     }
 }
 
-/// Only a message queue has messages of a fixed size.
+/// Reports `data_size` on connections without a message queue.
 pub(super) fn size_elsewhere(connection: &Connection, report: &mut Report) {
     let mut ends = connection.from.iter().chain(&connection.to);
     if let Some(size) = &connection.policy.data_size

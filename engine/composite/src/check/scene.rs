@@ -1,4 +1,4 @@
-//! A composite in one profile: which components take part, and what they show.
+//! A composite in one profile, with its active components.
 
 use crate::codes::c020::UnknownName;
 use crate::codes::c021::UnknownMember;
@@ -18,7 +18,7 @@ use crate::model::{Component, Composite, End, Implementation, Transport};
 use crate::nearest::{Nearest, nearest};
 use crate::types::Types;
 
-/// A composite in one profile.
+/// A composite being checked in one profile.
 pub(crate) struct CheckedComposite<'s> {
     pub family: &'s Family,
     pub member: &'s Member,
@@ -26,17 +26,17 @@ pub(crate) struct CheckedComposite<'s> {
     pub profile: Option<&'s str>,
     pub types: &'s Types<'s>,
     pub catalogue: &'s dyn Catalogue,
-    /// The components that take part, in the order of the file.
+    /// Active components in file order.
     pub parts: Vec<CheckedComponent<'s>>,
 }
 
-/// A component that takes part.
+/// An active component.
 pub(crate) struct CheckedComponent<'s> {
     pub component: &'s Component,
     pub face: Endpoints,
 }
 
-/// The file of a nested composite.
+/// Returns the file name of a nested composite; `None` for other implementations.
 pub fn nested(component: &Component) -> Option<&str> {
     match &component.implementation {
         Some(Implementation::Composite(file)) => Some(file),
@@ -49,12 +49,12 @@ fn names<'n>(named: impl Iterator<Item = &'n NamedAt>) -> Vec<String> {
 }
 
 impl<'s> CheckedComposite<'s> {
-    /// Whether something with these profiles takes part.
+    /// Returns whether an element with these profiles is active in this profile.
     pub(crate) fn active(&self, profiles: &[At<String>]) -> bool {
         takes_part(profiles, self.profile)
     }
 
-    /// The component of this name, if it takes part; reports a name that no component has.
+    /// Returns the component if it is active; reports an unknown name.
     pub(crate) fn part(
         &self,
         name: &At<String>,
@@ -70,7 +70,7 @@ impl<'s> CheckedComposite<'s> {
         found
     }
 
-    /// Reports a name that no component has.
+    /// Reports an unknown component name.
     pub(crate) fn unknown_component(&self, name: &At<String>, report: &mut Report) {
         let components = self.composite.components.iter();
         let known = components.map(|it| (it.name.value.as_str(), Some(it.name.span)));
@@ -82,7 +82,7 @@ impl<'s> CheckedComposite<'s> {
         });
     }
 
-    /// The port an end names, if its component takes part; reports a port that is not there.
+    /// Returns the port at an end if its component is active; reports an unknown port.
     pub(crate) fn port(
         &self,
         end: &End,
@@ -100,7 +100,7 @@ impl<'s> CheckedComposite<'s> {
         }
     }
 
-    /// The service an end names.
+    /// Returns the service at an end; reports an unknown service.
     pub(crate) fn service(
         &self,
         end: &End,
@@ -115,7 +115,7 @@ impl<'s> CheckedComposite<'s> {
         Some((part, found?))
     }
 
-    /// The reference an end names.
+    /// Returns the reference at an end; reports an unknown reference.
     pub(crate) fn reference(
         &self,
         end: &End,
@@ -130,7 +130,7 @@ impl<'s> CheckedComposite<'s> {
         Some((part, found?))
     }
 
-    /// Reports something that a component does not have.
+    /// Reports an unknown member of a component.
     pub(crate) fn unknown_part(
         &self,
         part: &CheckedComponent<'_>,
@@ -168,7 +168,7 @@ impl<'s> CheckedComposite<'s> {
         });
     }
 
-    /// Checks that this build has what something goes out over.
+    /// Checks that the executable supports the transport.
     pub(crate) fn transport(&self, binding: Option<&At<Transport>>, report: &mut Report) {
         let Some(binding) = binding else {
             return;
@@ -183,7 +183,7 @@ impl<'s> CheckedComposite<'s> {
         }
     }
 
-    /// Checks that there is a broker for something that goes over one.
+    /// Checks that a broker exists for an AMQP binding.
     pub(crate) fn broker(
         &self,
         binding: Option<&At<Transport>>,

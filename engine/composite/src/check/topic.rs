@@ -1,4 +1,4 @@
-//! Topics: one type over all publishers and subscribers, and somebody who publishes.
+//! Checks topics: a common message type for all publishers and subscribers, and at least one publisher.
 
 use crate::codes::c004::MissingKey;
 use crate::codes::c048::IdleKey;
@@ -24,28 +24,28 @@ use crate::finding::Findings;
 use crate::model::{self, Promoted};
 use crate::nearest::nearest;
 
-/// The topics of a composite in one profile, by name.
+/// Publishers and subscribers by topic name, in one profile.
 pub(crate) type Topics = BTreeMap<String, Vec<Role>>;
 
-/// Somebody who publishes or subscribes a topic.
+/// A publisher or subscriber of a topic.
 pub(crate) struct Role {
     pub at: Span,
     pub kind: Option<TypeAt>,
     pub published: bool,
     pub subscribed: bool,
-    /// Component and port; `None` for a topic that a nested composite promotes.
+    /// Component and port; `None` for a topic promoted by a nested composite.
     port: Option<(String, String)>,
     written: Written,
 }
 
 impl Role {
-    /// Who publishes or subscribes, if it is no nested composite.
+    /// Returns the component name; `None` for a nested composite.
     pub(crate) fn component(&self) -> Option<&str> {
         self.port.as_ref().map(|(component, _)| component.as_str())
     }
 }
 
-/// Checks all topics, and returns them.
+/// Checks all topics and returns them.
 pub(crate) fn check(
     scene: &CheckedComposite<'_>,
     links: &[TopicLink],
@@ -126,7 +126,7 @@ fn collect(scene: &CheckedComposite<'_>, links: &[TopicLink]) -> Topics {
     topics
 }
 
-/// A renamed topic stands in the rename.
+/// Returns the origin of the topic name: a `rename` entry or the port itself.
 fn written(part: &CheckedComponent<'_>, name: &str) -> Written {
     let rename = part
         .component
@@ -157,7 +157,7 @@ fn types(scene: &CheckedComposite<'_>, topic: &str, roles: &[Role], report: &mut
     }
 }
 
-/// The engine alone publishes how its bus is.
+/// Reports components that publish the reserved topic of the bus state or subscribe to it with another type.
 fn own(scene: &CheckedComposite<'_>, roles: &[Role], report: &mut Report) {
     for role in roles {
         if role.published {
@@ -222,7 +222,7 @@ fn renames(part: &CheckedComponent<'_>, report: &mut Report) {
     }
 }
 
-/// How a topic is sent is said of one that is there; a queue has a size.
+/// Checks the settings of a topic: the topic exists, and `size` is given exactly if `outage` is `queue`.
 fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
     let (name, at) = (&topic.name.value, topic.name.span);
     if !topics.contains_key(name) || name == HEALTH_TOPIC {
@@ -254,7 +254,7 @@ fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
     }
 }
 
-/// An output writes one topic.
+/// Reports output ports that publish to more than one topic.
 fn two_topics(topics: &Topics, report: &mut Report) {
     let roles = topics
         .iter()

@@ -1,4 +1,4 @@
-//! Wires: every reference has a service of its interface, once.
+//! Checks wires: every reference is connected exactly once, to a service with the same interface.
 
 use crate::codes::c030::WireMismatch;
 use crate::codes::c031::DanglingReference;
@@ -36,11 +36,11 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     }
 }
 
-/// The references that lead somewhere, the places that say where, and whether those are wires.
+/// Connected references with the location of their connection and whether it is a wire (or a promotion).
 #[derive(Default)]
 struct Joined {
     places: BTreeMap<(String, String), (Span, bool)>,
-    /// Those that a misspelt wire means: it has its finding.
+    /// References presumably meant by wires with a misspelled name; not reported as unconnected.
     meant: BTreeSet<(String, String)>,
 }
 
@@ -111,7 +111,7 @@ fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: 
     }
 }
 
-/// The reference that a wire means whose own name is not known: the one that is called like it, or the only one.
+/// Returns the reference presumably meant by an unknown name: the most similar one, or the only one of the component.
 fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
     let parts = &scene.parts;
     let part = (parts.iter()).find(|part| part.component.name.value == end.component.value)?;
@@ -124,7 +124,7 @@ fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
     Some((end.component.value.clone(), name))
 }
 
-/// Whether the caller waits for a reply; nobody can wait for several.
+/// Returns whether the caller waits for a reply. Calls to several services are one-way.
 pub fn waits(wire: &Wire) -> bool {
     let oneway = wire.oneway.as_ref().is_some_and(|oneway| oneway.value);
     !oneway && wire.services.len() == 1
@@ -149,8 +149,8 @@ fn dangling(
     });
 }
 
-/// The place of something of a component: where this composite names it, or the component itself.
-/// What a nested composite declares stands in its own file, which may be right.
+/// Returns the location of a member of a component: its declaration if it is in the same file, otherwise the name of
+/// the component. Members of a nested composite are declared in another file, which may be correct by itself.
 pub(crate) fn own_place(part: &CheckedComponent<'_>, at: Option<Span>) -> Span {
     let name = part.component.name.span;
     at.filter(|at| at.file == name.file).unwrap_or(name)

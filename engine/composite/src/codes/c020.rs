@@ -64,7 +64,7 @@ impl Finding for UnknownName {
     }
 }
 
-/// What to do about a name that nothing has.
+/// Help text for a name without a similar declared name.
 fn way_out(what: &str) -> String {
     match what {
         "component" => "declare a component with `[components.Name]`".to_owned(),

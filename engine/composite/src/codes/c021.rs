@@ -56,7 +56,7 @@ pub(crate) struct UnknownMember {
     pub component: String,
     pub name: String,
     pub at: Span,
-    /// What it has by this name instead.
+    /// Kind of the member that has this name instead.
     pub instead: Option<&'static str>,
     pub nearest: Option<Nearest>,
     pub known: Vec<String>,

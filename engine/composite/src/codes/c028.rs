@@ -35,7 +35,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C028, error)]
 #[error("unknown property `{name}` of `{component}`", component = self.component(), name = self.name())]
 pub(crate) enum UnknownProperty {
-    /// In a composite file.
+    /// Set in a composite file.
     OfComponent {
         component: String,
         name: String,
@@ -43,7 +43,7 @@ pub(crate) enum UnknownProperty {
         made_of: Span,
         known: Vec<NamedAt>,
     },
-    /// In a file of properties.
+    /// Set in a property file.
     InFile {
         component: String,
         name: String,

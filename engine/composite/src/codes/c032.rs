@@ -72,5 +72,5 @@ impl Finding for ReferenceWiredTwice {
     }
 }
 
-/// How a reference comes to be wired more than once: by two wires.
+/// Reason if two wires share a reference.
 pub(crate) const WIRED_TWICE: &str = "wired twice";

@@ -61,10 +61,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("`{reference}` has several services, but {who}")]
 pub(crate) struct AwaitsSeveral {
     pub reference: String,
-    /// Who waits, for what.
+    /// Description of the caller and the reply it awaits.
     pub who: String,
     pub at: Span,
-    /// Where it says so.
+    /// Source location in the specification or binding; `None` if the interface alone implies the reply.
     pub place: Option<Span>,
 }
 

@@ -73,11 +73,11 @@ impl Finding for SilentTopic {
     }
 }
 
-/// How the topic's name came about.
+/// Origin of a topic name.
 #[derive(Clone, Debug)]
 pub(crate) enum Written {
-    /// It stands at a place, where it can be replaced.
+    /// Written explicitly at this location, where a suggestion can replace it.
     At(Span),
-    /// It is the name of the port.
+    /// Derived from the name of a port.
     AsPort(String),
 }

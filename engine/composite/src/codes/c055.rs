@@ -56,11 +56,11 @@ impl Finding for EngineTopic {
     }
 }
 
-/// What is wrong with a use of the engine's own topic.
+/// Invalid use of the reserved topic.
 #[derive(Debug)]
 pub(crate) enum OwnProblem {
-    /// Somebody else publishes it.
+    /// Published by a component.
     Published,
-    /// Somebody reads it as messages of this type.
+    /// Subscribed with this message type.
     Type(String),
 }

@@ -40,9 +40,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C057, error)]
 #[error("{what}: {reason}")]
 pub(crate) struct Uncarried {
-    /// What goes over the broker: "topic `scan`".
+    /// Topic, connection or wire, such as ``topic `scan` ``.
     pub what: String,
-    /// Where another codec can be said of it.
+    /// Key under which another codec can be selected.
     pub place: String,
     pub reason: DatumError,
     pub codec: Span,

@@ -62,5 +62,5 @@ impl Finding for NoMqueueSize {
     }
 }
 
-/// Bytes of a message, in the example.
+/// Message size in bytes suggested in the help.
 const EXAMPLE: usize = 256;

@@ -61,10 +61,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C075, error)]
 #[error("{what} needs a broker between process `{}` and `{}`", processes.0, processes.1)]
 pub(crate) struct NoCommonBroker {
-    /// What: `topic scan`, `the wire from A.x to B.y`.
+    /// Topic or wire, such as `topic scan` or `the wire from A.x to B.y`.
     pub what: String,
     pub processes: (String, String),
-    /// The component without, or on which.
+    /// Reason: the component without a broker, or the differing brokers.
     pub why: String,
     pub at: Span,
 }

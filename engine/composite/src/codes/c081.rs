@@ -18,5 +18,5 @@ impl Finding for CompositesTooDeep {
     }
 }
 
-/// Deeper composites are nobody's intention.
+/// Maximum nesting depth of composites.
 pub(crate) const MAX_DEPTH: usize = 32;

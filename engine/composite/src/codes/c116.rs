@@ -19,8 +19,9 @@ impl Finding for TypesTooLarge {
     }
 }
 
-/// Schemas are trees, so a few lines can describe a tree of any size.
+/// Maximum number of fields of a message. Schemas are trees, so a short file that repeatedly nests types can describe
+/// an exponentially large one.
 pub(crate) const MAX_FIELDS: usize = 100_000;
 
-/// Deeper messages are nobody's intention.
+/// Maximum nesting depth of a message.
 pub(crate) const MAX_DEPTH: usize = 32;

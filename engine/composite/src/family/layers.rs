@@ -1,5 +1,5 @@
-//! What a composite file is laid over, and what its components load: several files become one tree, in which every
-//! key and value keeps the place it comes from.
+//! Merges a composite file with its base file and loaded property files into one tree, in which every key and value
+//! keeps its source location.
 
 use crate::codes::c080::CircularInclusion;
 use asmotion_diagnostics::Span;
@@ -11,7 +11,7 @@ use crate::read;
 use crate::tree::{Branch, Entry, Table};
 
 impl Visit<'_, '_> {
-    /// The tree of a composite file: laid over its base, if it has one, with the files that its components load.
+    /// Returns the tree of a composite file merged with its base and the property files of its components.
     pub(super) fn tree(&mut self, path: &str, at: Option<Span>) -> Option<Table> {
         let mut table = self.laid_over(path, at, &mut Vec::new())?;
         if let Some(Branch::Table(components)) = value_mut(&mut table, "components") {
@@ -24,7 +24,8 @@ impl Visit<'_, '_> {
         Some(table)
     }
 
-    /// The tree of a file over that of its base. `above` are the files that lie over this one.
+    /// Returns the tree of a file merged over its base. `above` lists the files derived from this one, to detect
+    /// cycles.
     fn laid_over(
         &mut self,
         path: &str,
@@ -51,7 +52,7 @@ impl Visit<'_, '_> {
         Some(under)
     }
 
-    /// Adds to the properties of a component those of the file that it loads. What it says itself holds.
+    /// Merges the loaded property file into the properties of a component, which take precedence.
     fn load_properties(&mut self, component: &mut Table) {
         let Some(named) = text_at(component, "load") else {
             return;
@@ -66,7 +67,7 @@ impl Visit<'_, '_> {
         self.report.extend(report);
         let own = match value_mut(component, "properties") {
             Some(Branch::Table(own)) => std::mem::take(own),
-            // what else it may be is told by the reader
+            // other types are reported by the reader
             Some(_) => return,
             None => Table::default(),
         };
@@ -81,7 +82,7 @@ fn value_mut<'t>(table: &'t mut Table, key: &str) -> Option<&'t mut Branch> {
     Some(&mut entry.node.value)
 }
 
-/// A text that a key has; what else it may have is told by the reader.
+/// Returns the string value of a key; other types are reported by the reader.
 fn text_at(table: &Table, key: &str) -> Option<At<String>> {
     let Entry { node, .. } = table.get(key)?;
     match &node.value {

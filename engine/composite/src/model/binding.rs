@@ -9,14 +9,14 @@ use super::{DAY_MS, End, MessagePath};
 use crate::at::At;
 use crate::tree::Node;
 
-/// Functions of an ASM and the world.
+/// Bindings of the functions of an ASM to ports and services.
 #[derive(Clone, Debug, Default, Table)]
 #[table(of = "`bind`", example = "{ monitored = { }, out = { } }")]
 pub struct Bind {
-    /// Where the values of monitored functions come from.
+    /// Sources of the values of monitored functions.
     #[key(example = "{ }")]
     pub monitored: Vec<Monitored>,
-    /// What updates of out functions do.
+    /// Actions triggered by updates of out functions.
     #[key(example = "{ }")]
     pub out: Vec<Out>,
 }
@@ -29,10 +29,10 @@ pub struct Bind {
     after = crate::read::binding::monitored
 )]
 pub struct Monitored {
-    /// The function.
+    /// Name of the function in the specification.
     #[key(entry = any)]
     pub function: At<String>,
-    /// Where its value comes from.
+    /// Topic or service that supplies the value.
     #[key(flatten)]
     pub from: Source,
     /// The messages that count as the value of a step.
@@ -45,12 +45,12 @@ pub struct Monitored {
     /// The field whose text names an enum literal.
     #[key(example = "\"data\"")]
     pub map: Option<MessagePath>,
-    /// The texts for which it is true.
+    /// Field values for which the function is true.
     #[key(example = "\"idle\"")]
     pub is: Vec<At<String>>,
     /// The value in a step without a message.
     pub none: Option<Node>,
-    /// Age in milliseconds after which the last message is stale; unlimited if not given.
+    /// Maximum age of the last message; unlimited by default.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub stale_ms: Option<At<u64>>,
     /// Value if the last message is stale, or if there has been none.
@@ -58,14 +58,14 @@ pub struct Monitored {
 }
 
 impl Monitored {
-    /// The messages that count as the value of a step.
+    /// Returns the receive mode; the default if none is written.
     pub fn received(&self) -> At<Receive> {
         let last = || At::new(Receive::default(), self.function.span);
         self.receive.clone().unwrap_or_else(last)
     }
 }
 
-/// Where the value of a monitored function comes from.
+/// Source of the value of a monitored function.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a bound monitored function",
@@ -80,25 +80,25 @@ pub enum Source {
     Request(End),
 }
 
-/// An out function and what its updates do.
+/// Binding of an out function.
 #[derive(Clone, Debug)]
 pub struct Out {
-    /// The function.
+    /// Name of the function in the specification.
     pub function: At<String>,
-    /// What its updates do.
+    /// Effect of its updates.
     pub effect: Effect,
 }
 
-/// What the updates of an out function do.
+/// Effect of the updates of an out function.
 #[derive(Clone, Debug)]
 pub enum Effect {
-    /// The value itself is published.
+    /// The value is published.
     Publish(Published),
-    /// Each literal has its actions.
+    /// Actions by literal of the codomain.
     Literals(Vec<(At<String>, Vec<Action>)>),
 }
 
-/// The value of an out function is published.
+/// Publication of the value of an out function.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a bound out function",
@@ -108,7 +108,7 @@ pub struct Published {
     /// The name under `publish` or `ports.out`.
     #[key(example = "\"command\"")]
     pub topic: At<String>,
-    /// The field that takes the value.
+    /// Message field that receives the value.
     #[key(example = "\"data\"")]
     pub field: Option<MessagePath>,
     /// The steps after which it is published.
@@ -116,7 +116,7 @@ pub struct Published {
     pub when: Option<At<PublishWhen>>,
 }
 
-/// What an update to a literal does.
+/// Action triggered by an update to a literal.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "an action",
@@ -132,7 +132,7 @@ pub enum Action {
         /// Publishes a message: the name under `publish` or `ports.out`.
         #[key(name = "publish", example = "\"plan\"")]
         topic: At<String>,
-        /// Content of the message.
+        /// Content of the message: a literal value, a record or `@name`.
         #[key(example = "\"@path\"")]
         value: Argument,
     },
@@ -165,23 +165,23 @@ pub struct Call {
     /// Monitored function that takes these literals.
     #[key(example = "\"ev\"")]
     pub event: Option<At<String>>,
-    /// Service whose caller is answered as this call is.
+    /// Service whose pending request is completed with the outcome of this call.
     #[key(example = "\"move\"")]
     pub reply: Option<At<String>>,
 }
 
-/// A message or an argument, put together.
+/// Content of a message or argument of a call.
 #[derive(Clone, Debug)]
 pub enum Argument {
-    /// `"@name"` or `"@name.field"`: a kept reply, or the last message of a topic.
+    /// `"@name"` or `"@name.field"`: a kept reply or the last message of a topic.
     Kept {
-        /// The name of the reply or topic.
+        /// Reply or topic name.
         name: At<String>,
-        /// The part of it.
+        /// Field path within it; empty for all of it.
         path: Vec<At<String>>,
     },
-    /// A record, field by field; fields left out have their default.
+    /// A record given field by field; omitted fields have their default.
     Record(Span, Vec<(At<String>, Argument)>),
-    /// Anything else; texts may hold substitutions.
+    /// Any other value; strings may contain substitutions.
     Value(Node),
 }

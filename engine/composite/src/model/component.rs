@@ -1,4 +1,4 @@
-//! A component as the composite describes it.
+//! Components as written in the composite.
 
 use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
@@ -15,28 +15,28 @@ use crate::at::At;
     after = crate::read::belongs
 )]
 pub struct Component {
-    /// Its name.
+    /// Name of the component, unique in the composite.
     #[key(entry = thing)]
     pub name: At<String>,
-    /// What it is made of; absent where that could not be read.
+    /// Implementation of the component; `None` if it is missing or invalid.
     #[key(needed, example = "{ rust = \"nav::MapServer\" }")]
     pub implementation: Option<Implementation>,
-    /// In which profiles; in all, if none is named.
+    /// Profiles that include it; all if empty.
     #[key(name = "profile", example = "\"sim\"")]
     pub profiles: Vec<At<String>>,
-    /// What it is for.
+    /// Description.
     #[key(example = "\"what it is for\"")]
     pub doc: Option<At<String>>,
-    /// When it cycles, over a broker.
+    /// Schedule of a component reachable over a broker.
     #[key(example = "{ period_ms = 50 }")]
     pub task: Option<Pace>,
-    /// When it cycles, in a thread with a scheduling class.
+    /// Schedule of a component in a thread with a scheduling class.
     #[key(example = "{ period_ms = 50 }")]
     pub activity: Option<Pace>,
-    /// Transitions that nobody has to ask for.
+    /// Automatic lifecycle transitions.
     #[key(example = "{ autostart = true }")]
     pub lifecycle: Option<Lifecycle>,
-    /// Ports that connections join.
+    /// Ports used by connections.
     #[key(or_default, example = "{ in = { }, out = { } }")]
     pub ports: Ports,
     /// Input ports on the topic of the same name.
@@ -45,7 +45,7 @@ pub struct Component {
     /// Output ports on the topic of the same name.
     #[key(example = "{ scan = \"sensor_msgs/LaserScan\" }")]
     pub publish: Vec<Listed>,
-    /// Other topics for those names (TCA's topicRename).
+    /// Maps port names to other topics (TCA's topicRename).
     #[key(example = "{ trajectory = \"plan\" }")]
     pub rename: Vec<Rename>,
     /// Services it provides, with their interfaces.
@@ -54,49 +54,49 @@ pub struct Component {
     /// References it needs, with their interfaces.
     #[key(example = "{ maps = \"nav/MapService\" }")]
     pub references: Vec<Wanted>,
-    /// Operations it offers to anybody, with their signatures.
+    /// Operations callable by any component, with their signatures.
     #[key(example = "{ setPeriod = \"fn(f64) -> bool\" }")]
     pub operations: Vec<Listed>,
-    /// File of properties; what `properties` says holds.
+    /// File with property values; `properties` takes precedence.
     #[key(example = "\"site.toml\"")]
     pub load: Option<At<String>>,
-    /// Properties that are set.
+    /// Property values.
     #[key(example = "{ inflation_m = 0.35 }")]
     pub properties: Vec<Setting>,
-    /// Functions of an ASM and the world.
+    /// Bindings of the functions of an ASM to ports and services.
     #[key(or_default, example = "{ monitored = { }, out = { } }")]
     pub bind: Bind,
-    /// What must hold of an ASM before it may start.
+    /// Properties of an ASM verified before it starts.
     #[key(example = "{ ctl = true }")]
     pub verify: Option<Verify>,
-    /// `port-proxy`: operations that are ports. `ros-bridge`: topics here that are topics of ROS.
+    /// `port-proxy`: mapping of operations to ports. `ros-bridge`: mapping of topics to ROS topics.
     #[key(
         example = "[{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }]"
     )]
     pub map: Vec<MapEntry>,
-    /// `port-proxy`: the events it sends, and when.
+    /// `port-proxy`: conditions of the events it sends.
     #[key(example = "{ reference = \"notifying\", stale_ms = 1000 }")]
     pub notify: Option<Notify>,
-    /// `web-monitor`: its charts.
+    /// `web-monitor`: charts of the dashboard.
     #[key(example = "[{ title = \"Speed\", series = [\"velocity\"] }]")]
     pub plots: Vec<Plot>,
 }
 
 impl Component {
-    /// When it cycles: its `task` or its `activity`.
+    /// Returns `task` or `activity`, whichever is given.
     pub fn pace(&self) -> Option<&Pace> {
         self.task.as_ref().or(self.activity.as_ref())
     }
 }
 
-/// Ports that connections join.
+/// Ports used by connections.
 #[derive(Clone, Debug, Default, Table)]
 #[table(of = "`ports`", example = "{ in = { }, out = { } }")]
 pub struct Ports {
-    /// Input ports, with their types.
+    /// Input ports with their message types.
     #[key(name = "in", example = "{ scan = \"sensor_msgs/LaserScan\" }")]
     pub inputs: Vec<Listed>,
-    /// Output ports, with their types.
+    /// Output ports with their message types.
     #[key(name = "out", example = "{ scan = \"sensor_msgs/LaserScan\" }")]
     pub outputs: Vec<Listed>,
 }
@@ -104,13 +104,13 @@ pub struct Ports {
 /// A name and its type or interface, as in `scan = "sensor_msgs/LaserScan"`.
 #[derive(Clone, Debug)]
 pub struct Listed {
-    /// The name.
+    /// Port, service or operation name.
     pub name: At<String>,
-    /// The type or interface.
+    /// Message type, interface or signature.
     pub kind: At<String>,
 }
 
-/// A reference, or its interface alone.
+/// A reference, or its interface only.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a reference",
@@ -118,39 +118,39 @@ pub struct Listed {
     example = "\"nav/MapService\""
 )]
 pub struct Wanted {
-    /// Its name.
+    /// Name of the reference, unique in the component.
     #[key(entry = thing)]
     pub name: At<String>,
-    /// The interface it needs.
+    /// Required interface.
     #[key(example = "\"nav/MapService\"")]
     pub interface: At<String>,
-    /// Whether the component can do without.
+    /// Whether the reference may remain unconnected.
     pub optional: bool,
 }
 
-/// `rename = { trajectory = "plan" }`.
+/// An entry of `rename`, as in `rename = { trajectory = "plan" }`.
 #[derive(Clone, Debug)]
 pub struct Rename {
-    /// The name in the component.
+    /// Port name in the component.
     pub from: At<String>,
-    /// The topic in the composite.
+    /// Topic name in the composite.
     pub to: At<String>,
 }
 
-/// What must hold of an ASM before it may start.
+/// Properties of an ASM verified before it starts.
 #[derive(Clone, Debug, Table)]
 #[table(of = "`verify`", example = "{ ctl = true }", resolved = PlannedVerify)]
 pub struct Verify {
-    /// Its CTL properties.
+    /// Verify the CTL properties of the specification.
     #[key(default)]
     pub ctl: Option<At<bool>>,
-    /// Its LTL properties.
+    /// Verify the LTL properties of the specification.
     #[key(default)]
     pub ltl: Option<At<bool>>,
-    /// Its invariants.
+    /// Verify the invariants of the specification.
     #[key(default)]
     pub invariants: Option<At<bool>>,
-    /// Whether a failure keeps the composite from starting.
+    /// Refuse to start the composite if the verification fails.
     #[key(default)]
     pub refuse_start_on_failure: Option<At<bool>>,
 }
@@ -163,89 +163,89 @@ pub struct Verify {
     reason = "an entry maps either an operation or a topic"
 )]
 pub enum MapEntry {
-    /// Of a port-proxy.
+    /// Mapping of a port-proxy.
     #[key(flatten)]
     Proxy(ProxyEntry),
-    /// Of a ros-bridge.
+    /// Mapping of a ros-bridge.
     #[key(flatten)]
     Ros(RosEntry),
 }
 
-/// A service operation that is a port.
+/// Mapping of a service operation to a port.
 #[derive(Clone, Debug, Table)]
 #[table(of = "an entry of `map`", resolved = PlannedProxyEntry)]
 pub struct ProxyEntry {
-    /// The place of the entry.
+    /// Source location of the entry.
     pub span: Span,
     /// `service.operation` of the proxy; the `component` of the end is the service.
     #[key(example = "\"sending.set\"")]
     pub operation: End,
-    /// Port of the target; the proxy has one of the same name.
+    /// Port of the target; mirrored by a port of the same name in the proxy.
     #[key(example = "\"Driver.commands\"")]
     pub port: End,
-    /// How the operation uses the port.
+    /// Access of the operation to the port.
     #[key(example = "\"oneway\"")]
     pub mode: At<ProxyMode>,
-    /// The part of the message that is argument or result.
+    /// Message field holding the argument or result; the whole message by default.
     #[key(example = "\"position\"")]
     pub field: Option<MessagePath>,
 }
 
-/// How an operation uses a port.
+/// Access of an operation to a port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum ProxyMode {
-    /// Writes it.
+    /// Write a message.
     #[default]
     Oneway,
-    /// Writes it; a reply means that the target has read it.
+    /// Write a message and reply once the target has read it.
     Taken,
-    /// Writes it; a reply means that the motion has ended.
+    /// Write a message and reply once the motion has ended.
     Done,
-    /// Reads its last value.
+    /// Read the last message.
     Last,
-    /// Reads everything since the last call.
+    /// Read all messages since the previous call.
     All,
 }
 
-/// A topic here that is a topic of ROS.
+/// Mapping of a topic to a ROS topic.
 #[derive(Clone, Debug, Table)]
 #[table(of = "an entry of `map`", resolved = PlannedRosEntry)]
 pub struct RosEntry {
-    /// The place of the entry.
+    /// Source location of the entry.
     pub span: Span,
-    /// The name here, a port of the bridge.
+    /// Port of the bridge.
     #[key(example = "\"plan\"")]
     pub from: At<String>,
-    /// The name there.
+    /// Topic name in ROS.
     #[key(example = "\"/plan\"")]
     pub ros: At<String>,
-    /// The type there.
+    /// Message type in ROS.
     #[key(name = "type", example = "\"nav_msgs/Path\"")]
     pub kind: At<String>,
-    /// Which way messages go.
+    /// Direction of the messages.
     #[key(example = "\"to_ros\"")]
     pub direction: At<Direction>,
-    /// The converter, where the types differ.
+    /// Converter, required if the message types differ.
     #[key(example = "\"event_from_string\"")]
     pub convert: Option<At<String>>,
 }
 
-/// Which way messages go through a bridge.
+/// Direction of messages through a bridge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Direction {
-    /// Out.
+    /// From the composite to ROS.
     #[default]
     ToRos,
-    /// In.
+    /// From ROS to the composite.
     FromRos,
 }
 
-/// A part of a message, as in `pose.position.x`; each step with its place.
+/// A field path such as `pose.position.x`; each step has its source location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MessagePath {
-    /// The steps.
+    /// Field names, outermost first.
     pub steps: Vec<At<String>>,
-    /// The place of all of it.
+    /// Source location of the whole path.
     pub span: Span,
 }
 
@@ -256,7 +256,7 @@ impl std::fmt::Display for MessagePath {
     }
 }
 
-/// Events that a port-proxy sends, and when.
+/// Events sent by a port-proxy and their conditions.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "`notify`",
@@ -264,47 +264,47 @@ impl std::fmt::Display for MessagePath {
     resolved = PlannedNotify
 )]
 pub struct Notify {
-    /// The place of the table.
+    /// Source location of the table.
     pub span: Span,
-    /// Reference that it sends them through.
+    /// Reference used to send the events.
     #[key(example = "\"notifying\"")]
     pub reference: At<String>,
-    /// When the event `busy` is sent.
+    /// Condition of the event `busy`.
     pub busy: Option<At<Busy>>,
-    /// When the event `idle` is sent.
+    /// Condition of the event `idle`.
     #[key(
         example = "{ within = 0.01, of = \"commands.position\", on = \"jointStatus.position\" }"
     )]
     pub idle: Option<Idle>,
-    /// When the event `refresh` is sent.
+    /// Condition of the event `refresh`.
     #[key(example = "\"jointStatus.new\"")]
     pub refresh: Option<Condition>,
-    /// When the event `fault` is sent.
+    /// Condition of the event `fault`.
     #[key(example = "\"jointStatus.error_flags != 0\"")]
     pub fault: Option<Condition>,
-    /// After how long without data the event `stale` is sent.
+    /// Time without data after which the event `stale` is sent.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub stale_ms: Option<At<u64>>,
 }
 
-/// When the event `busy` is told.
+/// Condition of the event `busy`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Busy {
-    /// When a command has been accepted and written.
+    /// A command has been accepted and written.
     #[default]
     CommandWritten,
 }
 
-/// When an event is told: `jointStatus.new`, `jointStatus.error_flags != 0`.
+/// Condition of an event, such as `jointStatus.new` or `jointStatus.error_flags != 0`.
 #[derive(Clone, Debug)]
 pub struct Condition {
-    /// All of it.
+    /// Complete text of the condition.
     pub text: At<String>,
-    /// `port.field`, which it begins with.
+    /// Leading `port.field`; `None` if the text is invalid.
     pub path: Option<MessagePath>,
 }
 
-/// The motion has ended: what was measured is near what was commanded, for some time.
+/// Detection of the end of a motion: the measured value stays within a tolerance of the commanded one.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "`idle`",
@@ -312,16 +312,16 @@ pub struct Condition {
     resolved = PlannedIdle
 )]
 pub struct Idle {
-    /// How near, in the unit of the fields.
+    /// Tolerance in the unit of the fields.
     #[key(range = 0.0..=1e9, example = "0.01")]
     pub within: At<f64>,
-    /// `port.field` of what was commanded.
+    /// Commanded value: `port.field`.
     #[key(example = "\"commands.position\"")]
     pub of: MessagePath,
-    /// `port.field` of what is measured.
+    /// Measured value: `port.field`.
     #[key(example = "\"jointStatus.position\"")]
     pub on: MessagePath,
-    /// For how long.
+    /// Minimum time within the tolerance.
     #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
     pub for_ms: Option<At<u64>>,
 }
@@ -334,19 +334,19 @@ pub struct Idle {
     resolved = PlannedPlot
 )]
 pub struct Plot {
-    /// Its title.
+    /// Title above the chart.
     #[key(example = "\"Speed\"")]
     pub title: At<String>,
-    /// A range of indices, one chart each.
+    /// Index range; one chart per index.
     #[key(example = "\"0..5\"")]
     pub each: Option<At<String>>,
-    /// The fields drawn.
+    /// Fields drawn as curves.
     #[key(needed, example = "[\"velocity\"]")]
     pub series: Vec<At<String>>,
-    /// A field whose bits are shown as flags.
+    /// Field whose bits are shown as flags.
     #[key(example = "\"error_flags\"")]
     pub flags: Option<At<String>>,
-    /// How much of the past is drawn.
+    /// Time span of the chart.
     #[key(unit = "seconds", range = 1..=86_400, default = 60)]
     pub window_s: Option<At<u64>>,
 }

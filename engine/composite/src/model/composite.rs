@@ -1,4 +1,4 @@
-//! The file as a whole.
+//! The composite file.
 
 use asmotion_derive::Table;
 use asmotion_diagnostics::{FileId, Span};
@@ -13,16 +13,15 @@ use crate::table::Dialect;
 #[derive(Clone, Debug, Table)]
 #[table(of = "a composite file")]
 pub struct Composite {
-    /// The file it was read from.
+    /// File identifier in the source map.
     pub file: FileId,
-    /// The dialect of the file.
+    /// Dialect and version of the file.
     #[key(needed, example = "\"composite/1\"")]
     pub schema: Option<Dialect>,
-    /// The composite that this one is laid over: tables of one name become one, anything else takes the place of what was
-    /// there.
+    /// Base composite: tables of the same name are merged, other values override those of the base.
     #[key(example = "\"navigation.composite.toml\"")]
     pub base: Option<At<String>>,
-    /// The composite itself.
+    /// Name and description of the composite.
     #[key(
         name = "composite",
         needed,
@@ -30,52 +29,52 @@ pub struct Composite {
         example = "{ name = \"navigation\" }"
     )]
     pub head: Head,
-    /// What an integrator may set.
+    /// Properties set by the integrator.
     #[key(example = "{ }")]
     pub properties: Vec<Property>,
     /// Message brokers.
     #[key(example = "{ }")]
     pub brokers: Vec<Broker>,
-    /// Where promoted services are called over HTTP.
+    /// HTTP gateways for promoted services.
     #[key(example = "{ }")]
     pub gateways: Vec<Gateway>,
-    /// Ways to other middlewares.
+    /// Bridges to other middleware.
     #[key(example = "{ }")]
     pub bridges: Vec<Bridge>,
-    /// The components, in the order in which they cycle where two are due at once.
+    /// Components; the order determines which cycles first if several are due at once.
     #[key(example = "{ }")]
     pub components: Vec<Component>,
-    /// How topics go over a broker.
+    /// Settings of topics sent over a broker.
     #[key(example = "{ }")]
     pub topics: Vec<Topic>,
-    /// References and the services that answer them.
+    /// Connections from references to services.
     #[key(example = "[[wires]]")]
     pub wires: Vec<Wire>,
-    /// What carries messages from outputs to inputs.
+    /// Connections from output ports to input ports.
     #[key(example = "[[connections]]")]
     pub connections: Vec<Connection>,
-    /// What the outside sees.
+    /// Elements visible outside the composite.
     #[key(name = "promote", example = "[[promote]]")]
     pub promotions: Vec<Promotion>,
-    /// Which process runs what; one runs everything, if absent.
+    /// Assignment of components to processes; a single process by default.
     #[key(example = "{ }")]
     pub deploy: Option<Deploy>,
 }
 
-/// What a composite is called, and what it is for.
+/// Name and description of a composite.
 #[derive(Clone, Debug, Default, Table)]
 #[table(of = "`composite`", example = "{ name = \"navigation\" }")]
 pub struct Head {
-    /// Its name: the robot's on the bus, unless another one is given when it is started.
+    /// Name of the composite; also the name of the robot on the bus unless another is given at startup.
     #[key(needed, example = "\"navigation\"")]
     pub name: Option<At<String>>,
-    /// Its version.
+    /// Version.
     #[key(example = "\"1.0.0\"")]
     pub version: Option<At<String>>,
-    /// Namespace of its names in SCDL, which others may share.
+    /// SCDL namespace of its names; may be shared with other composites.
     #[key(example = "\"http://robots.example/navigation\"")]
     pub namespace: Option<At<String>>,
-    /// What it is for.
+    /// Description.
     #[key(example = "\"what it is for\"")]
     pub doc: Option<At<String>>,
     /// Files with message types.
@@ -84,21 +83,21 @@ pub struct Head {
 }
 
 impl Composite {
-    /// Its name; `composite`, where it could not be read.
+    /// Returns the name of the composite; `composite` if it could not be read.
     pub fn name(&self) -> At<String> {
         let unknown = || At::new("composite".to_owned(), Span::new(self.file, 0, 0));
         self.head.name.clone().unwrap_or_else(unknown)
     }
 
-    /// The component of this name.
+    /// Returns the component of this name.
     pub fn component(&self, name: &str) -> Option<&Component> {
         self.components
             .iter()
             .find(|component| component.name.value == name)
     }
 
-    /// The broker that a component is on, where components name theirs: a `task` stays inside unless it names one. An
-    /// `activity` has no key for it, so where a connection joins it to a topic, it is on the composite's only broker.
+    /// Returns the broker of a component if components name their brokers. A `task` without `broker` is local. An
+    /// `activity` has no such key, so one connected to a topic uses the composite's only broker.
     pub fn broker_of<'c>(&'c self, component: &'c Component) -> Option<&'c At<String>> {
         let of_pace = |it: &'c Component| it.pace()?.broker.as_ref();
         let is_task = component.task.is_some();

@@ -1,4 +1,4 @@
-//! Brokers, gateways and bridges: where messages leave the process.
+//! Brokers, gateways and bridges.
 
 use asmotion_datum::Codec;
 use asmotion_derive::{Table, Word};
@@ -14,42 +14,42 @@ use crate::at::At;
     resolved = PlannedBroker
 )]
 pub struct Broker {
-    /// Its name in the composite.
+    /// Name in the composite.
     #[key(entry = thing, local)]
     pub name: At<String>,
-    /// Its address, with user and password.
+    /// Broker URL including user and password.
     #[key(example = "\"amqp://guest:guest@127.0.0.1:5672/%2f\"", unresolved)]
     pub url: At<Template>,
-    /// The topic exchange, which robots share.
+    /// Topic exchange shared by the robots.
     #[key(example = "\"robots\"", default = "robots")]
     pub exchange: Option<At<String>>,
-    /// How payloads are encoded.
+    /// Encoding of payloads.
     #[key(default)]
     pub codec: Option<At<Codec>>,
-    /// Whether the line is encrypted.
+    /// Use of TLS.
     #[key(default)]
     pub tls: Option<At<Tls>>,
-    /// How often each side shows that it is alive; a dead peer is noticed after twice that.
+    /// Heartbeat interval; a peer is considered dead after two intervals without data.
     #[key(unit = "seconds", range = 2..=3600, default = 4)]
     pub heartbeat_s: Option<At<u64>>,
-    /// How a lost connection is made again.
+    /// Reconnection after a lost connection.
     #[key(default, example = "{ first_ms = 100, max_ms = 5000, jitter = 0.2 }")]
     pub reconnect: Option<Reconnect>,
 }
 
-/// Whether the line to a broker is encrypted.
+/// Use of TLS on connections to a broker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Tls {
-    /// Where the broker offers it.
+    /// Use TLS if the broker offers it.
     #[default]
     Prefer,
-    /// Never.
+    /// Never use TLS.
     Off,
-    /// Always.
+    /// Require TLS.
     Require,
 }
 
-/// How a lost connection is made again: waits double from the first to the longest.
+/// Exponential backoff between connection attempts.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "`reconnect`",
@@ -57,70 +57,70 @@ pub enum Tls {
     resolved = PlannedReconnect
 )]
 pub struct Reconnect {
-    /// First wait.
+    /// Delay before the first attempt.
     #[key(unit = "milliseconds", range = 1..=DAY_MS, default = 100)]
     pub first_ms: Option<At<u64>>,
-    /// Longest wait.
+    /// Maximum delay.
     #[key(unit = "milliseconds", range = 1..=DAY_MS, default = 5000)]
     pub max_ms: Option<At<u64>>,
-    /// Share of the wait that is random.
+    /// Fraction of the delay that is random.
     #[key(range = 0.0..=1.0, default = 0.2)]
     pub jitter: Option<At<f64>>,
 }
 
-/// Where promoted services are called over HTTP.
+/// An HTTP gateway for promoted services.
 #[derive(Clone, Debug, Table)]
 #[table(of = "a gateway", example = "{ listen = \"127.0.0.1:8080\" }", resolved = PlannedGateway)]
 pub struct Gateway {
-    /// Its name in the composite.
+    /// Name in the composite.
     #[key(entry = thing, local)]
     pub name: At<String>,
-    /// Address and port it listens at; port 0 is a free one.
+    /// Address and port to listen on; port 0 selects a free port.
     #[key(example = "\"127.0.0.1:8080\"", unresolved)]
     pub listen: At<Address>,
-    /// How many may be connected at once.
+    /// Maximum number of simultaneous connections.
     #[key(range = 1..=10_000, default = 64)]
     pub max_connections: Option<At<u64>>,
-    /// The longest argument of a call.
+    /// Maximum size of a request body.
     #[key(unit = "thousands of bytes", range = 1..=1_000_000, default = 1000)]
     pub max_body_kb: Option<At<u64>>,
 }
 
-/// An address and a port, in which something may be substituted.
+/// An address and a port; may contain substitutions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Address(pub Template);
 
-/// A way to another middleware.
+/// A bridge to other middleware.
 #[derive(Clone, Debug, Table)]
 #[table(of = "a bridge", example = "{ kind = \"ros2\", domain = 0 }", resolved = PlannedBridge)]
 pub struct Bridge {
-    /// Its name in the composite.
+    /// Name in the composite.
     #[key(entry = thing, local)]
     pub name: At<String>,
-    /// Which middleware.
+    /// Kind of middleware.
     #[key(example = "\"ros2\"")]
     pub kind: At<BridgeKind>,
     /// ROS 1: address of roscore.
     #[key(example = "\"http://127.0.0.1:11311\"")]
     pub master: Option<At<Template>>,
-    /// ROS 2: the domain.
+    /// ROS 2: domain ID.
     #[key(range = 0..=232)]
     pub domain: Option<At<u64>>,
     /// rosbridge: address of the server.
     #[key(example = "\"ws://127.0.0.1:9090\"")]
     pub url: Option<At<Template>>,
-    /// The name under which we appear there.
+    /// Node name in ROS.
     #[key(example = "\"/composite_bridge\"")]
     pub node: Option<At<String>>,
 }
 
-/// The middleware on the other side of a bridge.
+/// Middleware connected by a bridge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum BridgeKind {
-    /// ROS 1, by its own wire.
+    /// ROS 1 (TCPROS).
     #[default]
     Ros1,
-    /// ROS 2, by DDS.
+    /// ROS 2 (DDS).
     Ros2,
     /// A rosbridge server.
     Rosbridge,

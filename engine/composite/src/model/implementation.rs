@@ -1,4 +1,4 @@
-//! What a component is made of.
+//! Implementations of components.
 
 use asmotion_datum::Word as _;
 use asmotion_derive::{Table, Word};
@@ -6,7 +6,7 @@ use asmotion_diagnostics::Span;
 
 use crate::at::At;
 
-/// What a component is made of: one of these.
+/// Implementation of a component, exactly one of these.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "an implementation",
@@ -14,67 +14,67 @@ use crate::at::At;
     reason = "a component has one implementation"
 )]
 pub enum Implementation {
-    /// A component of this build, by its name in the catalogue.
+    /// Component linked into the executable, by its name in the catalogue.
     #[key(example = "\"nav::MapServer\"")]
     Rust(At<String>),
     /// An ASM specification.
     Asm {
-        /// An ASM specification: its file.
+        /// File of an ASM specification.
         #[key(name = "asm", example = "\"guard.asm\"")]
         file: At<String>,
-        /// Its main rule, where it is to be checked.
+        /// Main rule; verified against the specification if given.
         #[key(example = "\"r_Main\"")]
         main: Option<At<String>>,
     },
-    /// Another composite: its file.
+    /// File of a nested composite.
     #[key(example = "\"driver.composite.toml\"")]
     Composite(At<String>),
-    /// A component that is part of the engine.
+    /// Component provided by the engine.
     Builtin {
-        /// A component that is part of the engine.
+        /// Component provided by the engine.
         #[key(name = "builtin", example = "\"port-proxy\"")]
         name: At<String>,
-        /// `port-proxy`: component whose ports it offers as services.
+        /// `port-proxy`: component whose ports are accessed through services.
         #[key(example = "\"youBotDriver\"")]
         target: Option<At<String>>,
-        /// `ros-bridge`: bridge it uses.
+        /// `ros-bridge`: name of the bridge.
         #[key(example = "\"ros\"")]
         bridge: Option<At<String>>,
-        /// `web-monitor`, `http-gateway`: the TCP port.
+        /// `web-monitor`, `http-gateway`: TCP port.
         #[key(range = 0..=65_535)]
         port: Option<At<u64>>,
     },
-    /// Another program.
+    /// External program.
     Process {
-        /// Another program.
+        /// Command of an external program.
         #[key(name = "process", example = "\"./driver\"")]
         command: At<String>,
-        /// Its arguments.
+        /// Command-line arguments.
         #[key(example = "[\"--verbose\"]")]
         arguments: Vec<At<String>>,
     },
-    /// A ROS node.
+    /// ROS node.
     Ros {
-        /// A ROS node: its package.
+        /// Package of a ROS node.
         #[key(name = "ros", example = "\"demo_nodes_cpp\"")]
         package: At<String>,
-        /// The executable in it.
+        /// Executable within the package.
         #[key(example = "\"talker\"")]
         executable: Option<At<String>>,
     },
-    /// A component of a running Orocos system.
+    /// Component of a running Orocos system.
     Orocos {
-        /// A component of a running Orocos system: its name there.
+        /// Component name in a running Orocos system.
         #[key(name = "orocos", example = "\"Driver\"")]
         component: At<String>,
-        /// Address of the name service.
+        /// Address of the CORBA name service.
         #[key(example = "\"corbaloc::127.0.0.1:2809\"")]
         name_service: Option<At<String>>,
     },
 }
 
 impl Implementation {
-    /// Where it was written.
+    /// Returns the source location.
     pub fn span(&self) -> Span {
         match self {
             Self::Rust(name) | Self::Composite(name) => name.span,
@@ -86,7 +86,7 @@ impl Implementation {
         }
     }
 
-    /// The component of the engine that it is, if there is one of this name.
+    /// Returns the built-in component; `None` for other implementations and unknown names.
     pub fn builtin(&self) -> Option<BuiltinComponent> {
         match self {
             Self::Builtin { name, .. } => BuiltinComponent::of_word(name),
@@ -100,28 +100,28 @@ impl Implementation {
     }
 }
 
-/// The components that are part of the engine.
+/// Components provided by the engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum BuiltinComponent {
-    /// Ports of a data-flow component offered as services.
+    /// Access to the ports of a data-flow component through services.
     #[default]
     #[word("port-proxy")]
     PortProxy,
-    /// Topics here joined to topics of ROS.
+    /// Mapping of topics to ROS topics.
     #[word("ros-bridge")]
     RosBridge,
-    /// The dashboard.
+    /// Dashboard.
     #[word("web-monitor")]
     WebMonitor,
-    /// Writes runs down.
+    /// Recorder of runs.
     Recorder,
-    /// Plays a run that was written down.
+    /// Replay of recorded runs.
     Replayer,
-    /// A simulated world.
+    /// Simulated world.
     Simulator,
-    /// Services over HTTP.
+    /// HTTP access to services.
     #[word("http-gateway")]
     HttpGateway,
-    /// Events at times.
+    /// Timed events.
     Timer,
 }

@@ -1,4 +1,4 @@
-//! A composite file as it was written: typed, every value with its place, nothing judged yet.
+//! Syntactic model of a composite file: typed values with source locations, not yet checked.
 
 pub mod binding;
 mod component;
@@ -37,8 +37,8 @@ pub use wiring::{
     Policy, Retry, Terminal, Transport, Wire,
 };
 
-/// No wait is longer than a day.
+/// Upper bound of all time settings in milliseconds: one day.
 pub(crate) const DAY_MS: u64 = 86_400_000;
 
-/// How long a call may take where the wire does not say.
+/// Timeout of a call in milliseconds if the wire has none.
 pub const DEFAULT_TIMEOUT_MS: u64 = 1000;

@@ -1,4 +1,4 @@
-//! When a component cycles and how its life goes: the two tables `task` (TCA) and `activity` (RTT).
+//! Scheduling and lifecycle of components: the tables `task` (TCA) and `activity` (RTT).
 
 use asmotion_component::{OnDeadline, OnException, Overrun, Scheduler};
 use asmotion_derive::Table;
@@ -7,7 +7,7 @@ use asmotion_diagnostics::Span;
 use super::{Amount, DAY_MS};
 use crate::at::At;
 
-/// When a component cycles. A `task` goes over a broker, an `activity` has a thread with a scheduling class.
+/// Schedule of a component. A `task` can use a broker; an `activity` has a thread with a scheduling class.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a task",
@@ -16,63 +16,63 @@ use crate::at::At;
     resolved = PlannedPace
 )]
 pub struct Pace {
-    /// The place of the table.
+    /// Source location of the table.
     pub span: Span,
-    /// Name of its queue and its log, label of its metrics; the component's name, if absent.
+    /// Identifier used for queues, logs and metrics; the component name by default.
     #[key(within = "task", example = "\"planner\"", written)]
     pub id: Option<At<String>>,
-    /// Time between two cycles; 0 is event-driven.
+    /// Period; 0 makes the component event-driven.
     #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
     pub period_ms: Option<At<Amount>>,
-    /// Time before the first cycle.
+    /// Delay before the first cycle.
     #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
     pub delay_ms: Option<At<Amount>>,
-    /// Whether it cycles as soon as the composite runs.
+    /// Start cycling as soon as the composite runs.
     #[key(default = true)]
     pub run_on_startup: Option<At<bool>>,
-    /// What happens to a cycle that could not begin in time.
+    /// Handling of cycles that could not start in time.
     #[key(default)]
     pub overrun: Option<At<Overrun>>,
-    /// Whether a stop may cut a cycle short.
+    /// Allow a stop to interrupt a cycle.
     #[key(within = "task", default)]
     pub may_interrupt_if_running: Option<At<bool>>,
-    /// Broker that its topics go through; in process, if absent.
+    /// Broker for its topics; communication is local by default.
     #[key(within = "task", example = "\"main\"", local)]
     pub broker: Option<At<String>>,
-    /// Scheduling class of its thread; that of its process, if absent.
+    /// Scheduling class of the thread; that of the process by default.
     #[key(within = "activity")]
     pub scheduler: Option<At<Scheduler>>,
-    /// Priority in that class; that of its process, if absent.
+    /// Scheduling priority; that of the process by default.
     #[key(within = "activity", range = 1..=99)]
     pub priority: Option<At<u64>>,
-    /// Processors it may run on; those of its process, if none is named.
+    /// Processor affinity; that of the process by default.
     #[key(within = "activity", range = 0..=1023, example = "[1]")]
     pub cpu: Vec<At<u64>>,
-    /// How long a cycle may take.
+    /// Maximum duration of a cycle.
     #[key(within = "activity", unit = "milliseconds", range = 1..=DAY_MS)]
     pub deadline_ms: Option<At<Amount>>,
-    /// What happens when a cycle takes longer.
+    /// Reaction to an exceeded deadline.
     #[key(within = "activity", default)]
     pub on_deadline: Option<At<OnDeadline>>,
-    /// Component in whose thread, and after which, it cycles (RTT's slave activity).
+    /// Component in whose thread it runs, immediately after it (RTT's slave activity).
     #[key(within = "activity", example = "\"RoverDriver\"", local)]
     pub master: Option<At<String>>,
 }
 
-/// Transitions of a component that nobody has to ask for.
+/// Automatic lifecycle transitions.
 #[derive(Clone, Debug, Table)]
 #[table(of = "`lifecycle`", example = "{ autostart = true }", resolved = PlannedLifecycle)]
 pub struct Lifecycle {
-    /// Whether it is configured when it is loaded.
+    /// Configure the component when it is loaded.
     #[key(default = true)]
     pub autoconf: Option<At<bool>>,
-    /// Whether it is started when it is configured.
+    /// Start the component once configured.
     #[key(default = true)]
     pub autostart: Option<At<bool>>,
-    /// What follows an exception.
+    /// Reaction to an exception.
     #[key(default)]
     pub on_exception: Option<At<OnException>>,
-    /// How often it is reset before it is given up.
+    /// Maximum number of resets after exceptions.
     #[key(range = 0..=1_000_000, default = 3)]
     pub max_resets: Option<At<u64>>,
 }

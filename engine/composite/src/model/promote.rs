@@ -1,4 +1,4 @@
-//! Promotion: what the outside sees.
+//! Promotions: ports, services and properties visible outside the composite.
 
 use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
@@ -7,63 +7,63 @@ use super::wiring::Transport;
 use super::{DAY_MS, End};
 use crate::at::At;
 
-/// Something that the outside sees.
+/// An element visible outside the composite.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a promotion",
     example = "{ service = \"Planner.planning\", as = \"planning\" }"
 )]
 pub struct Promotion {
-    /// The place of the promotion.
+    /// Source location of the promotion.
     pub span: Span,
-    /// What is promoted.
+    /// Promoted element.
     #[key(flatten)]
     pub what: Promoted,
-    /// Its name outside.
+    /// Public name.
     #[key(name = "as", example = "\"planning\"", form = topic)]
     pub name: At<String>,
-    /// In which profiles; in all, if none is named.
+    /// Profiles that include it; all if empty.
     #[key(name = "profile", example = "\"sim\"")]
     pub profiles: Vec<At<String>>,
-    /// Over what the outside reaches it, beside the wires of an outer composite.
+    /// Additional transports for access from outside.
     #[key(name = "binding")]
     pub bindings: Vec<At<Transport>>,
-    /// Over which broker, if there are several.
+    /// Broker; required if there are several.
     #[key(example = "\"main\"")]
     pub broker: Option<At<String>>,
-    /// Through which gateway, if there are several.
+    /// Gateway; required if there are several.
     #[key(example = "\"main\"")]
     pub gateway: Option<At<String>>,
-    /// Deadline of a call through a gateway whose caller sets none.
+    /// Default timeout of calls through a gateway.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub timeout_ms: Option<At<u64>>,
-    /// Whether a reference may stay without a service.
+    /// Whether a reference may remain unconnected.
     pub optional: bool,
 }
 
-/// What is promoted.
+/// A promoted element.
 #[derive(Clone, Debug, Table)]
 #[table(of = "a promotion", reason = "write a promotion for each")]
 pub enum Promoted {
-    /// A service of a component.
+    /// Service of a component.
     #[key(example = "\"Component.name\"")]
     Service(End),
-    /// A reference of a component.
+    /// Reference of a component.
     #[key(example = "\"Component.name\"")]
     Reference(End),
-    /// A property of a component.
+    /// Property of a component.
     #[key(example = "\"Component.name\"")]
     Property(End),
-    /// A port of a component.
+    /// Port of a component.
     #[key(example = "\"Component.name\"")]
     Port(End),
-    /// A topic.
+    /// Topic of the composite.
     #[key(example = "\"plan\"", form = topic)]
     Topic(At<String>),
 }
 
 impl Promotion {
-    /// Where it says that the outside reaches it over this.
+    /// Returns the location of the binding to this transport; `None` if there is none.
     pub fn over(&self, transport: Transport) -> Option<&At<Transport>> {
         let mut bindings = self.bindings.iter();
         bindings.find(|binding| binding.value == transport)
@@ -71,7 +71,7 @@ impl Promotion {
 }
 
 impl Promoted {
-    /// The key of the dialect that names it.
+    /// Returns the key that names the element, such as `service`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Service(_) => "service",

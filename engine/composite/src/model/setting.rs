@@ -1,4 +1,4 @@
-//! Values that may be set from outside: properties, substitutions, amounts.
+//! Externally set values: properties, substitutions and amounts.
 
 use asmotion_derive::{Table, Word};
 use std::fmt;
@@ -9,117 +9,117 @@ use crate::address::mask;
 use crate::at::At;
 use crate::tree::Node;
 
-/// A property of the composite, which an integrator may set.
+/// A property of the composite, set by the integrator.
 #[derive(Clone, Table)]
 #[table(
     of = "a property",
     example = "{ type = \"f64\", default = 0.35, min = 0.0, max = 1.0 }"
 )]
 pub struct Property {
-    /// Its name.
+    /// Name of the property.
     #[key(entry = thing)]
     pub name: At<String>,
-    /// What it holds.
+    /// Type of the value.
     #[key(name = "type", example = "\"f64\"")]
     pub kind: At<PropertyType>,
-    /// Its value unless set from outside; without one it must be set.
+    /// Default value; a property without one must be set.
     pub default: Option<Node>,
-    /// The least value.
+    /// Minimum value.
     pub min: Option<At<f64>>,
-    /// The greatest value.
+    /// Maximum value.
     pub max: Option<At<f64>>,
-    /// What it is for.
+    /// Description.
     #[key(example = "\"what it is for\"")]
     pub doc: Option<At<String>>,
 }
 
-/// What a property holds: one value, or a list of them (`f64[]`).
+/// Type of a property: a scalar or a list of scalars (`f64[]`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PropertyType {
-    /// The type of the value or of the items.
+    /// Type of the scalar or of the list elements.
     pub scalar: Scalar,
-    /// Whether it is a list.
+    /// Whether the value is a list.
     pub list: bool,
 }
 
-/// The type of one value.
+/// Type of a single value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Scalar {
-    /// A text.
+    /// String.
     #[default]
     #[word("string")]
     Text,
-    /// A Boolean.
+    /// Boolean.
     #[word("bool")]
     Boolean,
-    /// A whole number of 8 bits.
+    /// 8-bit signed integer.
     I8,
-    /// A whole number of 16 bits.
+    /// 16-bit signed integer.
     I16,
-    /// A whole number of 32 bits.
+    /// 32-bit signed integer.
     I32,
-    /// A whole number of 64 bits.
+    /// 64-bit signed integer.
     I64,
-    /// A natural number of 8 bits.
+    /// 8-bit unsigned integer.
     U8,
-    /// A natural number of 16 bits.
+    /// 16-bit unsigned integer.
     U16,
-    /// A natural number of 32 bits.
+    /// 32-bit unsigned integer.
     U32,
-    /// A natural number of 64 bits (as far as TOML can write it: 63).
+    /// 64-bit unsigned integer, limited to 63 bits by TOML.
     U64,
-    /// A number in single precision.
+    /// Single-precision floating-point number.
     F32,
-    /// A number in double precision.
+    /// Double-precision floating-point number.
     F64,
-    /// An address, as in `http://…`, `file:…`.
+    /// URI, such as `http://…` or `file:…`.
     Uri,
-    /// A file or a directory.
+    /// Path of a file or directory.
     Path,
-    /// A text that is never shown.
+    /// String that is never displayed.
     Secret,
 }
 
-/// A property of a component or of a nested composite, being set.
+/// An assignment to a property of a component or nested composite.
 #[derive(Clone, Debug)]
 pub struct Setting {
-    /// The property.
+    /// Property name.
     pub name: At<String>,
-    /// Its value; texts in it may hold substitutions.
+    /// Assigned value; strings may contain substitutions.
     pub value: Node,
 }
 
-/// A text with substitutions, as in `amqp://${AMQP_USER:-guest}@127.0.0.1`.
+/// A string with substitutions, such as `amqp://${AMQP_USER:-guest}@127.0.0.1`.
 #[derive(Clone, PartialEq)]
 pub struct Template {
-    /// Its parts in order.
+    /// Literal and substituted parts in order.
     pub pieces: Vec<Piece>,
 }
 
 /// A part of a [`Template`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Piece {
-    /// Text that stands for itself.
+    /// Literal text.
     Text(String),
     /// `${properties.name}`.
     Property {
-        /// The property of the composite.
+        /// Name of the property of the composite.
         name: String,
-        /// Where its name stands.
+        /// Source location of the name.
         span: Span,
     },
     /// `${NAME}` or `${NAME:-default}`.
     Variable {
-        /// The environment variable.
+        /// Name of the environment variable.
         name: String,
-        /// What holds where it is not set.
+        /// Value if the variable is not set.
         default: Option<String>,
-        /// Where its name stands.
+        /// Source location of the name.
         span: Span,
     },
 }
 
-/// Without the default of a secret.
+/// Masks the default value of secrets.
 impl fmt::Debug for Property {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let secret = self.kind.value.scalar == Scalar::Secret;
@@ -134,7 +134,7 @@ impl fmt::Debug for Property {
     }
 }
 
-/// As it was written, without a password that stands in it.
+/// Displays the source text with passwords masked.
 impl fmt::Debug for Template {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let pieces = self.pieces.iter().map(|piece| match piece {
@@ -148,7 +148,7 @@ impl fmt::Debug for Template {
 }
 
 impl Template {
-    /// The text itself where nothing is substituted.
+    /// Returns the text if it contains no substitution.
     pub fn literal(&self) -> Option<&str> {
         match self.pieces.as_slice() {
             [] => Some(""),
@@ -158,11 +158,11 @@ impl Template {
     }
 }
 
-/// A whole number that may come from a property.
+/// An integer, possibly taken from a property.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Amount {
-    /// Written out.
+    /// A literal number.
     Number(u64),
-    /// From `${properties.x}`.
+    /// A substitution such as `${properties.x}`.
     Template(Template),
 }

@@ -1,36 +1,36 @@
-//! How topics go over a broker.
+//! Settings of topics sent over a broker.
 
 use asmotion_datum::Codec;
 use asmotion_derive::{Table, Word};
 
 use crate::at::At;
 
-/// How a topic goes over a broker. What is left out follows from the connections.
+/// Settings of a topic sent over a broker. Omitted keys are derived from the connections.
 #[derive(Clone, Debug, Table)]
 #[table(of = "a topic", example = "{ confirm = true }", resolved = PlannedSending)]
 pub struct Topic {
-    /// The topic.
+    /// Name of the topic.
     #[key(entry = topic)]
     pub name: At<String>,
-    /// Whether messages are kept until the broker has confirmed them, and sent again if need be.
+    /// Keep messages until the broker has confirmed them and resend them if necessary.
     pub confirm: Option<At<bool>>,
-    /// What becomes of messages while the broker is away.
+    /// Handling of messages while the broker is unreachable.
     pub outage: Option<At<Outage>>,
-    /// How many of them are kept.
+    /// Maximum number of messages kept.
     #[key(range = 1..=1_000_000)]
     pub size: Option<At<u64>>,
-    /// How payloads are encoded; as the broker has it, if absent.
+    /// Encoding of payloads; that of the broker by default.
     pub codec: Option<At<Codec>>,
 }
 
-/// What becomes of messages while the broker is away.
+/// Handling of messages while the broker is unreachable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Outage {
-    /// They are dropped, and counted.
+    /// Drop messages and count them.
     #[default]
     Drop,
-    /// The newest is kept.
+    /// Keep the newest message.
     Latest,
-    /// The oldest so many are kept.
+    /// Keep the oldest `size` messages.
     Queue,
 }

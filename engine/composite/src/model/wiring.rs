@@ -1,4 +1,4 @@
-//! Wires join a reference to services; connections join ports and topics.
+//! Wires connect references to services; connections connect ports and topics.
 
 use asmotion_component::{Lock, OnStale, Sharing};
 use asmotion_derive::{Table, Word};
@@ -10,14 +10,14 @@ use crate::at::At;
 /// `Component.name`: a port, a service, a reference or a property of a component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct End {
-    /// The component.
+    /// Component name.
     pub component: At<String>,
-    /// What of it.
+    /// Port, service, reference or property name.
     pub name: At<String>,
 }
 
 impl End {
-    /// The place of both.
+    /// Source location of the whole end.
     pub fn span(&self) -> Span {
         self.component.span.to(self.name.span)
     }
@@ -36,12 +36,12 @@ pub enum Terminal {
     Port(End),
     /// `topic:name`.
     Topic(At<String>),
-    /// `mqueue:/name`: a queue that an Orocos component of another process writes or reads.
+    /// `mqueue:/name`: a queue shared with an Orocos component of another process.
     Mqueue(At<String>),
 }
 
 impl Terminal {
-    /// Where it was written.
+    /// Returns the source location.
     pub fn span(&self) -> Span {
         match self {
             Self::Port(end) => end.span(),
@@ -60,7 +60,7 @@ impl std::fmt::Display for Terminal {
     }
 }
 
-/// A reference and the services that answer it.
+/// A reference and the services it calls.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a wire",
@@ -68,51 +68,51 @@ impl std::fmt::Display for Terminal {
     resolved = PlannedWire
 )]
 pub struct Wire {
-    /// The place of the wire.
+    /// Source location of the wire.
     pub span: Span,
-    /// Reference of the component that calls.
+    /// Reference of the calling component.
     #[key(example = "\"Coordinator.planner\"")]
     pub reference: End,
-    /// Service that answers; more than one for a fan-out of one-way calls.
+    /// Called service; several for a fan-out of one-way calls.
     #[key(name = "service", needed, one, example = "\"Planner.planning\"")]
     pub services: Vec<End>,
-    /// In which profiles; in all, if none is named.
+    /// Profiles that include it; all if empty.
     #[key(name = "profile", example = "\"sim\"", written)]
     pub profiles: Vec<At<String>>,
-    /// What it goes over.
+    /// Transport of the calls.
     #[key(default)]
     pub binding: Option<At<Transport>>,
-    /// Over which broker, if there are several.
+    /// Broker; required if there are several.
     #[key(example = "\"main\"")]
     pub broker: Option<At<String>>,
-    /// How long the caller waits for each attempt.
+    /// Time limit of each attempt.
     #[key(unit = "milliseconds", range = 1..=DAY_MS, default = DEFAULT_TIMEOUT_MS)]
     pub timeout_ms: Option<At<u64>>,
-    /// How a call is tried again.
+    /// Retries of failed calls.
     #[key(default, example = "{ attempts = 2, backoff_ms = 100 }")]
     pub retry: Option<Retry>,
-    /// What becomes of a call whose time is over.
+    /// Handling of calls that have timed out.
     #[key(default)]
     pub cancel: Option<At<Cancel>>,
-    /// Whether the caller waits for no reply.
+    /// Do not wait for a reply.
     #[key(default)]
     pub oneway: Option<At<bool>>,
 }
 
 impl PlannedWire {
-    /// Returns `true` if it goes over a broker even between components of one process.
+    /// Returns `true` if the wire uses a broker even between components of the same process.
     pub fn goes_abroad(&self) -> bool {
         self.binding == Transport::Amqp
     }
 }
 
-/// What a wire or a promotion goes over.
+/// Transport of a wire or promotion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Transport {
     /// Within the process.
     #[default]
     Local,
-    /// A broker.
+    /// AMQP broker.
     Amqp,
     /// ROS services.
     Ros,
@@ -120,36 +120,36 @@ pub enum Transport {
     Http,
 }
 
-/// What happens to a call nobody waits for any longer.
+/// Handling of calls that have timed out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Cancel {
-    /// It is withdrawn when its time is over.
+    /// Cancel the call when it times out.
     #[default]
     OnTimeout,
-    /// It runs to its end.
+    /// Let the call complete.
     Never,
 }
 
-/// How a call is tried again.
+/// Retries of failed calls.
 #[derive(Clone, Debug, Table)]
 #[table(of = "`retry`", example = "{ attempts = 2, backoff_ms = 100 }", resolved = PlannedRetry)]
 pub struct Retry {
-    /// How often after the first time.
+    /// Number of retries after the first attempt.
     #[key(range = 0..=1000, default = 0)]
     pub attempts: Option<At<u64>>,
-    /// Wait between two attempts.
+    /// Delay between two attempts.
     #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
     pub backoff_ms: Option<At<u64>>,
 }
 
-/// From ports, topics or message queues to others: every writer is joined to every reader.
+/// A connection between ports, topics or message queues: every writer is connected to every reader.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a connection",
     example = "{ from = \"Laser.scan\", to = \"Adapter.scan\" }"
 )]
 pub struct Connection {
-    /// The place of the connection.
+    /// Source location of the connection.
     pub span: Span,
     /// Writers: `Component.port`, `topic:name` or `mqueue:/name`.
     #[key(needed, one, example = "\"Laser.scan\"")]
@@ -157,16 +157,16 @@ pub struct Connection {
     /// Readers, in the same form.
     #[key(needed, one, example = "\"topic:scan\"")]
     pub to: Vec<Terminal>,
-    /// In which profiles; in all, if none is named.
+    /// Profiles that include it; all if empty.
     #[key(name = "profile", example = "\"sim\"", written)]
     pub profiles: Vec<At<String>>,
-    /// How messages are carried.
+    /// Transfer policy of the connection.
     #[key(or_default, example = "{ type = \"data\" }")]
     pub policy: Policy,
 }
 
 impl Connection {
-    /// Whether it joins a port of this component to a topic.
+    /// Returns whether the connection joins a port of this component to a topic.
     pub fn joins_to_topic(&self, component: &str) -> bool {
         let own =
             |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component);
@@ -178,46 +178,46 @@ impl Connection {
     }
 }
 
-/// How a connection carries messages: RTT's connection policy, and what a reader does with old data.
+/// Transfer policy of a connection: RTT's connection policy, extended by the handling of stale data.
 #[derive(Clone, Debug, Default, Table)]
 #[table(of = "a connection policy", example = "{ type = \"data\" }", resolved = PlannedPolicy)]
 pub struct Policy {
-    /// The place of the table.
+    /// Source location of the table.
     pub span: Span,
-    /// The last value, or a queue.
+    /// Storage: the last value or a queue.
     #[key(name = "type", default)]
     pub kind: Option<At<ConnectionType>>,
-    /// Length of the queue.
+    /// Capacity of the queue.
     #[key(range = 1..=1_000_000, default = 1)]
     pub size: Option<At<u64>>,
-    /// How writers and readers are kept apart.
+    /// Synchronisation of writers and readers.
     #[key(default)]
     pub lock: Option<At<Lock>>,
-    /// Whether a new reader gets the last value written before.
+    /// Deliver the last written value to new readers.
     #[key(default)]
     pub init: Option<At<bool>>,
-    /// Whether data stays with the writer until asked for.
+    /// Keep data with the writer until the reader requests it.
     #[key(default)]
     pub pull: Option<At<bool>>,
-    /// Whether a write that does not get through is an error of the writer.
+    /// Report a failed write to the writer as an error.
     #[key(default)]
     pub mandatory: Option<At<bool>>,
-    /// Which connections share the queue.
+    /// Sharing of the queue among connections.
     #[key(default)]
     pub buffer: Option<At<Sharing>>,
-    /// How many threads may use it; as many as there are ends, if absent.
+    /// Maximum number of threads using the connection; one per end by default.
     #[key(range = 1..=1024)]
     pub max_threads: Option<At<u64>>,
-    /// How old data may be.
+    /// Maximum age of data.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub max_age_ms: Option<At<u64>>,
-    /// What a reader sees instead of data that is too old.
+    /// Handling of data older than `max_age_ms`.
     #[key(default)]
     pub on_stale: Option<At<OnStale>>,
-    /// Whether new data wakes the reader.
+    /// Notification of the reader about new data.
     #[key(default)]
     pub delivery: Option<At<Delivery>>,
-    /// How often a polling reader looks.
+    /// Interval at which a polling reader checks for data.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub poll_ms: Option<At<u64>>,
     /// Size of the largest message in a queue `mqueue:/name`.
@@ -225,27 +225,27 @@ pub struct Policy {
     pub data_size: Option<At<u64>>,
 }
 
-/// Last value or queue.
+/// Storage of a connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum ConnectionType {
     /// The last value.
     #[default]
     Data,
-    /// A queue; the newest is dropped when it is full.
+    /// A queue that rejects new messages when full.
     Buffer,
-    /// A queue; the oldest is dropped when it is full.
+    /// A queue that overwrites the oldest message when full.
     #[word("circular_buffer")]
     Circular,
 }
 
-/// Whether new data wakes the reader.
+/// Notification of the reader about new data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Delivery {
-    /// It does, if the reader is event-driven.
+    /// Wake an event-driven reader.
     #[default]
     Event,
-    /// It does not: the reader reads when it cycles.
+    /// No notification; data is read in the reader's next cycle.
     Cycle,
-    /// The reader looks every `poll_ms`.
+    /// The reader checks every `poll_ms`.
     Poll,
 }

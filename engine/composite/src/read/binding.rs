@@ -1,4 +1,4 @@
-//! `bind.monitored` and `bind.out`: what is no plain table in them.
+//! Reads the parts of `bind.monitored` and `bind.out` that are not plain tables.
 
 use asmotion_coordinator::Receive;
 use serde_json::{Value as Json, json};
@@ -10,13 +10,13 @@ use crate::model::binding::{Action, Argument, Call, Effect, Monitored, Out, Publ
 use crate::table::{Key, Many, Table as _, Value};
 use crate::tree::{Branch, Node, Table};
 
-/// Keys of a monitored function that belong together, or do not.
+/// Checks combinations of keys of a monitored function.
 pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) {
     keys.either("field", "map", "only one field can be the value");
     if monitored.on_stale.is_some() {
         keys.need("stale_ms", "300");
     }
-    // `edge = true` is a way to receive
+    // `edge = true` is short for `receive = "edge"`
     let Some(edge) = monitored.edge.as_ref().filter(|edge| edge.value) else {
         return;
     };
@@ -30,7 +30,7 @@ pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) 
     monitored.receive = Some(At::new(Receive::Edge, edge.span));
 }
 
-/// A call that tells how it ended tells it to somebody.
+/// Checks that a call with outcome literals names the function that receives them.
 pub(crate) fn call(call: &mut Call, keys: &mut Keys<'_, '_, '_>) {
     let told = [&call.ok, &call.failed, &call.timeout, &call.unavailable];
     if told.iter().any(|literal| literal.is_some()) {
@@ -38,7 +38,7 @@ pub(crate) fn call(call: &mut Call, keys: &mut Keys<'_, '_, '_>) {
     }
 }
 
-/// `{ topic, publish }` or a table of literals.
+/// Reads `{ topic, publish }` or a table of literals.
 impl Value for Out {
     const MANY: Many = Many::Names;
 
@@ -90,7 +90,8 @@ fn actions(reader: &mut Reader<'_>, entry: &crate::tree::Entry, spec: &Key) -> V
         .collect()
 }
 
-/// Literals have tables as values; the keys of the short form have texts.
+/// Returns whether the table is the short form: literals have tables as values, the keys of the short form have
+/// scalars.
 fn is_publish(table: &Table) -> bool {
     let entry = table.get("topic").or(table.get("publish"));
     entry.is_some_and(|entry| match entry.node.value {
@@ -99,7 +100,7 @@ fn is_publish(table: &Table) -> bool {
     })
 }
 
-/// `"@name.field"`, a record of arguments, or a plain value.
+/// Reads `"@name.field"`, a record of arguments or a plain value.
 impl Value for Argument {
     fn schema(_: &Key) -> Json {
         json!({})

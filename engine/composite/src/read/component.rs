@@ -1,4 +1,4 @@
-//! `[components.<name>]`: keys that exclude each other, and lists of names.
+//! Reads `[components.<name>]`: name lists and mutually exclusive keys.
 
 use serde_json::{Value as Json, json};
 
@@ -11,7 +11,7 @@ use crate::model::{
 use crate::table::{Key, Many, Value};
 use crate::tree::Node;
 
-/// `scan = "sensor_msgs/LaserScan"`: names with types or interfaces.
+/// Reads names with message types or interfaces, such as `scan = "sensor_msgs/LaserScan"`.
 impl Value for Listed {
     const MANY: Many = Many::Names;
 
@@ -26,7 +26,7 @@ impl Value for Listed {
     }
 }
 
-/// `trajectory = "plan"`.
+/// Reads a rename such as `trajectory = "plan"`.
 impl Value for Rename {
     const MANY: Many = Many::Names;
 
@@ -41,7 +41,7 @@ impl Value for Rename {
     }
 }
 
-/// A property, being set.
+/// Reads a property assignment.
 impl Value for Setting {
     const MANY: Many = Many::Names;
 
@@ -56,7 +56,7 @@ impl Value for Setting {
     }
 }
 
-/// Keys that belong to one kind of component only stand nowhere else.
+/// Reports keys that do not apply to the component's kind of implementation.
 pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
     let one = "a component has either `task` (over a broker) or `activity`";
     keys.either("task", "activity", one);

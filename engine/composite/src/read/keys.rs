@@ -1,6 +1,6 @@
-//! Reads a table key by key, and says everything that is wrong with it.
+//! Reads tables key by key and collects diagnostics.
 //!
-//! The keys that are asked for are the keys that exist: whatever is left over when [`Keys`] goes is an unknown key.
+//! The keys requested define the permitted keys: dropping [`Keys`] reports all others as unknown.
 
 use std::collections::BTreeSet;
 
@@ -23,7 +23,7 @@ use crate::nearest::{Nearest, nearest_name};
 use crate::table::{Key, Many, Outline, Value};
 use crate::tree::{Branch, Entry, Node, Table};
 
-/// The text being read and what was found in it.
+/// Source text being read and the diagnostics found in it.
 pub(crate) struct Reader<'t> {
     text: &'t str,
     pub report: Report,
@@ -52,7 +52,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// Opens a value that must be a table.
+    /// Opens a value that must be a table; reports other types.
     pub(crate) fn keys_of<'r, 'n>(
         &'r mut self,
         node: &'n Node,
@@ -69,7 +69,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// A text without substitution.
+    /// Reads a string without substitutions.
     pub(crate) fn text(&mut self, key: &str, node: &Node, example: &str) -> Option<At<String>> {
         let Branch::Text(text) = &node.value else {
             self.wrong_type(key, "a string", node, example);
@@ -85,7 +85,7 @@ impl<'t> Reader<'t> {
         Some(At::new(text.clone(), node.span))
     }
 
-    /// A text with substitutions.
+    /// Reads a string with substitutions.
     pub(crate) fn template(&mut self, key: &str, node: &Node, example: &str) -> Option<Template> {
         let Branch::Text(text) = &node.value else {
             self.wrong_type(key, "a string", node, example);
@@ -100,7 +100,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// A number, if it lies within the range of its key.
+    /// Reads a number and checks it against the range of its key.
     pub(crate) fn within(
         &mut self,
         key: &str,
@@ -121,7 +121,7 @@ impl<'t> Reader<'t> {
         None
     }
 
-    /// A word out of a list.
+    /// Reads one of a fixed set of words.
     pub(crate) fn word<T: Word>(&mut self, key: &str, spec: &Key, node: &Node) -> Option<T> {
         let known = T::words();
         let first = known.first().map(|word| format!("\"{word}\""));
@@ -154,13 +154,12 @@ impl<'t> Reader<'t> {
         });
     }
 
-    /// Whether every character of the text stands in the file as it is, without escapes, so that
-    /// a part of it can be pointed at.
+    /// Returns whether the string contains no escapes, so that parts of it can be located in the file.
     pub(crate) fn exact(&self, text: &str, span: Span) -> bool {
         self.text.get(span.range()) == Some(text)
     }
 
-    /// The place of a part of a text; all of it where escapes hide the part.
+    /// Returns the location of a part of a string; the whole string if escapes prevent this.
     pub(crate) fn part(&self, text: &At<String>, range: std::ops::Range<usize>) -> Span {
         if !self.exact(text, text.span) {
             return text.span;
@@ -190,12 +189,12 @@ impl<'t> Reader<'t> {
 pub(crate) struct Keys<'r, 't, 'n> {
     pub reader: &'r mut Reader<'t>,
     table: &'n Table,
-    /// Where a missing key should stand.
+    /// Location for reports of missing keys.
     pub span: Span,
     of: &'static str,
-    /// The key that has the table as its value.
+    /// Key of which the table is the value.
     pub within: &'static str,
-    /// What was asked for so far.
+    /// Keys requested so far.
     known: BTreeSet<&'static str>,
 }
 
@@ -205,18 +204,18 @@ impl<'n> Keys<'_, '_, 'n> {
         self.table.get(key)
     }
 
-    /// These keys are none that are unknown, whether they are read or not.
+    /// Marks the keys of an outline as known even if they are not read.
     pub(crate) fn know(&mut self, outline: &Outline) {
         self.known
             .extend(outline.keys.iter().map(|(key, _)| key.name));
     }
 
-    /// The place of a key, if it is there.
+    /// Returns the location of a key; `None` if it is absent.
     pub(crate) fn place(&mut self, key: &'static str) -> Option<Span> {
         self.find(key).map(|entry| entry.key.span)
     }
 
-    /// The value of a key that may be left out, unless it is needed.
+    /// Reads an optional value; reports a missing key if it is required.
     pub(crate) fn optional<V: Value>(&mut self, key: &'static Key) -> Option<V> {
         if key.needed {
             self.need(key.name, key.example);
@@ -225,7 +224,7 @@ impl<'n> Keys<'_, '_, 'n> {
         V::read(self.reader, name, key, node)
     }
 
-    /// The values of a key that has several.
+    /// Reads a key with several values.
     pub(crate) fn many<V: Value>(&mut self, key: &'static Key) -> Vec<V> {
         if key.needed {
             self.need(key.name, key.example);
@@ -256,7 +255,7 @@ impl<'n> Keys<'_, '_, 'n> {
         Vec::new()
     }
 
-    /// Which of these keys is there; that there are several is said, and that there is none.
+    /// Returns the index of the key that is present; reports that several are.
     pub(crate) fn one_of(&mut self, keys: &[&'static Key], reason: &'static str) -> Option<usize> {
         let mut found = Vec::new();
         for (index, key) in keys.iter().enumerate() {
@@ -275,7 +274,7 @@ impl<'n> Keys<'_, '_, 'n> {
         Some(index)
     }
 
-    /// Says that two keys cannot stand together, if both are there.
+    /// Reports two keys that exclude each other, if both are present.
     pub(crate) fn either(
         &mut self,
         first: &'static str,
@@ -302,7 +301,7 @@ impl<'n> Keys<'_, '_, 'n> {
         });
     }
 
-    /// Says that the key is missing, if it is.
+    /// Reports a missing key.
     pub(crate) fn need(&mut self, key: &'static str, example: &str) {
         if self.find(key).is_none() {
             self.reader.report.found(MissingKey {

@@ -1,4 +1,4 @@
-//! Text → tree → [`Composite`]: everything that can be said without knowing what it means.
+//! Parses composite files into a [`Composite`] without semantic checks.
 
 pub(crate) mod binding;
 mod component;
@@ -19,13 +19,14 @@ use crate::model::Composite;
 use crate::table::Table as _;
 use crate::tree::{self, Table};
 
-/// Larger files are not composites.
+/// Maximum size of a composite file in bytes.
 pub const MAX_BYTES: usize = 1 << 20;
 
-/// So many places that are not TOML are shown; the rest is mostly their echo.
+/// Maximum number of syntax errors reported; later ones are mostly consequences of the first.
 const MAX_SYNTAX_ERRORS: usize = 10;
 
-/// Reads a composite from the tree of its file: the model as far as it can be made out, and every finding.
+/// Reads a composite from a TOML tree. The model is incomplete if there are errors, and `None` if nothing could be
+/// read.
 pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> (Option<Composite>, Report) {
     let mut reader = Reader::new(text);
     let top = top(file);
@@ -35,7 +36,7 @@ pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> (Option<Compo
     (composite, reader.report)
 }
 
-/// Reads a file as a tree, and says where it is no TOML. `None` where nothing of it can be made out.
+/// Parses a TOML file; `None` if nothing could be parsed.
 pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Report) {
     let mut report = Report::new();
     if text.len() > MAX_BYTES {
@@ -68,7 +69,7 @@ pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Repo
     }
 }
 
-/// The start of a file: where a key that is missing at the top should stand.
+/// Returns the start of a file, used as the location of missing top-level keys.
 pub(crate) fn top(file: FileId) -> Span {
     Span::new(file, 0, 0)
 }

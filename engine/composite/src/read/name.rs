@@ -1,4 +1,4 @@
-//! Names, ends (`Component.port`), terminals (`topic:plan`) and paths into messages.
+//! Reads names, ends (`Component.port`), terminals (`topic:plan`) and field paths.
 
 use super::keys::Reader;
 use crate::at::At;
@@ -6,8 +6,8 @@ use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
 use crate::model::{Condition, End, MessagePath, Terminal};
 
-/// A name of a thing of the composite: letters, digits, `_` and `-`; where composites are opened up, with
-/// the names of those around it in front: `Driver/youBotDriver`.
+/// Reads the name of an element: letters, digits, `_` and `-`. In expanded composites it may be qualified:
+/// `Driver/youBotDriver`.
 pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
     let rule = "use letters, digits, `_` and `-`, starting with a letter";
     let letters = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
@@ -18,7 +18,7 @@ pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<Str
     accept(reader, name, name.split('/').all(good), "a name", rule)
 }
 
-/// A topic: as a name, with `/` and `.` in it.
+/// Reads a topic name, which may also contain `/` and `.`.
 pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
     let rule = "use letters, digits, `_`, `-`, `/` and `.`";
     let letters =
@@ -32,7 +32,7 @@ pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<Str
     )
 }
 
-/// Any name.
+/// Accepts any name.
 pub(crate) fn any(_: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
     Some(name.clone())
 }
@@ -57,7 +57,7 @@ fn accept(
     Some(name.clone())
 }
 
-/// `Component.name`.
+/// Reads `Component.name`.
 pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
     let split = text.split_once('.').filter(|(component, name)| {
         !component.is_empty() && !name.is_empty() && !name.contains('.')
@@ -80,7 +80,7 @@ pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
     })
 }
 
-/// `Component.port`, `topic:name` or `mqueue:/name`.
+/// Reads `Component.port`, `topic:name` or `mqueue:/name`.
 pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Terminal> {
     let after = |prefix: &str| {
         let name = text.strip_prefix(prefix)?;
@@ -96,14 +96,14 @@ pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Ter
     }
 }
 
-/// A queue of the kernel: `/jointStatus`.
+/// Reads the name of a message queue, such as `/jointStatus`.
 fn queue(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
     let rule = "write `/` and a name without `/`, as in `mqueue:/jointStatus`";
     let good = asmotion_mqueue::QueueName::new(name).is_ok();
     accept(reader, name, good, "a message queue", rule)
 }
 
-/// `pose.position.x`.
+/// Reads a field path such as `pose.position.x`.
 pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<MessagePath> {
     let mut steps = Vec::new();
     let mut start = 0;
@@ -128,7 +128,7 @@ pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Message
     })
 }
 
-/// A text that begins with `port.field`.
+/// Reads a condition that starts with `port.field`.
 pub(crate) fn condition(reader: &mut Reader<'_>, text: At<String>) -> Condition {
     let belongs = |letter: char| letter.is_alphanumeric() || letter == '.' || letter == '_';
     let head = text.split(|letter| !belongs(letter)).next().unwrap_or("");

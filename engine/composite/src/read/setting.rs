@@ -1,9 +1,9 @@
-//! Values that texts are substituted in.
+//! Checks substitutions in values.
 
 use super::keys::Reader;
 use crate::tree::{Branch, Node};
 
-/// Reads all substitutions in a value, only to say which are malformed.
+/// Reports malformed substitutions in a value.
 pub(crate) fn templates(reader: &mut Reader<'_>, key: &str, node: &Node) {
     match &node.value {
         Branch::Text(_) => {

@@ -1,10 +1,11 @@
-//! `${properties.x}`, `${VARIABLE}` and `${VARIABLE:-default}` in texts.
+//! Parses the substitutions `${properties.x}`, `${VARIABLE}` and `${VARIABLE:-default}`.
 
 use asmotion_diagnostics::Span;
 
 use crate::model::{Piece, Template};
 
-/// Reads the substitutions of a text; `exact` where its bytes stand in the file as they are.
+/// Parses the substitutions of a string. Set `exact` if the string contains no escapes; otherwise errors are located at
+/// the whole string.
 pub(crate) fn parse(text: &str, span: Span, exact: bool) -> Result<Template, (&'static str, Span)> {
     let place = |start: usize, end: usize| match exact {
         true => Span::new(
@@ -50,7 +51,7 @@ pub(crate) fn parse(text: &str, span: Span, exact: bool) -> Result<Template, (&'
     Ok(Template { pieces })
 }
 
-/// What stands between the braces.
+/// Parses the text between the braces.
 fn piece(inner: &str, place: impl Fn(usize, usize) -> Span) -> Result<Piece, (&'static str, Span)> {
     if let Some(name) = inner.strip_prefix("properties.") {
         let span = place(inner.len() - name.len(), inner.len());

@@ -1,4 +1,4 @@
-//! The types of properties and their ranges.
+//! Types and ranges of properties.
 
 use crate::codes::c015::InvalidSetting;
 use crate::codes::c016::SettingOutOfRange;
@@ -10,7 +10,7 @@ use crate::model::{Property, PropertyType, Scalar};
 use crate::range::Range;
 use crate::value::SettingValue;
 
-/// A value for a property of a composite, if it has its type and lies in its range.
+/// Converts a value to the type of a composite property; reports a wrong type or a value out of range.
 pub(super) fn accept(
     property: &Property,
     value: SettingValue,
@@ -41,7 +41,7 @@ pub(super) fn accept(
     within(name, &value, &range, at, declared, notes).then_some(value)
 }
 
-/// Whether all numbers of a value lie in a range.
+/// Checks that all numbers of a value are in range.
 pub(crate) fn within(
     name: &str,
     value: &SettingValue,
@@ -72,7 +72,7 @@ pub(crate) fn within(
     }
 }
 
-/// What a property takes, for people.
+/// Describes the values of a type.
 fn describe(kind: PropertyType) -> String {
     let (article, one) = match kind.scalar {
         Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => ("a", "string"),
@@ -93,7 +93,7 @@ fn describe(kind: PropertyType) -> String {
     }
 }
 
-/// The numbers a type can hold.
+/// Numeric limits of a type.
 fn limits(scalar: Scalar) -> (Option<f64>, Option<f64>) {
     match scalar {
         Scalar::I8 => (Some(i8::MIN.into()), Some(i8::MAX.into())),
@@ -114,7 +114,7 @@ fn limits(scalar: Scalar) -> (Option<f64>, Option<f64>) {
     }
 }
 
-/// A value as a type wants it.
+/// Converts a value to a type.
 fn of_type(value: SettingValue, kind: PropertyType) -> Option<SettingValue> {
     if kind.list {
         let SettingValue::List(items) = value else {
@@ -155,7 +155,7 @@ fn of_type(value: SettingValue, kind: PropertyType) -> Option<SettingValue> {
     }
 }
 
-/// A text from outside, as a property of this type takes it.
+/// Parses a string given outside the files as a value of this type.
 pub(super) fn from_text(text: &str, kind: PropertyType) -> Option<SettingValue> {
     if kind.list {
         if text.trim_start().starts_with('[') {

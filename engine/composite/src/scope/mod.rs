@@ -1,4 +1,4 @@
-//! Values of properties, and what is substituted for them: the one place that asks the environment.
+//! Property values and substitutions. Only this module accesses the environment.
 
 mod kind;
 
@@ -26,21 +26,21 @@ use crate::tree::{Branch, Node};
 use crate::value::{REDACTED, SettingValue};
 use crate::wording::is_outside;
 
-/// Findings about a value, which may be set from outside all files.
+/// Codes that may concern values set outside the files.
 const OF_VALUES: &[&Code] = &[
     UnknownSetting::CODE,
     InvalidSetting::CODE,
     SettingOutOfRange::CODE,
 ];
 
-/// What comes up while values are put together.
+/// Diagnostics collected during substitution.
 #[derive(Default)]
 pub struct SubstitutionNotes {
-    /// The findings.
+    /// Diagnostics in order of detection.
     pub report: Report,
-    /// Environment variables that are not set.
+    /// Unset environment variables.
     pub missing: Vec<String>,
-    /// Whether a value that was set from outside all files is wrong.
+    /// Whether an error concerns a value set outside the files.
     pub outside: bool,
 }
 
@@ -60,11 +60,11 @@ impl Findings for SubstitutionNotes {
     }
 }
 
-/// Values that are set from outside: by the name of the property, `None` where one is not known,
-/// with the place where it was set, if that was in a file.
+/// Externally set values by property name, with their source location if in a file; the value is `None` if it could not
+/// be resolved.
 pub type OutsideSettings = BTreeMap<String, (Option<SettingValue>, Option<Span>)>;
 
-/// The properties of the outermost composite that are set from outside all files: by name and text.
+/// Parses the property values of the outermost composite that are set outside the files; reports unknown names.
 pub fn outside_settings(
     composite: &Composite,
     settings: &[(String, String)],
@@ -89,19 +89,19 @@ pub fn outside_settings(
     set
 }
 
-/// The properties of one composite, as they hold in one place of the system.
+/// Property values of a composite instance.
 pub struct PropertyScope<'s> {
-    /// `None` for a value that is not known, which was reported.
+    /// Value and location of each property; `None` for an unresolved value, which has been reported.
     values: BTreeMap<String, (Option<SettingValue>, Span)>,
     environment: &'s dyn VariableSource,
     sources: &'s Sources,
 }
 
-/// A text after substitution.
+/// A string after substitution.
 #[derive(Clone, Debug)]
 pub(crate) struct Filled {
     pub text: String,
-    /// The same with secrets blotted out.
+    /// Text with secrets masked, for display.
     pub shown: String,
 }
 
@@ -112,7 +112,7 @@ impl Filled {
 }
 
 impl<'s> PropertyScope<'s> {
-    /// The properties of a composite, with the values that were `set` from outside.
+    /// Resolves the properties of a composite, with the values `set` from outside taking precedence.
     pub fn new(
         properties: &[Property],
         mut set: OutsideSettings,
@@ -150,12 +150,12 @@ impl<'s> PropertyScope<'s> {
         scope
     }
 
-    /// The values that are known, by name.
+    /// Returns the value of a property; `None` if it is unresolved.
     pub fn value(&self, name: &str) -> Option<&SettingValue> {
         self.values.get(name)?.0.as_ref()
     }
 
-    /// The value of a node, with everything substituted; `None` where something is missing.
+    /// Applies the substitutions in a value; `None` if one is unresolved.
     pub fn node(&self, node: &Node, notes: &mut SubstitutionNotes) -> Option<SettingValue> {
         Some(match &node.value {
             Branch::Text(text) => return self.text(text, node.span, notes),
@@ -178,7 +178,7 @@ impl<'s> PropertyScope<'s> {
         })
     }
 
-    /// A default; what the environment gives is text, also where a number is wanted.
+    /// Resolves a default value. Environment variables are strings and are converted to the type of the property.
     fn default(
         &self,
         property: &Property,
@@ -194,7 +194,7 @@ impl<'s> PropertyScope<'s> {
         }
     }
 
-    /// A text that is nothing but a property is that property, number or not.
+    /// Applies the substitutions in a string. A string consisting of a single property has the type of the property.
     fn text(&self, text: &str, span: Span, notes: &mut SubstitutionNotes) -> Option<SettingValue> {
         let exact = self.sources.snippet(span) == text;
         let template = template::parse(text, span, exact).ok()?;
@@ -232,7 +232,7 @@ impl<'s> PropertyScope<'s> {
         }
     }
 
-    /// A text with everything substituted; `None` where something is missing.
+    /// Applies the substitutions in a template; `None` if one is unresolved.
     pub(crate) fn fill(
         &self,
         template: &Template,
@@ -262,7 +262,8 @@ impl<'s> PropertyScope<'s> {
         complete.then_some(Filled { text, shown })
     }
 
-    /// A variable, and whether it is a secret. One that ends in `_FILE` names a file with a secret.
+    /// Returns the value of an environment variable and whether it is a secret. If its name ends in `_FILE`, the value
+    /// is the content of the named file.
     fn variable(
         &self,
         name: &str,
@@ -301,7 +302,7 @@ impl<'s> PropertyScope<'s> {
         }
     }
 
-    /// A whole number that may come from a property.
+    /// Resolves an integer that may refer to a property.
     pub(crate) fn amount(
         &self,
         key: &Key,
@@ -357,7 +358,7 @@ impl<'s> PropertyScope<'s> {
     }
 }
 
-/// A value as text, and whether it is a secret.
+/// Formats a value as text; the flag tells whether it is a secret.
 fn plain(value: &SettingValue) -> (String, bool) {
     match value {
         SettingValue::Text(text) => (text.clone(), false),
@@ -370,9 +371,8 @@ fn plain(value: &SettingValue) -> (String, bool) {
     }
 }
 
-/// A path counts from the folder of the file it is written in, wherever the run is begun. What was
-/// substituted is already where it belongs: a property of this type was read by these lines, and a
-/// variable comes from outside all files.
+/// Makes a relative path relative to the directory of the file that contains it. Substituted values are unchanged:
+/// properties of this type have been resolved before, and variables are set outside the files.
 fn beside(
     kind: PropertyType,
     value: SettingValue,

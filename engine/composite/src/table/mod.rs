@@ -1,6 +1,7 @@
-//! What every table of the dialect has: keys with their documentation, a reader, a schema, and the same table without places.
+//! Declarative tables of the dialect: keys with documentation, a reader, a JSON Schema, and a resolved form without
+//! source locations.
 //!
-//! `#[derive(Table)]` writes the implementations; by hand are those of the few values that are no tables.
+//! `#[derive(Table)]` generates the implementations; only values that are not tables implement the traits by hand.
 
 mod resolve;
 #[cfg(test)]
@@ -11,7 +12,7 @@ mod write;
 use serde_json::{Map, Value as Json, json};
 use toml_edit::Value as Toml;
 
-/// What the derive names, so that it needs no other module.
+/// Items named by the generated code, collected in one module.
 pub(crate) mod derived {
     pub(crate) use crate::at::At;
     pub(crate) use crate::read::keys::{Keys, Reader};
@@ -29,76 +30,76 @@ use crate::read::keys::{Keys, Reader};
 use crate::tree::Node;
 use crate::value::SettingValue as Plain;
 
-/// A key of a table, as its declaration says it.
+/// A key of a table.
 pub struct Key {
-    /// As it is written.
+    /// Name as written in the file.
     pub name: &'static str,
-    /// The documentation of its field.
+    /// Documentation of the field.
     pub doc: &'static str,
-    /// A value as TOML writes it; empty for none.
+    /// Example value in TOML syntax; empty if none.
     pub example: &'static str,
-    /// Of a number; empty for none.
+    /// Unit of a number; empty if none.
     pub unit: &'static str,
-    /// Whether it must be there.
+    /// Whether the key is required.
     pub needed: bool,
-    /// The least number.
+    /// Minimum of a number.
     pub least: f64,
-    /// The greatest number.
+    /// Maximum of a number.
     pub greatest: f64,
-    /// The only key under which a table has it; empty where all have it.
+    /// Only key under which the table permits it; empty if always permitted.
     pub within: &'static str,
-    /// What holds where it is left out.
+    /// Default value.
     pub(crate) default: Option<fn() -> Option<Toml>>,
-    /// How several are written, where there may be several.
+    /// Notation of several values; `None` if only one is permitted.
     pub(crate) many: Option<Many>,
-    /// How one value is written.
+    /// JSON Schema of a single value.
     pub(crate) schema: fn(&Self) -> Json,
-    /// The table that it has as its value.
+    /// Outline of a table value.
     pub(crate) table: fn(&Self) -> Option<Outline>,
 }
 
-/// How several values are written.
+/// Notation of several values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Many {
-    /// As one of them, or as a list.
+    /// A single value or a list.
     OneOrList,
-    /// As a list, whatever it has.
+    /// Always a list.
     List(&'static str),
-    /// As a list of tables.
+    /// A list of tables.
     Tables,
-    /// As a table, by name.
+    /// A table with names as keys.
     Names,
 }
 
-/// What a key can have as its value.
+/// The type of the value of a key.
 pub(crate) trait Value: Sized {
-    /// How several are written.
+    /// Notation of several values.
     const MANY: Many = Many::OneOrList;
 
-    /// How one is written, as JSON Schema.
+    /// Returns the JSON Schema of a value.
     fn schema(key: &Key) -> Json;
 
-    /// The table that it is, if it is one.
+    /// Returns the outline if the value is a table.
     fn table(_: &Key) -> Option<Outline> {
         None
     }
 
-    /// Reads one, and reports what is wrong.
+    /// Reads a value; reports errors and returns `None`.
     fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self>;
 }
 
 /// A value that is a table.
 pub(crate) trait Table: Sized {
-    /// Its keys.
+    /// Returns the keys of the table.
     fn outline() -> Outline;
 
-    /// The first of them.
+    /// Returns the first key.
     fn first() -> &'static Key {
         let outline = Self::outline();
         outline.keys.first().map_or(&Key::NAME, |(key, _)| key)
     }
 
-    /// Reads it key by key; `name` is its name where it is an entry of a table of names.
+    /// Reads the table key by key; `name` is the key of an entry in a table of names.
     fn read_keys(keys: &mut Keys<'_, '_, '_>, name: &At<String>) -> Option<Self>;
 }
 
@@ -112,21 +113,21 @@ impl<T: Table> Table for Box<T> {
     }
 }
 
-/// A table as its declaration says it.
+/// Description of a table.
 #[derive(Clone)]
 pub struct Outline {
-    /// What it is, as in "a wire".
+    /// Noun phrase for messages, such as "a wire".
     pub of: &'static str,
-    /// Its documentation.
+    /// Documentation of the type.
     pub doc: &'static str,
-    /// Its keys in the order of declaration, each with the key without which it is unknown, if there is one.
+    /// Keys in declaration order, each with the key it depends on, if any.
     pub keys: Vec<(&'static Key, Option<&'static str>)>,
-    /// Of these keys there is exactly one.
+    /// Keys of which exactly one is required.
     pub one_of: Vec<&'static str>,
 }
 
 impl Key {
-    /// The name of an entry, which is no key.
+    /// Pseudo-key for the name of an entry.
     pub(crate) const NAME: Self = Self {
         name: "",
         doc: "",
@@ -142,13 +143,13 @@ impl Key {
         table: |_| None,
     };
 
-    /// What holds where it is left out, as TOML.
+    /// Returns the default value in TOML syntax.
     pub(crate) fn default_text(&self) -> Option<String> {
         let default = self.default?()?;
         Some(default.to_string().trim().to_owned())
     }
 
-    /// How its value is written, with everything an editor can show.
+    /// Returns the JSON Schema of the value, with documentation, unit and default.
     pub(crate) fn property(&self) -> Json {
         let one = (self.schema)(self);
         let mut schema = match self.many {
@@ -208,13 +209,13 @@ impl Outline {
         self.keys.into_iter().map(|(key, _)| key).collect()
     }
 
-    /// Adds the keys of a part.
+    /// Appends the keys of a flattened field.
     pub(crate) fn append(&mut self, part: Self) {
         self.keys.extend(part.keys);
         self.one_of.extend(part.one_of);
     }
 
-    /// Adds the keys of a variant, which the first of them chooses.
+    /// Appends the keys of a variant, which is selected by the first of them.
     pub(crate) fn choice(&mut self, keys: Vec<&'static Key>) {
         let first = keys.first().map(|key| key.name);
         self.one_of.extend(first);
@@ -223,14 +224,14 @@ impl Outline {
             .extend(keys.into_iter().map(|key| (key, with(&key))));
     }
 
-    /// The keys it has as the value of a key.
+    /// Retains the keys permitted if the table is the value of `key`.
     pub(crate) fn within(mut self, key: &str) -> Self {
         self.keys
             .retain(|(it, _)| it.within.is_empty() || it.within == key);
         self
     }
 
-    /// The table as JSON Schema.
+    /// Returns the JSON Schema of the table.
     pub(crate) fn schema(&self) -> Json {
         let properties = self.keys.iter();
         let properties: Map<_, _> = properties
@@ -272,7 +273,7 @@ impl Outline {
     }
 }
 
-/// The schema of a table that may be written as the value of one of its keys.
+/// Returns the schema of a table that may be abbreviated to the value of the key `short`.
 pub(crate) fn or_short(schema: Json, outline: Outline, short: &str) -> Json {
     let mut keys = outline.keys.iter();
     match keys.find(|(key, _)| key.name == short) {

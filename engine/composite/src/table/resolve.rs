@@ -1,4 +1,4 @@
-//! From what was written to what holds: places left out, substitutions made.
+//! Resolution of written values: locations removed, substitutions and defaults applied.
 
 use std::net::SocketAddr;
 
@@ -15,30 +15,30 @@ use crate::scope::{PropertyScope, SubstitutionNotes};
 use crate::tree::Node;
 use crate::value::SettingValue;
 
-/// Something written that stands for a value.
+/// A written value that can be resolved.
 pub trait Resolve {
-    /// The value.
+    /// Type of the resolved value.
     type Resolved;
 
-    /// The value; `None` where it is not known, which was reported.
+    /// Resolves the value; `None` if it is unknown, which has been reported.
     fn resolve(&self, key: &Key, to: &mut Resolver<'_>) -> Option<Self::Resolved>;
 }
 
-/// What values of a composite are resolved with.
+/// Context for the resolution of values.
 pub struct Resolver<'r> {
     pub(crate) scope: &'r PropertyScope<'r>,
-    /// Collects the findings, and the variables that are not set.
+    /// Diagnostics and unset environment variables found so far.
     pub notes: &'r mut SubstitutionNotes,
-    /// The names of the composites around, each with a `/` behind it.
+    /// Name prefix of the enclosing composites, with a trailing slash.
     pub(crate) prefix: &'r str,
-    /// Where the value being resolved was written.
+    /// Source location of the value being resolved.
     pub(crate) at: Span,
-    /// What it is a value of, for messages.
+    /// Description of the element that has the value, for messages.
     pub owner: String,
 }
 
 impl<'r> Resolver<'r> {
-    /// Resolves values in `scope`; the names around are in `prefix`.
+    /// Creates a resolver for values in `scope`; `prefix` contains the names of the enclosing composites.
     pub fn new(
         scope: &'r PropertyScope<'r>,
         prefix: &'r str,
@@ -54,12 +54,12 @@ impl<'r> Resolver<'r> {
         }
     }
 
-    /// The name that something of this composite has in the whole system.
+    /// Qualifies the name of an element of this composite.
     pub fn local(&self, name: &str) -> String {
         format!("{}{name}", self.prefix)
     }
 
-    /// What an optional table holds; its defaults where it was left out.
+    /// Resolves an optional table; its defaults if absent.
     pub fn or_default<T: Resolve<Resolved: Default>>(
         &mut self,
         written: Option<&T>,
@@ -68,7 +68,7 @@ impl<'r> Resolver<'r> {
         resolved.unwrap_or_default()
     }
 
-    /// What a value or table holds.
+    /// Resolves a value or table.
     pub fn of<T: Resolve>(&mut self, written: &T) -> Option<T::Resolved> {
         written.resolve(&Key::NAME, self)
     }
@@ -83,7 +83,7 @@ impl<T: Resolve> Resolve for At<T> {
     }
 }
 
-/// Values that stand for themselves, or are told by their text.
+/// Implements `Resolve` for types that resolve to themselves or to their text.
 macro_rules! plain {
     ($($kind:ty => $resolved:ty: |$it:ident| $value:expr;)*) => {
         $(impl Resolve for $kind {

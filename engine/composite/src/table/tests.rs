@@ -1,4 +1,4 @@
-//! The derive on a small table: what is read, said, filled in, written and documented.
+//! Tests of the derive macro: reading, diagnostics, defaults, writing and documentation.
 
 use asmotion_derive::Table;
 use asmotion_diagnostics::{FileId, Sources, Span};
@@ -16,24 +16,24 @@ use crate::tree;
 #[derive(Clone, Debug, Table)]
 #[table(of = "a lamp", example = "{ watt = 5 }", resolved = PlannedLamp)]
 struct Lamp {
-    /// How bright.
+    /// Power.
     #[key(unit = "watts", range = 1..=60, example = "5")]
     watt: At<u64>,
-    /// How long.
+    /// Time until it switches off.
     #[key(range = 0..=100, default = 9)]
     time: Option<At<Amount>>,
-    /// When it looks.
+    /// Delivery mode.
     #[key(name = "when", default)]
     delivery: Option<At<Delivery>>,
     /// Other lamps.
     #[key(local)]
     near: Vec<At<String>>,
-    /// What it hangs from.
+    /// Suspension.
     #[key(flatten)]
     from: Hook,
 }
 
-/// What a lamp hangs from.
+/// Suspension of a lamp.
 #[derive(Clone, Debug, PartialEq, Table)]
 #[table(of = "a lamp", reason = "it hangs once")]
 enum Hook {
@@ -49,7 +49,7 @@ enum Hook {
     },
 }
 
-/// The hook is of no use in a plan.
+/// The hook is reduced to whether it is on the wall.
 impl super::Resolve for Hook {
     type Resolved = bool;
 
@@ -128,7 +128,7 @@ fn its_schema_has_documentation_units_ranges_and_defaults() {
     let schema = Lamp::outline().schema();
     assert_eq!(
         schema["properties"]["watt"],
-        json!({ "type": "integer", "minimum": 1, "maximum": 60, "examples": [5], "description": "How bright. In watts." })
+        json!({ "type": "integer", "minimum": 1, "maximum": 60, "examples": [5], "description": "Power. In watts." })
     );
     assert_eq!(schema["properties"]["time"]["default"], json!(9));
     assert_eq!(schema["required"], json!(["watt"]));

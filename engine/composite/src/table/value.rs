@@ -1,4 +1,4 @@
-//! Values that are no tables: texts, numbers, words, ends.
+//! Values that are not tables: strings, numbers, words and ends.
 
 use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
 use asmotion_coordinator::{PublishWhen, Receive};
@@ -32,7 +32,7 @@ impl<T: Value> Value for At<T> {
     }
 }
 
-/// Values that are written as a text.
+/// Implements `Value` for types written as strings.
 macro_rules! texts {
     ($($kind:ty: |$reader:ident, $text:ident| $read:expr;)*) => {
         $(impl Value for $kind {
@@ -61,7 +61,7 @@ texts! {
     Condition: |reader, text| Some(name::condition(reader, text));
 }
 
-/// Words of a closed list.
+/// Implements `Value` for enumerations of words.
 macro_rules! words {
     ($($kind:ident)*) => {
         $(impl Value for $kind {
@@ -95,7 +95,7 @@ words! {
     ProxyMode PublishWhen Receive RestartPolicy Scheduler Sharing Tls Transport
 }
 
-/// The words, and below their documentation what each means.
+/// Returns the JSON Schema of a set of words with their documentation.
 fn words<W: Word>() -> Json {
     let meanings = W::WORDS.iter();
     let meanings = meanings.map(|(word, _, doc)| format!("- `{word}`: {doc}"));
@@ -186,7 +186,7 @@ impl Value for Address {
     }
 }
 
-/// A whole number, or a substitution that stands for one.
+/// Reads an integer or a substitution.
 impl Value for Amount {
     fn schema(key: &Key) -> Json {
         json!({ "anyOf": [u64::schema(key), { "type": "string", "pattern": "\\$\\{" }] })
@@ -202,7 +202,7 @@ impl Value for Amount {
     }
 }
 
-/// Whatever TOML can write; texts may hold substitutions.
+/// Reads any TOML value; strings may contain substitutions.
 impl Value for Node {
     fn schema(_: &Key) -> Json {
         json!({})
@@ -214,7 +214,7 @@ impl Value for Node {
     }
 }
 
-/// `f64`, `string[]`.
+/// Reads a property type such as `f64` or `string[]`.
 impl Value for PropertyType {
     fn schema(_: &Key) -> Json {
         let one = Scalar::words().into_iter().map(str::to_owned);
@@ -237,7 +237,7 @@ impl Value for PropertyType {
     }
 }
 
-/// The line that says which dialect a file is of: the example of its key.
+/// Dialect identifier of a file; must equal the example of its key.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Dialect;
 

@@ -1,4 +1,4 @@
-//! Tables as TOML, key by key.
+//! Serialisation of tables as TOML.
 
 use std::fmt::Display;
 use std::net::SocketAddr;
@@ -10,91 +10,91 @@ use crate::address::Endpoint;
 use crate::end::{End, Terminal};
 use crate::value::{PropertyValues, REDACTED, SettingValue};
 
-/// A value that can be written.
+/// A value that can be serialised.
 pub trait Written: Sized {
-    /// As TOML; `None` for what is left out.
+    /// Serialises the value; `None` if it is omitted.
     fn toml(&self) -> Option<Toml>;
 
-    /// Several of them.
+    /// Serialises a list; `None` if it is empty.
     fn list(items: &[Self]) -> Option<Toml> {
         let list: Array = items.iter().filter_map(Self::toml).collect();
         (!list.is_empty()).then(|| list.into())
     }
 }
 
-/// A table that can be written.
+/// A table that can be serialised.
 pub trait WrittenTable {
-    /// Its keys, under a key of this name.
+    /// Returns the keys permitted under the key `within`.
     fn keys(&self, within: &str) -> Lines;
 }
 
-/// The keys of a table, in the order in which they are written.
+/// Keys and values of a table in output order.
 #[derive(Default)]
 pub struct Lines(Vec<(String, Toml)>);
 
 impl Lines {
-    /// No keys.
+    /// Creates an empty list.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Returns `true` if nothing would be written.
+    /// Returns `true` if there are no keys.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// A key and its value; nothing where that is left out.
+    /// Adds a key unless the value is omitted.
     pub fn put(&mut self, key: &str, value: &impl Written) {
         self.put_some(key, value.toml());
     }
 
-    /// A key and its value as TOML; nothing for `None`.
+    /// Adds a key and its TOML value unless it is `None`.
     pub fn put_some(&mut self, key: &str, value: Option<impl Into<Toml>>) {
         self.0
             .extend(value.map(|value| (key.to_owned(), value.into())));
     }
 
-    /// A table in one line, unless it is empty.
+    /// Adds an inline table unless it is empty.
     pub fn put_table(&mut self, key: &str, table: Self) {
         self.put_some(key, table.inline());
     }
 
-    /// Adds the keys of another table behind these.
+    /// Appends the keys of another table.
     pub fn append(&mut self, more: Self) {
         self.0.extend(more.0);
     }
 
-    /// Without this key.
+    /// Removes a key.
     pub fn without(mut self, key: &str) -> Self {
         self.0.retain(|(known, _)| known != key);
         self
     }
 
-    /// All of them in one line.
+    /// Serialises as an inline table; `None` if empty.
     pub fn inline(self) -> Option<Toml> {
         (!self.is_empty()).then(|| self.0.into_iter().collect::<InlineTable>().into())
     }
 
-    /// The keys as items of a [`Table`].
+    /// Iterates over the keys and values as items of a [`Table`].
     pub fn items(self) -> impl Iterator<Item = (Name, Item)> {
         let keys = self.0.into_iter();
         keys.map(|(key, value)| (Name::new(key), Item::Value(value)))
     }
 }
 
-/// Keys as a table with a header of its own.
+/// Creates a table with a header.
 pub fn table(keys: Lines) -> Table {
     let mut table = Table::new();
     table.extend(keys.items());
     table
 }
 
-/// An array of tables, each with a header of its own.
+/// Creates an array of tables, each with a header.
 pub fn tables(all: impl Iterator<Item = Lines>) -> ArrayOfTables {
     all.map(table).collect()
 }
 
-/// A list of tables, one in a line.
+/// Serialises a list of inline tables, one per line.
 pub fn tables_of(items: &[impl Written]) -> Option<Toml> {
     let mut list = Array::new();
     for mut table in items.iter().filter_map(Written::toml) {
@@ -106,12 +106,12 @@ pub fn tables_of(items: &[impl Written]) -> Option<Toml> {
     (!list.is_empty()).then(|| list.into())
 }
 
-/// A list, empty or not.
+/// Serialises a list, even if it is empty.
 pub fn list<T: Written>(items: &[T]) -> Toml {
     T::list(items).unwrap_or_else(|| Array::new().into())
 }
 
-/// A value by itself, or a list of several.
+/// Serialises a single value as itself and several as a list.
 pub fn one_or_many<T: Written>(items: &[T]) -> Option<Toml> {
     match items {
         [only] => only.toml(),
@@ -119,7 +119,7 @@ pub fn one_or_many<T: Written>(items: &[T]) -> Option<Toml> {
     }
 }
 
-/// Values by the text they are shown as.
+/// Implements `Written` through `Display`.
 macro_rules! shown {
     ($($kind:ty)*) => {
         $(impl Written for $kind {
@@ -148,7 +148,7 @@ impl Written for bool {
     }
 }
 
-/// No number that is read from a file is too large for TOML.
+/// TOML integers are signed; values read from a file always fit.
 impl Written for u64 {
     fn toml(&self) -> Option<Toml> {
         Some(i64::try_from(*self).unwrap_or(i64::MAX).into())
@@ -201,7 +201,7 @@ impl Written for PropertyValues {
     }
 }
 
-/// A value, in which a dollar stands for itself.
+/// Serialises a value; dollar signs are escaped as `$$`.
 pub fn toml(value: &SettingValue) -> Toml {
     match value {
         SettingValue::Boolean(truth) => (*truth).into(),
@@ -221,7 +221,7 @@ pub fn toml(value: &SettingValue) -> Toml {
     }
 }
 
-/// A constant of a binding, secrets left out.
+/// Serialises a constant of a binding; secrets are masked.
 pub fn constant(constant: &Constant) -> Toml {
     match (constant.secret, SettingValue::of_datum(&constant.datum)) {
         (false, Some(shown)) => toml(&shown),

@@ -1,4 +1,4 @@
-//! A file of message types by itself, as `asmotion check` takes it.
+//! Checks a type file on its own, as `asmotion check` does.
 
 use asmotion_diagnostics::{Loader, Report, Sources};
 
@@ -6,10 +6,10 @@ use super::Types;
 use crate::catalogue::Catalogue;
 use crate::tree::{self, Branch};
 
-/// How the schemas of such files begin, whatever their version.
+/// Prefix of the schema identifier of type files, independent of the version.
 const SCHEMA: &str = "composite-types/";
 
-/// Checks a file of message types; `None` if it is another file, or is not there.
+/// Checks a type file; `None` if the file is missing or of another kind.
 pub fn open_types(
     path: &str,
     loader: &dyn Loader,

@@ -1,4 +1,4 @@
-//! Puts schemas together out of descriptions.
+//! Builds schemas from type definitions.
 
 use crate::codes::c110::UnknownType;
 use crate::codes::c111::RecursiveType;
@@ -16,14 +16,14 @@ use crate::catalogue::Catalogue;
 use crate::finding::Findings;
 use crate::nearest::nearest_name;
 
-/// Puts schemas together out of descriptions.
+/// Builder of schemas from type definitions.
 pub(super) struct Builder<'d, 'c, 'r> {
     pub definitions: &'d BTreeMap<&'d str, Vec<&'d Definition>>,
     pub catalogue: &'c dyn Catalogue,
     pub report: &'r mut Report,
-    /// The descriptions that are being put together, outermost first.
+    /// Definitions being built, outermost first; used to detect recursion.
     pub open: Vec<&'d str>,
-    /// How many fields were put together so far, counting a type each time it is used.
+    /// Number of fields built so far, counting every use of a type; bounds exponential growth.
     pub fields: usize,
 }
 
@@ -98,7 +98,7 @@ impl<'d> Builder<'d, '_, '_> {
         Schema::opaque(name)
     }
 
-    /// Descriptions of one type say the same, and the same as the build.
+    /// Checks that several definitions of a type agree with each other and with the catalogue.
     pub(super) fn agree(&mut self, all: &[(&Definition, Schema)]) {
         let Some(((first, schema), others)) = all.split_first() else {
             return;

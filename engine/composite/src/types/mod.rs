@@ -1,4 +1,4 @@
-//! Message types: those of the build, and those that a composite describes in a file.
+//! Message types of the executable and of type files.
 
 mod alone;
 mod build;
@@ -22,7 +22,7 @@ use crate::finding::Findings;
 use crate::nearest::nearest_name;
 use crate::table::Dialect;
 
-/// The types of the engine itself.
+/// Message types defined by the engine itself.
 fn own(name: &str) -> Option<Schema> {
     (name == BusHealth::NAME).then(|| BusHealth::schema().clone())
 }
@@ -31,11 +31,11 @@ fn own(name: &str) -> Option<Schema> {
 #[derive(Clone, Debug, Table)]
 #[table(of = "a file of types")]
 pub(crate) struct TypeFile {
-    /// The dialect of the file.
+    /// Dialect and version of the file.
     #[key(needed, example = "\"composite-types/1\"")]
     #[expect(dead_code, reason = "read for what is wrong with it alone")]
     pub schema: Option<Dialect>,
-    /// Message types, by name.
+    /// Message types by name.
     #[key(name = "type", example = "{ }")]
     pub definitions: Vec<Definition>,
 }
@@ -47,14 +47,14 @@ pub(crate) struct TypeFile {
     example = "{ fields = { stamp = \"time\", position = \"f64[5]\" } }"
 )]
 pub(crate) struct Definition {
-    /// Its name, as in `youbot/JointStatus`.
+    /// Name of the type, such as `youbot/JointStatus`.
     #[key(entry = any)]
     pub name: At<String>,
-    /// What it is for.
+    /// Description.
     #[key(example = "\"what it is for\"")]
     #[expect(dead_code, reason = "for people")]
     pub doc: Option<At<String>>,
-    /// Its fields, each with its type: a name, a list `name[]` or an array `name[5]`.
+    /// Fields with their types: a name, a list `name[]` or an array `name[5]`.
     #[key(needed, example = "{ stamp = \"time\", position = \"f64[5]\" }")]
     pub fields: Vec<FieldText>,
 }
@@ -66,14 +66,14 @@ pub(crate) struct FieldText {
     pub text: TypeText,
 }
 
-/// `f64`, `f64[]`, `nav/Event[5]`.
+/// A type expression such as `f64`, `f64[]` or `nav/Event[5]`.
 #[derive(Clone, Debug)]
 pub(crate) struct TypeText {
     pub base: At<String>,
     pub many: Many,
 }
 
-/// How many values a field has.
+/// Multiplicity of a field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Many {
     One,
@@ -81,14 +81,14 @@ pub(crate) enum Many {
     Exactly(usize),
 }
 
-/// All types a composite can name.
+/// All message types visible in a composite.
 pub struct Types<'c> {
     described: BTreeMap<String, (Span, Schema)>,
     catalogue: &'c dyn Catalogue,
 }
 
 impl<'c> Types<'c> {
-    /// The types of the build and of these files.
+    /// Combines the types of the catalogue with those of the given files.
     pub(crate) fn new<'f>(
         files: impl IntoIterator<Item = &'f TypeFile>,
         catalogue: &'c dyn Catalogue,
@@ -125,7 +125,7 @@ impl<'c> Types<'c> {
         }
     }
 
-    /// What a type looks like, if anybody says.
+    /// Returns the schema of a type; `None` if it is unknown.
     pub fn schema(&self, name: &str) -> Option<Schema> {
         if let Some((_, schema)) = self.described.get(name) {
             return Some(schema.clone());
@@ -141,7 +141,7 @@ impl<'c> Types<'c> {
         Some(many(base, count))
     }
 
-    /// Whether two names mean one type: `f64` and ROS's `float64` do.
+    /// Returns whether two names denote the same type, such as `f64` and ROS's `float64`.
     pub(crate) fn same(&self, one: &str, other: &str) -> bool {
         one == other
             || match (self.schema(one), self.schema(other)) {
@@ -150,7 +150,7 @@ impl<'c> Types<'c> {
             }
     }
 
-    /// Whether a name means this type; what is known by nobody agrees with everything.
+    /// Returns whether a name denotes this type. Unknown types are compatible with every type.
     pub(crate) fn means(&self, name: &str, schema: &Schema) -> bool {
         let known_by_name = schema.shape == Shape::Any;
         if known_by_name {
@@ -162,12 +162,12 @@ impl<'c> Types<'c> {
                 .is_some_and(|named| named.compare(schema).is_ok())
     }
 
-    /// Where a type is described.
+    /// Returns the location of the definition; `None` if the type is not defined in a file.
     pub(crate) fn declared(&self, name: &str) -> Option<Span> {
         self.described.get(name).map(|(span, _)| *span)
     }
 
-    /// Says that nobody knows the type, if so.
+    /// Reports an unknown type.
     pub(crate) fn known(&self, name: &str, at: Span, report: &mut Report) {
         if self.schema(name).is_none() {
             let messages = self.catalogue.messages();
@@ -181,7 +181,7 @@ impl<'c> Types<'c> {
         }
     }
 
-    /// The schema at a path into a message, or the finding that there is none.
+    /// Returns the schema of a message field, or the diagnostic for an unknown field.
     pub(crate) fn field(
         &self,
         name: &str,
@@ -190,7 +190,7 @@ impl<'c> Types<'c> {
         self.steps(name, &path.steps)
     }
 
-    /// The same for the steps of a path.
+    /// Like `field`, for the steps of a path.
     pub(crate) fn steps(
         &self,
         name: &str,
@@ -202,7 +202,7 @@ impl<'c> Types<'c> {
         }
     }
 
-    /// The same inside a message whose schema is known.
+    /// Like `steps`, starting from a known schema.
     pub(crate) fn within(
         &self,
         mut schema: Schema,
@@ -251,7 +251,7 @@ fn many(base: Schema, many: Many) -> Schema {
     }
 }
 
-/// Splits `f64[5]`; `None` where the brackets make no sense.
+/// Splits `f64[5]` into base type and multiplicity; `None` if malformed.
 pub(crate) fn split(written: &str) -> Option<(&str, Many)> {
     let (base, many) = match written.split_once('[') {
         None => (written, Many::One),
@@ -263,7 +263,7 @@ pub(crate) fn split(written: &str) -> Option<(&str, Many)> {
     (!base.is_empty()).then_some((base, many))
 }
 
-/// The types that are no messages, by our names and by those of ROS.
+/// Primitive types by their own names and those of ROS.
 const PRIMITIVES: [(&str, Shape); 22] = [
     ("bool", Shape::Bool),
     ("i8", Shape::I8),

@@ -1,4 +1,4 @@
-//! Reads files of message types.
+//! Reads type files.
 
 use asmotion_diagnostics::{FileId, Report};
 use serde_json::{Value as Json, json};
@@ -12,7 +12,7 @@ use crate::read::{top, tree};
 use crate::table::{Key, Many, Table as _, Value};
 use crate::tree::Node;
 
-/// Reads a file of message types.
+/// Reads a type file; `None` if it could not be parsed.
 pub(crate) fn read(file: FileId, path: &str, text: &str) -> (Option<TypeFile>, Report) {
     let (tree, mut report) = tree(file, path, text);
     let mut reader = Reader::new(text);
@@ -25,7 +25,7 @@ pub(crate) fn read(file: FileId, path: &str, text: &str) -> (Option<TypeFile>, R
     (types, report)
 }
 
-/// `position = "f64[5]"`.
+/// Reads a field such as `position = "f64[5]"`.
 impl Value for FieldText {
     const MANY: Many = Many::Names;
 

@@ -19,5 +19,5 @@ impl Finding for TooManyComponents {
     }
 }
 
-/// More components are the work of a mistake, or of somebody unkind.
+/// Maximum number of components; bounds memory for files that nest exponentially.
 pub(crate) const MAX_COMPONENTS: usize = 10_000;

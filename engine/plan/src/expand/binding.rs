@@ -1,4 +1,4 @@
-//! The binding of a specification.
+//! Serialises the bindings of an ASM component.
 
 use toml_edit::{Array, InlineTable, Item, Table, Value as Toml};
 
@@ -12,7 +12,7 @@ pub(super) fn bind(binding: &Binding) -> Table {
         monitored.insert(&it.function, Item::Value(inline(self::monitored(it))));
     }
     let mut out = Table::new();
-    // the functions with literals come last: they are tables of their own
+    // functions with actions per literal come last, since each is a table of its own
     let (plain, literals): (Vec<_>, Vec<_>) =
         (binding.out.iter()).partition(|it| matches!(it.effect, Effect::Publish { .. }));
     for it in plain.into_iter().chain(literals) {
@@ -109,7 +109,7 @@ fn argument(argument: &Argument) -> Toml {
             let fields = fields.map(|(name, field)| (name.clone(), self::argument(field)));
             Toml::InlineTable(fields.collect())
         }
-        // a text that begins with `@` is no kept reply
+        // escape a leading `@`, which denotes a kept reply
         Argument::Value(Constant {
             datum: Datum::Text(text),
             secret: false,

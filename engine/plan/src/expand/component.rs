@@ -1,4 +1,4 @@
-//! One component.
+//! Serialises a component.
 
 use toml_edit::{Item, Table};
 
@@ -57,7 +57,7 @@ fn implementation(made_of: &Implementation, root: &str) -> Lines {
     keys
 }
 
-/// A `task`, unless something is said that only an `activity` can say.
+/// Serialises the schedule as `task`, or as `activity` if it uses keys that only `activity` has.
 fn pace(component: &Component, keys: &mut Lines) {
     let pace = &component.pace;
     let task = Pace {
@@ -80,7 +80,7 @@ fn pace(component: &Component, keys: &mut Lines) {
     }
 }
 
-/// Ports that are on a topic or joined, and those that nobody else would know of.
+/// Serialises the ports that are connected, and all ports if the implementation does not declare them.
 fn ports(component: &Component, plan: &Plan, keys: &mut Lines) {
     let declares = matches!(
         component.implementation,
@@ -125,7 +125,7 @@ fn services(services: &[Service]) -> Lines {
     keys
 }
 
-/// References; one that leads nowhere was allowed to.
+/// Serialises references; those without a wire or promotion are optional.
 fn references(component: &Component, plan: &Plan) -> Lines {
     let mut keys = Lines::new();
     for reference in &component.references {
@@ -146,7 +146,7 @@ fn references(component: &Component, plan: &Plan) -> Lines {
     keys
 }
 
-/// What only built-ins have.
+/// Serialises keys specific to built-in components.
 fn builtin(component: &Component, keys: &mut Lines) {
     let kind = match &component.implementation {
         Implementation::Builtin(builtin) => Some(builtin.kind),
@@ -156,7 +156,7 @@ fn builtin(component: &Component, keys: &mut Lines) {
         Implementation::Builtin(builtin) => builtin.target.as_deref().unwrap_or_default(),
         _ => "",
     };
-    // the ports of the proxy are those of its target
+    // ports of a proxy mirror those of its target
     let proxy: Vec<_> = component
         .proxy
         .iter()

@@ -1,6 +1,6 @@
-//! Paths of files, as the file beside them names them.
+//! Relative paths in serialised composites.
 
-/// The path of a file as the file at `root` names it.
+/// Returns `path` relative to the directory of the file `root`.
 pub fn beside(root: &str, path: &str) -> String {
     let mut folder: Vec<&str> = root.split('/').collect();
     folder.pop();

@@ -1,4 +1,4 @@
-//! Brokers, gateways and bridges of a plan, with their secrets.
+//! Resolves brokers, gateways and bridges, including secrets.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -17,7 +17,7 @@ use asmotion_composite::table::Resolver;
 use asmotion_composite::value::REDACTED;
 
 impl Flattener<'_, '_> {
-    /// Adds the brokers and bridges of a composite.
+    /// Adds the brokers and bridges of a composite instance.
     pub(super) fn endpoints(&mut self, index: usize, composite: &Composite) {
         let Some(instance) = self.instances.get(index) else {
             return;
@@ -32,7 +32,7 @@ impl Flattener<'_, '_> {
         self.plan.bridges.extend(bridges.filter_map(|it| to.of(it)));
     }
 
-    /// Adds the gateways of the outermost composite: they lead to what is promoted there.
+    /// Adds the gateways of the outermost composite, which give access to its promotions.
     pub(super) fn gateways(&mut self, composite: &Composite) {
         let Some(outermost) = self.instances.first() else {
             return;
@@ -44,7 +44,7 @@ impl Flattener<'_, '_> {
             let Some(gateway) = to.of(written) else {
                 continue;
             };
-            // of port 0, each has its own
+            // port 0 selects a distinct free port for each gateway
             let at = written.listen.span;
             if let Some(address) = gateway.listen.filter(|it| it.port() != 0)
                 && let Some(first) = taken.insert(address, at)
@@ -57,7 +57,7 @@ impl Flattener<'_, '_> {
     }
 }
 
-/// A password that stands in the file is read by everybody who has the file.
+/// Warns about a password written in the file, where every reader of the file can see it.
 fn secret(url: &At<Template>, notes: &mut SubstitutionNotes) {
     let pieces = url.pieces.iter().map(|piece| match piece {
         model::Piece::Text(text) => text.as_str(),
@@ -75,8 +75,8 @@ fn secret(url: &At<Template>, notes: &mut SubstitutionNotes) {
     }
 }
 
-/// Stands for what is not written in the file.
+/// Placeholder for substituted parts of a URL.
 const SUBSTITUTED: &str = "\u{1}";
 
-/// RabbitMQ's password for everybody on the same machine.
+/// Default password of RabbitMQ, accepted from localhost only; not reported.
 const PUBLIC_PASSWORD: &str = "guest";

@@ -1,4 +1,4 @@
-//! Connections, wires and promotions, followed down to the components that run.
+//! Resolves connections, wires and promotions to running components.
 
 use crate::codes::c054::PollTooSlow;
 use asmotion_diagnostics::Span;
@@ -12,7 +12,7 @@ use asmotion_composite::table::Resolver;
 use asmotion_composite::{At, check};
 
 impl<'p> Flattener<'p, '_> {
-    /// Adds the connections and wires of a composite.
+    /// Adds the connections and wires of a composite instance.
     pub(super) fn join(&mut self, index: usize) {
         let Some(composite) = self.composite(index) else {
             return;
@@ -53,7 +53,7 @@ impl<'p> Flattener<'p, '_> {
         }
     }
 
-    /// Whoever polls must look at least twice as often as somebody writes.
+    /// Warns if the polling interval exceeds half the period of the writer.
     fn poll(&mut self, from: &Terminal, to: &Terminal, policy: &Policy, at: Span) {
         let (Terminal::Port(end), Some(poll_ms)) = (from, policy.poll_ms) else {
             return;
@@ -116,7 +116,7 @@ impl<'p> Flattener<'p, '_> {
         self.plan.wires.push(made);
     }
 
-    /// What values of a composite are resolved with.
+    /// Returns the resolver for values of a composite instance.
     fn resolver(&mut self, index: usize) -> Option<Resolver<'_>> {
         let instance = self.instances.get(index)?;
         Some(Resolver::new(&instance.scope, &instance.prefix, self.notes))
@@ -124,14 +124,14 @@ impl<'p> Flattener<'p, '_> {
 
     fn policy(&mut self, index: usize, written: &model::Policy) -> Option<Policy> {
         let mut policy = self.resolver(index)?.of(written)?;
-        // the last value has no size
+        // a last value has no capacity
         if policy.kind == ConnectionType::Data {
             policy.size = 1;
         }
         Some(policy)
     }
 
-    /// The broker that something goes over.
+    /// Returns the broker of a wire or promotion.
     fn broker(
         &self,
         index: usize,
@@ -147,7 +147,7 @@ impl<'p> Flattener<'p, '_> {
         Some(format!("{}{}", instance.prefix, name.value))
     }
 
-    /// The component that runs, and its part, behind a name that may be promoted.
+    /// Follows promotions to the component that implements an end.
     fn inside(
         &self,
         index: usize,
@@ -213,7 +213,7 @@ impl<'p> Flattener<'p, '_> {
         });
     }
 
-    /// The gateway that a promotion names, or the only one.
+    /// Returns the gateway named by a promotion, or the only gateway.
     fn gateway(&self, promotion: &model::Promotion) -> Option<String> {
         let only = || match &*self.composite(0)?.gateways {
             [only] => Some(&only.name),

@@ -1,4 +1,4 @@
-//! Opens nested composites, follows promotions and renames down to the components that run.
+//! Flattens nested composites, resolving promotions and renames to running components.
 
 mod component;
 mod endpoint;
@@ -25,7 +25,7 @@ use asmotion_composite::table::Resolver;
 use asmotion_composite::types::Types;
 use asmotion_composite::value::SettingValue;
 
-/// What the plan is made of.
+/// Inputs of the planner.
 pub(crate) struct Parts<'p> {
     pub family: &'p Family,
     pub types: &'p BTreeMap<&'p str, Types<'p>>,
@@ -35,8 +35,7 @@ pub(crate) struct Parts<'p> {
     pub profile: Option<&'p str>,
 }
 
-/// Flattens a composite in one profile. What is wrong goes to the notes; the plan is then of use
-/// only to those who look at it.
+/// Flattens a composite in one profile. Errors are added to the notes; a plan with errors must not be started.
 pub(crate) fn flatten(parts: &Parts<'_>, notes: &mut SubstitutionNotes) -> Option<Plan> {
     let member = parts.family.member(&parts.family.root)?;
     let plan = blank(&member.composite, parts.profile);
@@ -78,22 +77,22 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
     }
 }
 
-/// The same for properties of components: by component and property.
+/// Externally set properties by component and property.
 type Overrides = BTreeMap<(String, String), (Option<SettingValue>, Option<Span>)>;
 
-/// A composite at one place of the system.
+/// An instance of a composite.
 pub(super) struct Instance<'p> {
-    /// The names of the composites it is nested in: `Driver/`; empty for the outermost.
+    /// Qualified name of the instance with a trailing slash, such as `Driver/`; empty for the outermost composite.
     pub prefix: String,
-    /// The path of its file.
+    /// Path of the composite file.
     path: &'p str,
     pub member: &'p Member,
-    /// Which instance it is nested in, and as which component.
+    /// Index of the enclosing instance and the component implemented by this one; `None` for the outermost composite.
     pub parent: Option<(usize, &'p model::Component)>,
-    /// Its nested composites.
+    /// Indices of nested instances by component name.
     pub children: BTreeMap<&'p str, usize>,
     pub scope: PropertyScope<'p>,
-    /// Promoted properties of its components that were set from outside.
+    /// Values set from outside for promoted properties of its components.
     overrides: Overrides,
 }
 
@@ -102,12 +101,12 @@ pub(super) struct Flattener<'p, 'n> {
     pub notes: &'n mut SubstitutionNotes,
     pub plan: Plan,
     pub instances: Vec<Instance<'p>>,
-    /// There are too many components.
+    /// Set once the maximum number of components is exceeded.
     full: bool,
 }
 
 impl<'p> Flattener<'p, '_> {
-    /// Adds a composite and everything in it.
+    /// Adds an instance of a composite and everything it contains.
     fn instance(
         &mut self,
         path: &'p str,
@@ -221,7 +220,7 @@ impl<'p> Flattener<'p, '_> {
         self.plan.components.push(made);
     }
 
-    /// The composite of an instance.
+    /// Returns the composite of an instance.
     pub(super) fn composite(&self, index: usize) -> Option<&'p Composite> {
         self.instances
             .get(index)
@@ -247,7 +246,7 @@ impl<'p> Flattener<'p, '_> {
         Some(self.plan)
     }
 
-    /// The components of each nested composite of the outermost one.
+    /// Returns the name prefixes of the composites nested directly in the outermost one.
     fn instances_by_name(&self) -> BTreeMap<&'p str, String> {
         let outermost = self.instances.first();
         let children = outermost
@@ -259,7 +258,7 @@ impl<'p> Flattener<'p, '_> {
     }
 }
 
-/// Which of the values go to properties of the composite, and which to promoted ones.
+/// Splits values into those of the composite's own properties and those of promoted properties.
 fn split(composite: &Composite, set: OutsideSettings) -> (OutsideSettings, Overrides) {
     let mut own = OutsideSettings::new();
     let mut overrides = Overrides::new();

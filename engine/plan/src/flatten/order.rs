@@ -1,4 +1,4 @@
-//! The order of starting: whoever is needed comes first, as far as circles allow.
+//! Start order: dependencies first, as far as cycles permit.
 
 use petgraph::Direction;
 use petgraph::graph::NodeIndex;
@@ -6,8 +6,8 @@ use petgraph::visit::EdgeRef;
 
 use crate::plan::Plan;
 
-/// The names of the components; where nothing decides, in the order of the files. A circle is
-/// entered at its first component.
+/// Returns the component names in start order. Independent components keep the file order; a cycle starts at its first
+/// component in file order.
 pub(super) fn start_order(plan: &Plan) -> Vec<String> {
     let graph = plan.graph();
     let mut waiting: Vec<NodeIndex> = graph.node_indices().collect();

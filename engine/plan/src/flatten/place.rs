@@ -1,4 +1,4 @@
-//! Which process runs what.
+//! Assigns components to processes.
 
 use std::collections::BTreeMap;
 
@@ -6,8 +6,8 @@ use crate::plan::{Plan, Process};
 use asmotion_composite::model::{Composite, Scheduler};
 use asmotion_composite::table::Resolver;
 
-/// Fills in processes, restarts and recording. `nested` has the prefix of every nested composite:
-/// its components all go where the composite goes.
+/// Resolves processes, restarts and recording. `nested` maps nested composites to their prefix; all components of a
+/// nested composite belong to its process.
 pub(super) fn place(
     composite: &Composite,
     nested: &BTreeMap<&str, String>,
@@ -40,7 +40,7 @@ pub(super) fn place(
     }
 }
 
-/// The components of a plan that these names place.
+/// Returns the components of a plan selected by these names.
 fn placed(names: &[String], nested: &BTreeMap<&str, String>, plan: &Plan) -> Vec<String> {
     let is_placed = |component: &str| {
         names.iter().any(|name| match nested.get(name.as_str()) {

@@ -1,4 +1,4 @@
-//! Topics: what each is called in the whole system, who writes it, who reads it.
+//! Resolves topics: system-wide names, publishers and subscribers.
 
 use std::collections::BTreeMap;
 
@@ -12,10 +12,9 @@ use asmotion_composite::model::{self, Composite, PlannedSending};
 use asmotion_composite::table::Resolver;
 
 impl Flattener<'_, '_> {
-    /// What a topic is called in the whole system: a nested composite keeps its topics to itself,
-    /// unless it promotes them.
+    /// Returns the system-wide name of a topic. Topics of a nested composite are private unless promoted.
     pub(super) fn topic(&self, index: usize, name: &str) -> String {
-        // everywhere the same: how the bus of the whole system is
+        // the topic of the bus state has the same name in all composites
         if name == HEALTH_TOPIC {
             return name.to_owned();
         }
@@ -35,7 +34,7 @@ impl Flattener<'_, '_> {
         }
     }
 
-    /// Collects the topics out of ports and connections.
+    /// Collects the topics used by ports and connections.
     pub(super) fn topics(&mut self, composite: &Composite) {
         let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
         let mut roles: Vec<(String, End, bool)> = Vec::new();
@@ -57,7 +56,7 @@ impl Flattener<'_, '_> {
                 (Terminal::Topic(topic), Terminal::Port(end)) => {
                     roles.push((topic.clone(), end.clone(), false));
                 }
-                // the others are not about topics; the checker refuses topics joined to topics
+                // the others do not involve topics; connections between topics are rejected by the checker
                 (Terminal::Port(_), Terminal::Port(_))
                 | (Terminal::Mqueue(_), _)
                 | (_, Terminal::Mqueue(_))
@@ -98,7 +97,7 @@ impl Flattener<'_, '_> {
         self.plan.topics = topics.into_values().collect();
     }
 
-    /// How the composites want topics sent; of a topic that two share, the outer one says it.
+    /// Applies the topic settings of all composites; the outer composite takes precedence for shared topics.
     fn sending(&mut self, topics: &mut BTreeMap<String, Topic>) {
         for (index, instance) in self.instances.iter().enumerate() {
             for written in &instance.member.composite.topics {

@@ -1,4 +1,4 @@
-//! A build with a few components of the navigation architecture.
+//! A catalogue with a few components of the navigation architecture.
 
 use asmotion_component::declaration::{
     Declaration, OperationDeclaration, PortDeclaration, PropertyDeclaration, ReferenceDeclaration,
@@ -8,7 +8,7 @@ use asmotion_composite::model::BuiltinComponent;
 use asmotion_composite::{Catalogue, Constructor};
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
-/// A few components, messages and interfaces.
+/// A catalogue with a few components, message types and interfaces.
 pub struct SmallBuild;
 
 impl Catalogue for SmallBuild {

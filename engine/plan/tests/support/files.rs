@@ -1,11 +1,11 @@
-//! Files of one folder, by paths relative to it.
+//! Files of a folder, addressed by relative paths.
 
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use asmotion_diagnostics::{LoadError, Loader};
 
-/// Files of one folder.
+/// A loader for the files of a folder.
 pub struct Files {
     folder: PathBuf,
 }
@@ -39,7 +39,7 @@ impl Loader for Files {
                 part => plain.push(part),
             }
         }
-        // the suffix of a specification may be left out
+        // the extension of a specification may be omitted
         let candidates = [plain.clone(), plain.with_extension("asm")];
         candidates
             .iter()

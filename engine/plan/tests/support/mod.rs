@@ -1,4 +1,4 @@
-//! What the tests share: files, a build with a few components, specifications, and rendering.
+//! Shared test support: files, a catalogue, specifications and rendering.
 #![allow(dead_code, reason = "every test binary uses a part of it")]
 
 pub mod catalogue;
@@ -14,13 +14,13 @@ pub use catalogue::SmallBuild;
 pub use files::Files;
 pub use variables::Variables;
 
-/// Opens a composite of a folder with everything the tests have.
+/// Opens a composite of a folder with the test context.
 pub fn open(folder: &str, file: &str) -> Opened {
     let files = Files::new(folder);
     asmotion_plan::open(file, &context(&files))
 }
 
-/// Everything the tests have.
+/// The context used by all tests.
 pub fn context(files: &Files) -> Context<'_> {
     Context {
         loader: files,

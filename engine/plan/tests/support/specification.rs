@@ -1,5 +1,5 @@
-//! A signature read line by line: enough of AsmetaL for the tests, and no more.
-//! One with annotations is read by those who know them.
+//! A line-based scanner for the subset of AsmetaL used in tests. Specifications with annotations are read by the
+//! language crates.
 
 use asmotion_composite::AsmFiles;
 use asmotion_composite::signature::{
@@ -33,7 +33,7 @@ impl Specifications for Files {
     }
 }
 
-/// The functions of a specification.
+/// Functions and domains found by the scanner.
 #[derive(Default)]
 pub struct Scanner {
     domains: Vec<(String, Vec<String>, Span)>,

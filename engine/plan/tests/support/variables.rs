@@ -1,8 +1,8 @@
-//! The environment of the tests.
+//! Environment variables of the tests.
 
 use asmotion_composite::VariableSource;
 
-/// A few variables, and a secret.
+/// An environment with a few variables and a secret.
 pub struct Variables;
 
 impl VariableSource for Variables {

@@ -1,4 +1,4 @@
-//! Samples on their way whose type is not known here.
+//! Samples of statically unknown type.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -10,27 +10,27 @@ use serde::{Deserialize, Serialize};
 
 use super::{SystemThawError, other};
 
-/// A sample as data, with the name of its type, which traces show.
+/// A sample as data, with the name of its type, which appears in traces.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrozenSample {
-    /// Empty for a datum.
+    /// Name of the message type; empty for a datum.
     type_name: String,
     value: Datum,
 }
 
-/// A thawed sample: data that still has the name of its type.
+/// A thawed sample: a datum that keeps the name of its original type.
 #[derive(Debug, Clone)]
 struct NamedDatum {
     name: &'static str,
     value: Datum,
 }
 
-/// The names of the message types that the components of a system declare.
+/// Names of the message types declared by the components of a system.
 pub(crate) struct SampleNames(BTreeMap<String, &'static str>);
 
 impl SampleNames {
-    /// The names in these declarations.
+    /// Collects the type names from declarations.
     pub(crate) fn of<'d>(declarations: impl IntoIterator<Item = &'d Declaration>) -> Self {
         let mut names = BTreeMap::from([(String::new(), "")]);
         for declaration in declarations {

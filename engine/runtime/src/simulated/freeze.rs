@@ -1,4 +1,4 @@
-//! Freezing a simulation between two steps, and thawing one.
+//! Freezing and thawing of simulations between two steps.
 
 use std::collections::BTreeSet;
 
@@ -16,24 +16,24 @@ use crate::injection::InjectionTarget;
 use crate::service::ThawContext;
 use crate::unit::FrozenUnit;
 
-/// Everything a simulation depends on, but its observers and its pace.
+/// Complete state of a simulation except observers and pace.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenSimulation {
     now: Time,
-    /// Place of the last sample among all samples.
+    /// Position of the last sample among all samples.
     order: u64,
-    /// The number of things planned so far.
+    /// Number of queue entries planned so far.
     planned: u64,
-    /// What is due, in order: when, its serial number, and what.
+    /// Queue entries in order: time, serial number and work.
     due: Vec<(Time, u64, FrozenWork)>,
     schedules: Vec<UnitSchedule>,
-    /// Samples that each injection port has dropped.
+    /// Number of samples dropped by each injection port.
     dropped: Vec<u64>,
     units: Vec<FrozenUnit>,
 }
 
-/// Something that is due.
+/// Work of a queue entry.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum FrozenWork {
@@ -55,19 +55,19 @@ enum FrozenWork {
 }
 
 impl Simulation {
-    /// Everything that the run depends on from here on, as data. The simulation itself goes on unchanged.
+    /// Returns the complete state of the simulation, which itself continues unchanged.
     ///
-    /// Not part of it are observers and the pace. A system that is joined to the world outside cannot be frozen: by an
-    /// adapter (a bus, HTTP), a reader, writer or caller on another thread, or a message queue.
+    /// The state does not include observers and the pace. A system connected to the outside cannot be frozen, whether by
+    /// an adapter (a bus, HTTP), by a reader, writer or caller on another thread, or by a message queue.
     ///
     /// # Errors
-    /// A component does not freeze, or something leads out of the system.
+    /// An error if a component cannot be frozen or the system is connected to the outside.
     pub fn freeze(&mut self) -> Result<FrozenSystem, SystemFreezeError> {
         if !self.adapters.is_empty() {
             let what = "an adapter joins the system to a bus".to_owned();
             return Err(SystemFreezeError::Outside(what));
         }
-        // what threads outside have asked for until now counts; the next step would begin with it
+        // includes the triggers requested by other threads so far, which the next step would process first
         self.timeline.effects(None).take_outside_triggers();
         let units = self.units.iter_mut().map(|unit| unit.snapshot());
         let units: Vec<_> = units.collect::<Result<_, _>>()?;
@@ -86,26 +86,26 @@ impl Simulation {
         })
     }
 
-    /// Takes over a frozen state. This simulation has been started from the same composite; it goes on as the frozen
-    /// one would have, its clock included. Observers see nothing of it.
+    /// Restores a frozen state. The simulation must have been started from the same composite; it continues as the
+    /// frozen one would have, with the same clock. Observers are not notified.
     ///
     /// # Errors
-    /// The bytes are no frozen system, one of another composite, or one of another version. The simulation is then as
-    /// it was before.
+    /// An error if the bytes are malformed or belong to another composite or another version. The simulation is then
+    /// unchanged.
     pub fn thaw(&mut self, frozen: &FrozenSystem) -> Result<(), SystemThawError> {
         let state: FrozenSimulation = frozen.read()?;
         self.compare(&state)?;
         let before = self.freeze().map_err(SystemThawError::Unfreezable)?;
         let thawed = self.restore(&state);
         if thawed.is_err() {
-            // what this system has just frozen itself, it takes back
+            // a state frozen by this system itself can always be restored, for the rollback
             let before: FrozenSimulation = before.read()?;
             self.restore(&before)?;
         }
         thawed
     }
 
-    /// Refuses the state of a system with other components.
+    /// Reports the state of a system with other components.
     fn compare(&self, state: &FrozenSimulation) -> Result<(), SystemThawError> {
         let count = self.units.len();
         if state.units.len() != count || state.schedules.len() != count {
@@ -168,7 +168,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Sends again what waited in a connection.
+    /// Sends the unread samples of a connection again.
     fn refill(
         &mut self,
         connection: ConnectionId,
@@ -188,7 +188,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The connections that lead into inputs from within: from outputs, and from injection ports.
+    /// Returns the connections written by outputs and injection ports of the system.
     fn senders(&self) -> BTreeSet<u64> {
         let outputs = self.units.iter().flat_map(|unit| &unit.body.outputs);
         let links = outputs.flat_map(|output| output.links());
@@ -200,7 +200,7 @@ impl Simulation {
             .collect()
     }
 
-    /// Refuses connections whose writing end is outside of the system.
+    /// Reports connections with a writer outside the system.
     fn refuse_writers_outside(&self, units: &[FrozenUnit]) -> Result<(), SystemFreezeError> {
         let senders = self.senders();
         for unit in units {
@@ -216,7 +216,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// For each connection that has its queue in common with others, the position of that queue.
+    /// Returns, for each connection that shares its queue, the position of that queue.
     fn shared_queues(&self) -> Vec<(u64, usize)> {
         let outputs = self.units.iter().flat_map(|unit| &unit.body.outputs);
         let links = outputs.flat_map(|output| output.links());
@@ -229,7 +229,7 @@ impl Simulation {
             .collect()
     }
 
-    /// Keeps what waits in a common queue with the first of its connections only.
+    /// Keeps the unread samples of a shared queue only with its first connection.
     fn without_repetition(mut units: Vec<FrozenUnit>, shared: &[(u64, usize)]) -> Vec<FrozenUnit> {
         let mut seen = BTreeSet::new();
         for unit in &mut units {

@@ -38,7 +38,7 @@ impl SimulatedHandle {
         self.now.store(now.nanos(), Ordering::Relaxed);
     }
 
-    /// Place of the last sample among all samples.
+    /// Returns the position of the last sample among all samples.
     pub(super) fn order(&self) -> u64 {
         self.order.load(Ordering::Relaxed)
     }

@@ -31,7 +31,7 @@ impl Pacer {
         }
     }
 
-    /// Virtual time is this from now on.
+    /// Sets the current virtual time.
     pub(super) fn begin_at(&mut self, now: Time) {
         self.from = now;
         self.since = Instant::now();

@@ -91,7 +91,7 @@ impl DueQueue {
         (due.0.at <= until).then(|| PeekMut::pop(due).0)
     }
 
-    /// Everything that is due, in order: when, its serial number, and what.
+    /// Returns all entries in order: time, serial number and work.
     pub(super) fn entries(&self) -> Vec<(Time, u64, &DueWork)> {
         let mut entries: Vec<_> = self.heap.iter().map(|Reverse(due)| due).collect();
         entries.sort();
@@ -99,12 +99,12 @@ impl DueQueue {
         entries.map(|due| (due.at, due.serial, &due.what)).collect()
     }
 
-    /// The number of entries planned so far.
+    /// Returns the number of entries planned so far.
     pub(super) fn planned(&self) -> u64 {
         self.planned
     }
 
-    /// A queue of these entries.
+    /// Creates a queue with these entries.
     pub(super) fn of(planned: u64, entries: Vec<(Time, u64, DueWork)>) -> Self {
         let entries = entries.into_iter();
         let due = |(at, serial, what)| Reverse(Due { at, serial, what });

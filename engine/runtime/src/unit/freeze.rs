@@ -1,4 +1,4 @@
-//! A component with its runtime state in a frozen system.
+//! Freezing and thawing of a component together with its runtime state.
 
 use std::time::Duration;
 
@@ -12,12 +12,12 @@ use crate::descriptor::StatusSnapshot;
 use crate::frozen::{SystemFreezeError, SystemThawError, no_data, other, trace_of, trace_text};
 use crate::service::{FrozenCalls, FrozenService, ThawContext};
 
-/// A unit between two cycles.
+/// State of a unit between two cycles.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrozenUnit {
     name: String,
-    /// Tells apart what the unit is declared and joined like.
+    /// Fingerprint of the declarations and connections of the unit.
     layout: String,
     component: FrozenState,
     state: State,
@@ -27,22 +27,22 @@ pub(crate) struct FrozenUnit {
     status: StatusSnapshot,
     pub inputs: Vec<InputSnapshot>,
     outputs: Vec<OutputSnapshot>,
-    /// Value and, if one waits for the next cycle, the prepared value: a list of one or two.
+    /// Current value and, if one is staged for the next cycle, the staged value.
     properties: Vec<Vec<Datum>>,
     services: Vec<FrozenService>,
     calls: FrozenCalls,
-    /// The trace that has arrived for the next cycle, and that of the last one.
+    /// Traces that have arrived for the next cycle and of the last one.
     causes: [Option<String>; 2],
     lasts: Duration,
 }
 
 impl FrozenUnit {
-    /// The name of the component in the system.
+    /// Returns the name of the component in the system.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// What waits in each connection into the component.
+    /// Iterates over the connections into the component, with their unread samples.
     pub(crate) fn waiting(&self) -> impl Iterator<Item = (ConnectionId, &[SampleSnapshot])> {
         let channels = self.inputs.iter().flat_map(|input| &input.channels);
         channels.map(|(number, waiting)| (ConnectionId::new(*number), waiting.as_slice()))
@@ -50,10 +50,10 @@ impl FrozenUnit {
 }
 
 impl ComponentUnit {
-    /// A short text that two units have in common if one can go on from the other's state.
+    /// Returns a fingerprint that is equal for two units if one accepts the other's state.
     fn layout(&self) -> String {
         let activity = Activity {
-            // changes while the component runs
+            // excluded, since it can change at run time
             drive: Drive::Manual,
             ..self.activity.clone()
         };
@@ -87,7 +87,7 @@ impl ComponentUnit {
         frozen::fingerprint(texts.iter().map(String::as_str))
     }
 
-    /// Refuses what leads out of the system.
+    /// Reports connections that leave the system.
     fn refuse_outside(&self) -> Result<(), SystemFreezeError> {
         let declared = &self.body.declaration;
         let outputs = declared.outputs.iter().zip(&self.body.outputs);
@@ -109,7 +109,7 @@ impl ComponentUnit {
         }
     }
 
-    /// The component and everything around it.
+    /// Returns the state of the component and its runtime.
     pub(crate) fn snapshot(&mut self) -> Result<FrozenUnit, SystemFreezeError> {
         self.refuse_outside()?;
         let component = self.component.freeze();
@@ -149,7 +149,7 @@ impl ComponentUnit {
         })
     }
 
-    /// Refuses the state of a unit that is declared or joined in another way.
+    /// Reports the state of a unit with other declarations or connections.
     pub(crate) fn compare(&self, frozen: &FrozenUnit) -> Result<(), SystemThawError> {
         let body = &self.body;
         if *self.name != *frozen.name {
@@ -170,7 +170,7 @@ impl ComponentUnit {
         }
     }
 
-    /// Takes over the state of the same unit of another system; what waits in its connections comes later.
+    /// Restores the state of the same unit of another system, except the unread samples of its connections.
     pub(crate) fn restore(
         &mut self,
         frozen: &FrozenUnit,
@@ -217,7 +217,7 @@ impl ComponentUnit {
     }
 }
 
-/// Refuses a value that the property cannot have.
+/// Reports a value that the property does not accept.
 fn lawful(
     property: &dyn AnyProperty,
     value: &Datum,

@@ -1,4 +1,4 @@
-//! What an update of an out function does: calls and messages.
+//! Checks the actions triggered by updates of out functions: calls and published messages.
 
 use crate::codes::c091::WrongFunctionKind;
 use asmotion_datum::Schema;
@@ -13,7 +13,7 @@ use crate::model::binding::{Action, Bind, Call, Effect};
 use crate::nearest::nearest;
 use crate::signature::FunctionKind;
 
-/// The functions that tell the ASM how calls ended.
+/// Names of the functions that receive the outcome of calls.
 pub(super) fn events(bind: &Bind) -> Vec<&str> {
     calls(bind)
         .filter_map(|call| call.event.as_ref())
@@ -21,7 +21,7 @@ pub(super) fn events(bind: &Bind) -> Vec<&str> {
         .collect()
 }
 
-/// All calls of a binding.
+/// Iterates over all calls in a binding.
 pub(super) fn calls(bind: &Bind) -> impl Iterator<Item = &Call> {
     let cases = bind.out.iter().flat_map(|out| match &out.effect {
         Effect::Publish(_) => &[],
@@ -88,7 +88,7 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
     }
 }
 
-/// The argument of the operation, if the build knows it.
+/// Returns the argument type of the called operation; `None` if the catalogue does not know it.
 fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<Schema> {
     let references = &bound.part.face.references;
     let name: &At<String> = &call.operation.component;
@@ -117,7 +117,8 @@ fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<Sche
     found.map(|operation| operation.request.clone())
 }
 
-/// A reply that is kept under this name, and what it looks like, if the build knows it.
+/// Returns the type of the reply kept under `name`: `None` if no call keeps such a reply, `Some(None)` if its type is
+/// unknown.
 pub(super) fn kept(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
     let keeps = |call: &&Call| call.keep.as_ref().is_some_and(|keep| keep.value == name);
     let call = calls(&bound.part.component.bind).find(keeps)?;

@@ -1,4 +1,4 @@
-//! Messages and arguments that are put together.
+//! Checks arguments of calls and fields of published messages.
 
 use crate::codes::c099::UnknownKept;
 use crate::codes::c100::WrongArgument;
@@ -12,7 +12,7 @@ use crate::finding::Findings;
 use crate::model::binding::{Argument, Source};
 use crate::tree::{Branch, Node};
 
-/// Checks that a message can be put together for `what`, whose type is `wanted`.
+/// Checks that `argument` yields a value of type `wanted` for the port or operation `what`.
 pub(super) fn check(
     bound: &Bound<'_>,
     what: &At<String>,
@@ -81,7 +81,8 @@ fn kept(
     }
 }
 
-/// What a service is asked that a monitored function is bound to, and what it looks like, if the build knows it.
+/// Returns the request type of the service bound to the monitored function `name`: `None` if there is no such binding,
+/// `Some(None)` if the type is unknown.
 fn asked(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
     let mut monitored = bound.part.component.bind.monitored.iter();
     let end = monitored.find_map(|monitored| match &monitored.from {
@@ -126,7 +127,7 @@ fn record(
     }
 }
 
-/// A value as written; a text with substitutions can become anything.
+/// Checks a literal value. Strings containing substitutions are accepted for every type.
 fn value(what: &At<String>, node: &Node, wanted: &Schema, report: &mut Report) {
     let fits = match (&wanted.shape, &node.value) {
         (Shape::Any, _) => true,

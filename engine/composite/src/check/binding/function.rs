@@ -1,4 +1,4 @@
-//! Functions and the fields of messages that are their values.
+//! Checks bound functions against the types of the ports, services and message fields.
 
 use crate::codes::c090::UnknownBoundFunction;
 use crate::codes::c091::WrongFunctionKind;
@@ -53,7 +53,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
             });
         }
         if let Some(message) = &message {
-            // the field is compared, so it is a text whatever the function is
+            // the field is compared with a string, regardless of the codomain of the function
             let text = function.map(|function| FunctionInfo {
                 codomain: Codomain::Text,
                 ..function
@@ -73,7 +73,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
     }
 }
 
-/// What is asked of an operation that the component serves, if the build knows it.
+/// Returns the request type of a provided operation; `None` if the catalogue does not know it.
 pub(super) fn request(bound: &Bound<'_>, end: &End, report: &mut Report) -> Option<Schema> {
     let services = &bound.part.face.services;
     let Some(service) = find(services, &end.component) else {
@@ -90,7 +90,7 @@ pub(super) fn request(bound: &Bound<'_>, end: &End, report: &mut Report) -> Opti
     found.map(|operation| operation.request.clone())
 }
 
-/// A function that takes its values from the environment, without arguments.
+/// Checks that the function is monitored or shared and has no arguments.
 fn read_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
     let monitored = matches!(
         function.kind,
@@ -118,7 +118,7 @@ fn nullary(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
     false
 }
 
-/// An edge is a truth value, and looks into no message.
+/// Checks a function bound to an edge: its codomain must be Boolean, and no message field may be given.
 fn edge(function: Option<&FunctionInfo>, at: Span, path: Option<Span>, report: &mut Report) {
     let Some(function) = function else {
         return;
@@ -184,7 +184,7 @@ fn written_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> boo
     out && nullary(function, at, report)
 }
 
-/// The function of this name.
+/// Looks up a function; reports an error if it does not exist.
 pub(super) fn function(
     signature: &dyn crate::signature::Signature,
     name: &At<String>,
@@ -201,7 +201,7 @@ pub(super) fn function(
     found
 }
 
-/// The input port of this name.
+/// Looks up an input port.
 pub(super) fn input<'b>(
     bound: &Bound<'b>,
     name: &At<String>,
@@ -210,7 +210,7 @@ pub(super) fn input<'b>(
     port(&bound.part.face.inputs, "input", name, report)
 }
 
-/// The output port of this name.
+/// Looks up an output port.
 pub(super) fn output<'b>(
     bound: &Bound<'b>,
     name: &At<String>,
@@ -235,7 +235,7 @@ fn port<'b>(
     found
 }
 
-/// The field exists, one field is meant, and it fits the function.
+/// Checks that the message field exists, is unambiguous and matches the codomain of the function.
 fn field(
     bound: &Bound<'_>,
     function: Option<&FunctionInfo>,
@@ -284,13 +284,13 @@ fn field(
     }
 }
 
-/// What of a message is meant where no field is named.
+/// The part of a message selected if no field is named.
 enum Chosen {
-    /// All of it: it is no record.
+    /// The whole message, which is not a record.
     Whole,
-    /// Its only field, `data` (as in `std_msgs`), or `code` (as in `nav/Event`).
+    /// The only field, or the field named `data` (as in `std_msgs`) or `code` (as in `nav/Event`).
     Field(String, Schema),
-    /// Nothing in particular.
+    /// No unambiguous field; contains the names of the candidates.
     None(Vec<String>),
 }
 
@@ -309,7 +309,7 @@ fn chosen(schema: &Schema) -> Chosen {
     }
 }
 
-/// The field that is meant where none is named; `None` for the whole message.
+/// Returns the field selected if none is named; `None` for the whole message or if the choice is ambiguous.
 pub fn chosen_field(schema: &Schema) -> Option<String> {
     match chosen(schema) {
         Chosen::Field(name, _) => Some(name),
@@ -317,7 +317,7 @@ pub fn chosen_field(schema: &Schema) -> Option<String> {
     }
 }
 
-/// Whether values of this shape and values of this domain are the same.
+/// Returns whether values of the shape are representable in the codomain.
 fn fits(codomain: &Codomain, shape: &Shape) -> bool {
     let whole = matches!(
         shape,
@@ -341,7 +341,7 @@ fn fits(codomain: &Codomain, shape: &Shape) -> bool {
     }
 }
 
-/// A value of the composite that a function is to take.
+/// Checks a constant of the composite assigned to a function.
 fn value(function: &FunctionInfo, node: &Node, report: &mut Report) {
     let fits = match (&function.codomain, &node.value) {
         (Codomain::Enum { .. }, Branch::Text(text)) => {
@@ -372,7 +372,7 @@ fn value(function: &FunctionInfo, node: &Node, report: &mut Report) {
     }
 }
 
-/// A literal that a function is to take, or is compared with.
+/// Checks that a literal belongs to the codomain of the function.
 pub(super) fn literal(function: &FunctionInfo, literal: &At<String>, report: &mut Report) {
     let (domain, literals, declared) = match &function.codomain {
         Codomain::Enum {

@@ -1,4 +1,4 @@
-//! Bindings of an ASM component: functions on one side, ports and services on the other.
+//! Checks the bindings between the functions of an ASM component and its ports and services.
 
 mod action;
 mod argument;
@@ -51,14 +51,14 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     }
 }
 
-/// An ASM component with its signature, where that could be had.
+/// An ASM component and its signature; `None` if the specification could not be read.
 pub(crate) struct Bound<'b> {
     pub scene: &'b CheckedComposite<'b>,
     pub part: &'b CheckedComponent<'b>,
     pub signature: Option<&'b dyn Signature>,
 }
 
-/// Functions of the specification that touch nothing of the world.
+/// Reports monitored and out functions of the specification that have no binding.
 fn unbound(
     bound: &Bound<'_>,
     signature: &dyn Signature,

@@ -1,4 +1,4 @@
-//! The binding of a specification, as the plan has it.
+//! Resolves the bindings of an ASM component.
 
 use super::PartSource;
 use asmotion_composite::check::chosen_field;
@@ -10,7 +10,7 @@ use asmotion_coordinator::{
     Source as From,
 };
 
-/// The binding without places, with everything substituted.
+/// Returns the bindings with all substitutions applied; `None` if the component is not an ASM or a value is unknown.
 pub(super) fn binding(source: &PartSource<'_>, notes: &mut SubstitutionNotes) -> Option<Binding> {
     let bind = &source.component.bind;
     let asm = matches!(
@@ -66,7 +66,7 @@ fn monitored(
     }
 }
 
-/// The same of a request.
+/// Returns the default field of a request; see [`chosen`].
 fn chosen_of_request(source: &PartSource<'_>, end: &model::End) -> Option<String> {
     let service = endpoints::find(&source.face.services, &end.component)?;
     let operations = source.catalogue.operations(&service.interface.text)?;
@@ -74,7 +74,7 @@ fn chosen_of_request(source: &PartSource<'_>, end: &model::End) -> Option<String
     chosen_field(&operation.request)
 }
 
-/// The field that is meant where none is named.
+/// Returns the message field used if none is named; `None` for the whole message.
 fn chosen(
     source: &PartSource<'_>,
     ports: &[endpoints::EndpointPort],

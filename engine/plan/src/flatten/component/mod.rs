@@ -1,4 +1,4 @@
-//! One component, with its defaults filled in and its values put in place.
+//! Resolves a component: defaults, substitutions and qualified names.
 
 mod binding;
 mod properties;
@@ -14,13 +14,13 @@ use asmotion_composite::scope::{OutsideSettings, PropertyScope, SubstitutionNote
 use asmotion_composite::table::Resolver;
 use asmotion_composite::types::Types;
 
-/// What a component of the plan is made of.
+/// Inputs for the resolution of a component.
 pub(super) struct PartSource<'p> {
     pub member: &'p Member,
     pub component: &'p model::Component,
     pub face: &'p Endpoints,
     pub types: &'p Types<'p>,
-    /// The names of the composites it is nested in.
+    /// Name prefix of the enclosing composites.
     pub prefix: &'p str,
     pub scope: &'p PropertyScope<'p>,
     pub catalogue: &'p dyn Catalogue,
@@ -142,13 +142,13 @@ fn implementation(source: &PartSource<'_>) -> Implementation {
             let name_service = name_service.iter().map(|it| it.value.clone()).collect();
             Implementation::Orocos(list(component, name_service))
         }
-        // these were reported, so nobody starts this plan
+        // the error has been reported, so this plan is never started
         Some(Written::Composite(name)) => Implementation::Rust(name.value.clone()),
         None => Implementation::Rust(String::new()),
     }
 }
 
-/// A component that no broker is named for may be on the composite's only one.
+/// Resolves the schedule, including the broker, which defaults to the composite's only one.
 fn pace(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Pace {
     let broker = source.member.composite.broker_of(source.component);
     Pace {

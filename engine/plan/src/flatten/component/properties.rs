@@ -1,4 +1,4 @@
-//! The properties of a component, as it takes them.
+//! Resolves the property values of a component.
 
 use super::PartSource;
 use crate::plan::PropertyValues;
@@ -6,7 +6,7 @@ use asmotion_composite::admissible::lawful;
 use asmotion_composite::model;
 use asmotion_composite::scope::{OutsideSettings, SubstitutionNotes};
 
-/// The properties that are set, in the order of the file, then those set from outside.
+/// Returns the values set in the file, in file order, followed by those set from outside.
 pub(super) fn properties(
     source: &PartSource<'_>,
     mut set: OutsideSettings,

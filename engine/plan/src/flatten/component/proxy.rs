@@ -1,4 +1,4 @@
-//! The port-proxy in a plan, as the bridge executes it.
+//! Compiles the settings of a port-proxy for the bridge.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use asmotion_composite::check::endpoints::{EndpointPort, find};
 use asmotion_composite::map;
 use asmotion_composite::model::{self, BuiltinComponent, MapEntry, ProxyMode};
 
-/// What the bridge does, with every conversion decided; `None` for what is no port-proxy.
+/// Returns the settings with all conversions resolved; `None` for other components.
 pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::ProxySettings> {
     let component = source.component;
     let made_of = component.implementation.as_ref()?;
@@ -35,7 +35,7 @@ pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::Proxy
     })
 }
 
-/// A port as the target declares it.
+/// Returns a port as declared by the target.
 fn port(source: &PartSource<'_>, port: &EndpointPort) -> ProxyPort {
     let kind = port.kind.as_ref().map_or("", |kind| &kind.text);
     ProxyPort {
@@ -64,7 +64,7 @@ fn mapped(source: &PartSource<'_>, entry: &model::ProxyEntry) -> Option<Mapped> 
     let declared = operations
         .into_iter()
         .find(|known| known.name == operation.value);
-    // of an interface that nobody knows, the data decides
+    // with an unknown interface, conversions depend on the data at run time
     let declared = declared.unwrap_or_else(|| OperationDeclaration {
         name: operation.value.clone(),
         request: Schema::opaque(""),

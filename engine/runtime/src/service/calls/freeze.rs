@@ -1,4 +1,4 @@
-//! The calls of a component in a frozen system.
+//! Freezing and thawing of the calls of a component.
 
 use std::sync::Arc;
 
@@ -14,15 +14,15 @@ use crate::frozen::{
 };
 use crate::service::message::CallAnswer;
 
-/// All calls of one component.
+/// All outstanding and ended calls of a component.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrozenCalls {
-    /// Answers that wait for the caller, by the numbers of the calls.
+    /// Outcomes not yet read by the caller, by call number.
     answers: Vec<(u64, FrozenResult)>,
     outstanding: Vec<FrozenOutstanding>,
     ended: Vec<FrozenEnd>,
-    /// Ended, and seen by the last cycle.
+    /// Calls that ended and whose outcome the last cycle has read.
     frozen: Vec<FrozenEnd>,
     last: u64,
     lost: u64,
@@ -118,7 +118,7 @@ fn slot((port, operation): (usize, usize)) -> OperationSlot {
 }
 
 impl OutgoingCalls {
-    /// Where providers put the answers to these calls.
+    /// Returns the queue that receives the replies to these calls.
     pub(crate) fn reply_queue(&self) -> Arc<ReplyQueue> {
         Arc::clone(&self.reply_queue)
     }
@@ -126,7 +126,7 @@ impl OutgoingCalls {
     pub(crate) fn snapshot(&self) -> Result<FrozenCalls, SystemFreezeError> {
         let queue = &self.reply_queue.queue;
         let mut answers = Vec::new();
-        // a full turn; nobody else is at the queue of a simulation that stands still
+        // rotates the queue once; nothing else accesses it while the simulation is idle
         for _ in 0..queue.len() {
             let Some(answer) = queue.pop() else { break };
             answers.push(result(&answer.result).map(|result| (answer.number, result)));
@@ -144,7 +144,7 @@ impl OutgoingCalls {
         })
     }
 
-    /// Takes over the calls of the same component.
+    /// Restores the calls of the same component.
     pub(crate) fn restore(
         &mut self,
         calls: &FrozenCalls,

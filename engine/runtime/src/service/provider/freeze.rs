@@ -1,4 +1,4 @@
-//! A service in a frozen system.
+//! Freezing and thawing of a service.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -15,18 +15,18 @@ use crate::frozen::{
 use crate::service::calls::ReplyQueue;
 use crate::service::message::{CallKey, ComponentReply, ProviderMessage, ReplyTo, ServiceRequest};
 
-/// What requests are thawed with.
+/// Context for thawing requests.
 pub(crate) struct ThawContext {
     pub names: SampleNames,
-    /// Where the calls of each component are answered, by its position.
+    /// Reply queue of each component, by its position.
     pub reply_queues: Vec<Arc<ReplyQueue>>,
 }
 
-/// A service port.
+/// State of a service port.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrozenService {
-    /// Whether the provider runs.
+    /// Whether the provider is running.
     is_open: bool,
     queue: Vec<FrozenMessage>,
     waiting: Vec<(RequestId, FrozenRequest)>,
@@ -42,7 +42,7 @@ enum FrozenMessage {
     Cancel(FrozenKey),
 }
 
-/// Position of the caller, and the number of its call.
+/// Position of the calling component and number of the call.
 type FrozenKey = (usize, u64);
 
 #[derive(Serialize, Deserialize)]
@@ -54,7 +54,7 @@ struct FrozenRequest {
     caller: String,
     deadline: Option<Time>,
     trace: Option<String>,
-    /// Whether the caller wants an answer.
+    /// Whether the caller expects a reply.
     replies: bool,
 }
 
@@ -69,7 +69,7 @@ struct FrozenOpen {
     deadline: Option<Time>,
 }
 
-/// Whether an answer is wanted; only components of the system may want one.
+/// Returns whether the caller expects a reply; reports callers outside the system.
 fn replies(to: Option<&ReplyTo>, service: &str) -> Result<bool, SystemFreezeError> {
     match to {
         None => Ok(false),
@@ -145,7 +145,7 @@ impl ProvidedService {
         let name = &*self.declaration.name;
         let queue = &self.queue.queue;
         let mut messages = Vec::new();
-        // a full turn; nobody else is at the queue of a simulation that stands still
+        // rotates the queue once; nothing else accesses it while the simulation is idle
         for _ in 0..queue.len() {
             let Some(message) = queue.pop() else { break };
             messages.push(FrozenMessage::of(&message, name));
@@ -173,7 +173,7 @@ impl ProvidedService {
         })
     }
 
-    /// Takes over what the same service of another system had.
+    /// Restores the state of the same service of another system.
     pub(crate) fn restore(
         &mut self,
         service: &FrozenService,
