@@ -1,4 +1,4 @@
-//! What a program counts while it runs.
+//! Coverage counters of a program.
 
 use crate::id::Origin;
 
