@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Name of the library's domain of all values.
 const ANY: &str = "Any";
 
-/// How well an argument fits a parameter: smaller is better, `None` means not at all.
+/// Fit of an argument to a parameter: smaller is better, `None` means that it does not fit.
 pub(crate) type Fit = Option<u32>;
 
 /// The bindings of type variables within one application.
@@ -256,7 +256,17 @@ impl TypeTable {
                 let key = self.substitute(key, domains, bindings);
                 Type::Map(key, self.substitute(value, domains, bindings))
             }
-            other => other,
+            Type::Invalid
+            | Type::Undef
+            | Type::Boolean
+            | Type::Integer
+            | Type::Natural
+            | Type::Real
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule
+            | Type::Domain(_) => return id,
         };
         self.id(ty)
     }
