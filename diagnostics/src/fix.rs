@@ -5,8 +5,7 @@ use crate::span::Span;
 /// Confidence in a fix: decides if a tool may apply it unattended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Applicability {
-    /// The fix keeps the meaning, or leads to the only lawful one. Applied by
-    /// [`apply`](fn@crate::apply).
+    /// The fix keeps the meaning, or leads to the only lawful one. Applied by [`apply`](crate::apply()).
     Sure,
     /// The fix may not be what the user meant, so the user decides.
     Maybe,

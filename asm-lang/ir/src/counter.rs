@@ -1,4 +1,4 @@
-//! Coverage counters: the parts of a program that are counted, and the increments.
+//! Coverage counters of a program.
 
 use crate::id::Origin;
 

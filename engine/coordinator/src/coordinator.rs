@@ -3,8 +3,8 @@
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Interfaces, calls};
 use crate::effects::{EffectHandles, EffectOutbox};
+use crate::fingerprint::fingerprint;
 use crate::frame::InputFrame;
-use crate::freeze::fingerprint;
 use crate::inputs::MessageInputs;
 use crate::partners::MessagePartners;
 use crate::requests::Requests;

@@ -1,18 +1,14 @@
 //! Freezing and thawing of the state of a coordinator: the machine, inputs, pending calls and pending requests.
 
-use crate::binding::Binding;
 use crate::coordinator::Coordinator;
 use crate::effects::PendingOutcome;
 use crate::inputs::BoundInput;
 use crate::partners::PartnerCall;
 use crate::requests::WaitingCaller;
 use asmotion_component::{
-    CallId, CannotFreeze, FrozenState, Losses, RequestId, ThawError, ThawProblem, Time, frozen,
+    CallId, CannotFreeze, FrozenState, Losses, RequestId, ThawError, ThawProblem, Time,
 };
 use asmotion_datum::Datum;
-use asmotion_lang::Specification;
-use asmotion_lang::diagnostics::FileId;
-
 use asmotion_lang::ir::FunctionId;
 use asmotion_lang::machine::{ForeignSnapshot, Machine, MessageId, Snapshot, pack_value};
 use asmotion_lang::simulate::Seeded;
@@ -90,16 +86,6 @@ struct FrozenCall {
     waits: bool,
     /// Position of the operation.
     asked: usize,
-}
-
-/// Fingerprint of all source texts of the specification and of the binding.
-pub(crate) fn fingerprint(specification: &Specification, binding: &Binding) -> String {
-    let binding = format!("{binding:?}");
-    let sources = &specification.sources;
-    let files = (0..).map(FileId);
-    let files = files.take_while(|file| !sources.path(*file).is_empty());
-    let texts = files.map(|file| sources.text(file));
-    frozen::fingerprint(texts.chain([binding.as_str()]))
 }
 
 fn packed(value: &Value) -> PackedValue {

@@ -9,6 +9,7 @@ mod binding;
 mod convert;
 mod coordinator;
 mod effects;
+mod fingerprint;
 mod frame;
 mod freeze;
 mod inputs;

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use crate::error::DatumError;
 use crate::value::Datum;
 
-/// Any [`Message`](crate::message::Message) behind a pointer, for code that handles messages of all types: queues, recorders, monitors.
+/// Any [`Message`](crate::Message) behind a pointer, for code that handles messages of all types: queues, recorders,
+/// monitors.
 pub trait Sample: Any + Debug + Send + Sync {
     /// The type's name, for example `geometry_msgs/Twist`; empty for a [`Datum`].
     fn type_name(&self) -> &'static str;

@@ -12,31 +12,15 @@ use crossbeam_queue::ArrayQueue;
 
 pub(crate) use self::freeze::FrozenCalls;
 use super::message::{
-    CallAnswer, CallKey, ComponentReply, ProviderMessage, ReplyTo, ServiceRequest,
+    CallKey, ComponentReply, ProviderMessage, ReplyQueue, ReplyTo, ServiceRequest,
 };
 use super::reference::{RequiredReference, names, wire_of, wiring};
 use crate::cause::CycleCause;
-use crate::effects::{ComponentEffects, Effects};
+use crate::effects::ComponentEffects;
 use crate::event::Event;
 
 /// Limit on the outstanding calls of one component; calls beyond it end as unavailable.
 const UNDER_WAY: usize = 128;
-
-/// Replies that wait for their caller. Providers on any thread push them; the caller's thread pops them.
-pub(crate) struct ReplyQueue {
-    queue: ArrayQueue<CallAnswer>,
-    /// Position of the caller in the system.
-    component: usize,
-}
-
-impl ReplyQueue {
-    /// Pushes a reply. If the queue is full, the reply is dropped and the call ends at its deadline.
-    pub(crate) fn put(&self, answer: CallAnswer, effects: &mut dyn Effects) {
-        if self.queue.push(answer).is_ok() {
-            effects.trigger(self.component);
-        }
-    }
-}
 
 /// All calls that one component has made.
 pub(crate) struct OutgoingCalls {

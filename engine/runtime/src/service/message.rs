@@ -6,8 +6,8 @@ use asmotion_bus::TraceContext;
 use asmotion_component::CallError;
 use asmotion_datum::Sample;
 use asmotion_port::Time;
+use crossbeam_queue::ArrayQueue;
 
-use super::calls::ReplyQueue;
 use crate::effects::Effects;
 
 /// Identifies a call within the system.
@@ -98,4 +98,20 @@ pub(crate) struct CallAnswer {
     /// The call's number at the caller.
     pub number: u64,
     pub result: Result<Arc<dyn Sample>, CallError>,
+}
+
+/// Replies that wait for their caller. Providers on any thread push them; the caller's thread pops them.
+pub(crate) struct ReplyQueue {
+    pub(super) queue: ArrayQueue<CallAnswer>,
+    /// Position of the caller in the system.
+    pub(super) component: usize,
+}
+
+impl ReplyQueue {
+    /// Pushes a reply. If the queue is full, the reply is dropped and the call ends at its deadline.
+    pub(crate) fn put(&self, answer: CallAnswer, effects: &mut dyn Effects) {
+        if self.queue.push(answer).is_ok() {
+            effects.trigger(self.component);
+        }
+    }
 }

@@ -7,12 +7,12 @@ use asmotion_datum::Sample;
 use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
 
-use super::{EndedCall, OutgoingCalls, OutstandingCall, ReplyQueue};
+use super::{EndedCall, OutgoingCalls, OutstandingCall};
 use crate::frozen::{
     FrozenResult, FrozenSample, SampleNames, SystemFreezeError, SystemThawError, no_data, trace_of,
     trace_text,
 };
-use crate::service::message::CallAnswer;
+use crate::service::message::{CallAnswer, ReplyQueue};
 
 /// All outstanding and ended calls of a component.
 #[derive(Serialize, Deserialize)]

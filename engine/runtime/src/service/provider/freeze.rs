@@ -12,8 +12,9 @@ use crate::frozen::{
     FrozenSample, SampleNames, SystemFreezeError, SystemThawError, no_data, other, trace_of,
     trace_text,
 };
-use crate::service::calls::ReplyQueue;
-use crate::service::message::{CallKey, ComponentReply, ProviderMessage, ReplyTo, ServiceRequest};
+use crate::service::message::{
+    CallKey, ComponentReply, ProviderMessage, ReplyQueue, ReplyTo, ServiceRequest,
+};
 
 /// Context for thawing requests.
 pub(crate) struct ThawContext {
