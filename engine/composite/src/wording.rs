@@ -10,9 +10,10 @@ pub(crate) fn enumerate(names: &[&str]) -> String {
 /// "it has `a`, `b` and `c`": what there is instead of what was not found.
 pub(crate) fn has<'n>(what: &str, names: impl IntoIterator<Item = &'n str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
-    match names.is_empty() {
-        true => format!("it has no {what}"),
-        false => format!("it has {}", joined(&names, "and")),
+    if names.is_empty() {
+        format!("it has no {what}")
+    } else {
+        format!("it has {}", joined(&names, "and"))
     }
 }
 

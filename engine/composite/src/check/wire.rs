@@ -114,7 +114,9 @@ fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: 
 /// The reference that a wire means whose own name is not known: the one that is called like it, or the only one.
 fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
     let parts = &scene.parts;
-    let part = (parts.iter()).find(|part| part.component.name.value == end.component.value)?;
+    let part = parts
+        .iter()
+        .find(|part| part.component.name.value == end.component.value)?;
     let references = &part.face.references;
     let name = match (nearest_service(references, &end.name), &**references) {
         (Some(nearest), _) => nearest.name,

@@ -6,13 +6,16 @@ use crate::model::{Piece, Template};
 
 /// Reads the substitutions of a text; `exact` where its bytes stand in the file as they are.
 pub(crate) fn parse(text: &str, span: Span, exact: bool) -> Result<Template, (&'static str, Span)> {
-    let place = |start: usize, end: usize| match exact {
-        true => Span::new(
-            span.file,
-            span.start as usize + start,
-            span.start as usize + end,
-        ),
-        false => span,
+    let place = |start: usize, end: usize| {
+        if exact {
+            Span::new(
+                span.file,
+                span.start as usize + start,
+                span.start as usize + end,
+            )
+        } else {
+            span
+        }
     };
     let mut pieces = Vec::new();
     let mut plain = String::new();
