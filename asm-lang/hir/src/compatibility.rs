@@ -256,7 +256,17 @@ impl TypeTable {
                 let key = self.substitute(key, domains, bindings);
                 Type::Map(key, self.substitute(value, domains, bindings))
             }
-            other => other,
+            Type::Invalid
+            | Type::Undef
+            | Type::Boolean
+            | Type::Integer
+            | Type::Natural
+            | Type::Real
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule
+            | Type::Domain(_) => return id,
         };
         self.id(ty)
     }

@@ -10,7 +10,17 @@ pub fn to_string(value: &Value, names: &dyn ValueNames) -> String {
         Value::Text(text) => text.as_ref().clone(),
         Value::Char(character) => character.to_string(),
         Value::Real(number) => real_text(number.get()),
-        other => other.show(names).to_string(),
+        Value::Undef
+        | Value::Bool(_)
+        | Value::Int(_)
+        | Value::Atom(_)
+        | Value::Rule(_)
+        | Value::Complex(_)
+        | Value::Tuple(_)
+        | Value::Seq(_)
+        | Value::Set(_)
+        | Value::Bag(_)
+        | Value::Map(_) => value.show(names).to_string(),
     }
 }
 

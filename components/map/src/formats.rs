@@ -22,12 +22,17 @@ pub const FORMATS: &[(&str, &dyn MapFormat)] = &[
 ];
 
 /// Endings of the formats that a build without the feature `maps` does not include.
-const LEFT_OUT: &[&str] = match cfg!(feature = "maps") {
-    true => &[],
-    false => &[".yaml", ".yml", ".osm", ".osm.xml"],
+const LEFT_OUT: &[&str] = if cfg!(feature = "maps") {
+    &[]
+} else {
+    &[".yaml", ".yml", ".osm", ".osm.xml"]
 };
 
 /// Loads the map in file `name`, whose ending determines the format.
+///
+/// # Errors
+/// [`MapFault::UnknownFormat`](crate::MapFault::UnknownFormat) for another ending,
+/// [`MapFault::LeftOut`](crate::MapFault::LeftOut) if the build lacks the format, and the errors of the format.
 pub fn load(files: &dyn FileSource, name: &str, settings: &MapSettings) -> Result<Map, MapError> {
     let source = MapSource::new(files, name, settings);
     match format_of(name) {

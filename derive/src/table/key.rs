@@ -129,7 +129,7 @@ impl KeyDeclaration {
                 Some(GenericArgument::Type(inner)) => Some((segment.ident.to_string(), inner)),
                 _ => None,
             },
-            _ => None,
+            PathArguments::None | PathArguments::Parenthesized(_) => None,
         });
         match inner {
             Some((name, inner)) if name == "Option" => FieldShape::Option(inner),
@@ -233,9 +233,10 @@ impl KeyDeclaration {
             None => read,
         };
         let within = &self.within;
-        match within.is_empty() {
-            true => read,
-            false => quote!(if keys.within == #within { #read } else { Default::default() }),
+        if within.is_empty() {
+            read
+        } else {
+            quote!(if keys.within == #within { #read } else { Default::default() })
         }
     }
 
@@ -270,9 +271,10 @@ impl KeyDeclaration {
     /// Generates the conversion to the value without its span.
     pub(super) fn resolve(&self, key: &TokenStream) -> TokenStream {
         let ident = &self.ident;
-        let local = match self.local {
-            true => quote!(.map(|it| to.local(&it))),
-            false => quote!(),
+        let local = if self.local {
+            quote!(.map(|it| to.local(&it)))
+        } else {
+            quote!()
         };
         let one = quote!(it.resolve(#key, to)#local);
         match self.shape() {
@@ -287,9 +289,10 @@ impl KeyDeclaration {
             }
             FieldShape::One(_) => {
                 let found = quote!({ let it = &self.#ident; #one });
-                match self.unresolved {
-                    true => found,
-                    false => quote!(#found?),
+                if self.unresolved {
+                    found
+                } else {
+                    quote!(#found?)
                 }
             }
         }
@@ -304,9 +307,10 @@ impl KeyDeclaration {
             (false, _, _) => quote!(crate::table::Written::toml(&self.#ident)),
         };
         let write = quote!(keys.put_some(#name, #value););
-        match within.is_empty() {
-            true => write,
-            false => quote!(if within == #within { #write }),
+        if within.is_empty() {
+            write
+        } else {
+            quote!(if within == #within { #write })
         }
     }
 }

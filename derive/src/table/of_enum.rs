@@ -98,19 +98,10 @@ pub(super) fn of_enum(
         });
         let made = choice.rows.iter().enumerate().map(|(at, row)| {
             let (binding, ident) = (&bindings[at], &row.ident);
-            let value = match row.is_unwrapped() {
-                true => quote!(#binding?),
-                false => quote!(#binding),
-            };
-            match choice.named {
-                true => quote!(#ident: #value),
-                false => value,
-            }
+            let value = if row.is_unwrapped() { quote!(#binding?) } else { quote!(#binding) };
+            if choice.named { quote!(#ident: #value) } else { value }
         });
-        let made = match choice.named {
-            true => quote!(Self::#variant { #(#made),* }),
-            false => quote!(Self::#variant(#(#made),*)),
-        };
+        let made = if choice.named { quote!(Self::#variant { #(#made),* }) } else { quote!(Self::#variant(#(#made),*)) };
         quote!(Some(#at) => { #(#reads)* #made })
     });
     let common = common(input, options, None);

@@ -47,28 +47,25 @@ pub(super) fn of_struct(
         quote!(&Self::KEYS[#at])
     };
     let consts = keys.iter().map(|row| row.key());
-    let outline = rows
-        .iter()
-        .filter(|it| !it.is_place())
-        .map(|row| match row.flatten {
-            true => {
-                let inner = row.inner();
-                quote!(outline.append(<#inner as crate::table::Table>::outline());)
-            }
-            false => {
-                let key = index(row);
-                quote!(outline.add(#key);)
-            }
-        });
+    let outline = rows.iter().filter(|it| !it.is_place()).map(|row| {
+        if row.flatten {
+            let inner = row.inner();
+            quote!(outline.append(<#inner as crate::table::Table>::outline());)
+        } else {
+            let key = index(row);
+            quote!(outline.add(#key);)
+        }
+    });
     let reads = rows.iter().map(|row| {
         let (ident, read) = (&row.ident, row.read(&index(row)));
         quote!(let #ident = #read;)
     });
     let made = rows.iter().map(|row| {
         let ident = &row.ident;
-        match row.is_unwrapped() {
-            true => quote!(#ident: #ident?),
-            false => quote!(#ident),
+        if row.is_unwrapped() {
+            quote!(#ident: #ident?)
+        } else {
+            quote!(#ident)
         }
     });
     let after = options.after.iter();

@@ -55,12 +55,13 @@ impl TableOptions {
                 Ok(())
             })?;
         }
-        match options.of.is_empty() {
-            true => Err(Error::new_spanned(
+        if options.of.is_empty() {
+            Err(Error::new_spanned(
                 &input.ident,
                 "say what it is: `#[table(of = \"a wire\")]`",
-            )),
-            false => Ok(options),
+            ))
+        } else {
+            Ok(options)
         }
     }
 }

@@ -42,8 +42,10 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
     where
         T: PartialOrd,
     {
-        let least = (self.interface).datum_of(&self.declaration.name, range.start());
-        let greatest = (self.interface).datum_of(&self.declaration.name, range.end());
+        let least = self
+            .interface
+            .datum_of(&self.declaration.name, range.start());
+        let greatest = self.interface.datum_of(&self.declaration.name, range.end());
         self.declaration.range = Some((least, greatest));
         self.check.range = Some((|value, range| range.contains(value), range));
         self

@@ -18,6 +18,9 @@ use crate::value::{Datum, FieldName};
 
 impl Datum {
     /// Converts the datum to a type. An error names the place that does not fit.
+    ///
+    /// # Errors
+    /// [`DatumProblem::Mismatch`](crate::DatumProblem::Mismatch) with the path of the first value that does not fit.
     pub fn to<T: DeserializeOwned>(&self) -> Result<T, DatumError> {
         T::deserialize(DatumDeserializer(self))
     }

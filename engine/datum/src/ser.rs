@@ -11,6 +11,9 @@ use crate::value::{Datum, FieldName};
 
 impl Datum {
     /// Converts any serialisable value to a datum.
+    ///
+    /// # Errors
+    /// An integer does not fit 64 bits with a sign, a map has keys that are not text, or `T::serialize` fails.
     pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DatumError> {
         value.serialize(DatumSerializer)
     }
