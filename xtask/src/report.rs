@@ -107,7 +107,7 @@ fn function_rows(checkout: &Checkout, rows: &mut Rows) {
 }
 
 fn arm_rows(count: &MatchCount, rows: &mut Rows) {
-    let value = format!("{} of {}", count.wildcards.len(), count.matches);
+    let value = format!("{} of {}", count.wildcards, count.matches);
     rows.push(("`_ =>` beside own variants".to_owned(), value));
 }
 

@@ -37,10 +37,10 @@ impl From<(Real, Real)> for Complex {
 impl FromValue<'_> for Complex {
     const EXPECTED: &'static str = "a Complex";
     fn read(value: &Value) -> Option<Self> {
-        match value {
-            Value::Complex(parts) => Some(Self::from(**parts)),
-            _ => None,
-        }
+        let Value::Complex(parts) = value else {
+            return None;
+        };
+        Some(Self::from(**parts))
     }
 }
 

@@ -31,8 +31,8 @@ const LEFT_OUT: &[&str] = if cfg!(feature = "maps") {
 /// Loads the map in file `name`, whose ending determines the format.
 ///
 /// # Errors
-/// [`MapFault::UnknownFormat`] for another ending, [`MapFault::LeftOut`] if the build lacks the format, and the errors
-/// of [`MapFormat::load`].
+/// [`MapFault::UnknownFormat`](crate::MapFault::UnknownFormat) for another ending,
+/// [`MapFault::LeftOut`](crate::MapFault::LeftOut) if the build lacks the format, and the errors of the format.
 pub fn load(files: &dyn FileSource, name: &str, settings: &MapSettings) -> Result<Map, MapError> {
     let source = MapSource::new(files, name, settings);
     match format_of(name) {

@@ -60,9 +60,10 @@ pub fn changes(
     difference.components(running, wanted);
     difference.connections(&running.connections, &wanted.connections);
     difference.wires(&running.wires, &wanted.wires);
-    match difference.fixed.is_empty() {
-        true => Ok([difference.ends, difference.begins].concat()),
-        false => Err(difference.fixed),
+    if difference.fixed.is_empty() {
+        Ok([difference.ends, difference.begins].concat())
+    } else {
+        Err(difference.fixed)
     }
 }
 

@@ -106,18 +106,17 @@ fn o3_a_process_says_how_its_components_are_scheduled_that_do_not_say_it_themsel
             .to_owned()
     };
     let denied = log.lines_with("is not permitted");
-    let (fifo_30, fifo_50) = match denied.is_empty() {
-        true => ("policy 1, 30", "policy 1, 50"),
-        false => {
-            eprintln!("not tried: this program may not run at FIFO");
-            assert!(denied.iter().any(|line| line.contains("Silent: FIFO 30 ")));
-            assert!(denied.iter().any(|line| line.contains("Higher: FIFO 50 ")));
-            assert!(
-                !denied.iter().any(|line| line.contains("Own")),
-                "{denied:?}"
-            );
-            ("policy 0, 0", "policy 0, 0")
-        }
+    let (fifo_30, fifo_50) = if denied.is_empty() {
+        ("policy 1, 30", "policy 1, 50")
+    } else {
+        eprintln!("not tried: this program may not run at FIFO");
+        assert!(denied.iter().any(|line| line.contains("Silent: FIFO 30 ")));
+        assert!(denied.iter().any(|line| line.contains("Higher: FIFO 50 ")));
+        assert!(
+            !denied.iter().any(|line| line.contains("Own")),
+            "{denied:?}"
+        );
+        ("policy 0, 0", "policy 0, 0")
     };
     assert_eq!(tells("Silent"), format!("\"{fifo_30}, on 0\""));
     assert_eq!(tells("Higher"), format!("\"{fifo_50}, on 0\""));

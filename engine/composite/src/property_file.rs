@@ -52,7 +52,9 @@ pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> Proper
     for entry in &table.entries {
         let name = &entry.key;
         let Some(property) = declared.property(name) else {
-            let known: Vec<_> = (declared.properties.iter())
+            let known: Vec<_> = declared
+                .properties
+                .iter()
                 .map(|it| it.name.clone())
                 .collect();
             notes.found(UnknownProperty::InFile {
@@ -119,9 +121,10 @@ fn about(property: &PropertyDeclaration) -> String {
     let unit = Some(property.unit.clone()).filter(|unit| !unit.is_empty());
     let lawful: Vec<String> = range.into_iter().chain(unit).collect();
     let doc = property.doc.replace('\n', " ");
-    match lawful.is_empty() {
-        true => format!("# {doc}\n"),
-        false => format!("# {doc} ({})\n", lawful.join(" ")),
+    if lawful.is_empty() {
+        format!("# {doc}\n")
+    } else {
+        format!("# {doc} ({})\n", lawful.join(" "))
     }
 }
 

@@ -75,9 +75,10 @@ fn section(page: &mut String, title: &str, path: &str, outline: &Outline) {
 
 fn row(key: &Key, with: Option<&str>, outline: &Outline) -> String {
     let needed = key.needed && with.is_none() && !outline.one_of.contains(&key.name);
-    let name = match needed {
-        true => format!("**`{}`**", key.name),
-        false => format!("`{}`", key.name),
+    let name = if needed {
+        format!("**`{}`**", key.name)
+    } else {
+        format!("`{}`", key.name)
     };
     let with = with.map_or(String::new(), |with| format!(" (with `{with}`)"));
     let default = key

@@ -10,9 +10,10 @@ pub(crate) fn enumerate(names: &[&str]) -> String {
 /// Returns a note listing the existing names, such as "it has `a`, `b` and `c`".
 pub(crate) fn has<'n>(what: &str, names: impl IntoIterator<Item = &'n str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
-    match names.is_empty() {
-        true => format!("it has no {what}"),
-        false => format!("it has {}", joined(&names, "and")),
+    if names.is_empty() {
+        format!("it has no {what}")
+    } else {
+        format!("it has {}", joined(&names, "and"))
     }
 }
 

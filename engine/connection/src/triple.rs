@@ -100,7 +100,9 @@ impl<T> TripleReader<T> {
         };
         let middle = self.shared.middle.load(Ordering::Relaxed);
         let given_back = middle & FRESH == 0
-            && (self.shared.middle)
+            && self
+                .shared
+                .middle
                 .compare_exchange(
                     middle,
                     self.slot | FRESH,

@@ -20,7 +20,7 @@ impl Datum {
     /// Converts the datum to a type. An error names the place that does not fit.
     ///
     /// # Errors
-    /// [`DatumProblem::Mismatch`] with the path of the first value that does not fit.
+    /// [`DatumProblem::Mismatch`](crate::DatumProblem::Mismatch) with the path of the first value that does not fit.
     pub fn to<T: DeserializeOwned>(&self) -> Result<T, DatumError> {
         T::deserialize(DatumDeserializer(self))
     }

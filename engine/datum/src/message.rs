@@ -60,7 +60,7 @@ impl dyn Sample {
     /// Converts the message to type `T`: without copying if it has that type, otherwise through its datum.
     ///
     /// # Errors
-    /// The sample has another type, and its data does not fit `T`; the error names the place.
+    /// The message has another type, and its datum does not fit `T`; the error names the place.
     pub fn read<T: Message>(self: Arc<Self>) -> Result<T, DatumError> {
         let sample = Sample::behind(&*self).unwrap_or(self);
         if let Some(pointer) = T::pointing_to(&sample) {

@@ -35,7 +35,10 @@ pub enum RouteTransport {
 impl Plan {
     /// Returns all routes of the deployed system: connections, topics, then wires.
     pub fn ways(&self) -> Vec<ConnectionRoute> {
-        let connections = (self.connections.iter()).filter_map(|it| self.way_of_connection(it));
+        let connections = self
+            .connections
+            .iter()
+            .filter_map(|it| self.way_of_connection(it));
         let topics = self.topics.iter().flat_map(|it| self.ways_of_topic(it));
         let wires = self.wires.iter().flat_map(|it| self.ways_of_wire(it));
         connections.chain(topics).chain(wires).collect()
@@ -87,9 +90,10 @@ impl Plan {
     }
 
     fn between(&self, from: &End, to: &End, lock: Lock) -> RouteTransport {
-        match self.process_of(&from.component) == self.process_of(&to.component) {
-            true => RouteTransport::Nothing(lock),
-            false => RouteTransport::Broker(self.broker_of(&from.component).map(str::to_owned)),
+        if self.process_of(&from.component) == self.process_of(&to.component) {
+            RouteTransport::Nothing(lock)
+        } else {
+            RouteTransport::Broker(self.broker_of(&from.component).map(str::to_owned))
         }
     }
 

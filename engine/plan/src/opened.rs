@@ -59,9 +59,10 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let profiles = check::profiles(&family, &mut report);
     let broken = report.has_errors();
 
-    let names: Vec<Option<&str>> = match profiles.is_empty() {
-        true => vec![None],
-        false => profiles.iter().map(|name| Some(name.as_str())).collect(),
+    let names: Vec<Option<&str>> = if profiles.is_empty() {
+        vec![None]
+    } else {
+        profiles.iter().map(|name| Some(name.as_str())).collect()
     };
     let mut plans = Vec::new();
     let mut found = Vec::new();
@@ -155,9 +156,10 @@ fn merge(reports: Vec<(Option<&str>, Report)>) -> Report {
     }
     let findings = merged.into_iter().map(|(finding, mut names)| {
         names.dedup();
-        match names.len() < profiles {
-            true => finding.note(format!("in profile `{}`", names.join("`, `"))),
-            false => finding,
+        if names.len() < profiles {
+            finding.note(format!("in profile `{}`", names.join("`, `")))
+        } else {
+            finding
         }
     });
     Report {

@@ -19,16 +19,18 @@ struct With<'w> {
 
 impl Loader for With<'_> {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
-        match path == self.name {
-            true => Ok(Arc::from(self.text)),
-            false => self.files.read(path),
+        if path == self.name {
+            Ok(Arc::from(self.text))
+        } else {
+            self.files.read(path)
         }
     }
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
-        match import == self.name {
-            true => Some(import.to_owned()),
-            false => self.files.resolve(from, import),
+        if import == self.name {
+            Some(import.to_owned())
+        } else {
+            self.files.resolve(from, import)
         }
     }
 }
@@ -47,9 +49,10 @@ fn open(loader: &dyn Loader, file: &str) -> Opened {
 /// Returns the expansions of a composite by profile, after verifying that each expands to itself.
 fn expansions(folder: &str, file: &str) -> Vec<String> {
     let opened = open(&Files::new(folder), file);
-    let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
-        true => vec![None],
-        false => opened.profiles.iter().map(|it| Some(it.as_str())).collect(),
+    let profiles: Vec<Option<&str>> = if opened.profiles.is_empty() {
+        vec![None]
+    } else {
+        opened.profiles.iter().map(|it| Some(it.as_str())).collect()
     };
     let plans = profiles
         .into_iter()

@@ -1,6 +1,6 @@
 //! Composites of `shared/specs`: no errors in any profile, and detection of the five planted mistakes of robotics §4.4.
 //! Skipped with a notice if the folder is missing.
-#![allow(clippy::expect_used, reason = "tests")]
+#![allow(clippy::expect_used, clippy::print_stderr, reason = "tests")]
 
 mod support;
 
@@ -78,13 +78,14 @@ fn it_finds_no_error_in_any_of_them() {
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(format!("shared_{file}"), rendered);
         });
-        let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
-            true => vec![None],
-            false => opened
+        let profiles: Vec<Option<&str>> = if opened.profiles.is_empty() {
+            vec![None]
+        } else {
+            opened
                 .profiles
                 .iter()
                 .map(|name| Some(name.as_str()))
-                .collect(),
+                .collect()
         };
         for profile in profiles {
             let plan = format!("{:#?}", opened.plan(profile).expect("a plan"));

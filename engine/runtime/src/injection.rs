@@ -241,7 +241,7 @@ impl InjectionPort {
     pub(crate) fn refill(&mut self, waiting: &[SampleSnapshot]) -> Result<(), DatumError> {
         for sample in waiting {
             let value = Arc::new(sample.value.clone());
-            (self.sender).send_sample(value, sample.at, sample.order)?;
+            self.sender.send_sample(value, sample.at, sample.order)?;
         }
         Ok(())
     }

@@ -100,7 +100,8 @@ impl Component for SlowDoubler {
         let gone = cycle.cancelled(self.double).to_vec();
         self.open.retain(|(id, _)| !gone.contains(id));
         let requests = cycle.requests(self.double).into_iter();
-        (self.open).extend(requests.map(|request| (request.id, request.argument.n)));
+        self.open
+            .extend(requests.map(|request| (request.id, request.argument.n)));
         if let Some((id, n)) = self.open.pop() {
             cycle.reply(self.double, id, Ok(number(2 * n)));
         }

@@ -13,9 +13,10 @@ pub enum Spectator {}
 /// # Errors
 /// Fails if the monitor is requested; the message names the feature.
 pub fn spectator(wanted: bool, _: &Mission) -> Result<Option<Spectator>, String> {
-    match wanted {
-        true => Err(format!("`--top`: {}", LeftOut::new::<Tui>())),
-        false => Ok(None),
+    if wanted {
+        Err(format!("`--top`: {}", LeftOut::new::<Tui>()))
+    } else {
+        Ok(None)
     }
 }
 

@@ -274,7 +274,7 @@ impl Building<'_> {
                 let sending = sending::of_port(self.plan, from);
                 self.network.expose(&self.system, &writer, sending)
             }
-            (false, true) => (self.system).subscribe(&port_topic(&writer), &reader, policy),
+            (false, true) => self.system.subscribe(&port_topic(&writer), &reader, policy),
             (false, false) => Ok(()),
         }
     }
@@ -300,13 +300,12 @@ impl Building<'_> {
         let caller = reference.to_string();
         for service in &wire.services {
             let provider = service.to_string();
-            match stays_here(wire, service, self.part) {
-                true => self.system.wire(&caller, &provider, how)?,
-                false => {
-                    let system = &mut self.system;
-                    self.network
-                        .reach_over(system, &caller, &provider, how, broker)?;
-                }
+            if stays_here(wire, service, self.part) {
+                self.system.wire(&caller, &provider, how)?
+            } else {
+                let system = &mut self.system;
+                self.network
+                    .reach_over(system, &caller, &provider, how, broker)?;
             }
         }
         Ok(())

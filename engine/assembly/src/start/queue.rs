@@ -44,9 +44,10 @@ pub(super) fn from(
 ) -> Result<(), StartError> {
     let layout = layout(system, to, Declaration::input)?;
     let name = QueueName::new(queue).map_err(|error| refused(to, error))?;
-    let first = match joint.init {
-        true => FirstMessage::Data,
-        false => FirstMessage::Shape,
+    let first = if joint.init {
+        FirstMessage::Data
+    } else {
+        FirstMessage::Shape
     };
     let reader = QueueReader::new(name, layout, first);
     Ok(system.stream_in(Box::new(reader), &to.to_string(), policy)?)

@@ -47,7 +47,7 @@ fn of_connections<'p>(
     connections: impl Iterator<Item = &'p Connection> + Clone,
     publisher: Option<&End>,
 ) -> PublishOptions {
-    let init = (connections.clone()).any(|connection| connection.policy.init);
+    let init = connections.clone().any(|connection| connection.policy.init);
     let kinds = connections.map(|connection| policy::of(connection).kind);
     of(kinds).init(init).by(codec(plan, publisher))
 }

@@ -305,20 +305,21 @@ fn undriven(part: &CheckedComponent<'_>, drivers: &Drivers, report: &mut Report)
             .as_ref()
             .map_or("any", |kind| &kind.text)
             .to_owned();
-        match port.listed {
-            true => report.found(UnconnectedInput {
+        if port.listed {
+            report.found(UnconnectedInput {
                 component,
                 port: port_name,
                 kind,
                 nested: super::nested(part.component).is_some(),
                 at,
-            }),
-            false => report.found(OpenInput {
+            })
+        } else {
+            report.found(OpenInput {
                 component,
                 port: port_name,
                 kind,
                 at,
-            }),
+            })
         }
     }
 }

@@ -101,11 +101,16 @@ fn by_interface(
 ) -> Option<(String, Option<Span>)> {
     let interface = &reference.interface.text;
     let operations = scene.catalogue.operations(interface)?;
-    let says_something = |shape: &Shape| match shape {
-        Shape::Record(fields) => !fields.is_empty(),
-        shape => *shape != Shape::Any,
+    let says_something = |shape: &Shape| {
+        if let Shape::Record(fields) = shape {
+            !fields.is_empty()
+        } else {
+            *shape != Shape::Any
+        }
     };
-    let answers = (operations.iter()).find(|it| says_something(&it.response.shape))?;
+    let answers = operations
+        .iter()
+        .find(|it| says_something(&it.response.shape))?;
     let who = format!(
         "`{}` of `{interface}` returns `{}`",
         answers.name, answers.response

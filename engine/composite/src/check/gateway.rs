@@ -72,7 +72,8 @@ impl<'s> Gateways<'s, '_> {
         let Some(process) = process else {
             return;
         };
-        let (home, first) = *(self.homes)
+        let (home, first) = *self
+            .homes
             .entry(gateway)
             .or_insert((process, end.component.span));
         if home != process {

@@ -161,9 +161,10 @@ fn shapes(
         ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => ("the argument", true),
         ProxyMode::Last | ProxyMode::All => ("the result", false),
     };
-    let (mine, named) = match argument {
-        true => (&operation.request, &message),
-        false => (&operation.response, &message),
+    let (mine, named) = if argument {
+        (&operation.request, &message)
+    } else {
+        (&operation.response, &message)
     };
     report.found(ShapeMismatch {
         what,

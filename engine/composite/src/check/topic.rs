@@ -58,9 +58,11 @@ pub(crate) fn check(
     let promotions = scene.composite.promotions.iter();
     let active = promotions.filter(|promotion| scene.active(&promotion.profiles));
     let promoted: Vec<&str> = active
-        .filter_map(|promotion| match &promotion.what {
-            Promoted::Topic(topic) => Some(topic.value.as_str()),
-            _ => None,
+        .filter_map(|promotion| {
+            let Promoted::Topic(topic) = &promotion.what else {
+                return None;
+            };
+            Some(topic.value.as_str())
         })
         .collect();
     for (topic, roles) in &topics {

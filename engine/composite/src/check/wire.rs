@@ -114,7 +114,9 @@ fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: 
 /// Returns the reference presumably meant by an unknown name: the most similar one, or the only one of the component.
 fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
     let parts = &scene.parts;
-    let part = (parts.iter()).find(|part| part.component.name.value == end.component.value)?;
+    let part = parts
+        .iter()
+        .find(|part| part.component.name.value == end.component.value)?;
     let references = &part.face.references;
     let name = match (nearest_service(references, &end.name), &**references) {
         (Some(nearest), _) => nearest.name,

@@ -87,9 +87,10 @@ impl Finding for UnknownProperty {
             Self::InFile {
                 at, nearest, known, ..
             } => {
-                let has = match known.is_empty() {
-                    true => "it has none".to_owned(),
-                    false => format!("it has `{}`", known.join("`, `")),
+                let has = if known.is_empty() {
+                    "it has none".to_owned()
+                } else {
+                    format!("it has `{}`", known.join("`, `"))
                 };
                 diagnostic
                     .label(*at, "not declared")

@@ -55,9 +55,10 @@ impl Finding for UnconnectedInput {
             nested,
             ..
         } = self;
-        let or = match nested {
-            true => "",
-            false => ", or move it to `subscribe`",
+        let or = if nested {
+            ""
+        } else {
+            ", or move it to `subscribe`"
         };
         let help = format!("connect an output of type `{kind}` to `{component}.{port}`{or}");
         diagnostic

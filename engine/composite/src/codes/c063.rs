@@ -53,9 +53,10 @@ impl Finding for NoGateway {
         let Self { several, .. } = self;
         diagnostic
             .label(self.at, "needs a gateway")
-            .help(match several {
-                true => "select one with `gateway = \"main\"`",
-                false => "add `[gateways.main]` with `listen = \"127.0.0.1:8080\"`",
+            .help(if several {
+                "select one with `gateway = \"main\"`"
+            } else {
+                "add `[gateways.main]` with `listen = \"127.0.0.1:8080\"`"
             })
     }
 }

@@ -67,13 +67,12 @@ impl Value for Out {
             reader.wrong_type(function, "a table", node, example);
             return None;
         };
-        let effect = match is_publish(table) {
-            true => Effect::Publish(Published::read(reader, function, spec, node)?),
-            false => {
-                let entries = table.entries.iter();
-                let literals = entries.map(|it| (it.key.clone(), actions(reader, it, spec)));
-                Effect::Literals(literals.collect())
-            }
+        let effect = if is_publish(table) {
+            Effect::Publish(Published::read(reader, function, spec, node)?)
+        } else {
+            let entries = table.entries.iter();
+            let literals = entries.map(|it| (it.key.clone(), actions(reader, it, spec)));
+            Effect::Literals(literals.collect())
         };
         let function = function.clone();
         Some(Self { function, effect })
@@ -81,9 +80,10 @@ impl Value for Out {
 }
 
 fn actions(reader: &mut Reader<'_>, entry: &crate::tree::Entry, spec: &Key) -> Vec<Action> {
-    let items = match &entry.node.value {
-        Branch::List(items) => items.as_slice(),
-        _ => std::slice::from_ref(&entry.node),
+    let items = if let Branch::List(items) = &entry.node.value {
+        items.as_slice()
+    } else {
+        std::slice::from_ref(&entry.node)
     };
     let read = items.iter();
     read.filter_map(|item| Action::read(reader, &entry.key, spec, item))
@@ -138,7 +138,12 @@ impl Value for Argument {
                 });
                 Self::Record(node.span, fields.collect())
             }
-            _ => {
+            Branch::Text(_)
+            | Branch::Integer(_)
+            | Branch::Float(_)
+            | Branch::Boolean(_)
+            | Branch::Date(_)
+            | Branch::List(_) => {
                 setting::templates(reader, key, node);
                 Self::Value(node.clone())
             }

@@ -60,12 +60,11 @@ impl<'t> Reader<'t> {
         of: &'static str,
         example: &str,
     ) -> Option<Keys<'r, 't, 'n>> {
-        match &node.value {
-            Branch::Table(table) => Some(self.keys(table, of, node.span)),
-            _ => {
-                self.wrong_type(key, "a table", node, example);
-                None
-            }
+        if let Branch::Table(table) = &node.value {
+            Some(self.keys(table, of, node.span))
+        } else {
+            self.wrong_type(key, "a table", node, example);
+            None
         }
     }
 

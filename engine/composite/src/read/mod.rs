@@ -63,9 +63,10 @@ pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Repo
             earlier,
         });
     }
-    match damaged && table.entries.is_empty() {
-        true => (None, report),
-        false => (Some(table), report),
+    if damaged && table.entries.is_empty() {
+        (None, report)
+    } else {
+        (Some(table), report)
     }
 }
 

@@ -133,9 +133,10 @@ pub(crate) fn condition(reader: &mut Reader<'_>, text: At<String>) -> Condition 
     let belongs = |letter: char| letter.is_alphanumeric() || letter == '.' || letter == '_';
     let head = text.split(|letter| !belongs(letter)).next().unwrap_or("");
     let at = At::new(head.to_owned(), reader.part(&text, 0..head.len()));
-    let path = match head.contains('.') {
-        true => path(reader, &at),
-        false => None,
+    let path = if head.contains('.') {
+        path(reader, &at)
+    } else {
+        None
     };
     Condition { text, path }
 }

@@ -7,13 +7,16 @@ use crate::model::{Piece, Template};
 /// Parses the substitutions of a string. Set `exact` if the string contains no escapes; otherwise errors are located at
 /// the whole string.
 pub(crate) fn parse(text: &str, span: Span, exact: bool) -> Result<Template, (&'static str, Span)> {
-    let place = |start: usize, end: usize| match exact {
-        true => Span::new(
-            span.file,
-            span.start as usize + start,
-            span.start as usize + end,
-        ),
-        false => span,
+    let place = |start: usize, end: usize| {
+        if exact {
+            Span::new(
+                span.file,
+                span.start as usize + start,
+                span.start as usize + end,
+            )
+        } else {
+            span
+        }
     };
     let mut pieces = Vec::new();
     let mut plain = String::new();

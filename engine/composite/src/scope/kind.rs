@@ -87,9 +87,10 @@ fn describe(kind: PropertyType) -> String {
         | Scalar::U32
         | Scalar::U64 => ("an", "integer"),
     };
-    match kind.list {
-        true => format!("a list of {one}s"),
-        false => format!("{article} {one}"),
+    if kind.list {
+        format!("a list of {one}s")
+    } else {
+        format!("{article} {one}")
     }
 }
 

@@ -202,9 +202,10 @@ impl<'s> PropertyScope<'s> {
             return self.property(name, *span, notes).cloned();
         }
         let filled = self.fill(&template, notes)?;
-        Some(match filled.secret() {
-            true => SettingValue::Secret(filled.text),
-            false => SettingValue::Text(filled.text),
+        Some(if filled.secret() {
+            SettingValue::Secret(filled.text)
+        } else {
+            SettingValue::Text(filled.text)
         })
     }
 
@@ -398,6 +399,10 @@ fn beside(
                 .map(|path| beside(kind, path, Some(at), sources));
             SettingValue::List(paths.collect())
         }
-        other => other,
+        other @ (SettingValue::Boolean(_)
+        | SettingValue::Integer(_)
+        | SettingValue::Real(_)
+        | SettingValue::Secret(_)
+        | SettingValue::Record(_)) => other,
     }
 }

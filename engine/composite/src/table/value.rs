@@ -109,12 +109,11 @@ impl Value for bool {
     }
 
     fn read(reader: &mut Reader<'_>, key: &At<String>, _: &Key, node: &Node) -> Option<Self> {
-        match node.value {
-            Branch::Boolean(truth) => Some(truth),
-            _ => {
-                reader.wrong_type(key, "a Boolean", node, "true");
-                None
-            }
+        if let Branch::Boolean(truth) = node.value {
+            Some(truth)
+        } else {
+            reader.wrong_type(key, "a Boolean", node, "true");
+            None
         }
     }
 }
@@ -129,9 +128,10 @@ impl Value for u64 {
     fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
         let Branch::Integer(number) = node.value else {
             let fits = |number: &i64| (spec.least..=spec.greatest).contains(&(*number as f64));
-            let meant = match &node.value {
-                Branch::Text(text) => text.parse().ok().filter(fits),
-                _ => None,
+            let meant = if let Branch::Text(text) = &node.value {
+                text.parse().ok().filter(fits)
+            } else {
+                None
             };
             let example = meant.unwrap_or(spec.least.max(1.0) as i64);
             reader.wrong_type(key, "an integer", node, &example.to_string());
@@ -157,7 +157,11 @@ impl Value for f64 {
         let number = match node.value {
             Branch::Integer(number) => number as Self,
             Branch::Float(number) => number,
-            _ => {
+            Branch::Text(_)
+            | Branch::Boolean(_)
+            | Branch::Date(_)
+            | Branch::List(_)
+            | Branch::Table(_) => {
                 reader.wrong_type(key, "a number", node, &spec.least.to_string());
                 return None;
             }
@@ -193,11 +197,12 @@ impl Value for Amount {
     }
 
     fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
-        match &node.value {
-            Branch::Text(text) if text.contains("${") => {
-                reader.template(key, node, "50").map(Self::Template)
-            }
-            _ => u64::read(reader, key, spec, node).map(Self::Number),
+        if let Branch::Text(text) = &node.value
+            && text.contains("${")
+        {
+            reader.template(key, node, "50").map(Self::Template)
+        } else {
+            u64::read(reader, key, spec, node).map(Self::Number)
         }
     }
 }

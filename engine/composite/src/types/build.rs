@@ -41,7 +41,9 @@ impl<'d> Builder<'d, '_, '_> {
             return Schema::opaque(definition.name.value.clone());
         }
         self.open.push(&definition.name);
-        let fields = (definition.fields.iter())
+        let fields = definition
+            .fields
+            .iter()
             .map(|it| OutlineKey::new(it.name.value.clone(), "", self.value(&it.text)));
         let fields = fields.collect();
         self.open.pop();

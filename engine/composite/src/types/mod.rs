@@ -226,7 +226,20 @@ impl<'c> Types<'c> {
                     item.as_ref().clone()
                 }
                 Shape::Option(inner) => inner.as_ref().clone(),
-                _ => return Err(self.no_field(&schema, step, &[])),
+                Shape::Bool
+                | Shape::I8
+                | Shape::I16
+                | Shape::I32
+                | Shape::I64
+                | Shape::U8
+                | Shape::U16
+                | Shape::U32
+                | Shape::U64
+                | Shape::F32
+                | Shape::F64
+                | Shape::Text
+                | Shape::List(_)
+                | Shape::Array(..) => return Err(self.no_field(&schema, step, &[])),
             };
         }
         Ok(Some(schema))

@@ -220,25 +220,22 @@ fn lines(layered: &Layered, corners: &[(f64, f64)], borders: &[(f64, f64)]) -> V
             let (left, right) = borders.get(layer).copied().unwrap_or_default();
             (left, right, corner(*slot).1 + 2.0)
         };
-        match backwards {
-            false => {
-                for (left, right, y) in inner.map(through) {
-                    points.extend([point(left, y, false), point(right, y, false)]);
-                }
+        if backwards {
+            let inner: Vec<_> = inner.map(through).collect();
+            let last = inner.len().saturating_sub(1);
+            for (index, (left, right, y)) in inner.iter().enumerate().rev() {
+                // at both ends, the line turns close to the box
+                let right = if index == last {
+                    points.first().map_or(*right, |it| it.x)
+                } else {
+                    *right
+                };
+                let left = if index == 0 { to.0 } else { *left };
+                points.extend([point(right, *y, true), point(left, *y, true)]);
             }
-            true => {
-                let inner: Vec<_> = inner.map(through).collect();
-                let last = inner.len().saturating_sub(1);
-                for (index, (left, right, y)) in inner.iter().enumerate().rev() {
-                    // at both ends, the line turns close to the box
-                    let right = if index == last {
-                        points.first().map_or(*right, |it| it.x)
-                    } else {
-                        *right
-                    };
-                    let left = if index == 0 { to.0 } else { *left };
-                    points.extend([point(right, *y, true), point(left, *y, true)]);
-                }
+        } else {
+            for (left, right, y) in inner.map(through) {
+                points.extend([point(left, y, false), point(right, y, false)]);
             }
         }
         points.push(point(to.0, to.1 + link.to_y, false));

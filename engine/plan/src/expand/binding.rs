@@ -13,8 +13,10 @@ pub(super) fn bind(binding: &Binding) -> Table {
     }
     let mut out = Table::new();
     // functions with actions per literal come last, since each is a table of its own
-    let (plain, literals): (Vec<_>, Vec<_>) =
-        (binding.out.iter()).partition(|it| matches!(it.effect, Effect::Publish { .. }));
+    let (plain, literals): (Vec<_>, Vec<_>) = binding
+        .out
+        .iter()
+        .partition(|it| matches!(it.effect, Effect::Publish { .. }));
     for it in plain.into_iter().chain(literals) {
         out.insert(&it.function, effect(&it.effect));
     }

@@ -69,14 +69,13 @@ fn pace(component: &Component, keys: &mut Lines) {
         master: None,
         ..pace.clone()
     };
-    match *pace == task {
-        true => {
-            let mut lines = Lines::new();
-            lines.put("id", &component.id);
-            lines.append(pace.keys("task"));
-            keys.put_table("task", lines);
-        }
-        false => keys.put_table("activity", pace.keys("activity")),
+    if *pace == task {
+        let mut lines = Lines::new();
+        lines.put("id", &component.id);
+        lines.append(pace.keys("task"));
+        keys.put_table("task", lines);
+    } else {
+        keys.put_table("activity", pace.keys("activity"))
     }
 }
 
@@ -148,14 +147,15 @@ fn references(component: &Component, plan: &Plan) -> Lines {
 
 /// Serialises keys specific to built-in components.
 fn builtin(component: &Component, keys: &mut Lines) {
-    let kind = match &component.implementation {
-        Implementation::Builtin(builtin) => Some(builtin.kind),
-        _ => None,
+    let builtin = if let Implementation::Builtin(builtin) = &component.implementation {
+        Some(builtin)
+    } else {
+        None
     };
-    let target = match &component.implementation {
-        Implementation::Builtin(builtin) => builtin.target.as_deref().unwrap_or_default(),
-        _ => "",
-    };
+    let kind = builtin.map(|builtin| builtin.kind);
+    let target = builtin
+        .and_then(|builtin| builtin.target.as_deref())
+        .unwrap_or_default();
     // ports of a proxy mirror those of its target
     let proxy: Vec<_> = component
         .proxy

@@ -77,9 +77,12 @@ impl<'p> Flattener<'p, '_> {
             model::Terminal::Topic(topic) => Some(Terminal::Topic(self.topic(index, topic))),
             model::Terminal::Mqueue(name) => Some(Terminal::Mqueue(name.value.clone())),
             model::Terminal::Port(end) => {
-                let port = |what: &'p model::Promoted| match what {
-                    model::Promoted::Port(end) => Some(end),
-                    _ => None,
+                let port = |what: &'p model::Promoted| {
+                    if let model::Promoted::Port(end) = what {
+                        Some(end)
+                    } else {
+                        None
+                    }
                 };
                 self.inside(index, end, &port).map(Terminal::Port)
             }
@@ -87,13 +90,19 @@ impl<'p> Flattener<'p, '_> {
     }
 
     fn wire(&mut self, index: usize, wire: &'p model::Wire) {
-        let reference = |what: &'p model::Promoted| match what {
-            model::Promoted::Reference(end) => Some(end),
-            _ => None,
+        let reference = |what: &'p model::Promoted| {
+            if let model::Promoted::Reference(end) = what {
+                Some(end)
+            } else {
+                None
+            }
         };
-        let service = |what: &'p model::Promoted| match what {
-            model::Promoted::Service(end) => Some(end),
-            _ => None,
+        let service = |what: &'p model::Promoted| {
+            if let model::Promoted::Service(end) = what {
+                Some(end)
+            } else {
+                None
+            }
         };
         let Some(reference) = self.inside(index, &wire.reference, &reference) else {
             return;
@@ -182,11 +191,12 @@ impl<'p> Flattener<'p, '_> {
         };
         let kind = promotion.what.kind();
         let same = |what: &'p What| own(what).filter(|_| what.kind() == kind);
-        let inside = match &promotion.what {
-            What::Topic(topic) => Some(topic.value.clone()),
-            what => own(what)
+        let inside = if let What::Topic(topic) = &promotion.what {
+            Some(topic.value.clone())
+        } else {
+            own(&promotion.what)
                 .and_then(|end| self.inside(0, end, &same))
-                .map(|end| end.to_string()),
+                .map(|end| end.to_string())
         };
         let Some(inside) = inside else {
             return;

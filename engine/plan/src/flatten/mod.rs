@@ -266,9 +266,13 @@ fn split(composite: &Composite, set: OutsideSettings) -> (OutsideSettings, Overr
         let promoted = composite
             .promotions
             .iter()
-            .find_map(|promotion| match &promotion.what {
-                model::Promoted::Property(end) if promotion.name.value == name => Some(end),
-                _ => None,
+            .filter(|promotion| promotion.name.value == name)
+            .find_map(|promotion| {
+                if let model::Promoted::Property(end) = &promotion.what {
+                    Some(end)
+                } else {
+                    None
+                }
             });
         match promoted {
             Some(end) => {

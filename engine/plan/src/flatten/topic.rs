@@ -80,9 +80,10 @@ impl Flattener<'_, '_> {
                 subscribers: Vec::new(),
             });
             topic.kind = topic.kind.take().or(kind);
-            match writes {
-                true => topic.publishers.push(end),
-                false => topic.subscribers.push(end),
+            if writes {
+                topic.publishers.push(end)
+            } else {
+                topic.subscribers.push(end)
             }
         }
         for promotion in &composite.promotions {

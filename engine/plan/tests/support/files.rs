@@ -36,7 +36,9 @@ impl Loader for Files {
                     plain.pop();
                 }
                 Component::CurDir => {}
-                part => plain.push(part),
+                Component::Prefix(_) | Component::RootDir | Component::Normal(_) => {
+                    plain.push(part)
+                }
             }
         }
         // the extension of a specification may be omitted

@@ -129,9 +129,10 @@ impl Simulation {
                     | FrozenWork::Period { component, .. } => *component < count,
                 }
         });
-        match fits {
-            true => Ok(()),
-            false => Err(other("something is due there that cannot be due here")),
+        if fits {
+            Ok(())
+        } else {
+            Err(other("something is due there that cannot be due here"))
         }
     }
 
@@ -139,7 +140,9 @@ impl Simulation {
         let declarations = self.units.iter().map(|unit| &unit.body.declaration);
         let context = ThawContext {
             names: SampleNames::of(declarations),
-            reply_queues: (self.units.iter())
+            reply_queues: self
+                .units
+                .iter()
                 .map(|unit| unit.body.caller.reply_queue())
                 .collect(),
         };

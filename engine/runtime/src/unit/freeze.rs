@@ -161,12 +161,13 @@ impl ComponentUnit {
             && frozen.outputs.len() == body.outputs.len()
             && frozen.properties.len() == body.properties.len()
             && frozen.services.len() == body.services.len();
-        match fits {
-            true => Ok(()),
-            false => Err(other(format!(
+        if fits {
+            Ok(())
+        } else {
+            Err(other(format!(
                 "`{}` is declared or connected in another way there",
                 self.name
-            ))),
+            )))
         }
     }
 
@@ -195,10 +196,14 @@ impl ComponentUnit {
             }
         }
         for (input, snapshot) in body.inputs.iter_mut().zip(&frozen.inputs) {
-            (input.restore(snapshot)).map_err(SystemThawError::Malformed)?;
+            input
+                .restore(snapshot)
+                .map_err(SystemThawError::Malformed)?;
         }
         for (output, snapshot) in body.outputs.iter_mut().zip(&frozen.outputs) {
-            (output.restore(snapshot)).map_err(SystemThawError::Malformed)?;
+            output
+                .restore(snapshot)
+                .map_err(SystemThawError::Malformed)?;
         }
         for (service, snapshot) in body.services.iter_mut().zip(&frozen.services) {
             service.restore(snapshot, context)?;
@@ -224,6 +229,7 @@ fn lawful(
     component: &str,
 ) -> Result<(), SystemThawError> {
     let name = &property.declaration().name;
-    (property.check(value))
+    property
+        .check(value)
         .map_err(|problem| other(format!("property `{name}` of `{component}` {problem}")))
 }

@@ -70,7 +70,9 @@ fn monitored(
 fn chosen_of_request(source: &PartSource<'_>, end: &model::End) -> Option<String> {
     let service = endpoints::find(&source.face.services, &end.component)?;
     let operations = source.catalogue.operations(&service.interface.text)?;
-    let operation = (operations.iter()).find(|known| known.name == end.name.value)?;
+    let operation = operations
+        .iter()
+        .find(|known| known.name == end.name.value)?;
     chosen_field(&operation.request)
 }
 
@@ -88,7 +90,10 @@ fn out(source: &PartSource<'_>, written: &written::Out, notes: &mut Substitution
     let effect = match &written.effect {
         written::Effect::Publish(it) => Effect::Publish {
             port: it.topic.value.clone(),
-            field: (it.field.as_ref().map(ToString::to_string))
+            field: it
+                .field
+                .as_ref()
+                .map(ToString::to_string)
                 .or_else(|| chosen(source, &source.face.outputs, &it.topic)),
             when: it
                 .when

@@ -22,7 +22,9 @@ pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::Proxy
     Some(asmotion_bridge::ProxySettings {
         inputs: ports(&source.face.inputs),
         outputs: ports(&source.face.outputs),
-        operations: (component.map.iter())
+        operations: component
+            .map
+            .iter()
             .filter_map(|entry| match entry {
                 MapEntry::Proxy(entry) => mapped(source, entry),
                 MapEntry::Ros(_) => None,

@@ -103,9 +103,10 @@ impl FrozenRequest {
             caller: Arc::from(self.caller.as_str()),
             deadline: self.deadline,
             trace: trace_of(&self.trace)?,
-            reply_to: match self.replies {
-                true => Some(context.reply_to(self.key)?),
-                false => None,
+            reply_to: if self.replies {
+                Some(context.reply_to(self.key)?)
+            } else {
+                None
             },
         })
     }
