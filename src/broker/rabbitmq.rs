@@ -137,6 +137,7 @@ pub fn named(
     settings.timing.heartbeat = u16::try_from(broker.heartbeat_s).unwrap_or(u16::MAX);
     settings.timing.first_retry = Duration::from_millis(broker.reconnect.first_ms);
     settings.timing.last_retry = Duration::from_millis(broker.reconnect.max_ms);
+    settings.timing.jitter = broker.reconnect.jitter;
     Ok(settings)
 }
 
@@ -185,9 +186,10 @@ fn with_password(address: &str) -> (String, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use asmotion_composite::model::PlannedReconnect;
 
     #[test]
-    fn the_heartbeat_of_a_composite_s_broker_is_that_of_the_connection() {
+    fn heartbeat_and_reconnection_of_a_composite_s_broker_are_those_of_the_connection() {
         let address = "amqp://ann:secret@h";
         let broker = asmotion_plan::Broker {
             name: "main".to_owned(),
@@ -196,10 +198,17 @@ mod tests {
             codec: Default::default(),
             tls: Tls::Prefer,
             heartbeat_s: 9,
-            reconnect: Default::default(),
+            reconnect: PlannedReconnect {
+                first_ms: 7,
+                max_ms: 70,
+                jitter: 0.25,
+            },
         };
-        let settings = named(&broker, &BrokerAccess::default()).unwrap();
-        assert_eq!(settings.timing.heartbeat, 9);
+        let timing = named(&broker, &BrokerAccess::default()).unwrap().timing;
+        assert_eq!(timing.heartbeat, 9);
+        assert_eq!(timing.first_retry, Duration::from_millis(7));
+        assert_eq!(timing.last_retry, Duration::from_millis(70));
+        assert_eq!(timing.jitter, 0.25);
     }
 
     #[test]

@@ -4,7 +4,6 @@
 //! every profile. Planning and starting are provided by other crates.
 
 pub mod address;
-pub mod admissible;
 pub mod at;
 pub mod catalogue;
 pub mod check;
@@ -18,6 +17,7 @@ pub mod map;
 pub mod model;
 mod named;
 mod nearest;
+pub mod property;
 pub mod property_file;
 mod range;
 pub mod read;
@@ -26,6 +26,7 @@ pub mod scope;
 pub mod signature;
 mod specification;
 pub mod table;
+mod template;
 pub mod tree;
 pub mod types;
 pub mod value;

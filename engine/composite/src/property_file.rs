@@ -11,9 +11,9 @@ use asmotion_datum::Datum;
 use asmotion_diagnostics::{Report, Sources};
 use toml_edit::DocumentMut;
 
-use crate::admissible::lawful;
 use crate::finding::Findings;
 use crate::nearest::nearest_name;
+use crate::property::lawful;
 use crate::read;
 use crate::scope::SubstitutionNotes;
 use crate::table::toml;

@@ -1,4 +1,5 @@
-//! Routes between writers and readers and between callers and services, classified by their suitability for real time.
+//! The route from a writer to its reader, or from a caller to its service: inside a process, where real time holds, or
+//! over something that knows no real time.
 
 use std::fmt;
 
@@ -6,7 +7,7 @@ use crate::joint::{Connection, Topic};
 use crate::plan::{End, Plan, Terminal, Wire};
 use asmotion_composite::model::{Lock, Transport};
 
-/// Route from a writer to a reader or from a caller to a service.
+/// The route from a writer to its reader, or from a caller to its service.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConnectionRoute {
     /// Writer or caller.
@@ -34,18 +35,18 @@ pub enum RouteTransport {
 
 impl Plan {
     /// Returns all routes of the deployed system: connections, topics, then wires.
-    pub fn ways(&self) -> Vec<ConnectionRoute> {
+    pub fn connection_routes(&self) -> Vec<ConnectionRoute> {
         let connections = self
             .connections
             .iter()
-            .filter_map(|it| self.way_of_connection(it));
-        let topics = self.topics.iter().flat_map(|it| self.ways_of_topic(it));
-        let wires = self.wires.iter().flat_map(|it| self.ways_of_wire(it));
+            .filter_map(|it| self.route_of_connection(it));
+        let topics = self.topics.iter().flat_map(|it| self.routes_of_topic(it));
+        let wires = self.wires.iter().flat_map(|it| self.routes_of_wire(it));
         connections.chain(topics).chain(wires).collect()
     }
 
-    /// Returns the route of a connection between ports or queues; routes over topics are listed by topic.
-    fn way_of_connection(&self, connection: &Connection) -> Option<ConnectionRoute> {
+    /// The routes of a topic depend on all who are on it.
+    fn route_of_connection(&self, connection: &Connection) -> Option<ConnectionRoute> {
         let over = match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => {
                 self.between(from, to, connection.policy.lock)
@@ -61,19 +62,22 @@ impl Plan {
         })
     }
 
-    fn ways_of_topic<'p>(&'p self, topic: &'p Topic) -> impl Iterator<Item = ConnectionRoute> + 'p {
-        let way = |from: &End, to: &End| ConnectionRoute {
+    fn routes_of_topic<'p>(
+        &'p self,
+        topic: &'p Topic,
+    ) -> impl Iterator<Item = ConnectionRoute> + 'p {
+        let route = |from: &End, to: &End| ConnectionRoute {
             from: Terminal::Port(from.clone()),
             to: Terminal::Port(to.clone()),
             topic: Some(topic.name.clone()),
             over: self.between(from, to, self.lock_of(topic, to)),
         };
         let from = topic.publishers.iter();
-        from.flat_map(move |from| topic.subscribers.iter().map(move |to| way(from, to)))
+        from.flat_map(move |from| topic.subscribers.iter().map(move |to| route(from, to)))
     }
 
-    fn ways_of_wire<'p>(&'p self, wire: &'p Wire) -> impl Iterator<Item = ConnectionRoute> + 'p {
-        let way = |to: &End| ConnectionRoute {
+    fn routes_of_wire<'p>(&'p self, wire: &'p Wire) -> impl Iterator<Item = ConnectionRoute> + 'p {
+        let route = |to: &End| ConnectionRoute {
             from: Terminal::Port(wire.reference.clone()),
             to: Terminal::Port(to.clone()),
             topic: None,
@@ -86,7 +90,7 @@ impl Plan {
                 other @ (Transport::Ros | Transport::Http) => RouteTransport::Other(other),
             },
         };
-        wire.services.iter().map(way)
+        wire.services.iter().map(route)
     }
 
     fn between(&self, from: &End, to: &End, lock: Lock) -> RouteTransport {

@@ -208,11 +208,11 @@ impl Presence {
 }
 
 fn joined(plan: &Plan, part: &Part) -> Vec<PresentConnection> {
-    let ways = plan.ways().into_iter();
-    let here = ways.filter(|way| way.ends().any(|end| part.has(&end.component)));
-    let joined = here.map(|way| PresentConnection {
-        from: way.from.to_string(),
-        to: way.to.to_string(),
+    let routes = plan.connection_routes().into_iter();
+    let here = routes.filter(|route| route.ends().any(|end| part.has(&end.component)));
+    let joined = here.map(|route| PresentConnection {
+        from: route.from.to_string(),
+        to: route.to.to_string(),
     });
     joined.collect()
 }

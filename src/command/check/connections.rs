@@ -23,26 +23,29 @@ pub fn show(path: &str, terminal: &mut TerminalOutput) {
 }
 
 fn of_plan(plan: &Plan, terminal: &mut TerminalOutput) {
-    let ways = plan.ways();
-    let in_real_time = ways.iter().filter(|way| way.over.is_real_time()).count();
+    let routes = plan.connection_routes();
+    let in_real_time = routes
+        .iter()
+        .filter(|route| route.over.is_real_time())
+        .count();
     let profile = plan.profile.as_ref();
     let profile = profile.map_or_else(String::new, |it| format!(" in profile `{it}`"));
     terminal.result(format_args!(
         "{}{profile}: {} joined, {in_real_time} in real time",
         plan.name,
-        ways.len()
+        routes.len()
     ));
-    let rows = ways.iter().map(|way| {
-        let real_time = if way.over.is_real_time() {
+    let rows = routes.iter().map(|route| {
+        let real_time = if route.over.is_real_time() {
             "real time"
         } else {
             "not real time"
         };
         vec![
-            way.from.to_string(),
-            way.to.to_string(),
-            way.topic.clone().unwrap_or_else(|| "-".to_owned()),
-            way.over.to_string(),
+            route.from.to_string(),
+            route.to.to_string(),
+            route.topic.clone().unwrap_or_else(|| "-".to_owned()),
+            route.over.to_string(),
             real_time.to_owned(),
         ]
     });

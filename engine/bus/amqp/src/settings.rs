@@ -50,6 +50,8 @@ pub struct AmqpTiming {
     pub first_retry: Duration,
     /// Longest delay between connection attempts.
     pub last_retry: Duration,
+    /// Share of each delay that is random, from 0.0 (none) to 1.0 (all of it).
+    pub jitter: f64,
     /// Interval of the liveness probes.
     pub pulse: Duration,
     /// Time without a reply after which the broker is reported as not responding.
@@ -69,6 +71,7 @@ impl Default for AmqpTiming {
             heartbeat: 4,
             first_retry: Duration::from_millis(100),
             last_retry: Duration::from_secs(2),
+            jitter: 0.5,
             pulse: Duration::from_millis(250),
             silent: Duration::from_secs(1),
             dead: Duration::from_secs(5),

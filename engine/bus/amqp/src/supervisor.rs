@@ -29,7 +29,7 @@ const SHORT: Duration = Duration::from_secs(3);
 /// Connects, watches and reconnects until the bus is closed.
 pub(crate) async fn supervise(link: Arc<Link>) {
     let timing = link.settings.timing;
-    let mut backoff = Backoff::new(timing.first_retry, timing.last_retry, link.settings.seed);
+    let mut backoff = Backoff::new(&timing, link.settings.seed);
     loop {
         let life = async {
             let begun = Instant::now();

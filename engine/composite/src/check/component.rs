@@ -7,6 +7,7 @@ use crate::codes::c024::UnknownImplementation;
 use crate::codes::c025::ImplementationNotInBuild;
 use crate::codes::c028::UnknownProperty;
 use crate::codes::c035::OwnMaster;
+use crate::codes::c048::IdleKey;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -35,7 +36,7 @@ pub(crate) fn parts<'s>(
             continue;
         }
         id(component, &mut ids, report);
-        names(scene, component, report);
+        pace(scene, component, report);
         let face = face(scene, component, nested, report);
         parts.push(CheckedComponent { component, face });
     }
@@ -71,12 +72,19 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
     }
 }
 
-/// Checks references from one component to others.
-fn names(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
+/// When a component cycles: the names it refers to, and keys without effect.
+fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
     let Some(pace) = component.pace() else {
         return;
     };
     scene.broker(None, pace.broker.as_ref(), report);
+    if let (Some(on_deadline), None) = (&pace.on_deadline, &pace.deadline_ms) {
+        report.found(IdleKey {
+            key: "on_deadline",
+            at: on_deadline.span,
+            reason: "no cycle is late without `deadline_ms`",
+        });
+    }
     if let Some(master) = &pace.master {
         if scene.composite.component(master).is_none() {
             scene.unknown_component(master, report);

@@ -15,6 +15,7 @@ use crate::codes::c049::DuplicateConnection;
 use crate::codes::c058::TooManyThreads;
 use std::collections::BTreeMap;
 
+use asmotion_datum::Word as _;
 use asmotion_diagnostics::{Report, Span};
 
 use super::endpoints::{PortDirection, TypeAt};
@@ -375,6 +376,7 @@ fn policy(policy: &Policy, report: &mut Report) {
     match (kind, &policy.size) {
         (ConnectionType::Buffer | ConnectionType::Circular, None) => {
             let at = policy.kind.as_ref().map_or(policy.span, |kind| kind.span);
+            let kind = kind.word();
             report.found(QueueWithoutSize { kind, at });
         }
         (ConnectionType::Data, Some(size)) => {

@@ -7,7 +7,7 @@ use crate::codes::c125::InvalidCondition;
 use crate::codes::c126::NoIdleNotification;
 use crate::codes::c127::StaleWithoutPeriod;
 use asmotion_component::declaration::OperationDeclaration;
-use asmotion_datum::{Schema, Shape};
+use asmotion_datum::{Schema, Shape, Word as _};
 use asmotion_diagnostics::{Report, Span};
 
 use super::builtin::missing;
@@ -23,6 +23,7 @@ use crate::model::{
     Component, Condition, Delivery, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode, Terminal,
 };
 use crate::nearest::nearest;
+use crate::types::{is_float, is_integer};
 
 /// Checks a port-proxy and adds ports mirroring those of its target: an input of the target is an output of the proxy.
 pub(super) fn check(
@@ -86,7 +87,7 @@ fn mirror(
     };
     if way != wanted {
         report.found(WrongPortDirection {
-            mode: entry.mode.value,
+            mode: entry.mode.value.word(),
             wanted: wanted.word(),
             found: way.word(),
             port: entry.port.to_string(),
@@ -334,19 +335,8 @@ fn field(
 
 /// Returns whether the schema is numeric, as required for a tolerance.
 fn is_number(schema: &Schema) -> bool {
-    match &schema.shape {
-        Shape::Any
-        | Shape::I8
-        | Shape::I16
-        | Shape::I32
-        | Shape::I64
-        | Shape::U8
-        | Shape::U16
-        | Shape::U32
-        | Shape::U64
-        | Shape::F32
-        | Shape::F64 => true,
-        Shape::List(element) | Shape::Array(element, _) => is_number(element),
-        Shape::Bool | Shape::Text | Shape::Option(_) | Shape::Record(_) => false,
+    if let Shape::List(element) | Shape::Array(element, _) = &schema.shape {
+        return is_number(element);
     }
+    schema.shape == Shape::Any || is_integer(&schema.shape) || is_float(&schema.shape)
 }

@@ -12,7 +12,7 @@ use super::endpoints::{EndpointService, nearest_service};
 use super::fan_out;
 use super::scene::{CheckedComponent, CheckedComposite};
 use crate::finding::Findings;
-use crate::model::{End, Promoted, Wire};
+use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     let mut joined = Joined::default();
@@ -107,7 +107,11 @@ fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: 
     }
     if reference.is_some() && waits(wire) && wire.timeout_ms.is_none() {
         let (reference, at) = (wire.reference.to_string(), wire.reference.span());
-        report.found(NoTimeout { reference, at });
+        report.found(NoTimeout {
+            reference,
+            default_ms: DEFAULT_TIMEOUT_MS,
+            at,
+        });
     }
 }
 

@@ -1,4 +1,3 @@
-use crate::model::DEFAULT_TIMEOUT_MS;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Call without a timeout
@@ -50,13 +49,15 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("missing timeout for calls of `{reference}`")]
 pub(crate) struct NoTimeout {
     pub reference: String,
+    pub default_ms: u64,
     pub at: Span,
 }
 
 impl Finding for NoTimeout {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let applies = format!("defaults to {} ms", self.default_ms);
         diagnostic
-            .label(self.at, format!("defaults to {DEFAULT_TIMEOUT_MS} ms"))
+            .label(self.at, applies)
             .help("add `timeout_ms = 2000`, or `oneway = true` if no reply is expected")
     }
 }

@@ -1,4 +1,3 @@
-use crate::model::ConnectionType;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Queue without a size
@@ -50,7 +49,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C044, error)]
 #[error("missing `size` for a connection of type `{kind}`")]
 pub(crate) struct QueueWithoutSize {
-    pub kind: ConnectionType,
+    pub kind: &'static str,
     pub at: Span,
 }
 

@@ -55,7 +55,7 @@ impl Finding for UnconnectedInput {
             nested,
             ..
         } = self;
-        let or = if nested {
+        let or = if *nested {
             ""
         } else {
             ", or move it to `subscribe`"

@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Key without effect
 ///
-/// This key applies only to another type of connection policy.
+/// The key has an effect only together with another key, or for another type of connection.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -42,7 +42,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C063, error)]
-#[error("`http` needs a gateway, but this composite has {}", match several { true => "several", false => "none" })]
+#[error("`http` needs a gateway, but this composite has {}", if *several { "several" } else { "none" })]
 pub(crate) struct NoGateway {
     pub several: bool,
     pub at: Span,
@@ -53,7 +53,7 @@ impl Finding for NoGateway {
         let Self { several, .. } = self;
         diagnostic
             .label(self.at, "needs a gateway")
-            .help(if several {
+            .help(if *several {
                 "select one with `gateway = \"main\"`"
             } else {
                 "add `[gateways.main]` with `listen = \"127.0.0.1:8080\"`"

@@ -1,4 +1,3 @@
-use crate::model::ProxyMode;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Wrong direction of a mapped port
@@ -75,7 +74,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C120, error)]
 #[error("`mode = \"{mode}\"` needs an {wanted} of the target, but `{port}` is an {found}")]
 pub(crate) struct WrongPortDirection {
-    pub mode: ProxyMode,
+    pub mode: &'static str,
     pub wanted: &'static str,
     pub found: &'static str,
     pub port: String,

@@ -5,7 +5,9 @@ use asmotion_diagnostics::Span;
 
 use asmotion_coordinator::{PublishWhen, Receive};
 
-use super::{DAY_MS, End, MessagePath};
+use super::component::MessagePath;
+use super::limits::DAY_MS;
+use super::wiring::End;
 use crate::at::At;
 use crate::tree::Node;
 
@@ -26,7 +28,7 @@ pub struct Bind {
 #[table(
     of = "a bound monitored function",
     example = "{ topic = \"estop\", field = \"data\" }",
-    after = crate::read::binding::monitored
+    after = super::binding_reader::monitored
 )]
 pub struct Monitored {
     /// Name of the function in the specification.
@@ -140,7 +142,7 @@ pub enum Action {
 
 /// A call of a service.
 #[derive(Clone, Debug, Table)]
-#[table(of = "an action", after = crate::read::binding::call)]
+#[table(of = "an action", after = super::binding_reader::call)]
 pub struct Call {
     /// Calls a service: `reference.operation`; the `component` of the end is the reference.
     #[key(name = "call", example = "\"planner.plan\"")]

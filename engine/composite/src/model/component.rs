@@ -4,7 +4,11 @@ use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
 use super::binding::Bind;
-use super::{DAY_MS, End, Implementation, Lifecycle, Pace, Setting};
+use super::implementation::Implementation;
+use super::limits::DAY_MS;
+use super::pace::{Lifecycle, Pace};
+use super::setting::Setting;
+use super::wiring::End;
 use crate::at::At;
 
 /// A component of the composite.
@@ -12,7 +16,7 @@ use crate::at::At;
 #[table(
     of = "a component",
     example = "{ implementation = { rust = \"nav::MapServer\" } }",
-    after = crate::read::belongs
+    after = super::component_reader::belongs
 )]
 pub struct Component {
     /// Name of the component, unique in the composite.

@@ -4,7 +4,7 @@ use asmotion_component::Scheduler;
 use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
-use super::DAY_MS;
+use super::limits::DAY_MS;
 use crate::at::At;
 
 /// Assignment of components to processes.

@@ -3,8 +3,9 @@
 use asmotion_datum::Codec;
 use asmotion_derive::{Table, Word};
 
-use super::{DAY_MS, Template};
+use super::limits::DAY_MS;
 use crate::at::At;
+use crate::template::Template;
 
 /// A message broker.
 #[derive(Clone, Debug, Table)]

@@ -1,17 +1,23 @@
 //! Syntactic model of a composite file: typed values with source locations, not yet checked.
 
 pub mod binding;
+mod binding_reader;
 mod component;
+mod component_reader;
 mod composite;
 mod deploy;
+mod end_text;
 mod endpoint;
 mod implementation;
+mod limits;
 mod pace;
 mod promote;
 mod setting;
 mod topic;
+mod value;
 mod wiring;
 
+pub use crate::template::{Piece, Template};
 pub use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
 pub use asmotion_datum::Codec;
 pub use component::{
@@ -28,17 +34,12 @@ pub use endpoint::{
     PlannedReconnect, Reconnect, Tls,
 };
 pub use implementation::{BuiltinComponent, Implementation};
+pub use limits::DEFAULT_TIMEOUT_MS;
 pub use pace::{Lifecycle, Pace, PlannedLifecycle, PlannedPace};
 pub use promote::{Promoted, Promotion};
-pub use setting::{Amount, Piece, Property, PropertyType, Scalar, Setting, Template};
+pub use setting::{Amount, Property, PropertyType, Scalar, Setting};
 pub use topic::{Outage, PlannedSending, Topic};
 pub use wiring::{
     Cancel, Connection, ConnectionType, Delivery, End, PlannedPolicy, PlannedRetry, PlannedWire,
     Policy, Retry, Terminal, Transport, Wire,
 };
-
-/// Upper bound of all time settings in milliseconds: one day.
-pub(crate) const DAY_MS: u64 = 86_400_000;
-
-/// Timeout of a call in milliseconds if the wire has none.
-pub const DEFAULT_TIMEOUT_MS: u64 = 1000;

@@ -4,7 +4,8 @@ use asmotion_component::{OnDeadline, OnException, Overrun, Scheduler};
 use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
 
-use super::{Amount, DAY_MS};
+use super::limits::DAY_MS;
+use super::setting::Amount;
 use crate::at::At;
 
 /// Schedule of a component. A `task` can use a broker; an `activity` has a thread with a scheduling class.

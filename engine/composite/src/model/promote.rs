@@ -3,8 +3,9 @@
 use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
 
+use super::limits::DAY_MS;
+use super::wiring::End;
 use super::wiring::Transport;
-use super::{DAY_MS, End};
 use crate::at::At;
 
 /// An element visible outside the composite.
@@ -71,6 +72,16 @@ impl Promotion {
 }
 
 impl Promoted {
+    /// The end that is promoted; `None` for a topic.
+    pub fn end(&self) -> Option<&End> {
+        match self {
+            Self::Service(end) | Self::Reference(end) | Self::Property(end) | Self::Port(end) => {
+                Some(end)
+            }
+            Self::Topic(_) => None,
+        }
+    }
+
     /// Returns the key that names the element, such as `service`.
     pub fn kind(&self) -> &'static str {
         match self {

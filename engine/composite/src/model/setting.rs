@@ -3,10 +3,8 @@
 use asmotion_derive::{Table, Word};
 use std::fmt;
 
-use asmotion_diagnostics::Span;
-
-use crate::address::mask;
 use crate::at::At;
+use crate::template::Template;
 use crate::tree::Node;
 
 /// A property of the composite, set by the integrator.
@@ -89,36 +87,6 @@ pub struct Setting {
     pub value: Node,
 }
 
-/// A string with substitutions, such as `amqp://${AMQP_USER:-guest}@127.0.0.1`.
-#[derive(Clone, PartialEq)]
-pub struct Template {
-    /// Literal and substituted parts in order.
-    pub pieces: Vec<Piece>,
-}
-
-/// A part of a [`Template`].
-#[derive(Clone, Debug, PartialEq)]
-pub enum Piece {
-    /// Literal text.
-    Text(String),
-    /// `${properties.name}`.
-    Property {
-        /// Name of the property of the composite.
-        name: String,
-        /// Source location of the name.
-        span: Span,
-    },
-    /// `${NAME}` or `${NAME:-default}`.
-    Variable {
-        /// Name of the environment variable.
-        name: String,
-        /// Value if the variable is not set.
-        default: Option<String>,
-        /// Source location of the name.
-        span: Span,
-    },
-}
-
 /// Masks the default value of secrets.
 impl fmt::Debug for Property {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -131,30 +99,6 @@ impl fmt::Debug for Property {
             .field("max", &self.max)
             .field("doc", &self.doc)
             .finish()
-    }
-}
-
-/// Displays the source text with passwords masked.
-impl fmt::Debug for Template {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let pieces = self.pieces.iter().map(|piece| match piece {
-            Piece::Text(text) => text.clone(),
-            Piece::Property { name, .. } => format!("${{properties.{name}}}"),
-            Piece::Variable { name, .. } => format!("${{{name}}}"),
-        });
-        let written: String = pieces.collect();
-        fmt::Debug::fmt(&mask(&written), f)
-    }
-}
-
-impl Template {
-    /// Returns the text if it contains no substitution.
-    pub fn literal(&self) -> Option<&str> {
-        match self.pieces.as_slice() {
-            [] => Some(""),
-            [Piece::Text(text)] => Some(text),
-            _ => None,
-        }
     }
 }
 

@@ -4,7 +4,7 @@ use asmotion_component::{Lock, OnStale, Sharing};
 use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
-use super::{DAY_MS, DEFAULT_TIMEOUT_MS};
+use super::limits::{DAY_MS, DEFAULT_TIMEOUT_MS};
 use crate::at::At;
 
 /// `Component.name`: a port, a service, a reference or a property of a component.

@@ -3,6 +3,8 @@
 //!
 //! `#[derive(Table)]` generates the implementations; only values that are not tables implement the traits by hand.
 
+mod keys;
+pub(crate) mod name;
 mod resolve;
 #[cfg(test)]
 mod tests;
@@ -14,19 +16,19 @@ use toml_edit::Value as Toml;
 
 /// Items named by the generated code, collected in one module.
 pub(crate) mod derived {
+    pub(crate) use super::keys::{Keys, Reader};
+    pub(crate) use super::name;
     pub(crate) use crate::at::At;
-    pub(crate) use crate::read::keys::{Keys, Reader};
-    pub(crate) use crate::read::name;
     pub(crate) use crate::tree::{Branch, Node, Table as Tree};
 }
 
+use self::keys::{Keys, Reader};
 pub use self::resolve::{Resolve, Resolver};
-pub(crate) use self::value::Dialect;
+pub(crate) use self::value::{Dialect, templates};
 pub use self::write::{
     Lines, Written, WrittenTable, constant, list, one_or_many, table, tables, tables_of, toml,
 };
 use crate::at::At;
-use crate::read::keys::{Keys, Reader};
 use crate::tree::Node;
 use crate::value::SettingValue as Plain;
 

@@ -1,16 +1,9 @@
 //! Resolution of written values: locations removed, substitutions and defaults applied.
 
-use std::net::SocketAddr;
-
 use asmotion_diagnostics::Span;
 
 use super::Key;
-use crate::address::Endpoint;
 use crate::at::At;
-use crate::codes::c064::InvalidAddress;
-use crate::end;
-use crate::finding::Findings;
-use crate::model::{Address, Amount, Condition, End, MessagePath, Template};
 use crate::scope::{PropertyScope, SubstitutionNotes};
 use crate::tree::Node;
 use crate::value::SettingValue;
@@ -83,67 +76,20 @@ impl<T: Resolve> Resolve for At<T> {
     }
 }
 
-/// Implements `Resolve` for types that resolve to themselves or to their text.
+/// Values that stand for themselves.
 macro_rules! plain {
-    ($($kind:ty => $resolved:ty: |$it:ident| $value:expr;)*) => {
+    ($($kind:ty)*) => {
         $(impl Resolve for $kind {
-            type Resolved = $resolved;
+            type Resolved = Self;
 
-            fn resolve(&self, _: &Key, _: &mut Resolver<'_>) -> Option<$resolved> {
-                let $it = self;
-                Some($value)
+            fn resolve(&self, _: &Key, _: &mut Resolver<'_>) -> Option<Self> {
+                Some(self.to_owned())
             }
         })*
     };
 }
 
-plain! {
-    String => String: |it| it.clone();
-    bool => bool: |it| *it;
-    u64 => u64: |it| *it;
-    f64 => f64: |it| *it;
-    MessagePath => String: |it| it.to_string();
-    Condition => String: |it| it.text.value.clone();
-    End => end::End: |it| end::End {
-        component: it.component.value.clone(),
-        name: it.name.value.clone(),
-    };
-}
-
-impl Resolve for Template {
-    type Resolved = Endpoint;
-
-    fn resolve(&self, _: &Key, to: &mut Resolver<'_>) -> Option<Endpoint> {
-        let filled = to.scope.fill(self, to.notes)?;
-        Some(Endpoint::new(filled.text, filled.shown))
-    }
-}
-
-/// Reports an invalid address with the name of the element that `Resolver::owner` holds.
-impl Resolve for Address {
-    type Resolved = SocketAddr;
-
-    fn resolve(&self, _: &Key, to: &mut Resolver<'_>) -> Option<SocketAddr> {
-        let filled = to.scope.fill(&self.0, to.notes)?;
-        let address = filled.text.parse().ok();
-        if address.is_none() {
-            to.notes.found(InvalidAddress {
-                name: to.owner.clone(),
-                text: filled.shown,
-                at: to.at,
-            });
-        }
-        address
-    }
-}
-
-impl Resolve for Amount {
-    type Resolved = u64;
-
-    fn resolve(&self, key: &Key, to: &mut Resolver<'_>) -> Option<u64> {
-        to.scope.amount(key, self, to.at, to.notes)
-    }
-}
+plain! { String bool u64 f64 }
 
 impl Resolve for Node {
     type Resolved = SettingValue;

@@ -4,11 +4,11 @@ use asmotion_derive::Table;
 use asmotion_diagnostics::{FileId, Sources, Span};
 use serde_json::json;
 
+use super::keys::Reader;
 use super::{Resolver, Table as _, WrittenTable};
 use crate::at::At;
 use crate::environment::EmptyEnvironment;
 use crate::model::{Amount, Delivery};
-use crate::read::keys::Reader;
 use crate::scope::{PropertyScope, SubstitutionNotes};
 use crate::tree;
 
@@ -105,13 +105,7 @@ fn it_reads_what_is_there_and_says_what_is_wrong() {
 fn its_twin_has_the_defaults_and_is_written_again() {
     let (lamp, _) = read("watt = 5\nnear = [\"b\"]\nwall = true");
     let (sources, mut notes) = (Sources::new(), SubstitutionNotes::default());
-    let scope = PropertyScope::new(
-        &[],
-        Default::default(),
-        &EmptyEnvironment,
-        &sources,
-        &mut notes,
-    );
+    let scope = PropertyScope::new(&EmptyEnvironment, &sources);
     let mut to = Resolver::new(&scope, "house/", &mut notes);
     let lamp: PlannedLamp = to.of(&lamp.unwrap()).unwrap();
     assert_eq!((lamp.time, lamp.delivery), (9, Delivery::Event));

@@ -1,23 +1,12 @@
-//! Values that are not tables: strings, numbers, words and ends.
+//! Values that are no tables: texts, numbers, whatever TOML can write.
 
-use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
-use asmotion_coordinator::{PublishWhen, Receive};
-use asmotion_datum::{Codec, Word};
 use serde_json::{Value as Json, json};
-use toml_edit::Value as Toml;
 
-use super::{Key, Many, Resolve, Resolver, Value, Written};
+use super::keys::Reader;
+use super::{Key, Many, Value};
 use crate::at::At;
 use crate::codes::c008::UnknownSchema;
 use crate::finding::Findings;
-use crate::model::{
-    Address, Amount, BridgeKind, BuiltinComponent, Busy, Cancel, Condition, ConnectionType,
-    Delivery, Direction, End, MessagePath, Outage, PropertyType, ProxyMode, RestartPolicy, Scalar,
-    Template, Terminal, Tls, Transport,
-};
-use crate::nearest::nearest_name;
-use crate::read::keys::Reader;
-use crate::read::{name, setting};
 use crate::tree::{Branch, Node};
 
 impl<T: Value> Value for At<T> {
@@ -32,75 +21,14 @@ impl<T: Value> Value for At<T> {
     }
 }
 
-/// Implements `Value` for types written as strings.
-macro_rules! texts {
-    ($($kind:ty: |$reader:ident, $text:ident| $read:expr;)*) => {
-        $(impl Value for $kind {
-            fn schema(_: &Key) -> Json {
-                json!({ "type": "string" })
-            }
+impl Value for String {
+    fn schema(_: &Key) -> Json {
+        json!({ "type": "string" })
+    }
 
-            fn read(
-                $reader: &mut Reader<'_>,
-                key: &At<String>,
-                spec: &Key,
-                node: &Node,
-            ) -> Option<Self> {
-                let $text = $reader.text(key, node, spec.example)?;
-                $read
-            }
-        })*
-    };
-}
-
-texts! {
-    String: |reader, text| Some(text.value);
-    End: |reader, text| name::end(reader, &text);
-    Terminal: |reader, text| name::terminal(reader, &text);
-    MessagePath: |reader, text| name::path(reader, &text);
-    Condition: |reader, text| Some(name::condition(reader, text));
-}
-
-/// Implements `Value` for enumerations of words.
-macro_rules! words {
-    ($($kind:ident)*) => {
-        $(impl Value for $kind {
-            fn schema(_: &Key) -> Json {
-                words::<$kind>()
-            }
-
-            fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
-                reader.word(key, spec, node)
-            }
-        }
-
-        impl Resolve for $kind {
-            type Resolved = Self;
-
-            fn resolve(&self, _: &Key, _: &mut Resolver<'_>) -> Option<Self> {
-                Some(*self)
-            }
-        }
-
-        impl Written for $kind {
-            fn toml(&self) -> Option<Toml> {
-                Some(self.word().into())
-            }
-        })*
-    };
-}
-
-words! {
-    BridgeKind BuiltinComponent Busy Cancel Codec Delivery Direction ConnectionType Lock OnDeadline OnException OnStale Outage Overrun
-    ProxyMode PublishWhen Receive RestartPolicy Scheduler Sharing Tls Transport
-}
-
-/// Returns the JSON Schema of a set of words with their documentation.
-fn words<W: Word>() -> Json {
-    let meanings = W::WORDS.iter();
-    let meanings = meanings.map(|(word, _, doc)| format!("- `{word}`: {doc}"));
-    let meanings: Vec<String> = meanings.collect();
-    json!({ "enum": W::words(), "$comment": meanings.join("\n") })
+    fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
+        reader.text(key, node, spec.example).map(|text| text.value)
+    }
 }
 
 impl Value for bool {
@@ -170,43 +98,6 @@ impl Value for f64 {
     }
 }
 
-impl Value for Template {
-    fn schema(_: &Key) -> Json {
-        json!({ "type": "string" })
-    }
-
-    fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
-        reader.template(key, node, spec.example)
-    }
-}
-
-impl Value for Address {
-    fn schema(key: &Key) -> Json {
-        Template::schema(key)
-    }
-
-    fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
-        reader.template(key, node, spec.example).map(Self)
-    }
-}
-
-/// Reads an integer or a substitution.
-impl Value for Amount {
-    fn schema(key: &Key) -> Json {
-        json!({ "anyOf": [u64::schema(key), { "type": "string", "pattern": "\\$\\{" }] })
-    }
-
-    fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
-        if let Branch::Text(text) = &node.value
-            && text.contains("${")
-        {
-            reader.template(key, node, "50").map(Self::Template)
-        } else {
-            u64::read(reader, key, spec, node).map(Self::Number)
-        }
-    }
-}
-
 /// Reads any TOML value; strings may contain substitutions.
 impl Value for Node {
     fn schema(_: &Key) -> Json {
@@ -214,31 +105,8 @@ impl Value for Node {
     }
 
     fn read(reader: &mut Reader<'_>, key: &At<String>, _: &Key, node: &Node) -> Option<Self> {
-        setting::templates(reader, key, node);
+        templates(reader, key, node);
         Some(node.clone())
-    }
-}
-
-/// Reads a property type such as `f64` or `string[]`.
-impl Value for PropertyType {
-    fn schema(_: &Key) -> Json {
-        let one = Scalar::words().into_iter().map(str::to_owned);
-        let many = Scalar::words().into_iter().map(|word| format!("{word}[]"));
-        json!({ "enum": one.chain(many).collect::<Vec<_>>() })
-    }
-
-    fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
-        let word = reader.text(key, node, spec.example)?;
-        let (scalar, list) = match word.strip_suffix("[]") {
-            Some(scalar) => (scalar, true),
-            None => (word.as_str(), false),
-        };
-        let found = Scalar::of_word(scalar);
-        if found.is_none() {
-            let nearest = nearest_name(scalar, Scalar::words());
-            reader.unknown_word(key, &word, Scalar::words(), nearest);
-        }
-        found.map(|scalar| Self { scalar, list })
     }
 }
 
@@ -259,5 +127,20 @@ impl Value for Dialect {
             reader.report.found(UnknownSchema { found, wanted, at });
         }
         Some(Self)
+    }
+}
+
+/// Reads all substitutions in a value, only to say which are malformed.
+pub(crate) fn templates(reader: &mut Reader<'_>, key: &str, node: &Node) {
+    match &node.value {
+        Branch::Text(_) => {
+            reader.template(key, node, "\"text\"");
+        }
+        Branch::List(items) => items.iter().for_each(|item| templates(reader, key, item)),
+        Branch::Table(table) => {
+            let entries = table.entries.iter();
+            entries.for_each(|entry| templates(reader, key, &entry.node));
+        }
+        Branch::Integer(_) | Branch::Float(_) | Branch::Boolean(_) | Branch::Date(_) => {}
     }
 }

@@ -302,7 +302,18 @@ const PRIMITIVES: [(&str, Shape); 22] = [
     ("float64", Shape::F64),
 ];
 
-fn primitive(name: &str) -> Option<Schema> {
+/// Returns `true` for an integer type, signed or not.
+pub(crate) fn is_integer(shape: &Shape) -> bool {
+    let is_signed = matches!(shape, Shape::I8 | Shape::I16 | Shape::I32 | Shape::I64);
+    is_signed || matches!(shape, Shape::U8 | Shape::U16 | Shape::U32 | Shape::U64)
+}
+
+/// Returns `true` for a number with a fraction.
+pub(crate) fn is_float(shape: &Shape) -> bool {
+    matches!(shape, Shape::F32 | Shape::F64)
+}
+
+pub(crate) fn primitive(name: &str) -> Option<Schema> {
     if name == "time" {
         let field = |name: &'static str, shape| OutlineKey::new(name, "", Schema::plain(shape));
         let fields = vec![field("sec", Shape::I32), field("nanosec", Shape::U32)];

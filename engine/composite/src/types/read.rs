@@ -7,8 +7,8 @@ use super::{FieldText, TypeFile, TypeText, split};
 use crate::at::At;
 use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
-use crate::read::keys::Reader;
 use crate::read::{top, tree};
+use crate::table::derived::Reader;
 use crate::table::{Key, Many, Table as _, Value};
 use crate::tree::Node;
 

@@ -75,7 +75,12 @@ fn pace(component: &Component, keys: &mut Lines) {
         lines.append(pace.keys("task"));
         keys.put_table("task", lines);
     } else {
-        keys.put_table("activity", pace.keys("activity"))
+        let mut lines = pace.keys("activity");
+        // no cycle is late that has no deadline
+        if pace.deadline_ms.is_none() {
+            lines = lines.without("on_deadline");
+        }
+        keys.put_table("activity", lines);
     }
 }
 

@@ -11,7 +11,7 @@ use asmotion_composite::model::{self, ConnectionType, Delivery, Sharing, Transpo
 use asmotion_composite::table::Resolver;
 use asmotion_composite::{At, check};
 
-impl<'p> Flattener<'p, '_> {
+impl Flattener<'_, '_> {
     /// Adds the connections and wires of a composite instance.
     pub(super) fn join(&mut self, index: usize) {
         let Some(composite) = self.composite(index) else {
@@ -76,41 +76,17 @@ impl<'p> Flattener<'p, '_> {
         match terminal {
             model::Terminal::Topic(topic) => Some(Terminal::Topic(self.topic(index, topic))),
             model::Terminal::Mqueue(name) => Some(Terminal::Mqueue(name.value.clone())),
-            model::Terminal::Port(end) => {
-                let port = |what: &'p model::Promoted| {
-                    if let model::Promoted::Port(end) = what {
-                        Some(end)
-                    } else {
-                        None
-                    }
-                };
-                self.inside(index, end, &port).map(Terminal::Port)
-            }
+            model::Terminal::Port(end) => self.inside(index, end, "port").map(Terminal::Port),
         }
     }
 
-    fn wire(&mut self, index: usize, wire: &'p model::Wire) {
-        let reference = |what: &'p model::Promoted| {
-            if let model::Promoted::Reference(end) = what {
-                Some(end)
-            } else {
-                None
-            }
-        };
-        let service = |what: &'p model::Promoted| {
-            if let model::Promoted::Service(end) = what {
-                Some(end)
-            } else {
-                None
-            }
-        };
-        let Some(reference) = self.inside(index, &wire.reference, &reference) else {
+    fn wire(&mut self, index: usize, wire: &model::Wire) {
+        let Some(reference) = self.inside(index, &wire.reference, "reference") else {
             return;
         };
-        let services: Vec<End> = wire
-            .services
-            .iter()
-            .filter_map(|end| self.inside(index, end, &service))
+        let services = wire.services.iter();
+        let services: Vec<End> = services
+            .filter_map(|end| self.inside(index, end, "service"))
             .collect();
         if services.is_empty() {
             return;
@@ -156,22 +132,17 @@ impl<'p> Flattener<'p, '_> {
         Some(format!("{}{}", instance.prefix, name.value))
     }
 
-    /// Follows promotions to the component that implements an end.
-    fn inside(
-        &self,
-        index: usize,
-        end: &model::End,
-        select: &impl Fn(&'p model::Promoted) -> Option<&'p model::End>,
-    ) -> Option<End> {
+    /// The component that runs, and its part, behind a name that may be promoted as this kind of thing.
+    fn inside(&self, index: usize, end: &model::End, kind: &str) -> Option<End> {
         let instance = self.instances.get(index)?;
         if let Some(child) = instance.children.get(end.component.value.as_str()) {
             let promotions = &self.composite(*child)?.promotions;
             let promotion = promotions.iter().find(|promotion| {
                 promotion.name.value == end.name.value
-                    && select(&promotion.what).is_some()
+                    && promotion.what.kind() == kind
                     && check::takes_part(&promotion.profiles, self.parts.profile)
             })?;
-            return self.inside(*child, select(&promotion.what)?, select);
+            return self.inside(*child, promotion.what.end()?, kind);
         }
         let component = format!("{}{}", instance.prefix, end.component.value);
         self.plan.component(&component)?;
@@ -181,22 +152,17 @@ impl<'p> Flattener<'p, '_> {
         })
     }
 
-    pub(super) fn promotion(&mut self, promotion: &'p model::Promotion) {
-        use asmotion_composite::model::Promoted as What;
-        let own = |what: &'p What| match what {
-            What::Service(end) | What::Reference(end) | What::Property(end) | What::Port(end) => {
-                Some(end)
+    pub(super) fn promotion(&mut self, promotion: &model::Promotion) {
+        let what = &promotion.what;
+        let inside = match what {
+            model::Promoted::Topic(topic) => Some(topic.value.clone()),
+            model::Promoted::Service(end)
+            | model::Promoted::Reference(end)
+            | model::Promoted::Property(end)
+            | model::Promoted::Port(end) => {
+                let inside = self.inside(0, end, what.kind());
+                inside.map(|end| end.to_string())
             }
-            What::Topic(_) => None,
-        };
-        let kind = promotion.what.kind();
-        let same = |what: &'p What| own(what).filter(|_| what.kind() == kind);
-        let inside = if let What::Topic(topic) = &promotion.what {
-            Some(topic.value.clone())
-        } else {
-            own(&promotion.what)
-                .and_then(|end| self.inside(0, end, &same))
-                .map(|end| end.to_string())
         };
         let Some(inside) = inside else {
             return;

@@ -18,9 +18,8 @@ use asmotion_composite::check::{self, Faces};
 use asmotion_composite::family::{Family, Member};
 use asmotion_composite::finding::Findings;
 use asmotion_composite::model::{self, Composite};
-use asmotion_composite::scope::{
-    OutsideSettings, PropertyScope, SubstitutionNotes, outside_settings,
-};
+use asmotion_composite::property;
+use asmotion_composite::scope::{OutsideSettings, PropertyScope, SubstitutionNotes};
 use asmotion_composite::table::Resolver;
 use asmotion_composite::types::Types;
 use asmotion_composite::value::SettingValue;
@@ -46,7 +45,8 @@ pub(crate) fn flatten(parts: &Parts<'_>, notes: &mut SubstitutionNotes) -> Optio
         instances: Vec::new(),
         full: false,
     };
-    let set = outside_settings(&member.composite, parts.context.settings, flattener.notes);
+    let set =
+        property::outside_settings(&member.composite, parts.context.settings, flattener.notes);
     flattener.instance(&parts.family.root, member, None, set);
     for index in 0..flattener.instances.len() {
         flattener.join(index);
@@ -123,7 +123,7 @@ impl<'p> Flattener<'p, '_> {
             format!("{outer}{}/", component.name.value)
         });
         let (own, overrides) = split(composite, set);
-        let scope = PropertyScope::new(
+        let scope = property::scope(
             &composite.properties,
             own,
             self.parts.context.environment,

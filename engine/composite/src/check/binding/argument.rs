@@ -11,6 +11,7 @@ use crate::at::At;
 use crate::finding::Findings;
 use crate::model::binding::{Argument, Source};
 use crate::tree::{Branch, Node};
+use crate::types::is_integer;
 
 /// Checks that `argument` yields a value of type `wanted` for the port or operation `what`.
 pub(super) fn check(
@@ -140,17 +141,7 @@ fn value(what: &At<String>, node: &Node, wanted: &Schema, report: &mut Report) {
                 .for_each(|node| value(what, node, item, report));
             true
         }
-        (
-            Shape::I8
-            | Shape::I16
-            | Shape::I32
-            | Shape::I64
-            | Shape::U8
-            | Shape::U16
-            | Shape::U32
-            | Shape::U64,
-            Branch::Integer(_),
-        ) => true,
+        (shape, Branch::Integer(_)) if is_integer(shape) => true,
         (Shape::Option(inner), _) => {
             value(what, node, inner, report);
             true

@@ -20,6 +20,7 @@ use crate::model::{End, MessagePath};
 use crate::nearest::nearest;
 use crate::signature::{Codomain, FunctionInfo, FunctionKind};
 use crate::tree::{Branch, Node};
+use crate::types::{is_float, is_integer};
 use asmotion_coordinator::Receive;
 
 pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut Report) {
@@ -319,23 +320,12 @@ pub fn chosen_field(schema: &Schema) -> Option<String> {
 
 /// Returns whether values of the shape are representable in the codomain.
 fn fits(codomain: &Codomain, shape: &Shape) -> bool {
-    let whole = matches!(
-        shape,
-        Shape::I8
-            | Shape::I16
-            | Shape::I32
-            | Shape::I64
-            | Shape::U8
-            | Shape::U16
-            | Shape::U32
-            | Shape::U64
-    );
-    let broken = matches!(shape, Shape::F32 | Shape::F64);
+    let whole = is_integer(shape);
     match codomain {
         _ if *shape == Shape::Any => true,
         Codomain::Boolean => *shape == Shape::Bool,
         Codomain::Integer => whole,
-        Codomain::Real => whole || broken,
+        Codomain::Real => whole || is_float(shape),
         Codomain::Text | Codomain::Enum { .. } => *shape == Shape::Text,
         Codomain::Other(_) => true,
     }

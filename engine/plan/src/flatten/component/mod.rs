@@ -151,8 +151,13 @@ fn implementation(source: &PartSource<'_>) -> Implementation {
 /// Resolves the schedule, including the broker, which defaults to the composite's only one.
 fn pace(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Pace {
     let broker = source.member.composite.broker_of(source.component);
-    Pace {
+    let mut pace = Pace {
         broker: broker.map(|name| to.local(name)),
         ..to.or_default(source.component.pace())
+    };
+    // no cycle is late that has no deadline
+    if pace.deadline_ms.is_none() {
+        pace.on_deadline = Default::default();
     }
+    pace
 }

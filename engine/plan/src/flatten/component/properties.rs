@@ -2,8 +2,8 @@
 
 use super::PartSource;
 use crate::plan::PropertyValues;
-use asmotion_composite::admissible::lawful;
 use asmotion_composite::model;
+use asmotion_composite::property::lawful;
 use asmotion_composite::scope::{OutsideSettings, SubstitutionNotes};
 
 /// Returns the values set in the file, in file order, followed by those set from outside.

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use asmotion_datum::Word;
 use asmotion_diagnostics::{Report, Span};
 
-use super::template;
+use super::{Key, Many, Outline, Value};
 use crate::at::At;
 use crate::codes::c003::UnknownKey;
 use crate::codes::c004::MissingKey;
@@ -18,9 +18,8 @@ use crate::codes::c010::ExclusiveKeys;
 use crate::codes::c011::SubstitutionNotAllowed;
 use crate::codes::c012::InvalidSubstitution;
 use crate::finding::Findings;
-use crate::model::Template;
 use crate::nearest::{Nearest, nearest_name};
-use crate::table::{Key, Many, Outline, Value};
+use crate::template::{self, Template};
 use crate::tree::{Branch, Entry, Node, Table};
 
 /// Source text being read and the diagnostics found in it.

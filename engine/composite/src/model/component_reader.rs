@@ -2,13 +2,12 @@
 
 use serde_json::{Value as Json, json};
 
-use super::keys::{Keys, Reader};
-use super::{name, setting};
+use super::component::{Component, Listed, MapEntry, Rename};
+use super::implementation::{BuiltinComponent, Implementation};
+use super::setting::Setting;
 use crate::at::At;
-use crate::model::{
-    BuiltinComponent, Component, Implementation, Listed, MapEntry, Rename, Setting,
-};
-use crate::table::{Key, Many, Value};
+use crate::table::derived::{Keys, Reader, name};
+use crate::table::{Key, Many, Value, templates};
 use crate::tree::Node;
 
 /// Reads names with message types or interfaces, such as `scan = "sensor_msgs/LaserScan"`.
@@ -50,7 +49,7 @@ impl Value for Setting {
     }
 
     fn read(reader: &mut Reader<'_>, key: &At<String>, _: &Key, node: &Node) -> Option<Self> {
-        setting::templates(reader, key, node);
+        templates(reader, key, node);
         let (name, value) = (key.clone(), node.clone());
         Some(Self { name, value })
     }

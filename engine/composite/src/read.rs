@@ -1,22 +1,14 @@
 //! Parses composite files into a [`Composite`] without semantic checks.
 
-pub(crate) mod binding;
-mod component;
-pub(crate) mod keys;
-pub(crate) mod name;
-pub(crate) mod setting;
-pub(crate) mod template;
-
 use asmotion_diagnostics::{FileId, Report, Span};
 
-pub(crate) use self::component::belongs;
-use self::keys::Reader;
 use crate::at::At;
 use crate::codes::c001::InvalidToml;
 use crate::codes::c002::UnreadableComposite;
 use crate::finding::Findings;
 use crate::model::Composite;
 use crate::table::Table as _;
+use crate::table::derived::Reader;
 use crate::tree::{self, Table};
 
 /// Maximum size of a composite file in bytes.

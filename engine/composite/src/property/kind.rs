@@ -2,12 +2,15 @@
 
 use crate::codes::c015::InvalidSetting;
 use crate::codes::c016::SettingOutOfRange;
+use asmotion_datum::{Schema, Shape, Word as _};
 use asmotion_diagnostics::Span;
 
-use super::SubstitutionNotes;
+use super::admissible::conform;
 use crate::finding::Findings;
 use crate::model::{Property, PropertyType, Scalar};
 use crate::range::Range;
+use crate::scope::SubstitutionNotes;
+use crate::types::{is_float, is_integer, primitive};
 use crate::value::SettingValue;
 
 /// Converts a value to the type of a composite property; reports a wrong type or a value out of range.
@@ -42,7 +45,7 @@ pub(super) fn accept(
 }
 
 /// Checks that all numbers of a value are in range.
-pub(crate) fn within(
+pub(super) fn within(
     name: &str,
     value: &SettingValue,
     range: &Range,
@@ -72,20 +75,22 @@ pub(crate) fn within(
     }
 }
 
+/// The shape of one value of a type; addresses, paths and secrets are texts.
+fn shape(scalar: Scalar) -> Shape {
+    primitive(scalar.word()).map_or(Shape::Text, |schema| schema.shape)
+}
+
 /// Describes the values of a type.
 fn describe(kind: PropertyType) -> String {
-    let (article, one) = match kind.scalar {
-        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => ("a", "string"),
-        Scalar::Boolean => ("a", "Boolean"),
-        Scalar::F32 | Scalar::F64 => ("a", "number"),
-        Scalar::I8
-        | Scalar::I16
-        | Scalar::I32
-        | Scalar::I64
-        | Scalar::U8
-        | Scalar::U16
-        | Scalar::U32
-        | Scalar::U64 => ("an", "integer"),
+    let shape = shape(kind.scalar);
+    let (article, one) = if is_integer(&shape) {
+        ("an", "integer")
+    } else if is_float(&shape) {
+        ("a", "number")
+    } else if shape == Shape::Bool {
+        ("a", "Boolean")
+    } else {
+        ("a", "string")
     };
     if kind.list {
         format!("a list of {one}s")
@@ -117,42 +122,23 @@ fn limits(scalar: Scalar) -> (Option<f64>, Option<f64>) {
 
 /// Converts a value to a type.
 fn of_type(value: SettingValue, kind: PropertyType) -> Option<SettingValue> {
-    if kind.list {
-        let SettingValue::List(items) = value else {
-            return None;
-        };
-        let scalar = PropertyType {
-            list: false,
-            ..kind
-        };
-        let items = items.into_iter().map(|item| of_type(item, scalar));
-        return items.collect::<Option<_>>().map(SettingValue::List);
-    }
-    match (kind.scalar, value) {
-        (
-            Scalar::Text | Scalar::Uri | Scalar::Path,
-            value @ (SettingValue::Text(_) | SettingValue::Secret(_)),
-        ) => Some(value),
-        (Scalar::Secret, SettingValue::Text(text) | SettingValue::Secret(text)) => {
-            Some(SettingValue::Secret(text))
-        }
-        (Scalar::Boolean, value @ SettingValue::Boolean(_)) => Some(value),
-        (Scalar::F32 | Scalar::F64, SettingValue::Integer(number)) => {
-            Some(SettingValue::Real(number as f64))
-        }
-        (Scalar::F32 | Scalar::F64, value @ SettingValue::Real(_)) => Some(value),
-        (
-            Scalar::I8
-            | Scalar::I16
-            | Scalar::I32
-            | Scalar::I64
-            | Scalar::U8
-            | Scalar::U16
-            | Scalar::U32
-            | Scalar::U64,
-            value @ SettingValue::Integer(_),
-        ) => Some(value),
-        (_, _) => None,
+    let one = Schema::plain(shape(kind.scalar));
+    let schema = if kind.list {
+        Schema::many(one, None)
+    } else {
+        one
+    };
+    let value = conform(value, &schema)?;
+    let is_secret = kind.scalar == Scalar::Secret;
+    Some(if is_secret { hidden(value) } else { value })
+}
+
+/// The value with every text in it a secret.
+fn hidden(value: SettingValue) -> SettingValue {
+    match value {
+        SettingValue::Text(text) => SettingValue::Secret(text),
+        SettingValue::List(items) => SettingValue::List(items.into_iter().map(hidden).collect()),
+        other => other,
     }
 }
 
@@ -169,18 +155,14 @@ pub(super) fn from_text(text: &str, kind: PropertyType) -> Option<SettingValue> 
         let items = text.split(',').map(|item| from_text(item.trim(), scalar));
         return items.collect::<Option<_>>().map(SettingValue::List);
     }
-    match kind.scalar {
-        Scalar::Text | Scalar::Uri | Scalar::Path => Some(SettingValue::Text(text.to_owned())),
-        Scalar::Secret => Some(SettingValue::Secret(text.to_owned())),
-        Scalar::Boolean => text.parse().ok().map(SettingValue::Boolean),
-        Scalar::F32 | Scalar::F64 => text.parse().ok().map(SettingValue::Real),
-        Scalar::I8
-        | Scalar::I16
-        | Scalar::I32
-        | Scalar::I64
-        | Scalar::U8
-        | Scalar::U16
-        | Scalar::U32
-        | Scalar::U64 => text.parse().ok().map(SettingValue::Integer),
+    let shape = shape(kind.scalar);
+    if is_integer(&shape) {
+        text.parse().ok().map(SettingValue::Integer)
+    } else if is_float(&shape) {
+        text.parse().ok().map(SettingValue::Real)
+    } else if shape == Shape::Bool {
+        text.parse().ok().map(SettingValue::Boolean)
+    } else {
+        of_type(SettingValue::Text(text.to_owned()), kind)
     }
 }

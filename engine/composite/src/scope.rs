@@ -1,27 +1,17 @@
-//! Property values and substitutions. Only this module accesses the environment.
-
-mod kind;
+//! What is substituted in texts: values of properties, and variables. The one place that asks the environment.
 
 use crate::codes::c013::UnknownSetting;
 use crate::codes::c014::UnsetVariable;
 use crate::codes::c015::InvalidSetting;
 use crate::codes::c016::SettingOutOfRange;
-use crate::codes::c017::MissingSetting;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use asmotion_diagnostics::{Code, Finding, Report, Sources, Span};
 
-use self::kind::accept;
-use self::kind::from_text;
-pub(crate) use self::kind::within;
 use crate::environment::{VariableSource, is_secret};
 use crate::finding::Findings;
-use crate::model::{Amount, Composite, Piece, Property, PropertyType, Scalar, Template};
-use crate::nearest::{nearest, nearest_name};
-use crate::range::Range;
-use crate::read::template;
-use crate::table::Key;
+use crate::nearest::nearest;
+use crate::template::{self, Piece, Template};
 use crate::tree::{Branch, Node};
 use crate::value::{REDACTED, SettingValue};
 use crate::wording::is_outside;
@@ -64,31 +54,6 @@ impl Findings for SubstitutionNotes {
 /// be resolved.
 pub type OutsideSettings = BTreeMap<String, (Option<SettingValue>, Option<Span>)>;
 
-/// Parses the property values of the outermost composite that are set outside the files; reports unknown names.
-pub fn outside_settings(
-    composite: &Composite,
-    settings: &[(String, String)],
-    notes: &mut SubstitutionNotes,
-) -> OutsideSettings {
-    let mut set = OutsideSettings::new();
-    let properties = &composite.properties;
-    for (name, text) in settings {
-        let Some(property) = properties.iter().find(|it| it.name.value == *name) else {
-            let known = properties.iter().map(|it| it.name.value.as_str());
-            notes.found(UnknownSetting {
-                name: name.clone(),
-                at: None,
-                nearest: nearest_name(name, known),
-            });
-            continue;
-        };
-        let value = from_text(text, property.kind.value);
-        let value = value.unwrap_or_else(|| SettingValue::Text(text.clone()));
-        set.insert(name.clone(), (Some(value), None));
-    }
-    set
-}
-
 /// Property values of a composite instance.
 pub struct PropertyScope<'s> {
     /// Value and location of each property; `None` for an unresolved value, which has been reported.
@@ -112,45 +77,22 @@ impl Filled {
 }
 
 impl<'s> PropertyScope<'s> {
-    /// Resolves the properties of a composite, with the values `set` from outside taking precedence.
-    pub fn new(
-        properties: &[Property],
-        mut set: OutsideSettings,
-        environment: &'s dyn VariableSource,
-        sources: &'s Sources,
-        notes: &mut SubstitutionNotes,
-    ) -> Self {
-        let mut scope = Self {
-            values: BTreeMap::new(),
+    /// A scope without properties.
+    pub fn new(environment: &'s dyn VariableSource, sources: &'s Sources) -> Self {
+        let values = BTreeMap::new();
+        Self {
+            values,
             environment,
             sources,
-        };
-        for property in properties {
-            let value = match (set.remove(&property.name.value), &property.default) {
-                (Some((value, at)), _) => {
-                    let value = value.and_then(|value| accept(property, value, at, notes));
-                    value.map(|value| beside(property.kind.value, value, at, sources))
-                }
-                (None, Some(default)) => {
-                    let value = scope.default(property, default, notes);
-                    let at = Some(default.span);
-                    let value = value.and_then(|value| accept(property, value, at, notes));
-                    value.map(|value| beside(property.kind.value, value, at, sources))
-                }
-                (None, None) => {
-                    let (name, at) = (property.name.value.clone(), property.name.span);
-                    notes.found(MissingSetting { name, at });
-                    None
-                }
-            };
-            scope
-                .values
-                .insert(property.name.value.clone(), (value, property.name.span));
         }
-        scope
     }
 
-    /// Returns the value of a property; `None` if it is unresolved.
+    /// Adds a property that is declared at `declared`; its value is `None` where it is not known, which was reported.
+    pub(crate) fn declare(&mut self, name: &str, value: Option<SettingValue>, declared: Span) {
+        self.values.insert(name.to_owned(), (value, declared));
+    }
+
+    /// The value of a property, if it is known.
     pub fn value(&self, name: &str) -> Option<&SettingValue> {
         self.values.get(name)?.0.as_ref()
     }
@@ -178,22 +120,6 @@ impl<'s> PropertyScope<'s> {
         })
     }
 
-    /// Resolves a default value. Environment variables are strings and are converted to the type of the property.
-    fn default(
-        &self,
-        property: &Property,
-        node: &Node,
-        notes: &mut SubstitutionNotes,
-    ) -> Option<SettingValue> {
-        let value = self.node(node, notes)?;
-        match (&value, &node.value) {
-            (SettingValue::Text(filled), Branch::Text(written)) if filled != written => {
-                from_text(filled, property.kind.value).or(Some(value))
-            }
-            _ => Some(value),
-        }
-    }
-
     /// Applies the substitutions in a string. A string consisting of a single property has the type of the property.
     fn text(&self, text: &str, span: Span, notes: &mut SubstitutionNotes) -> Option<SettingValue> {
         let exact = self.sources.snippet(span) == text;
@@ -209,7 +135,7 @@ impl<'s> PropertyScope<'s> {
         })
     }
 
-    fn property(
+    pub(crate) fn property(
         &self,
         name: &str,
         at: Span,
@@ -302,61 +228,6 @@ impl<'s> PropertyScope<'s> {
             }
         }
     }
-
-    /// Resolves an integer that may refer to a property.
-    pub(crate) fn amount(
-        &self,
-        key: &Key,
-        amount: &Amount,
-        at: Span,
-        notes: &mut SubstitutionNotes,
-    ) -> Option<u64> {
-        let name = key.name;
-        let template = match amount {
-            Amount::Number(number) => return Some(*number),
-            Amount::Template(template) => template,
-        };
-        let value = match template.pieces.as_slice() {
-            [Piece::Property { name, span }] => self.property(name, *span, notes)?.clone(),
-            _ => SettingValue::Text(self.fill(template, notes)?.text),
-        };
-        let number = match &value {
-            SettingValue::Integer(number) => Some(*number),
-            SettingValue::Real(number) if number.fract() == 0.0 => Some(*number as i64),
-            SettingValue::Text(text) => text.trim().parse().ok(),
-            SettingValue::Real(_)
-            | SettingValue::Boolean(_)
-            | SettingValue::Secret(_)
-            | SettingValue::List(_)
-            | SettingValue::Record(_) => None,
-        };
-        let Some(number) = number else {
-            notes.found(InvalidSetting::WrongType {
-                name: name.to_owned(),
-                wanted: "an integer".to_owned(),
-                found: value.describe(),
-                at: Some(at),
-                declared: None,
-            });
-            return None;
-        };
-        if !(key.least..=key.greatest).contains(&(number as f64)) {
-            let (min, max) = (Some(key.least), Some(key.greatest));
-            notes.found(SettingOutOfRange {
-                name: name.to_owned(),
-                value: number.to_string(),
-                range: Range {
-                    min,
-                    max,
-                    unit: String::new(),
-                },
-                at: Some(at),
-                declared: None,
-            });
-            return None;
-        }
-        u64::try_from(number).ok()
-    }
 }
 
 /// Formats a value as text; the flag tells whether it is a secret.
@@ -369,40 +240,5 @@ fn plain(value: &SettingValue) -> (String, bool) {
         | SettingValue::Real(_)
         | SettingValue::List(_)
         | SettingValue::Record(_) => (value.to_string(), false),
-    }
-}
-
-/// Makes a relative path relative to the directory of the file that contains it. Substituted values are unchanged:
-/// properties of this type have been resolved before, and variables are set outside the files.
-fn beside(
-    kind: PropertyType,
-    value: SettingValue,
-    at: Option<Span>,
-    sources: &Sources,
-) -> SettingValue {
-    let Some(at) =
-        at.filter(|at| kind.scalar == Scalar::Path && !sources.snippet(*at).contains("${"))
-    else {
-        return value;
-    };
-    match value {
-        SettingValue::Text(path) if path.is_empty() => SettingValue::Text(path),
-        SettingValue::Text(path) => {
-            let folder = Path::new(sources.path(at.file))
-                .parent()
-                .unwrap_or(Path::new(""));
-            SettingValue::Text(folder.join(path).display().to_string())
-        }
-        SettingValue::List(paths) => {
-            let paths = paths
-                .into_iter()
-                .map(|path| beside(kind, path, Some(at), sources));
-            SettingValue::List(paths.collect())
-        }
-        other @ (SettingValue::Boolean(_)
-        | SettingValue::Integer(_)
-        | SettingValue::Real(_)
-        | SettingValue::Secret(_)
-        | SettingValue::Record(_)) => other,
     }
 }

@@ -1,64 +1,14 @@
-//! Reads names, ends (`Component.port`), terminals (`topic:plan`) and field paths.
+//! Ends (`Component.port`), terminals (`topic:plan`), paths into messages and conditions, read from their texts.
 
-use super::keys::Reader;
+use super::component::{Condition, MessagePath};
+use super::wiring::{End, Terminal};
 use crate::at::At;
 use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
-use crate::model::{Condition, End, MessagePath, Terminal};
-
-/// Reads the name of an element: letters, digits, `_` and `-`. In expanded composites it may be qualified:
-/// `Driver/youBotDriver`.
-pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
-    let rule = "use letters, digits, `_` and `-`, starting with a letter";
-    let letters = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
-    let good = |part: &str| {
-        let starts = part.starts_with(|first: char| first.is_alphabetic() || first == '_');
-        starts && part.chars().all(letters)
-    };
-    accept(reader, name, name.split('/').all(good), "a name", rule)
-}
-
-/// Reads a topic name, which may also contain `/` and `.`.
-pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
-    let rule = "use letters, digits, `_`, `-`, `/` and `.`";
-    let letters =
-        |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '/' | '.');
-    accept(
-        reader,
-        name,
-        !name.is_empty() && name.chars().all(letters),
-        "a topic",
-        rule,
-    )
-}
-
-/// Accepts any name.
-pub(crate) fn any(_: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
-    Some(name.clone())
-}
-
-fn accept(
-    reader: &mut Reader<'_>,
-    name: &At<String>,
-    good: bool,
-    what: &'static str,
-    rule: &'static str,
-) -> Option<At<String>> {
-    if !good {
-        let text: String = name.chars().take(60).collect();
-        reader.report.found(InvalidName {
-            text,
-            what,
-            rule,
-            at: name.span,
-        });
-        return None;
-    }
-    Some(name.clone())
-}
+use crate::table::derived::{Reader, name};
 
 /// Reads `Component.name`.
-pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
+pub(super) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
     let split = text.split_once('.').filter(|(component, name)| {
         !component.is_empty() && !name.is_empty() && !name.contains('.')
     });
@@ -81,14 +31,14 @@ pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
 }
 
 /// Reads `Component.port`, `topic:name` or `mqueue:/name`.
-pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Terminal> {
+pub(super) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Terminal> {
     let after = |prefix: &str| {
         let name = text.strip_prefix(prefix)?;
         let span = reader.part(text, prefix.len()..text.len());
         Some(At::new(name.to_owned(), span))
     };
     if let Some(name) = after("topic:") {
-        return topic(reader, &name).map(Terminal::Topic);
+        return name::topic(reader, &name).map(Terminal::Topic);
     }
     match after("mqueue:") {
         Some(name) => queue(reader, &name).map(Terminal::Mqueue),
@@ -97,14 +47,14 @@ pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Ter
 }
 
 /// Reads the name of a message queue, such as `/jointStatus`.
-fn queue(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+fn queue(reader: &mut Reader<'_>, queue: &At<String>) -> Option<At<String>> {
     let rule = "write `/` and a name without `/`, as in `mqueue:/jointStatus`";
-    let good = asmotion_mqueue::QueueName::new(name).is_ok();
-    accept(reader, name, good, "a message queue", rule)
+    let good = asmotion_mqueue::QueueName::new(queue).is_ok();
+    name::accept(reader, queue, good, "a message queue", rule)
 }
 
 /// Reads a field path such as `pose.position.x`.
-pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<MessagePath> {
+pub(super) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<MessagePath> {
     let mut steps = Vec::new();
     let mut start = 0;
     for step in text.split('.') {
@@ -129,7 +79,7 @@ pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Message
 }
 
 /// Reads a condition that starts with `port.field`.
-pub(crate) fn condition(reader: &mut Reader<'_>, text: At<String>) -> Condition {
+pub(super) fn condition(reader: &mut Reader<'_>, text: At<String>) -> Condition {
     let belongs = |letter: char| letter.is_alphanumeric() || letter == '.' || letter == '_';
     let head = text.split(|letter| !belongs(letter)).next().unwrap_or("");
     let at = At::new(head.to_owned(), reader.part(&text, 0..head.len()));

@@ -5,9 +5,11 @@ use asmotion_component::declaration::PropertyDeclaration;
 use asmotion_datum::{Datum, Schema, Shape};
 use asmotion_diagnostics::Span;
 
+use super::kind::within;
 use crate::finding::Findings;
 use crate::range::Range;
-use crate::scope::{SubstitutionNotes, within};
+use crate::scope::SubstitutionNotes;
+use crate::types::is_integer;
 use crate::value::SettingValue;
 
 /// Converts a value to the type of the property; reports an error and returns `None` if the property does not accept
@@ -56,7 +58,7 @@ pub fn lawful(
 }
 
 /// Converts a value to the type of `schema`; an integer becomes a float if a float is required.
-fn conform(value: SettingValue, schema: &Schema) -> Option<SettingValue> {
+pub(super) fn conform(value: SettingValue, schema: &Schema) -> Option<SettingValue> {
     let each = |items: Vec<SettingValue>, item: &Schema| {
         let items = items.into_iter().map(|value| conform(value, item));
         items.collect::<Option<_>>().map(SettingValue::List)
@@ -68,18 +70,8 @@ fn conform(value: SettingValue, schema: &Schema) -> Option<SettingValue> {
         (Shape::Any, value)
         | (Shape::Bool, value @ SettingValue::Boolean(_))
         | (Shape::F32 | Shape::F64, value @ SettingValue::Real(_))
-        | (Shape::Text, value @ (SettingValue::Text(_) | SettingValue::Secret(_)))
-        | (
-            Shape::I8
-            | Shape::I16
-            | Shape::I32
-            | Shape::I64
-            | Shape::U8
-            | Shape::U16
-            | Shape::U32
-            | Shape::U64,
-            value @ SettingValue::Integer(_),
-        ) => Some(value),
+        | (Shape::Text, value @ (SettingValue::Text(_) | SettingValue::Secret(_))) => Some(value),
+        (shape, value @ SettingValue::Integer(_)) if is_integer(shape) => Some(value),
         (Shape::Option(inner), value) => conform(value, inner),
         (Shape::List(item), SettingValue::List(items)) => each(items, item),
         (Shape::Array(item, count), SettingValue::List(items)) if items.len() == *count => {

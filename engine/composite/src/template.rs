@@ -1,8 +1,64 @@
-//! Parses the substitutions `${properties.x}`, `${VARIABLE}` and `${VARIABLE:-default}`.
+//! Texts with substitutions: `${properties.x}`, `${VARIABLE}` and `${VARIABLE:-default}`.
+
+use std::fmt;
 
 use asmotion_diagnostics::Span;
 
-use crate::model::{Piece, Template};
+use crate::address::mask;
+
+/// A text with substitutions, as in `amqp://${AMQP_USER:-guest}@127.0.0.1`.
+#[derive(Clone, PartialEq)]
+pub struct Template {
+    /// Its parts in order.
+    pub pieces: Vec<Piece>,
+}
+
+/// A part of a [`Template`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Piece {
+    /// Text that stands for itself.
+    Text(String),
+    /// `${properties.name}`.
+    Property {
+        /// The property of the composite.
+        name: String,
+        /// Where its name stands.
+        span: Span,
+    },
+    /// `${NAME}` or `${NAME:-default}`.
+    Variable {
+        /// The environment variable.
+        name: String,
+        /// What holds where it is not set.
+        default: Option<String>,
+        /// Where its name stands.
+        span: Span,
+    },
+}
+
+/// As it was written, without a password that stands in it.
+impl fmt::Debug for Template {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let pieces = self.pieces.iter().map(|piece| match piece {
+            Piece::Text(text) => text.clone(),
+            Piece::Property { name, .. } => format!("${{properties.{name}}}"),
+            Piece::Variable { name, .. } => format!("${{{name}}}"),
+        });
+        let written: String = pieces.collect();
+        fmt::Debug::fmt(&mask(&written), f)
+    }
+}
+
+impl Template {
+    /// The text itself where nothing is substituted.
+    pub fn literal(&self) -> Option<&str> {
+        match self.pieces.as_slice() {
+            [] => Some(""),
+            [Piece::Text(text)] => Some(text),
+            _ => None,
+        }
+    }
+}
 
 /// Parses the substitutions of a string. Set `exact` if the string contains no escapes; otherwise errors are located at
 /// the whole string.
@@ -88,8 +144,7 @@ fn piece(inner: &str, place: impl Fn(usize, usize) -> Span) -> Result<Piece, (&'
 mod tests {
     use asmotion_diagnostics::{FileId, Span};
 
-    use super::parse;
-    use crate::model::Piece;
+    use super::{Piece, parse};
 
     fn pieces(text: &str) -> Result<Vec<Piece>, &'static str> {
         let span = Span::new(FileId(0), 0, text.len());

@@ -3,12 +3,12 @@
 use asmotion_coordinator::Receive;
 use serde_json::{Value as Json, json};
 
-use super::keys::{Keys, Reader};
-use super::{name, setting};
+use super::binding::{Action, Argument, Call, Effect, Monitored, Out, Published};
+use super::end_text;
 use crate::at::At;
-use crate::model::binding::{Action, Argument, Call, Effect, Monitored, Out, Published};
-use crate::table::{Key, Many, Table as _, Value};
-use crate::tree::{Branch, Node, Table};
+use crate::table::derived::{Keys, Reader};
+use crate::table::{Key, Many, Outline, Table as _, Value, templates};
+use crate::tree::{Branch, Entry, Node, Table};
 
 /// Checks combinations of keys of a monitored function.
 pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) {
@@ -49,7 +49,7 @@ impl Value for Out {
         json!({ "anyOf": [literals, Published::outline().schema()] })
     }
 
-    fn table(_: &Key) -> Option<crate::table::Outline> {
+    fn table(_: &Key) -> Option<Outline> {
         let mut outline = Published::outline();
         outline.append(Action::outline());
         outline.one_of.insert(0, "topic");
@@ -79,7 +79,7 @@ impl Value for Out {
     }
 }
 
-fn actions(reader: &mut Reader<'_>, entry: &crate::tree::Entry, spec: &Key) -> Vec<Action> {
+fn actions(reader: &mut Reader<'_>, entry: &Entry, spec: &Key) -> Vec<Action> {
     let items = if let Branch::List(items) = &entry.node.value {
         items.as_slice()
     } else {
@@ -122,7 +122,7 @@ impl Value for Argument {
             Branch::Text(text) if text.starts_with('@') => {
                 let whole = At::new(text.clone(), node.span);
                 let name = At::new(text[1..].to_owned(), reader.part(&whole, 1..text.len()));
-                match name::path(reader, &name) {
+                match end_text::path(reader, &name) {
                     Some(mut path) => {
                         let name = path.steps.remove(0);
                         let path = path.steps;
@@ -144,7 +144,7 @@ impl Value for Argument {
             | Branch::Boolean(_)
             | Branch::Date(_)
             | Branch::List(_) => {
-                setting::templates(reader, key, node);
+                templates(reader, key, node);
                 Self::Value(node.clone())
             }
         })
