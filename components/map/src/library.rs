@@ -193,8 +193,25 @@ struct LoadedMap {
     place: String,
     grid: OccupancyGrid,
     /// Version of the file from which the grid was made.
+    #[serde(with = "version_text")]
     version: Option<u128>,
     notes: Vec<String>,
+}
+
+/// Versions of files as text: they have 128 bits, and integers of frozen states 64.
+mod version_text {
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::ser::{Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(version: &Option<u128>, to: S) -> Result<S::Ok, S::Error> {
+        version.map(|version| version.to_string()).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u128>, D::Error> {
+        let text = Option::<String>::deserialize(from)?;
+        let version = text.map(|text| text.parse().map_err(D::Error::custom));
+        version.transpose()
+    }
 }
 
 /// A map of the library.
