@@ -120,18 +120,19 @@ impl Value for Address {
     }
 }
 
-/// A whole number, or a substitution that stands for one.
+/// Reads an integer or a substitution.
 impl Value for Amount {
     fn schema(key: &Key) -> Json {
         json!({ "anyOf": [u64::schema(key), { "type": "string", "pattern": "\\$\\{" }] })
     }
 
     fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
-        match &node.value {
-            Branch::Text(text) if text.contains("${") => {
-                reader.template(key, node, "50").map(Self::Template)
-            }
-            _ => u64::read(reader, key, spec, node).map(Self::Number),
+        if let Branch::Text(text) = &node.value
+            && text.contains("${")
+        {
+            reader.template(key, node, "50").map(Self::Template)
+        } else {
+            u64::read(reader, key, spec, node).map(Self::Number)
         }
     }
 }

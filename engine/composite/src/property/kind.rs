@@ -133,12 +133,16 @@ fn of_type(value: SettingValue, kind: PropertyType) -> Option<SettingValue> {
     Some(if is_secret { hidden(value) } else { value })
 }
 
-/// The value with every text in it a secret.
+/// Makes every string in a value a secret.
 fn hidden(value: SettingValue) -> SettingValue {
     match value {
         SettingValue::Text(text) => SettingValue::Secret(text),
         SettingValue::List(items) => SettingValue::List(items.into_iter().map(hidden).collect()),
-        other => other,
+        other @ (SettingValue::Integer(_)
+        | SettingValue::Real(_)
+        | SettingValue::Boolean(_)
+        | SettingValue::Secret(_)
+        | SettingValue::Record(_)) => other,
     }
 }
 

@@ -117,6 +117,10 @@ fn beside(
                 .map(|path| beside(kind, path, Some(at), sources));
             SettingValue::List(paths.collect())
         }
-        other => other,
+        other @ (SettingValue::Integer(_)
+        | SettingValue::Real(_)
+        | SettingValue::Boolean(_)
+        | SettingValue::Secret(_)
+        | SettingValue::Record(_)) => other,
     }
 }

@@ -220,7 +220,7 @@ fn lines(layered: &Layered, corners: &[(f64, f64)], borders: &[(f64, f64)]) -> V
             let (left, right) = borders.get(layer).copied().unwrap_or_default();
             (left, right, corner(*slot).1 + 2.0)
         };
-        if backwards {
+        if *backwards {
             let inner: Vec<_> = inner.map(through).collect();
             let last = inner.len().saturating_sub(1);
             for (index, (left, right, y)) in inner.iter().enumerate().rev() {
