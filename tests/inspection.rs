@@ -33,7 +33,7 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
     assert_eq!(code, Some(0), "{err}");
     let odom: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert!(odom["pose"]["pose"]["position"]["x"].is_f64(), "{out}");
-    refused(&["port", "read", "RoverDriver"], "is no port");
+    refused(&["port", "read", "RoverDriver"], "is not a port");
     refused(
         &["port", "read", "RoverDrive.odom"],
         "did you mean `RoverDriver`?",
@@ -164,7 +164,7 @@ fn the_monitor_wants_a_terminal() {
         .unwrap();
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("draws on a terminal"), "{said}");
+    assert!(said.contains("needs a terminal"), "{said}");
 }
 
 /// In one process, on an internal bus: the monitor ends with the run.
@@ -188,7 +188,7 @@ fn a_run_that_is_looked_at_wants_a_terminal() {
     let output = run.arg("run").arg(composite).arg("--top").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("`--top` draws on a terminal"), "{said}");
+    assert!(said.contains("`--top` needs a terminal"), "{said}");
 }
 
 /// The library over RabbitMQ: the same handle as on the in-process bus.

@@ -59,7 +59,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
         err.contains("planning: NEEDS_START: `TrajectoryPlanner` differs in more"),
         "{err}"
     );
-    assert!(err.contains("runs as before"), "{err}");
+    assert!(err.contains("runs unchanged"), "{err}");
 
     let noisy = (
         "properties = { seed = \"${properties.seed}\" }",

@@ -97,8 +97,8 @@ fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
     let told = [
         "it is Running",
         "`seed`",
-        "no operation",
-        "is no JSON",
+        "nor an operation",
+        "is not JSON",
         "takes youbot/JointCommand",
         "did you mean `start`?",
         "did you mean `Driver/youBotDriver`?",
@@ -144,5 +144,5 @@ fn the_shell_wants_a_broker() {
         .unwrap();
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("which broker?"), "{said}");
+    assert!(said.contains("no broker selected"), "{said}");
 }

@@ -143,5 +143,5 @@ fn a_machine_without_processes_and_processes_without_a_broker_are_told() {
         "{said}"
     );
     let said = refused(&["--host", "desk"]);
-    assert!(said.contains("meet on a broker"), "{said}");
+    assert!(said.contains("communicate over a broker"), "{said}");
 }

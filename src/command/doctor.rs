@@ -114,7 +114,7 @@ fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
         let text = what.to_lowercase();
         let mend = if text.contains("login") || text.contains("authentication") {
             format!(
-                "wrong user or password: `rabbitmqctl list_users` lists the users,\n`rabbitmqctl change_password {user} …` sets a password; `guest` can connect only from the same machine"
+                "invalid user or password: `rabbitmqctl list_users` lists the users,\n`rabbitmqctl change_password {user} …` sets a password; `guest` can connect only from the same machine"
             )
         } else if text.contains("vhost") && text.contains("not found") {
             format!("`rabbitmqctl add_vhost {vhost}`, then `{}`", permit(settings))

@@ -29,7 +29,7 @@ fn the_demo_goes_where_it_is_told() {
 fn a_goal_that_is_none_is_a_wrong_usage() {
     let (code, _, err) = run(&["demo", "--goal", "kitchen"]);
     assert_eq!(code, 2);
-    assert!(err.contains("two numbers are wanted"), "{err}");
+    assert!(err.contains("expected two numbers"), "{err}");
     let (code, _, _) = run(&["fly"]);
     assert_eq!(code, 2);
 }

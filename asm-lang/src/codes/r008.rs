@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R008, error)]
-#[error("the rule takes {wanted} argument{}, not {actual} {when}", if *wanted == 1 { "" } else { "s" })]
+#[error("the rule takes {wanted} argument{}, not {actual}, {when}", if *wanted == 1 { "" } else { "s" })]
 pub(crate) struct WrongRuleArity {
     pub wanted: u32,
     pub actual: u32,
