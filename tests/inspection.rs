@@ -44,7 +44,7 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
     );
     refused(&["port", "read", "RoverDriver.twist"], "is an input");
     refused(&["port", "write", "RoverDriver.odom", "{}"], "is an output");
-    refused(&["port", "write", "RoverDriver.twist", "{"], "is no JSON");
+    refused(&["port", "write", "RoverDriver.twist", "{"], "is not JSON");
     refused(
         &[
             "port",
