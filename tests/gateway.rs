@@ -157,7 +157,10 @@ fn a_gateway_is_opened_elsewhere_or_not_at_all_or_says_what_stands_in_the_way() 
     assert!(code == Some(1) && said.contains("virtual clock"), "{said}");
     for (arguments, words) in [
         (&["--clock", "virtual"][..], "--http off"),
-        (&["--speed", "1"], "a run over a gateway uses the wall clock"),
+        (
+            &["--speed", "1"],
+            "a run over a gateway uses the wall clock",
+        ),
         (&["--http", "localhost"], "127.0.0.1:8080"),
         (
             &["--http", "mian=127.0.0.1:0"],

@@ -134,7 +134,7 @@ fn properties(all: &dyn Fn(&[&str]) -> Said) {
     std::fs::write(&path, "noise_m = 0.5\nnoise = 1\n").unwrap();
     let (code, _, err) = tool("load");
     assert_eq!(code, Some(1), "{err}");
-    assert!(err.contains("has no property `noise`"), "{err}");
+    assert!(err.contains("unknown property `noise`"), "{err}");
     std::fs::write(&path, "noise_m = 0.25\n").unwrap();
     assert!(!tool("diff").1.contains("noise_m"), "nothing was set");
 }

@@ -305,7 +305,10 @@ fn a_broker_that_is_not_there_is_named_with_a_way_out() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("broker at 127.0.0.1:1/cell"), "{said}");
-    assert!(said.contains("`--bus local` runs without a broker"), "{said}");
+    assert!(
+        said.contains("`--bus local` runs without a broker"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -87,7 +87,10 @@ fn an_argument_that_names_what_is_not_there_is_a_wrong_usage() {
             "takes 0 arguments, not 1",
         ),
         (run_with("--until", "estop=true"), "it is monitored"),
-        (run_with("--speed", "NaN"), "expected a number of at least 0"),
+        (
+            run_with("--speed", "NaN"),
+            "expected a number of at least 0",
+        ),
     ] {
         let (code, out, err) = run(&arguments);
         assert_eq!(code, 2, "{arguments:?}: {out}{err}");
@@ -95,7 +98,7 @@ fn an_argument_that_names_what_is_not_there_is_a_wrong_usage() {
     }
     let (code, _, err) = run(&["run", NAVIGATION, "--clock", "wall", "--speed", "2"]);
     assert_eq!(code, 2);
-    assert!(err.contains("`--speed` is of the virtual clock"), "{err}");
+    assert!(err.contains("`--speed` needs the virtual clock"), "{err}");
 }
 
 #[test]

@@ -6,8 +6,8 @@ use asmotion_component::{
     Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
     Provided, Setup, freeze_by_fields,
 };
+use asmotion_messages::Text;
 use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
-use asmotion_messages::{Text, Time};
 
 use crate::joints::{Joints, Manner};
 
@@ -87,9 +87,8 @@ impl Component for DummyDriver {
             let data = ["moving", "resting"][usize::from(self.joints.are_resting())].to_owned();
             cycle.reply(self.ports.state, request.id, Ok(Text { data }));
         }
-        let stamp = Time::from_nanos(cycle.now().nanos());
-        self.joints.measure(stamp, &self.properties.manner);
-        cycle.write(self.ports.status, self.joints.last.clone());
+        let status = self.joints.measure(cycle.now(), &self.properties.manner);
+        cycle.write(self.ports.status, status.clone());
         Ok(())
     }
 }

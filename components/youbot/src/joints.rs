@@ -1,7 +1,7 @@
 //! Simulated joints, which turn to their targets or report random values.
 
-use asmotion_component::Properties;
-use asmotion_messages::{JointStatus, Time};
+use asmotion_component::{Properties, Time};
+use asmotion_messages::JointStatus;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Joints {
     chance: ChaCha8Rng,
     goal: Vec<f64>,
-    pub last: JointStatus,
+    last: JointStatus,
 }
 
 /// The motion of the joints, and the values that they report.
@@ -56,9 +56,10 @@ impl Joints {
         self.last.position == self.goal
     }
 
-    /// Computes the status at `stamp`. With and without `random`, the same number of random numbers is drawn for each
+    /// Computes and returns the status at `now`. With and without `random`, the same number of random numbers is drawn for each
     /// joint.
-    pub(crate) fn measure(&mut self, stamp: Time, manner: &Manner) {
+    pub(crate) fn measure(&mut self, now: Time, manner: &Manner) -> &JointStatus {
+        let stamp = asmotion_messages::Time::from_nanos(now.nanos());
         let passed = (stamp.as_nanos() - self.last.stamp.as_nanos()) as f64 * 1e-9;
         let step = manner.speed * passed;
         let next = JointStatus {
@@ -83,6 +84,7 @@ impl Joints {
             self.last.temperature.push(35.0 + 5.0 * effort + noise);
             self.last.error_flags.push(flags);
         }
+        &self.last
     }
 }
 
@@ -104,8 +106,8 @@ mod tests {
         joints.turn_to(&[0.12, -1.0]);
         let mut stream = Vec::new();
         for cycle in 1..=20 {
-            joints.measure(Time::from_nanos(cycle * 100_000_000), &manner(random));
-            stream.push(joints.last.clone());
+            let now = Time::from_nanos(cycle * 100_000_000);
+            stream.push(joints.measure(now, &manner(random)).clone());
         }
         stream
     }
