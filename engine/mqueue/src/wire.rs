@@ -368,7 +368,7 @@ mod tests {
         );
         let problem = layout.decode(&[0; 9]).unwrap_err();
         assert!(
-            problem.to_string().contains("has 8 bytes, and these are 9"),
+            problem.to_string().contains("has 8 bytes, not 9"),
             "{problem}"
         );
     }

@@ -179,7 +179,7 @@ fn a_message_that_is_too_large_is_told() {
     let mut writer = writer(&name("large"), 3, FullQueuePolicy::Last);
     let problem = writer.send(&joints(100)).unwrap_err().to_string();
     assert!(
-        problem.contains("takes messages of 128 bytes, and these have 815"),
+        problem.contains("has messages of 128 bytes, but these have 815"),
         "{problem}"
     );
     assert_eq!(writer.send(&joints(1)), Ok(PushOutcome::Stored));

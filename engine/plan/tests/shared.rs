@@ -150,7 +150,7 @@ fn it_finds_a_misspelt_port_and_the_input_that_nobody_drives() {
         found,
         [
             "C045: unconnected input `youBotDriver.commands`",
-            "C021: `youBotDriver` has no port `command`",
+            "C021: unknown port `command` of `youBotDriver`",
         ]
     );
 }
@@ -171,7 +171,7 @@ fn it_finds_a_clash_of_types() {
         found,
         [
             "C045: unconnected input `youBotDriver.commands`",
-            "C042: `SCAyouBotDriver.commands` is `youbot/JointCommand`, but `youBotDriver.period` is `f64`",
+            "C042: mismatched types: `SCAyouBotDriver.commands` is `youbot/JointCommand`, but `youBotDriver.period` is `f64`",
             "C043: two writers of `youBotDriver.period`, which keeps only the last value",
         ]
     );

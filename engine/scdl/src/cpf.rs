@@ -105,10 +105,10 @@ fn simple(element: &XmlElement, kind: &str, report: &mut Report) -> Option<Branc
             let number = written.parse().ok();
             (number.map(Branch::Float), "a number")
         }
-        "string" | "char" => (Some(Branch::Text(written.to_owned())), "a text"),
+        "string" | "char" => (Some(Branch::Text(written.to_owned())), "a string"),
         "octet" | "short" | "ushort" | "long" | "ulong" | "longlong" | "ulonglong" => {
             let number = written.parse().ok();
-            (number.map(Branch::Integer), "a whole number")
+            (number.map(Branch::Integer), "an integer")
         }
         _ => (None, "of a type of CPF, as `double`"),
     };

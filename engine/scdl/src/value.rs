@@ -44,10 +44,10 @@ pub(crate) fn xml_type(scalar: Scalar) -> &'static str {
 pub(crate) fn wanted(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Boolean => "`true` or `false`",
-        Scalar::I8 | Scalar::I16 | Scalar::I32 | Scalar::I64 => "a whole number",
+        Scalar::I8 | Scalar::I16 | Scalar::I32 | Scalar::I64 => "an integer",
         Scalar::U8 | Scalar::U16 | Scalar::U32 | Scalar::U64 => "a natural number",
         Scalar::F32 | Scalar::F64 => "a number",
-        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => "a text",
+        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => "a string",
     }
 }
 

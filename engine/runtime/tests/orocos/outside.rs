@@ -244,7 +244,7 @@ fn j13_each_way_in_which_writing_can_fail_has_its_error() {
             "`X.n` takes test/Number: unknown field `linear`, expected `n`",
             "`X.n` is an input, not an output",
             "`X.n` is full",
-            "`X.n` is gone: its system has ended",
+            "`X.n` is closed: its system has ended",
         ]
     );
 }
