@@ -1,7 +1,7 @@
 //! The pipeline of the language: from a path to a machine that can step.
 //!
 //! ```
-//! let mut files = asmotion_lang::Files::new();
+//! let mut files = asmotion_lang::MemoryFiles::new();
 //! files.add("counter.asm", "asm counter
 //! import StandardLibrary
 //! signature:

@@ -436,13 +436,13 @@ mod tests {
         let far = r#"{"type":"Feature","properties":{"indoor":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0],[400,0]]}}"#;
         let metres = error(&collection("{}", far));
         assert!(
-            metres.starts_with("a.geojson, features[0]: (400, 0) is no longitude"),
+            metres.starts_with("a.geojson, features[0]: (400, 0) is not a longitude"),
             "{metres}"
         );
         assert!(metres.contains(r#""map": {"units": "metres"}"#));
         assert!(error(&collection(r#"{"units":"feet"}"#, far)).contains("`map.units` is \"feet\""));
         assert!(
-            error(&collection(r#"{"units":"metres"}"#, "")).contains("nothing in it can be drawn")
+            error(&collection(r#"{"units":"metres"}"#, "")).contains("no element can be drawn")
         );
         assert!(
             error("{\n \"type\":").starts_with("a.geojson:2:"),

@@ -501,6 +501,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "maps")]
     fn it_knows_the_maps_of_a_folder() {
         let files = [
             ("maps/hall.geojson", WALL),

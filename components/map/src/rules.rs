@@ -297,9 +297,9 @@ mod tests {
     fn it_says_what_is_wrong_with_a_rule() {
         for (text, why) in [
             ("highway", "it must begin"),
-            ("a=b blocked", "`blocked` is none of"),
-            ("a=b free wide", "`wide` is none of"),
-            ("a=b free width=-1", "wants a number"),
+            ("a=b blocked", "`blocked` is not one of"),
+            ("a=b free wide", "`wide` is not one of"),
+            ("a=b free width=-1", "needs a number"),
         ] {
             assert!(Rules::parse(text).unwrap_err().why.contains(why), "{text}");
         }

@@ -109,6 +109,7 @@ fn a_blocked_corridor_can_be_passed_by() {
 }
 
 #[test]
+#[cfg(feature = "maps")]
 fn its_ros_map_is_the_same_map() {
     let ros = load(
         &DiskFiles,

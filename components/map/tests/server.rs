@@ -142,7 +142,7 @@ fn it_is_not_configured_without_a_source() {
         run.fault("Maps")
             .unwrap()
             .to_string()
-            .contains("`source` names no map")
+            .contains("`source` is not a map")
     );
 }
 

@@ -498,7 +498,7 @@ fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
     let opened = asmotion_plan::open("main.toml", &context);
     let said = render::report(&opened.sources, &opened.report);
     assert!(
-        said.contains("C034") && said.contains("waits for the answer to `hear`"),
+        said.contains("C034") && said.contains("waits for the reply to `hear`"),
         "{said}"
     );
 }

@@ -17,10 +17,10 @@
 //! }
 //!
 //! let point = Point { x: 1.0, y: 2.0 };
-//! let datum = datum::Datum::of(&point)?;
-//! assert_eq!(datum.get("x").as_deref(), Some(&datum::Datum::Float(1.0)));
+//! let datum = asmotion_datum::Datum::of(&point)?;
+//! assert_eq!(datum.get("x").as_deref(), Some(&asmotion_datum::Datum::Float(1.0)));
 //! assert_eq!(datum.to::<Point>()?, point);
-//! # Ok::<(), datum::DatumError>(())
+//! # Ok::<(), asmotion_datum::DatumError>(())
 //! ```
 
 // the macro refers to this crate as `datum`, and is used in its own tests

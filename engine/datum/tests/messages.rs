@@ -241,7 +241,10 @@ fn what_does_not_fit_a_schema_says_where() {
             r#"{"at": {"w": 1}}"#,
             "`at`: unknown field `w` of `geometry_msgs/Vector3`; its fields: `x`, `y`, `z`",
         ),
-        (r#"{"ranges": [1, null]}"#, "`ranges.1`: nothing stands"),
+        (
+            r#"{"ranges": [1, null]}"#,
+            "`ranges.1`: expected `float32`, found nothing",
+        ),
         (
             r#"{"cells": [0, 128]}"#,
             "`cells.1`: 128 is not between -128 and 127",

@@ -182,7 +182,7 @@ fn an_argument_that_does_not_fit_is_refused_at_its_place_before_anybody_is_asked
     for (argument, words) in [
         (
             r#"{"nam": "a"}"#,
-            &["no field `nam`", "`name`", "/services/maps"][..],
+            &["unknown field `nam`", "`name`", "/services/maps"][..],
         ),
         (
             r#"{"name": 7}"#,

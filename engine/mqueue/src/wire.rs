@@ -340,7 +340,7 @@ mod tests {
     fn what_does_not_fit_is_named_with_its_place() {
         let wrong = Datum::record([("errors", Datum::List(vec![Datum::Int(70_000); 3]))]);
         let problem = encode(&wrong).unwrap_err().to_string();
-        assert_eq!(problem, "`errors.0`: 70000 is no uint16");
+        assert_eq!(problem, "`errors.0`: expected uint16, found 70000");
         let short = Datum::record([("errors", Datum::List(vec![Datum::Int(1)]))]);
         let problem = encode(&short).unwrap_err().to_string();
         assert_eq!(problem, "`errors`: expected uint16[3], found 1 elements");
@@ -353,7 +353,7 @@ mod tests {
     fn text_has_no_form() {
         let refused = QueueLayout::of(Named::schema()).unwrap_err().to_string();
         assert!(
-            refused.starts_with("`inner.name`: string has no form"),
+            refused.starts_with("`inner.name`: string has no encoding"),
             "{refused}"
         );
     }

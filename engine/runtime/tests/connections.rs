@@ -378,7 +378,7 @@ fn c9_a_property_out_of_its_range_is_refused_with_the_range_shown() {
         [
             "property `speed_mps` of `It` must be between 0.0 and 5.0 m/s, not 5.5",
             "property `speed_mps` of `It` must be between 0.0 and 5.0 m/s, not NaN",
-            "property `speed_mps` of `It` is float64: invalid type: string \"fast\", expected f64",
+            "property `speed_mps` of `It` must be float64: invalid type: string \"fast\", expected f64",
             "property `algorithm` of `It` must be one of \"astar\", \"lattice\", not \"dijkstra\"",
             "property `speed` of `It` does not exist",
         ]

@@ -34,8 +34,8 @@ fn o7_unsync_across_threads_is_refused_when_connecting() {
     let refused = bench.system.connect("A.n", "X.n", policy.clone());
     assert_eq!(
         refused.unwrap_err().to_string(),
-        "`A.n` and `X.n` cycle in two threads, and their connection is `unsync`: make one the other's slave, or use \
-         a lock-free connection"
+        "`A.n` and `X.n` run in two threads, but their connection is `unsync`: make one the slave of the other, or \
+         use a lock-free connection"
     );
     let mut run = bench.system.simulate();
     assert!(
