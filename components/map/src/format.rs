@@ -34,6 +34,8 @@ pub struct MapSettings {
     pub ground: Option<Occupancy>,
     /// The rules that determine the occupancy of features (GeoJSON and OSM).
     pub rules: Rules,
+    /// Frame of the grid, which its header names.
+    pub frame: String,
 }
 
 impl Default for MapSettings {
@@ -44,6 +46,7 @@ impl Default for MapSettings {
             max_bytes: 64 << 20,
             ground: None,
             rules: Rules::default(),
+            frame: "map".to_owned(),
         }
     }
 }

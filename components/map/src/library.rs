@@ -16,9 +16,6 @@ use crate::map::Map;
 /// The name of the file that lists places.
 const LIST: &str = "places.toml";
 
-/// The frame of every map (REP-105).
-const FRAME: &str = "map";
-
 /// The map file of each place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places(BTreeMap<String, PlaceEntry>);
@@ -393,7 +390,7 @@ impl MapLibrary {
         };
         let kept = LoadedMap {
             place: place.clone(),
-            grid: occupancy_grid(&map.grid, nanos, FRAME),
+            grid: occupancy_grid(&map.grid, nanos, &self.settings.frame),
             version,
             notes: map.notes,
         };

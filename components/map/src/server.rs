@@ -80,6 +80,9 @@ struct MapServerProperties {
     max_bytes: u64,
     /// Rules before the built-in ones, which say what blocks: `key=value|value occupied|free|ignore width=…; …`.
     rules: String,
+    /// Frame of all maps (REP 105). A planner refuses a start or goal in another frame.
+    #[property(default = MapSettings::default().frame)]
+    frame: String,
     /// Whether changed files are looked for as the server cycles, and loaded again.
     watch: bool,
 }
@@ -92,6 +95,7 @@ impl MapServerProperties {
             max_bytes: self.max_bytes,
             ground: None,
             rules: Rules::parse(&self.rules)?.before(Rules::default()),
+            frame: self.frame.clone(),
         })
     }
 }

@@ -122,6 +122,7 @@ fn it_publishes_its_first_place_unasked() {
     system
         .set_property(maps, "resolution_m", &0.5.into())
         .unwrap();
+    system.set_property(maps, "frame", &"site".into()).unwrap();
     let mut run = system.simulate();
     run.trigger("Maps").unwrap();
     run.run_for(1.s());
@@ -131,6 +132,7 @@ fn it_publishes_its_first_place_unasked() {
         (published[0].1.info.width, published[0].1.info.height),
         (8, 6)
     );
+    assert_eq!(published[0].1.header.frame_id, "site");
 }
 
 #[test]
