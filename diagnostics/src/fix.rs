@@ -16,7 +16,7 @@ pub enum Applicability {
 pub struct Edit {
     /// The range to replace.
     pub span: Span,
-    /// The replacement.
+    /// New content of the range.
     pub text: String,
 }
 

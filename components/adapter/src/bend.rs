@@ -136,7 +136,7 @@ impl Clearance {
 /// The part of the path ahead of the robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Window<'a> {
-    /// The path.
+    /// Path of which this is a part, with its present offsets.
     pub route: &'a BendableRoute,
     /// Index of the last station not ahead of the robot. The robot is there already, so it is not checked.
     pub from: usize,

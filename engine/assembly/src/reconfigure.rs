@@ -238,7 +238,7 @@ struct WiredService<'p> {
     reference: &'p End,
     service: &'p End,
     how: asmotion_component::Wire,
-    /// Whether the call needs no bus.
+    /// `true` if both ends run in this part and the call does not go over a bus.
     stays_here: bool,
 }
 

@@ -26,7 +26,7 @@ pub struct Envelope {
     pub trace: Option<TraceContext>,
     /// Name of the payload's message type, for example `geometry_msgs/Twist`; empty if unknown.
     pub type_name: Arc<str>,
-    /// The content.
+    /// Data of the type `type_name`, encoded or as the sender's sample.
     pub payload: Payload,
 }
 

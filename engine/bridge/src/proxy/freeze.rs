@@ -23,7 +23,7 @@ struct FrozenProxy {
     operations: Vec<(VecDeque<Datum>, Vec<Waiting>)>,
     /// `None` if no motion is monitored.
     motion: Option<FrozenMotion>,
-    /// Whether the event `stale` has been sent; `None` if silence is not monitored.
+    /// `true` between an event `stale` and the next sample; `None` if silence is not monitored.
     is_stale: Option<bool>,
     received_at: Option<Time>,
 }

@@ -63,7 +63,7 @@ pub(crate) struct OpenCall {
     enquired: Instant,
     /// End of the period after a broken link in which a request without a provider is sent again.
     grace: Option<Instant>,
-    /// Whether the request must be sent again.
+    /// `true` if the next attempt has to publish the request, because the broker returned it or the link broke.
     unsent: bool,
 }
 
