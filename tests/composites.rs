@@ -19,7 +19,7 @@ const WITHOUT_EXAMPLE: &[&str] = &["C081", "C082", "C112", "C116"];
 fn pages_have_examples_that_are_true() {
     let mut wrong = String::new();
     for code in &[asmotion_composite::CODES, asmotion_plan::CODES].concat() {
-        let examples = (found(code, "toml wrong"), found(code, "toml mended"));
+        let examples = (found(code, "toml wrong"), found(code, "toml corrected"));
         let (Some(before), Some(after)) = examples else {
             let excused = WITHOUT_EXAMPLE.contains(&code.name);
             assert!(excused, "{} has no example", code.name);
@@ -38,7 +38,10 @@ fn pages_have_examples_that_are_true() {
         let left = left.filter(|it| it.severity == Severity::Error || it.code == *code);
         for finding in left {
             let said = format!("{}: {}", finding.code, finding.message);
-            wrong.push_str(&format!("{}: the mended example earns {said}\n", code.name));
+            wrong.push_str(&format!(
+                "{}: the corrected example earns {said}\n",
+                code.name
+            ));
         }
     }
     assert!(wrong.is_empty(), "\n{wrong}");

@@ -7,7 +7,7 @@ use std::fmt;
 ///
 /// A code keeps its meaning for ever; a retired code is not reused. `#[derive(Coded)]` builds the
 /// code from the doc comment of a finding: a title, an explanation, and two fenced blocks, a small
-/// wrong program (info string `asm wrong`) and its corrected form (`asm mended`). Tests check both
+/// wrong program (info string `asm wrong`) and its corrected form (`asm corrected`). Tests check both
 /// programs.
 #[derive(Debug)]
 pub struct Code {

@@ -91,8 +91,8 @@ impl Check {
             if self.format() == FindingFormat::Full {
                 terminal.status("Checking", path);
             }
-            let (report, sources) = match self.fix.then(|| fix::mend(path, &options)) {
-                Some(Ok(mended)) => self.mended(path, mended, &mut seen, terminal),
+            let (report, sources) = match self.fix.then(|| fix::apply(path, &options)) {
+                Some(Ok(fixed)) => self.fixed(path, fixed, &mut seen, terminal),
                 // a file that cannot be read is reported like any other finding
                 Some(Err(_)) | None => findings(path, &options, &DiskLoader),
             };
@@ -133,29 +133,29 @@ impl Check {
     }
 
     /// Writes the fixed file, or prints its diff. Returns the remaining findings.
-    fn mended(
+    fn fixed(
         &self,
         path: &str,
-        mended: FixedFile,
+        fixed: FixedFile,
         seen: &mut CheckSummary,
         terminal: &mut TerminalOutput,
     ) -> (Report, Sources) {
-        if !mended.done.is_empty() {
+        if !fixed.done.is_empty() {
             if self.diff {
-                terminal.result(mended.diff(path).trim_end());
-            } else if let Err(error) = mended.write(path) {
+                terminal.result(fixed.diff(path).trim_end());
+            } else if let Err(error) = fixed.write(path) {
                 terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
                 seen.exit = Exit::Usage;
                 return findings(path, &self.options(), &DiskLoader);
             }
         }
         let verb = if self.diff { "Would fix" } else { "Fixed" };
-        for done in &mended.done {
+        for done in &fixed.done {
             terminal.status(verb, format_args!("{path}:{done}"));
         }
         seen.fixed
-            .extend(mended.done.iter().map(|done| done.json(path)));
-        (mended.report, mended.sources)
+            .extend(fixed.done.iter().map(|done| done.json(path)));
+        (fixed.report, fixed.sources)
     }
 
     fn show(

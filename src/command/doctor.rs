@@ -30,14 +30,14 @@ const TRIED: &str = "asmotion.doctor";
 /// A defect of the broker, with its remedy.
 struct Diagnosis {
     what: String,
-    mend: String,
+    remedy: String,
 }
 
 impl Diagnosis {
-    fn new(what: impl Into<String>, mend: impl Into<String>) -> Self {
+    fn new(what: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             what: what.into(),
-            mend: mend.into(),
+            remedy: remedy.into(),
         }
     }
 }
@@ -56,7 +56,7 @@ impl Doctor {
             Ok(()) => Exit::Ok,
             Err(ailment) => {
                 terminal.result(format_args!("{BAD}bad{BAD:#}  {}", ailment.what));
-                for line in ailment.mend.lines() {
+                for line in ailment.remedy.lines() {
                     terminal.result(format_args!("       {line}"));
                 }
                 Exit::Findings
@@ -112,7 +112,7 @@ fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
         let (user, vhost) = (settings.credentials.user(), &settings.vhost);
         let what = error.to_string();
         let text = what.to_lowercase();
-        let mend = if text.contains("login") || text.contains("authentication") {
+        let remedy = if text.contains("login") || text.contains("authentication") {
             format!(
                 "invalid user or password: `rabbitmqctl list_users` lists the users,\n`rabbitmqctl change_password {user} …` sets a password; `guest` can connect only from the same machine"
             )
@@ -127,7 +127,7 @@ fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
             "another program listens there: check the port, and see the broker's log"
                 .to_owned()
         };
-        Diagnosis::new(what, mend)
+        Diagnosis::new(what, remedy)
     })
 }
 

@@ -36,11 +36,11 @@ fn check_mends_what_is_sure_and_says_what_is_left() {
     assert_eq!(code, 1, "`oc` is left: {out}{err}");
     assert!(err.contains("[L070]") && err.contains("[A001]"), "{err}");
     let text = std::fs::read_to_string(&path).unwrap();
-    let mended = OLD
+    let fixed = OLD
         .replace("exist ", "exists ")
         .replace("1..3", "1 : 3")
         .replace("==", "=");
-    assert_eq!(text, mended);
+    assert_eq!(text, fixed);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
@@ -73,7 +73,7 @@ fn check_explains_its_codes() {
     let (code, out, _) = run(&["check", "--explain", "r001"]);
     assert_eq!(code, 0);
     assert!(
-        out.starts_with("# R001: ") && out.contains("Mended:"),
+        out.starts_with("# R001: ") && out.contains("Corrected:"),
         "{out}"
     );
     let (code, out, _) = run(&["check", "--explain"]);

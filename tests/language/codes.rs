@@ -51,7 +51,7 @@ fn have_a_title_that_fits_a_line() {
 fn have_examples_that_are_true() {
     let mut wrong = String::new();
     for code in asmotion_lang::codes::all().chain(asmotion::codes::CODES.iter().copied()) {
-        let examples = (example(code, "wrong"), example(code, "mended"));
+        let examples = (example(code, "wrong"), example(code, "corrected"));
         let (Some(before), Some(after)) = examples else {
             let excused = WITHOUT_EXAMPLE.contains(&code.name);
             assert!(excused, "{} has no example", code.name);
@@ -67,7 +67,7 @@ fn have_examples_that_are_true() {
         let is_wrong = |code: &String| !code.starts_with('W') && code != "R015";
         if after.contains(code.name) || after.iter().any(is_wrong) {
             wrong.push_str(&format!(
-                "{}: the mended example earns {after:?}\n",
+                "{}: the corrected example earns {after:?}\n",
                 code.name
             ));
         }

@@ -15,9 +15,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = par n := 1 n := 2 endpar
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

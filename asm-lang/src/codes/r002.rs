@@ -18,9 +18,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function speed = 3
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

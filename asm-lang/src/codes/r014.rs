@@ -18,9 +18,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function n = 2
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

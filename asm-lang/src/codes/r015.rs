@@ -13,9 +13,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 ///   rule r_set = n := 1
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = n := paths(60)
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -25,9 +25,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// step
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```avalla mended
+/// ```avalla corrected
 /// scenario s
 /// load example.asm
 /// set level := 3;

@@ -20,9 +20,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function speed = 9
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -29,16 +29,16 @@ fn pages_have_examples_that_are_true() {
             "{}: the wrong example earns {codes:?}",
             code.name
         );
-        let mended = found(code, "mended").diagnostics;
+        let corrected = found(code, "corrected").diagnostics;
         let is_left = |it: &&Diagnostic| it.severity == Severity::Error || it.code == *code;
-        let left: Vec<_> = mended
+        let left: Vec<_> = corrected
             .iter()
             .filter(is_left)
             .map(|it| &it.message)
             .collect();
         assert!(
             left.is_empty(),
-            "{}: the mended example earns {left:?}",
+            "{}: the corrected example earns {left:?}",
             code.name
         );
     }

@@ -16,9 +16,9 @@ use std::sync::Arc;
 ///   main rule r_Main = r_sett[]
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -19,9 +19,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// definitions:
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import other
 /// signature:

@@ -23,9 +23,9 @@ use std::sync::Arc;
 ///   function start = 0
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import other(limit)
 /// signature:

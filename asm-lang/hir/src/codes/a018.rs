@@ -14,9 +14,9 @@ use std::sync::Arc;
 ///   main rule r_Main = forall $x in 3 do at($x) := 0
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -18,9 +18,9 @@ use std::sync::Arc;
 ///   function m = 1
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -15,9 +15,9 @@ use std::sync::Arc;
 ///   main rule r_Main = skip
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

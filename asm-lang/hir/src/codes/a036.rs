@@ -14,9 +14,9 @@ use std::sync::Arc;
 ///   main rule r_Main = if isDef(n) then n := n + 1 endif
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -17,9 +17,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function b = true
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

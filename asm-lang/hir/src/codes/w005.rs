@@ -14,9 +14,9 @@ use std::sync::Arc;
 ///   rule r_set = n := 1
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

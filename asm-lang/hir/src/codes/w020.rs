@@ -15,9 +15,9 @@ use std::sync::Arc;
 ///   main rule r_Main = let ($x = 1) in seq $x := 2 n := $x endseq endlet
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -15,9 +15,9 @@ use std::sync::Arc;
 ///   main rule r_Main = n := 1
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -18,9 +18,9 @@ use std::sync::Arc;
 ///   main rule r_Main = forall $a in Animal do barks($a) := true
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

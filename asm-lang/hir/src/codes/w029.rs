@@ -17,9 +17,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   agent Agent: r_work[]
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asyncr asm example
 /// import StandardLibrary
 /// signature:

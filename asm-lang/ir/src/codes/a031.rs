@@ -23,9 +23,9 @@ use std::sync::Arc;
 ///   function n = 0
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

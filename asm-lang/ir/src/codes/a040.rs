@@ -18,9 +18,9 @@ use std::sync::Arc;
 ///   main rule r_Main = r_wsend[planner, "pln", 3]
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// import CommonBehavior

@@ -19,9 +19,9 @@ use std::sync::Arc;
 ///   function speed = 9
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -16,9 +16,9 @@ use std::sync::Arc;
 ///   main rule r_Main = speed := twice(3)
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

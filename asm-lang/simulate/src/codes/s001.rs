@@ -22,9 +22,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// speed = 3
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// [default]
 /// speed = 3
 /// ```

@@ -22,9 +22,9 @@ use std::sync::Arc;
 /// sped = 3
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// [default]
 /// speed = 3
 /// ```

@@ -23,9 +23,9 @@ use std::sync::Arc;
 /// mode = "IDEL"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// [default]
 /// mode = "IDLE"
 /// ```

@@ -23,9 +23,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// plan = { reply = "soon" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// [partner.planner]
 /// plan = { reply = 3, after = 2 }
 /// ```

@@ -23,9 +23,9 @@ use std::sync::Arc;
 /// plan = { reply = 3 }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// [partner.planner]
 /// plan = { reply = 3 }
 /// ```

@@ -23,9 +23,9 @@ use std::sync::Arc;
 /// execblock first;
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```avalla mended
+/// ```avalla corrected
 /// scenario example
 /// load example.asm
 ///

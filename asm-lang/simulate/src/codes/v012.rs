@@ -21,9 +21,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// execblock other:first;
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```avalla mended
+/// ```avalla corrected
 /// scenario example
 /// load example.asm
 ///

@@ -24,9 +24,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// end
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```avalla mended
+/// ```avalla corrected
 /// scenario example
 /// load example.asm
 ///

@@ -27,9 +27,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// check n = 3;
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```avalla mended
+/// ```avalla corrected
 /// scenario example
 /// load example.asm
 ///

@@ -26,9 +26,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// step
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```avalla mended
+/// ```avalla corrected
 /// scenario example
 /// load example.asm
 ///

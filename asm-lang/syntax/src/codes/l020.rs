@@ -8,9 +8,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// // nothing yet
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

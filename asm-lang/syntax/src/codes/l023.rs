@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function limit = 9
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// module example
 /// export Speed, limit
 /// signature:

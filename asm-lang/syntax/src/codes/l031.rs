@@ -20,9 +20,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///     endpar
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

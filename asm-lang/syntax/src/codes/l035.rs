@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 ///   function n = 1
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

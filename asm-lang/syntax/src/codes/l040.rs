@@ -14,9 +14,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = par a := 1, b := 2 endpar
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -15,9 +15,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function n = 1
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -14,9 +14,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = forall $x in {1 : 3} at($x) := 0
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 ///   main rule r_Main = skip
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -14,9 +14,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 ///   main rule r_Main = try n := 1 catch n := 2
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

@@ -17,9 +17,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 ///   main rule r_Main = mode := IDLE
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

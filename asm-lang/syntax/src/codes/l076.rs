@@ -18,9 +18,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 ///   main rule r_Main = r_first[]
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```asm mended
+/// ```asm corrected
 /// asm example
 /// import StandardLibrary
 /// signature:

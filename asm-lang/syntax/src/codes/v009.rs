@@ -22,9 +22,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// invariant small: isUndef(n) or n < 9;
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```avalla mended
+/// ```avalla corrected
 /// scenario example
 /// load example.asm
 ///

@@ -152,7 +152,7 @@ impl TestBroker {
     }
 
     /// Restores the broker to normal after a test.
-    pub(crate) fn mend(&self) -> Result<(), BrokerError> {
+    pub(crate) fn restore(&self) -> Result<(), BrokerError> {
         self.thaw()?;
         if self.is_running()? {
             self.start_app()?;

@@ -77,10 +77,10 @@ impl Deref for ExclusiveBroker {
 #[expect(clippy::panic, reason = "a run without its broker has failed")]
 impl Drop for ExclusiveBroker {
     fn drop(&mut self) {
-        if let Err(error) = self.0.mend()
+        if let Err(error) = self.0.restore()
             && !std::thread::panicking()
         {
-            panic!("the broker could not be mended: {error}");
+            panic!("the broker could not be restored: {error}");
         }
     }
 }

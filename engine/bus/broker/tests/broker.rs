@@ -16,7 +16,7 @@ fn it_obeys_and_keeps_tests_apart() {
 }
 
 #[test]
-fn it_is_mended_after_each_fault() {
+fn it_is_restored_after_each_fault() {
     for fault in [
         (|broker| broker.kill().unwrap()) as fn(&asmotion_broker::TestBroker),
         |broker| broker.stop_app().unwrap(),

@@ -18,9 +18,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// task = { perod_ms = 50 }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

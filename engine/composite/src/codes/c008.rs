@@ -12,9 +12,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// name = "example"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

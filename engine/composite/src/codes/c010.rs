@@ -17,9 +17,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// activity = { period_ms = 50 }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -18,9 +18,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// implementation = { rust = "${properties.server}" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -21,9 +21,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean};
 /// properties = { source = "${properties.foldr}" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// url = "amqp://guest:guest@${EXAMPLE_HOST}:5672"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

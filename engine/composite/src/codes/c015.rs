@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// period_ms = { type = "u32", default = "often" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

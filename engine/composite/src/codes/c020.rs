@@ -25,9 +25,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// to = "Rover.twist"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

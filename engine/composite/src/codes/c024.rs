@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// implementation = { rust = "nav::MapServr" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -20,9 +20,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// as = "weather"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -16,9 +16,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// references = { maps = "nav/MapService" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]
@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// references = { maps = { interface = "nav/MapService", optional = true } }
 /// ```
 ///
-/// The example is mended with an optional reference.
+/// The corrected example has an optional reference.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C031, error)]
 #[error("unconnected reference `{component}.{reference}`")]

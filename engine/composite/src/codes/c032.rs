@@ -29,9 +29,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// timeout_ms = 200
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -23,9 +23,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// service = "Map.maps"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -28,9 +28,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// service = ["Map.maps", "Spare.maps"]
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

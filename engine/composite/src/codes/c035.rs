@@ -27,9 +27,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// policy = { type = "data" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

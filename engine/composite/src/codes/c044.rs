@@ -24,9 +24,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// policy = { type = "buffer" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -19,9 +19,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// publish = { scan = "nav_msgs/Path" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

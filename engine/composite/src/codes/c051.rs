@@ -17,9 +17,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// subscribe = { path = "nav_msgs/Path" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

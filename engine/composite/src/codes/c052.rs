@@ -19,9 +19,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// rename = { scn = "laser" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -20,9 +20,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// to = "topic:laser"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -21,9 +21,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// codec = "cdr"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

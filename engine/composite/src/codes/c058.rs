@@ -25,9 +25,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// policy = { type = "data", max_threads = 1 }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -22,9 +22,9 @@ use asmotion_mqueue::UnsupportedTypeError;
 /// to = "mqueue:/words"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

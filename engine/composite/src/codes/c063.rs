@@ -20,9 +20,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// binding = "http"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

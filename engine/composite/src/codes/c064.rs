@@ -15,9 +15,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// listen = "http://localhost:8080"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -22,9 +22,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// processes = [{ name = "robot", components = ["Map"] }]
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -32,9 +32,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// record = { dir = "runs/" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

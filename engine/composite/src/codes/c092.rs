@@ -48,9 +48,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// as = "event"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -55,9 +55,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// timeout_ms = 1000
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -22,9 +22,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// implementation = { asm = "example.asm", main = "r_Mian" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -27,9 +27,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// implementation = { asm = "example.asm" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

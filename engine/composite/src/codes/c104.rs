@@ -30,9 +30,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// references = { maps = { interface = "nav/Maps", optional = true }, plans = { interface = "nav/Plans", optional = true } }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -14,9 +14,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// fields = { stamp = "time", position = "f46[5]" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite-types/1"
 ///
 /// [type."arm/Status"]

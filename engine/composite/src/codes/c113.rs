@@ -11,9 +11,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// fields = { code = "f64" }
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite-types/1"
 ///
 /// [type."arm/Event"]

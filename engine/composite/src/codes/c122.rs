@@ -26,9 +26,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// as = "plan"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -35,9 +35,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// to = "Proxy.status"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -18,9 +18,9 @@ use std::net::SocketAddr;
 /// listen = "127.0.0.1:8080"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 ///
 /// [composite]

@@ -9,9 +9,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// <composite name="example"/>
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```xml mended
+/// ```xml corrected
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example"/>
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]

@@ -17,9 +17,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean};
 /// </composite>
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```xml mended
+/// ```xml corrected
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
 ///   <component name="Planner">
 ///     <implementation.java class="nav.Planner"/>

@@ -12,9 +12,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// version = "1.0.0"
 /// ```
 ///
-/// Mended:
+/// Corrected:
 ///
-/// ```toml mended
+/// ```toml corrected
 /// schema = "composite/1"
 /// [composite]
 /// name = "example"
