@@ -47,6 +47,11 @@ pub(crate) struct PublisherOutbox {
     underway_bytes: usize,
     /// Number of messages to send one by one, to find the one that the broker refuses.
     careful: usize,
+    /// Set after a broken link until a queue receives a message: the broker may have lost the readers' queues, or the
+    /// readers may come back later than this publisher. Until then, messages are sent one by one.
+    probing: bool,
+    /// The broker returned the message in flight while `probing`.
+    returned: bool,
     pub sent: PublisherCounts,
     /// The newest message, if it is retained for late subscribers.
     last: Option<OutgoingMessage>,
@@ -69,6 +74,8 @@ impl PublisherOutbox {
             underway: VecDeque::new(),
             underway_bytes: 0,
             careful: 0,
+            probing: false,
+            returned: false,
             sent: PublisherCounts::default(),
             last: None,
         }
@@ -132,7 +139,8 @@ impl PublisherOutbox {
 
     /// Returns the next message to send, if the window has room.
     pub(crate) fn next(&mut self) -> Option<NextToSend> {
-        let window = if self.careful > 0 { 1 } else { WINDOW };
+        let one_by_one = self.careful > 0 || self.probing;
+        let window = if one_by_one { 1 } else { WINDOW };
         if self.underway.len() >= window || self.underway_bytes > WINDOW_BYTES {
             return None;
         }
@@ -158,9 +166,38 @@ impl PublisherOutbox {
         self.again.push_front(written);
     }
 
-    /// Marks messages as delivered.
-    pub(crate) fn arrived(&mut self, tag: u64, multiple: bool) {
-        self.sent.arrived += self.settle(tag, multiple);
+    /// Marks messages as delivered. Returns `false` if the only one in flight was returned while probing: it is put
+    /// back, to be sent again.
+    pub(crate) fn arrived(&mut self, tag: u64, multiple: bool) -> bool {
+        if self.returned {
+            self.returned = false;
+            self.resend_unconfirmed();
+            return false;
+        }
+        let count = self.settle(tag, multiple);
+        self.sent.arrived += count;
+        self.probing &= count == 0;
+        true
+    }
+
+    /// Records that no queue received a message; its confirmation follows.
+    pub(crate) fn returned(&mut self) {
+        if self.probing {
+            self.returned = true;
+        } else {
+            self.sent.unheard += 1;
+        }
+    }
+
+    /// Returns whether messages are sent one by one until a queue receives one.
+    pub(crate) fn is_probing(&self) -> bool {
+        self.probing
+    }
+
+    /// Stops waiting for a queue: a message that was returned counts as unheard.
+    pub(crate) fn stop_probing(&mut self) {
+        self.probing = false;
+        self.sent.unheard += u64::from(std::mem::take(&mut self.returned));
     }
 
     /// Counts messages that the broker rejected. Sending them again would reorder them.
@@ -186,6 +223,9 @@ impl PublisherOutbox {
     /// unknown, and they count as lost. If the broker `refused` one of them, they are sent one by one until the
     /// refused message is alone.
     pub(crate) fn broke(&mut self, refused: bool) {
+        self.returned = false;
+        // a publisher that never had a reader does not wait for one
+        self.probing = self.is_confirmed() && self.sent.arrived > self.sent.unheard;
         self.underway_bytes = 0;
         let count = self.underway.len();
         if !self.is_confirmed() {
@@ -202,6 +242,12 @@ impl PublisherOutbox {
         if refused {
             self.careful = self.careful.max(count);
         }
+        self.resend_unconfirmed();
+    }
+
+    /// Puts the messages in flight back, in order.
+    fn resend_unconfirmed(&mut self) {
+        self.underway_bytes = 0;
         while let Some(one) = self.underway.pop_back() {
             if let Some(written) = one.written {
                 self.again.push_front(written);
@@ -318,6 +364,44 @@ mod tests {
             (once.sent.arrived, once.sent.lost, once.sent.open()),
             (2, 2, 1)
         );
+    }
+
+    #[test]
+    fn after_a_break_messages_wait_until_a_queue_receives_one() {
+        let mut outbox = outbox(events(9), 5, true);
+        send(&mut outbox, 1..=2);
+        outbox.arrived(1, false);
+        outbox.broke(false);
+        for tag in 1..=3 {
+            send(&mut outbox, tag..=tag);
+            assert!(outbox.next().is_none(), "one by one");
+            outbox.returned();
+            assert!(!outbox.arrived(tag, false));
+            assert_eq!(again(&outbox), [2], "the same message again");
+        }
+        send(&mut outbox, 4..=4);
+        assert!(outbox.arrived(4, false));
+        send(&mut outbox, 5..=7);
+        assert_eq!((outbox.sent.arrived, outbox.sent.unheard), (2, 0));
+    }
+
+    #[test]
+    fn a_publisher_waits_for_its_readers_no_longer_than_it_is_told_and_only_if_it_had_some() {
+        let mut had = outbox(events(9), 3, true);
+        send(&mut had, 1..=1);
+        had.arrived(1, false);
+        had.broke(false);
+        send(&mut had, 1..=1);
+        had.returned();
+        had.stop_probing();
+        assert!(had.arrived(1, false) && !had.is_probing());
+        assert_eq!((had.sent.arrived, had.sent.unheard), (2, 1));
+        let mut never = outbox(events(9), 3, true);
+        send(&mut never, 1..=1);
+        never.returned();
+        never.arrived(1, false);
+        never.broke(false);
+        assert!(!never.is_probing());
     }
 
     #[test]

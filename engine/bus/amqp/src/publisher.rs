@@ -29,6 +29,8 @@ const BARRIER: u64 = 256;
 const BARRIER_AFTER: Duration = Duration::from_millis(250);
 /// Pause after the broker refused a channel.
 const REFUSED_REST: Duration = Duration::from_millis(200);
+/// Pause before a message is sent again that no queue received.
+const UNROUTED_REST: Duration = Duration::from_millis(50);
 
 /// State shared by a publisher's handle and its task.
 pub(crate) struct PublisherShared {
@@ -131,6 +133,10 @@ struct PublisherSession {
     /// Time at which the messages after `covered` need a barrier.
     barrier_due: Instant,
     barrier: Option<Pin<Box<dyn Future<Output = AmqpResult<()>> + Send>>>,
+    /// Time until which a publisher whose readers are not back holds its messages.
+    probe_until: Instant,
+    /// Time at which a message that no queue received is sent again.
+    retry_at: Option<Instant>,
 }
 
 impl PublisherTask {
@@ -162,10 +168,14 @@ impl PublisherTask {
     async fn session(&self, pair: &ConnectionPair) -> Result<(), ChannelError> {
         let confirmed = self.lane.outbox().is_confirmed();
         let mut session = PublisherSession::open(pair, confirmed).await?;
+        // as long as the broker keeps the queues of readers that are away
+        session.probe_until += self.link.settings.timing.remembered;
         let mut state = self.link.state();
         loop {
             if state.borrow_and_update().open().is_some() {
-                self.send(&mut session).await?;
+                if session.retry_at.is_none() {
+                    self.send(&mut session).await?;
+                }
             } else {
                 self.lane.outbox().close();
             }
@@ -180,6 +190,9 @@ impl PublisherTask {
                 _ = state.changed() => {}
                 () = sleep_until(session.barrier_due), if session.may_set_barrier() => {
                     session.set_barrier();
+                }
+                () = sleep_until(session.retry_at.unwrap_or(session.barrier_due)), if session.retry_at.is_some() => {
+                    session.retry_at = None;
                 }
             }
         }
@@ -244,9 +257,16 @@ impl PublisherTask {
     ) -> Result<(), ChannelError> {
         let mut outbox = self.lane.outbox();
         match word {
-            Some(BrokerEvent::Ack { tag, multiple }) => outbox.arrived(tag, multiple),
+            Some(BrokerEvent::Ack { tag, multiple }) => {
+                if outbox.is_probing() && Instant::now() >= session.probe_until {
+                    outbox.stop_probing();
+                }
+                if !outbox.arrived(tag, multiple) {
+                    session.retry_at = Some(Instant::now() + UNROUTED_REST);
+                }
+            }
             Some(BrokerEvent::Nack { tag, multiple }) => outbox.refused(tag, multiple),
-            Some(BrokerEvent::Returned { .. }) => outbox.sent.unheard += 1,
+            Some(BrokerEvent::Returned { .. }) => outbox.returned(),
             Some(BrokerEvent::Cancelled) => {}
             Some(BrokerEvent::Closed { code, reason }) => {
                 return Err(ChannelError::Closed { code, reason });
@@ -264,7 +284,7 @@ impl PublisherTask {
     ) -> Result<(), ChannelError> {
         session.barrier = None;
         end.map_err(|_| channel::why(&mut session.words))?;
-        self.lane.outbox().arrived(session.covered, true);
+        let _ = self.lane.outbox().arrived(session.covered, true);
         Ok(())
     }
 }
@@ -284,6 +304,8 @@ impl PublisherSession {
             covered: 0,
             barrier_due: Instant::now(),
             barrier: None,
+            probe_until: Instant::now(),
+            retry_at: None,
         })
     }
 

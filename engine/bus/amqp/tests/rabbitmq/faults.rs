@@ -62,6 +62,38 @@ fn a_broker_that_is_killed_and_started_again() {
     });
 }
 
+/// The broker comes back without the readers' queues (a container without a volume, a queue that expired), and the
+/// publisher is back before its reader.
+#[test]
+fn a_broker_that_has_forgotten_the_queue_of_a_reader_that_is_back_later() {
+    let Some(broker) = asmotion_broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let mut slow = settings(&vhost.url());
+    slow.timing.first_retry = Duration::from_secs(3);
+    slow.timing.last_retry = Duration::from_secs(3);
+    slow.timing.jitter = 0.0;
+    slow.timing.remembered = Duration::from_secs(1);
+    let (reader, writer) = (connect(slow), connect(settings(&vhost.url())));
+    let subscription = subscribe(&reader, "events", all(10_000));
+    let mut events = publisher(&writer, "events", events());
+    events.publish(0, number(0)).unwrap();
+    assert!(subscription.next_within(LONG).is_some());
+    broker.close_connections().unwrap();
+    eventually("the queue has expired", || {
+        vhost.queues().unwrap().is_empty()
+    });
+    eventually("the writer is back", || writer.health().is_up());
+    for n in 1..100 {
+        events.publish(0, number(n)).unwrap();
+    }
+    let received = numbers(&subscription, Duration::from_secs(4));
+    assert_eq!(received, (1..100).collect::<Vec<_>>());
+    let sent = events.sent();
+    assert_eq!((sent.arrived, sent.unheard, sent.dropped), (100, 0, 0));
+}
+
 #[test]
 fn connections_closed_by_the_operator() {
     survives(|broker, _| broker.close_connections().unwrap());
