@@ -63,8 +63,9 @@ struct Thread {
 impl System {
     /// Starts the system in real time, with a thread for each component that is no slave.
     ///
-    /// Configures every component, then starts those with `run_on_startup`. A component that fails is left as it is;
-    /// its state and an [`Event::Fault`](crate::Event::Fault) show it.
+    /// Configures every component, then starts those with `run_on_startup`, and only then begins their cycles, all at the
+    /// same time: the first cycle of each sees the others running, as in [`simulate`](Self::simulate). A component that
+    /// fails is left as it is; its state and an [`Event::Fault`](crate::Event::Fault) show it.
     pub fn live(self) -> Live {
         Live::new(self)
     }
@@ -118,7 +119,16 @@ impl Live {
         if !streams.is_empty() {
             live.sources = Some(SourceThreads::new(streams, &live.context));
         }
+        live.release();
         live
+    }
+
+    /// Begins the cycles of all components at the same time.
+    fn release(&mut self) {
+        let now = self.context.now();
+        for thread in &self.threads {
+            thread.send(WorkerCommand::Release(now));
+        }
     }
 
     /// Adds an observer, which receives all events from now on.

@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use asmotion_component::{
-    Activity, CallError, Component, Interface, Overrun, Policy, Span, State, Time, Transition, Wire,
+    Activity, CallError, Component, Cycle, Fault, Interface, Overrun, Policy, Span, State, Time,
+    Transition, Wire,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Event, Log, Run, System};
@@ -53,6 +54,64 @@ fn t6_deadlines_are_absolute_so_nothing_drifts() {
     let drift = elapsed.abs_diff(10.ms() * periods);
     assert!(periods > 190, "{periods} periods in 2 s");
     assert!(drift < 10.ms(), "{drift:?} after {periods} periods");
+}
+
+/// Provides `double`, and takes a while to start.
+struct SlowToStart(Box<dyn Component>);
+
+impl Component for SlowToStart {
+    fn start(&mut self) -> Result<(), Fault> {
+        std::thread::sleep(20.ms());
+        Ok(())
+    }
+
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.0.update(cycle)
+    }
+}
+
+#[test]
+fn a_call_in_the_first_cycle_finds_its_provider_in_any_order_of_the_components() {
+    for (round, caller_first) in [true, false].into_iter().cycle().take(20).enumerate() {
+        let answers = Arc::new(Mutex::new(Vec::new()));
+        let taken = Arc::clone(&answers);
+        let mut system = System::new();
+        let caller = behaviour(move |interface| {
+            let double = interface.require::<Double>("double", "another's sums");
+            move |cycle| {
+                if cycle.number() == 1 {
+                    cycle.call(double, number(21));
+                }
+                let results = cycle.replies(double).into_iter().map(|reply| reply.result);
+                taken.lock().unwrap().extend(results);
+                Ok(())
+            }
+        });
+        let provider = |interface: &mut Interface| -> Box<dyn Component> {
+            Box::new(SlowToStart(doubler()(interface)))
+        };
+        if caller_first {
+            system
+                .add("Caller", Activity::periodic(5.ms()), caller)
+                .unwrap();
+            system.add("Sums", Activity::event(), provider).unwrap();
+        } else {
+            system.add("Sums", Activity::event(), provider).unwrap();
+            system
+                .add("Caller", Activity::periodic(5.ms()), caller)
+                .unwrap();
+        }
+        system
+            .wire("Caller.double", "Sums.sums", Wire::default())
+            .unwrap();
+        let mut run = system.live();
+        let limit = run.now() + 20.s();
+        while answers.lock().unwrap().is_empty() {
+            assert!(run.now() < limit, "an answer in round {round}");
+            run.run_for(2.ms());
+        }
+        assert_eq!(*answers.lock().unwrap(), [Ok(number(42))], "round {round}");
+    }
 }
 
 #[test]

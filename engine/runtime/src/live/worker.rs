@@ -16,6 +16,8 @@ use crate::unit::ComponentUnit;
 pub(crate) enum WorkerCommand {
     /// Runs a function on the component at this position of the system.
     Act(usize, Act),
+    /// Begins the cycles of the running components, at this time.
+    Release(Time),
     End,
 }
 
@@ -34,6 +36,9 @@ pub(crate) struct Worker {
     members: Vec<WorkerMember>,
     commands: mpsc::Receiver<WorkerCommand>,
     context: LiveContext,
+    /// Cycles may run. Set once all components of the system have been started, so that a call in a first cycle finds
+    /// its provider running, whatever the order of the components.
+    released: bool,
 }
 
 /// One component of a thread.
@@ -60,6 +65,7 @@ impl Worker {
             members: units.into_iter().zip(wakers).map(member).collect(),
             commands,
             context,
+            released: false,
         }
     }
 
@@ -67,8 +73,10 @@ impl Worker {
         self.adopt_schedule();
         while self.attend() {
             let mut soonest = (NextStep::Sleep, 0);
-            for (index, member) in self.members.iter_mut().enumerate() {
-                soonest = soonest.min((member.next(&mut self.context), index));
+            if self.released {
+                for (index, member) in self.members.iter_mut().enumerate() {
+                    soonest = soonest.min((member.next(&mut self.context), index));
+                }
             }
             match soonest {
                 (NextStep::Cycle, index) => self.cycle(index),
@@ -103,7 +111,14 @@ impl Worker {
                 Ok(WorkerCommand::Act(component, act)) => {
                     let mut members = self.members.iter_mut();
                     if let Some(member) = members.find(|one| one.unit.index == component) {
-                        member.attend(act, &mut self.context);
+                        member.attend(act, self.released, &mut self.context);
+                    }
+                }
+                Ok(WorkerCommand::Release(at)) => {
+                    self.released = true;
+                    let members = self.members.iter_mut();
+                    for member in members.filter(|one| one.unit.state().is_running()) {
+                        member.begin(at);
                     }
                 }
             }
@@ -124,11 +139,14 @@ impl Worker {
 }
 
 impl WorkerMember {
-    /// Runs a function on the component and plans its next cycle by its new state.
-    fn attend(&mut self, act: Act, context: &mut LiveContext) {
+    /// Runs a function on the component and, once cycles are `released`, plans its next one by its new state.
+    fn attend(&mut self, act: Act, released: bool, context: &mut LiveContext) {
         let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());
         let now = context.now();
         act(&mut self.unit, now, context);
+        if !released {
+            return;
+        }
         if !ran && self.unit.state().is_running() {
             self.begin(now);
         } else if self.unit.activity.drive != drive {
