@@ -172,7 +172,7 @@ pub enum FreezeProblem {
 
 /// The error type of thawing a component, which is then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("`{component}` does not take the frozen state: {problem}")]
+#[error("`{component}` rejects the frozen state: {problem}")]
 pub struct ThawError {
     /// Type of the component.
     pub component: String,

@@ -147,7 +147,7 @@ impl Datum {
             Self::Bool(_) => "a Boolean",
             Self::Int(_) => "an integer",
             Self::Float(_) => "a number",
-            Self::Text(_) => "text",
+            Self::Text(_) => "a string",
             Self::Bytes(_) => "bytes",
             Self::Numbers(_) => "packed numbers",
             Self::List(_) => "a list",

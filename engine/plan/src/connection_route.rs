@@ -136,9 +136,9 @@ impl RouteTransport {
 impl fmt::Display for RouteTransport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nothing(Lock::LockFree) => f.write_str("inside, lock-free"),
-            Self::Nothing(Lock::Locked) => f.write_str("inside, by a lock"),
-            Self::Nothing(Lock::Unsync) => f.write_str("inside, in one thread"),
+            Self::Nothing(Lock::LockFree) => f.write_str("in process, lock-free"),
+            Self::Nothing(Lock::Locked) => f.write_str("in process, locked"),
+            Self::Nothing(Lock::Unsync) => f.write_str("in process, one thread"),
             Self::Mqueue => f.write_str("over a message queue"),
             Self::Broker(Some(name)) => write!(f, "over the broker `{name}`"),
             Self::Broker(None) => f.write_str("over the broker"),

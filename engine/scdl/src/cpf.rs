@@ -110,7 +110,7 @@ fn simple(element: &XmlElement, kind: &str, report: &mut Report) -> Option<Branc
             let number = written.parse().ok();
             (number.map(Branch::Integer), "an integer")
         }
-        _ => (None, "of a type of CPF, as `double`"),
+        _ => (None, "a CPF type, as in `double`"),
     };
     if value.is_none() {
         let wrong = WrongAttributeValue {

@@ -61,7 +61,7 @@ impl Pub {
             return Err(format!("{} refused, {} lost", sent.refused, sent.lost));
         }
         if sent.unheard > 0 {
-            terminal.warn(format_args!("`{}` has no reader", self.topic));
+            terminal.warn(format_args!("`{}` has no subscriber", self.topic));
         }
         Ok(Exit::Ok)
     }

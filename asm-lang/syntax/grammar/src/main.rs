@@ -47,7 +47,7 @@ mod tests {
         let found = fs::read_to_string(source("grammar.rs")).unwrap();
         assert!(
             found == wanted,
-            "the grammar has changed and its parser has not: `cargo run -p asmotion-grammar` writes it anew"
+            "the parser is out of date: regenerate it with `cargo run -p asmotion-grammar`"
         );
     }
 }

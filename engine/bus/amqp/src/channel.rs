@@ -91,7 +91,7 @@ impl ChannelCallback for ChannelListener {
 pub(crate) async fn to_the_end<T: Send + 'static>(
     question: impl Future<Output = AmqpResult<T>> + Send + 'static,
 ) -> AmqpResult<T> {
-    let broke = |_| amqprs::error::Error::InternalChannelError("the client broke".to_owned());
+    let broke = |_| amqprs::error::Error::InternalChannelError("the client failed".to_owned());
     tokio::spawn(question).await.map_err(broke)?
 }
 

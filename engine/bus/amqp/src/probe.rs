@@ -35,7 +35,7 @@ pub(crate) enum ProbeError {
     Refused(String),
     #[error("not an AMQP broker")]
     Stranger,
-    #[error("no encrypted connection: {0}")]
+    #[error("cannot open an encrypted connection: {0}")]
     Encryption(String),
 }
 

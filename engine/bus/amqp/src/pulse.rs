@@ -44,7 +44,7 @@ pub(crate) async fn feel(link: &Link, pair: &ConnectionPair) -> String {
             let reason = "the broker does not answer".into();
             asmotion_bus::LinkState::Down { reason }
         } else if publishing.silence() > timing.silent {
-            let reason = "the broker takes no messages: it is short of memory or disk".into();
+            let reason = "the broker accepts no messages: it is short of memory or disk".into();
             asmotion_bus::LinkState::Blocked { reason }
         } else {
             asmotion_bus::LinkState::Up

@@ -75,7 +75,7 @@ pub struct Head {
     #[key(example = "\"http://robots.example/navigation\"")]
     pub namespace: Option<At<String>>,
     /// Description.
-    #[key(example = "\"what it is for\"")]
+    #[key(example = "\"Navigation of a rover\"")]
     pub doc: Option<At<String>>,
     /// Files with message types.
     #[key(example = "[\"types.toml\"]")]
