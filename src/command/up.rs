@@ -301,7 +301,7 @@ struct Restarts {
     all: u64,
 }
 
-/// What follows the end of a process.
+/// Reaction to the end of a process.
 #[derive(Debug, PartialEq)]
 enum AfterExit {
     /// Restart after this time.

@@ -107,7 +107,7 @@ impl ObstacleScene {
         self.clearance_within(point, f64::INFINITY)
     }
 
-    /// As [`ObstacleScene::clearance`], but infinite if there is no obstacle within `max` metres, which is cheaper for
+    /// Like [`ObstacleScene::clearance`], but infinite if there is no obstacle within `max` metres, which is cheaper for
     /// a collision test.
     pub fn clearance_within(&self, point: Point, max: f64) -> f64 {
         let at = glam(&point);

@@ -78,12 +78,12 @@ struct MapServerProperties {
     /// Largest size of a file, unpacked.
     #[property(unit = "B", range = 1..=1 << 36, default = MapSettings::default().max_bytes)]
     max_bytes: u64,
-    /// Rules before the built-in ones, which say what blocks: `key=value|value occupied|free|ignore width=…; …`.
+    /// Rules for map elements, applied before the built-in ones: `key=value|value occupied|free|ignore width=…; …`.
     rules: String,
     /// Frame of all maps (REP 105). A planner refuses a start or goal in another frame.
     #[property(default = MapSettings::default().frame)]
     frame: String,
-    /// Whether changed files are looked for as the server cycles, and loaded again.
+    /// Whether each cycle checks for changed files and loads them again.
     watch: bool,
 }
 

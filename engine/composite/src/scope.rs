@@ -1,4 +1,4 @@
-//! What is substituted in texts: values of properties, and variables. The one place that asks the environment.
+//! Substitution of properties and variables in strings; the only access to the environment.
 
 use crate::codes::c013::UnknownSetting;
 use crate::codes::c014::UnsetVariable;

@@ -45,7 +45,7 @@ impl Plan {
         connections.chain(topics).chain(wires).collect()
     }
 
-    /// The routes of a topic depend on all who are on it.
+    /// Returns `None` for a topic, whose routes depend on all its publishers and subscribers.
     fn route_of_connection(&self, connection: &Connection) -> Option<ConnectionRoute> {
         let over = match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => {

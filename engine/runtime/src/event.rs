@@ -146,7 +146,7 @@ pub enum Event<'a> {
         to: &'a str,
         /// Number of samples that this connection has dropped so far.
         total: u64,
-        /// Why the reader cannot read the sample; `None` if the connection was full.
+        /// Reason that the reader cannot read the sample; `None` if the connection was full.
         reason: Option<&'a DatumError>,
     },
     /// A property changed.

@@ -13,7 +13,7 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 /// Result of the AMQP client's calls.
 pub(crate) type AmqpResult<T> = Result<T, amqprs::error::Error>;
 
-/// Messages that the broker sends on a channel of its own accord.
+/// Unsolicited messages from the broker on a channel.
 #[derive(Debug)]
 pub(crate) enum BrokerEvent {
     /// Confirms this publication, and all before it if `multiple`.

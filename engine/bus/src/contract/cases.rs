@@ -458,7 +458,7 @@ fn takes_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let until = Instant::now() + CROSSING;
     while begun.is_awaited() {
         if Instant::now() > until {
-            return Err("the server never learnt that nobody waits".to_owned());
+            return Err("the server was not notified of the cancellation".to_owned());
         }
         std::thread::sleep(Duration::from_millis(10));
     }

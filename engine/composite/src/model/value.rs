@@ -1,4 +1,4 @@
-//! How the values of the model that are no tables are read, and what they stand for.
+//! Reads and resolves the values of the model other than tables.
 
 use std::net::SocketAddr;
 

@@ -1,4 +1,4 @@
-//! Values that are no tables: texts, numbers, whatever TOML can write.
+//! Values other than tables: strings, numbers and arbitrary TOML values.
 
 use serde_json::{Value as Json, json};
 

@@ -40,7 +40,7 @@ pub(crate) struct Worker {
 struct WorkerMember {
     unit: ComponentUnit,
     waker: Arc<ThreadWaker>,
-    /// When the next periodic cycle is due; for an event-driven component, its first cycle.
+    /// Time of the next periodic cycle; for an event-driven component, of its first cycle.
     due: Time,
 }
 
@@ -94,7 +94,7 @@ impl Worker {
         }
     }
 
-    /// Carries out waiting commands. Returns whether to go on.
+    /// Carries out waiting commands. Returns whether to continue.
     fn attend(&mut self) -> bool {
         loop {
             match self.commands.try_recv() {

@@ -32,7 +32,7 @@ pub struct PortSubscription {
     thread: Option<JoinHandle<()>>,
 }
 
-/// When a subscription reads.
+/// Times at which a subscription reads.
 enum SubscriptionPace {
     OnNews,
     Every(Duration),

@@ -235,7 +235,7 @@ impl Timeline {
         self.queue.push(at, what);
     }
 
-    /// If the unit's drive has changed, plans anew, counting from the cycle that has just ended.
+    /// Plans the unit's cycles again if its drive has changed, counting from the cycle that has just ended.
     pub(super) fn follow(&mut self, unit: &ComponentUnit) {
         let driven = &mut self.each[unit.index];
         if driven.drive == unit.activity.drive {
