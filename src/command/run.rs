@@ -396,7 +396,7 @@ impl MissionArguments {
         Ok(())
     }
 
-    /// The listener for events: prints text for people or JSON for programs.
+    /// The listener for events: prints text or, for programs, JSON.
     fn listener(
         &self,
         books: Arc<Mutex<OutputFiles>>,

@@ -41,7 +41,7 @@ pub struct BoardTopic {
     pub kind: String,
     /// Sender of the last message.
     pub source: String,
-    /// Last message, or the reason why it cannot be decoded.
+    /// Last message, or the reason that it cannot be decoded.
     pub last: Result<Datum, DatumError>,
     /// Number of received messages.
     pub count: u64,

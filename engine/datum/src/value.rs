@@ -89,7 +89,7 @@ impl Datum {
         }
     }
 
-    /// Number of elements or entries; `None` if the datum is no list, bytes or record.
+    /// Number of elements or entries; `None` if the datum is not a list, bytes or a record.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::List(elements) => Some(elements.len()),

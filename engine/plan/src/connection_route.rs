@@ -1,5 +1,5 @@
 //! The route from a writer to its reader, or from a caller to its service: inside a process, where real time holds, or
-//! over something that knows no real time.
+//! over a transport that is not suited to real time.
 
 use std::fmt;
 

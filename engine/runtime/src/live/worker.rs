@@ -29,7 +29,7 @@ enum NextStep {
     Sleep,
 }
 
-/// The components of a thread: one that is no slave, and its slaves.
+/// The components of a thread: one that is not a slave, and its slaves.
 pub(crate) struct Worker {
     members: Vec<WorkerMember>,
     commands: mpsc::Receiver<WorkerCommand>,
@@ -80,7 +80,7 @@ impl Worker {
         }
     }
 
-    /// Applies the scheduling class and the processors of the component that is no slave to the thread.
+    /// Applies the scheduling class and the processors of the component that is not a slave to the thread.
     fn adopt_schedule(&mut self) {
         let masters = |member: &&WorkerMember| member.unit.master.is_none();
         let Some(WorkerMember { unit, .. }) = self.members.iter().find(masters) else {
