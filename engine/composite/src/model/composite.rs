@@ -68,7 +68,7 @@ pub struct Head {
     /// Name of the composite; also the name of the robot on the bus unless another is given at startup.
     #[key(needed, example = "\"navigation\"")]
     pub name: Option<At<String>>,
-    /// Version.
+    /// Version of the composite, shown by `asmotion describe`.
     #[key(example = "\"1.0.0\"")]
     pub version: Option<At<String>>,
     /// SCDL namespace of its names; may be shared with other composites.

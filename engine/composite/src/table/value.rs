@@ -130,7 +130,7 @@ impl Value for Dialect {
     }
 }
 
-/// Reads all substitutions in a value, only to say which are malformed.
+/// Reports the malformed substitutions in a value.
 pub(crate) fn templates(reader: &mut Reader<'_>, key: &str, node: &Node) {
     match &node.value {
         Branch::Text(_) => {
