@@ -115,7 +115,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         "component",
         "process",
         "state",
-        "asked",
+        "period",
         "measured",
         "mean/max",
         "overruns",
