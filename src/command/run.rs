@@ -115,7 +115,7 @@ pub struct MissionArguments {
     #[command(flatten)]
     books: OutputArguments,
 
-    /// Prints steps, calls, faults and the summary as JSON, one object a line, on standard output
+    /// Prints steps, calls, faults and the summary as JSON, one object per line, on standard output
     #[arg(long)]
     pub json: bool,
 

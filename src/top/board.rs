@@ -175,7 +175,7 @@ impl BoardProcess {
 }
 
 impl BoardTopic {
-    /// Messages a second over the last messages; `None` before the second one.
+    /// Messages per second over the last messages; `None` before the second one.
     pub fn rate(&self) -> Option<f64> {
         let gap = self.gap()?.as_secs_f64();
         (gap > 0.0).then(|| 1.0 / gap)

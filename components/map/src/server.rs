@@ -258,7 +258,9 @@ impl Freeze for MapServer {
             return Err(FreezeProblem::Busy(what));
         }
         if self.refreshing.is_some() {
-            return Err(FreezeProblem::Busy("it looks for changed files".to_owned()));
+            return Err(FreezeProblem::Busy(
+                "it checks for changed files".to_owned(),
+            ));
         }
         let contents = self.library.as_ref().map(MapLibrary::contents);
         Ok(vec![

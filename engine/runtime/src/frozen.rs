@@ -183,7 +183,7 @@ pub(crate) fn trace_text(trace: Option<TraceContext>) -> Option<String> {
 pub(crate) fn trace_of(text: &Option<String>) -> Result<Option<TraceContext>, SystemThawError> {
     let read = text.as_ref().map(|text| text.parse());
     read.transpose()
-        .map_err(|_| other("a trace has no W3C text"))
+        .map_err(|_| other("a trace is not a W3C trace context"))
 }
 
 /// Returns the error for a state that belongs to another system.

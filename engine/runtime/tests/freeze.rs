@@ -204,7 +204,7 @@ fn a_system_with_another_policy_is_another_one() {
     let mut other = system(&Policy::buffer(4), &Log::new());
     assert_eq!(
         other.thaw(&frozen).unwrap_err().to_string(),
-        "the frozen state belongs to another system: `Adder` is declared or connected in another way there"
+        "the frozen state belongs to another system: `Adder` is declared or connected differently"
     );
 }
 

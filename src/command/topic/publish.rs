@@ -26,7 +26,7 @@ pub struct Pub {
     #[arg(long, default_value_t = 1)]
     count: u64,
 
-    /// Messages a second
+    /// Messages per second
     #[arg(long, default_value_t = 1.0)]
     rate: f64,
 }
