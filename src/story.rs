@@ -1,4 +1,4 @@
-//! The story of a mission: reports what happens while it happens.
+//! The story of a mission: reports events as they happen.
 //!
 //! [`Story`] turns the events of a run into lines; [`Summary`] condenses them at the end. The composite determines
 //! which events are worth reporting: inputs of its specifications, calls of services, motion. Maps, paths, goals and

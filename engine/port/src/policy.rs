@@ -154,7 +154,7 @@ impl Policy {
         }
     }
 
-    /// The policy for an end outside of the system, which has its own thread: never unsynchronised, and with its own
+    /// The policy for an end outside the system, which has its own thread: never unsynchronised, and with its own
     /// queue.
     pub fn for_outsider(&self) -> Self {
         Self {

@@ -138,7 +138,7 @@ pub enum Event<'a> {
     },
     /// A connection dropped a sample because it was full or could not carry the sample.
     Dropped {
-        /// Name of the writing component; empty if the writer is outside of the system.
+        /// Name of the writing component; empty if the writer is outside the system.
         component: &'a str,
         /// Name of the output port.
         port: &'a str,
