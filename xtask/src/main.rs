@@ -3,7 +3,7 @@
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "chores tell what they found"
+    reason = "tasks print their results"
 )]
 
 use clap::{Parser, Subcommand};

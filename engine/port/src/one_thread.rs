@@ -1,5 +1,8 @@
 //! Connections without synchronisation, for components in the same thread.
-#![expect(unsafe_code, reason = "the promise of one thread; argued below")]
+#![expect(
+    unsafe_code,
+    reason = "the guarantee that all ends are in one thread; argued below"
+)]
 
 use asmotion_connection::{BufferKind, Pool};
 

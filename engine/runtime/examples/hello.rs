@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p asmotion-component --example hello`
 
-#![allow(clippy::print_stdout, reason = "an example tells what happened")]
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
 
 use asmotion_component::{
     Activity, Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided, Required,

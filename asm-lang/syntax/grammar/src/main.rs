@@ -1,7 +1,7 @@
 //! Generates the parser of `asmotion-syntax` from its grammar: `cargo run -p asmotion-grammar`.
 #![expect(
     clippy::disallowed_methods,
-    reason = "a tool of developers; only the language itself reads and writes no files"
+    reason = "a developer tool; only the language itself must not access files"
 )]
 //!
 //! The generated parser is part of the repository, so that building asmotion does not need LALRPOP.

@@ -39,7 +39,7 @@ pub(crate) async fn supervise(link: Arc<Link>) {
                     live(&link, pair, closes).await
                 }
                 Ok(Err(reason)) => LinkFailure::Said(reason),
-                Err(_) => LinkFailure::Said(format!("no answer within {:?}", timing.connect)),
+                Err(_) => LinkFailure::Said(format!("no response within {:?}", timing.connect)),
             };
             link.broke_in_reading(end == LinkFailure::Reading && begun.elapsed() < SHORT);
             let reason = end.to_string();
