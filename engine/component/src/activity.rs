@@ -97,7 +97,7 @@ pub enum Overrun {
     /// Missed periods are skipped; the next cycle is at the next whole period.
     #[default]
     Skip,
-    /// Missed cycles are made up for, one after the other without pause.
+    /// Missed cycles are executed one after the other, without a pause.
     CatchUp,
     /// The component fails.
     Fail,
