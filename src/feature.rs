@@ -1,5 +1,4 @@
-//! Cargo features of this build: the only place that knows which features there are, what each adds, and how to get one
-//! that was left out.
+//! Cargo features of this build: the only list of all features, of their contents, and of the way to enable them.
 
 use std::ffi::OsString;
 use std::fmt;

@@ -128,7 +128,7 @@ impl Loader for SentFiles {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         self.texts.get(path).cloned().ok_or_else(|| LoadError {
             path: path.to_owned(),
-            reason: "it was not sent".to_owned(),
+            reason: "not among the files sent".to_owned(),
         })
     }
 
@@ -143,7 +143,7 @@ impl Loader for SentFiles {
 pub fn reason(error: &std::io::Error) -> String {
     #[expect(
         clippy::wildcard_enum_match_arm,
-        reason = "the standard library adds kinds of errors"
+        reason = "the enum of the standard library is open"
     )]
     match error.kind() {
         std::io::ErrorKind::NotFound => "file not found".to_owned(),

@@ -50,9 +50,9 @@ struct Arguments {
 
 const FIRST_STEPS: &str = "\
 First steps:
-  asmotion demo                                              watch a rover being coordinated
-  asmotion check specs/navigation/navigation.composite.toml  what is wrong, before anything starts
-  asmotion sim specs/patrol/patrol.asm --steps 20            a specification alone";
+  asmotion demo                                              runs a mission with a simulated rover
+  asmotion check specs/navigation/navigation.composite.toml  reports errors before anything starts
+  asmotion sim specs/patrol/patrol.asm --steps 20            simulates a specification on its own";
 
 /// Parses the command line and executes the command.
 pub fn main() -> ExitCode {

@@ -19,7 +19,7 @@ pub enum PromptLine {
     /// The line was abandoned with Ctrl-C.
     #[cfg_attr(
         not(feature = "tui"),
-        allow(dead_code, reason = "only an editor hears Ctrl-C")
+        allow(dead_code, reason = "only the editor handles Ctrl-C")
     )]
     Nothing,
     /// End of input.

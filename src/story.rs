@@ -1,4 +1,4 @@
-//! The story of a mission: reports what happens while it happens.
+//! The story of a mission: reports events as they happen.
 //!
 //! [`Story`] turns the events of a run into lines; [`Summary`] condenses them at the end. The composite determines
 //! which events are worth reporting: inputs of its specifications, calls of services, motion. Maps, paths, goals and
@@ -134,7 +134,9 @@ impl Story {
                 took,
                 deadline,
             } => {
-                let what = format!("{component} took {took:.1?} for a cycle, and has {deadline:?}");
+                let what = format!(
+                    "{component} took {took:.1?} for a cycle; its deadline is {deadline:?}"
+                );
                 Some(trouble(NOTE, "late", what))
             }
             Event::Denied { component, denied } => {
@@ -151,7 +153,7 @@ impl Story {
                 Some(trouble(NOTE, "dropped", what))
             }
             Event::Lost { count } => {
-                let what = format!("{count} events of this story");
+                let what = format!("{count} events of this run");
                 Some(trouble(NOTE, "lost", what))
             }
             Event::Cycle { .. }
@@ -170,13 +172,13 @@ impl Story {
             }
             UNSENT_REPORT => {
                 let missing = what.as_text().unwrap_or_default();
-                let what = format!("{component} has no `{missing}` yet");
+                let what = format!("{component} has no value for `{missing}` yet");
                 Some(trouble(NOTE, "unsent", what))
             }
             LOSSES_REPORT => {
                 let Losses { dropped, misfits } = what.to().ok()?;
                 let what = format!(
-                    "{component}: {dropped} events dropped, {misfits} messages did not fit, so far"
+                    "{component}: {dropped} events dropped and {misfits} messages outside the codomain so far"
                 );
                 Some(trouble(NOTE, "lost", what))
             }

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use std::fmt::Display;
 use std::io::Write;
 
-/// When to use colour.
+/// Use of colour in the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Colour {
     /// If the output is a terminal

@@ -227,7 +227,7 @@ fn the_rover_stops_while_the_broker_is_dead_and_arrives_when_it_is_back() {
     let vhost = broker.vhost().unwrap();
     let record = through(&broker, &vhost, |broker| {
         broker.kill().unwrap();
-        // longer than the rover may go on driving
+        // longer than the rover may continue to drive
         std::thread::sleep(Duration::from_secs(3));
         broker.revive().unwrap();
     });

@@ -127,7 +127,7 @@ fn properties(all: &dyn Fn(&[&str]) -> Said) {
     assert!(
         tool("diff")
             .1
-            .contains("noise_m: 0.25 in the file, 0.125 there")
+            .contains("noise_m: 0.25 in the file, 0.125 in the component")
     );
     assert_eq!(tool("load").0, Some(0));
 

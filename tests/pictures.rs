@@ -32,7 +32,9 @@ fn the_terminal_is_what_the_demo_prints() {
     let story = String::from_utf8(output.stderr).unwrap();
     let result = String::from_utf8(output.stdout).unwrap();
     // the duration differs each time
-    let story = story.lines().filter(|line| !line.contains("on the wall"));
+    let story = story
+        .lines()
+        .filter(|line| !line.contains("of wall-clock time"));
     let text = format!(
         "$ asmotion demo --speed 0\n{}{result}",
         story.map(|line| format!("{line}\n")).collect::<String>()

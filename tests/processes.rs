@@ -460,7 +460,10 @@ fn tools_see_who_is_there_and_take_part() {
 
     let (code, _, err) = tool(&["topic", "pub", "navigation.estop", r#"{"data":true}"#]);
     assert_eq!(code, Some(0), "{err}");
-    assert!(err.contains("`navigation.estop` has no reader"), "{err}");
+    assert!(
+        err.contains("`navigation.estop` has no subscriber"),
+        "{err}"
+    );
     let supervisor = Running::start(&mut over(&composite, &broker, &vhost, Some("supervisor")));
     there(&vhost, "supervisor");
     let (code, _, err) = tool(&["topic", "pub", "navigation.estop", r#"{"data":true}"#]);

@@ -34,13 +34,13 @@ fn it_says_who_wrote_a_location_last() {
 fn it_undoes_any_number_of_events() {
     let lines = "run 500\nundo 499\nstate\nundo 1000\nstate\nstep 1\nstate\n";
     let out = talk(&["specs/patrol/patrol.asm", "--random"], lines);
-    let first: Vec<&str> = out.split("499 undone, 1 steps are left\n").collect();
+    let first: Vec<&str> = out.split("499 undone, 1 steps left\n").collect();
     let after_first = first[1].split("1 undone").next().unwrap();
     assert!(
         out.trim_end().ends_with(after_first.trim_end()),
         "the first step does the same again: {out}"
     );
-    assert!(out.contains("1 undone, 0 steps are left"), "{out}");
+    assert!(out.contains("1 undone, 0 steps left"), "{out}");
 }
 
 #[test]

@@ -90,7 +90,7 @@ fn what_is_killed_is_started_again_until_it_was_too_often() {
         }
     });
     said(&lines, "far, which runs on `robot`");
-    for count in ["the 1. time", "the 2. time", "too often"] {
+    for count in ["restart 1", "restart 2", "too many restarts"] {
         let started = said(&lines, "Started near, process ");
         let (_, id) = started.rsplit_once(' ').unwrap();
         signal("-KILL", id);
@@ -100,7 +100,7 @@ fn what_is_killed_is_started_again_until_it_was_too_often() {
             "{line}"
         );
     }
-    said(&lines, "near, started again 2 times");
+    said(&lines, "near, 2 restarts");
     assert_eq!(running.wait().unwrap().code(), Some(1));
     reader.join().unwrap();
 }
@@ -126,7 +126,7 @@ fn it_ends_its_processes_when_it_is_told_to_end() {
     let output = running.wait_with_output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("far, started again 0 times"), "{said}");
+    assert!(said.contains("far, 0 restarts"), "{said}");
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn ways(composite: &str) -> BTreeMap<String, (String, String)> {
 fn j21_the_real_time_path_of_the_navigation_and_of_the_youbot_has_no_broker_hop() {
     let navigation = ways("specs/navigation/navigation.composite.toml");
     let youbot = ways("specs/youbot/youbot.composite.toml");
-    let inside = ("inside, lock-free".to_owned(), "real time".to_owned());
+    let inside = ("in process, lock-free".to_owned(), "real time".to_owned());
     // from measurements to commands
     for hop in [
         "World.encoders → RoverDriver.encoders",

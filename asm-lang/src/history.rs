@@ -134,7 +134,7 @@ impl History {
     /// Adds a term for repeated evaluation.
     ///
     /// # Errors
-    /// The text is no term, or it does not fit the specification.
+    /// The text is not a term, or it does not fit the specification.
     pub fn watch(&mut self, text: &str) -> Result<AddedTerm, Report> {
         self.session.watch(text)
     }
@@ -152,7 +152,7 @@ impl History {
     /// Evaluates a term in the current state.
     ///
     /// # Errors
-    /// The text is no term, it does not fit the specification, or its evaluation fails.
+    /// The text is not a term, it does not fit the specification, or its evaluation fails.
     pub fn evaluate(&mut self, text: &str) -> Result<Value, Report> {
         let mut inputs = self.present.inputs.clone();
         let now_ns = self.now();
@@ -179,7 +179,7 @@ impl History {
     /// Fires a rule, which is not a step.
     ///
     /// # Errors
-    /// The text is no rule, it does not fit the specification, or the rule fails. Nothing has
+    /// The text is not a rule, it does not fit the specification, or the rule fails. Nothing has
     /// changed.
     pub fn fire(&mut self, rule: &str) -> Result<(), Report> {
         self.happen(HistoryEvent::Fire(rule.to_owned()))
@@ -189,7 +189,7 @@ impl History {
     /// other location once.
     ///
     /// # Errors
-    /// The text is no assignment, it does not fit the specification, or the function is static or
+    /// The text is not an assignment, it does not fit the specification, or the function is static or
     /// derived.
     pub fn set(&mut self, assignment: &str) -> Result<(), Report> {
         let mut inputs = self.present.inputs.clone();
@@ -202,7 +202,7 @@ impl History {
     /// Stops holding a monitored location, written as in `battery(ROB1)`.
     ///
     /// # Errors
-    /// The text is no location of the specification.
+    /// The text is not a location of the specification.
     pub fn release(&mut self, location: &str) -> Result<(), Report> {
         let (function, arguments) = self.location(location)?;
         self.happen(HistoryEvent::Release(function, arguments))
@@ -211,7 +211,7 @@ impl History {
     /// Returns the function and the arguments of a location, written as in `battery(ROB1)`.
     ///
     /// # Errors
-    /// The text is no location of the specification.
+    /// The text is not a location of the specification.
     pub fn location(&mut self, text: &str) -> Result<(FunctionId, Vec<Value>), Report> {
         let mut inputs = self.present.inputs.clone();
         let assignment = format!("{text} := undef");

@@ -66,7 +66,7 @@ impl Session {
     /// Adds a term for repeated evaluation.
     ///
     /// # Errors
-    /// The text is no term, or it does not fit the specification.
+    /// The text is not a term, or it does not fit the specification.
     pub fn watch(&mut self, text: &str) -> Result<AddedTerm, Report> {
         let file = self.text(text);
         let term = asmotion_syntax::parse_term(file, text)?;
@@ -92,7 +92,7 @@ impl Session {
     /// Evaluates a term in the current state.
     ///
     /// # Errors
-    /// The text is no term, it does not fit the specification, or its evaluation fails.
+    /// The text is not a term, it does not fit the specification, or its evaluation fails.
     pub fn evaluate(
         &mut self,
         text: &str,
@@ -109,7 +109,7 @@ impl Session {
     /// the next one.
     ///
     /// # Errors
-    /// The text is no rule, it does not fit the specification, or the rule fails. The state is
+    /// The text is not a rule, it does not fit the specification, or the rule fails. The state is
     /// unchanged.
     pub fn fire(
         &mut self,
@@ -137,7 +137,7 @@ impl Session {
     /// [`Machine::set`] updates a location that is not monitored.
     ///
     /// # Errors
-    /// The text is no assignment, it does not fit the specification, or an evaluation fails.
+    /// The text is not an assignment, it does not fit the specification, or an evaluation fails.
     pub fn assignment(
         &mut self,
         text: &str,

@@ -69,7 +69,7 @@ fn no_component_takes_the_state_of_another_type_or_layout() {
         assert_eq!(
             component.thaw(&newer).unwrap_err().to_string(),
             format!(
-                "`{name}` does not take the frozen state: it has layout 2, and this build has layout 1"
+                "`{name}` rejects the frozen state: it has layout 2, and this build has layout 1"
             )
         );
         assert_eq!(component.freeze().unwrap(), own);
@@ -109,7 +109,7 @@ fn a_missing_an_unknown_and_a_repeated_field_are_refused_by_name() {
         let kept = fields.iter().filter(|(known, _)| known != name);
         kept.cloned().chain(added).collect::<Vec<_>>()
     };
-    let of = "`youbot::Operator` does not take the frozen state:";
+    let of = "`youbot::Operator` rejects the frozen state:";
     for (wrong, problem) in [
         (with("next", vec![]), "expected the field `next` once"),
         (

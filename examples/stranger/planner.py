@@ -1,9 +1,9 @@
-"""Plans paths over RabbitMQ in place of ours. All it knows is docs/wire.md.  planner.py URL ROBOT ADDRESS"""
+"""Plans paths over RabbitMQ in place of the built-in planner, following docs/wire.md: planner.py URL ROBOT ADDRESS"""
 import heapq, itertools, json, math, sys, time
 import cbor2, pika
 
 READ = {"application/cbor": cbor2.loads, "application/json": json.loads}
-STRIDE, NEAR = 3, range(-2, 3)  # map cells in one of ours; how many of ours it keeps away from walls
+STRIDE, NEAR = 3, range(-2, 3)  # map cells per planner cell; planner cells kept free around walls
 STEPS = [step for step in itertools.product((-1, 0, 1), repeat=2) if any(step)]
 
 def plan(request):
@@ -25,13 +25,13 @@ def plan(request):
             if inside and there not in walls and cost < costs.get(there, math.inf):
                 came[there], costs[there] = here, cost
                 heapq.heappush(border, (cost + math.dist(there, last), there))
-    way, at = [], came[last]  # a KeyError, if nothing leads there
+    way, at = [], came[last]  # a KeyError if there is no path
     while at:
         way, at = [at, *way], came[at]
     poses = [{"position": {axis: corner[axis] + (c + 0.5) * size for axis, c in zip("xy", at)}} for at in way]
     return {"header": grid["header"], "poses": [{"header": grid["header"], "pose": p} for p in [*poses, goal]]}
 
-answered = {}  # what comes twice is answered twice, but executed once
+answered = {}  # a request received twice is answered twice, but executed once
 
 def asked(channel, deliver, request, body):
     headers, key = request.headers or {}, request.correlation_id

@@ -1,5 +1,5 @@
 asm ball_tracker
-// Coordinates a camera and a tracker: powers the camera, searches the ball, follows it, holds it. Nested states are
+// Coordinates a camera and a tracker: powers the camera, searches for the ball, follows it, holds it. Nested states are
 // control functions of their own; the order of the conditions determines the priority of transitions.
 import StandardLibrary
 import CTLLibrary

@@ -167,7 +167,7 @@ pub(super) fn show(
         found.robot()
     ));
     terminal.result(format_args!(
-        "  cycles      {}, {:.1} a second, {} periods missed, {} longer than the deadline",
+        "  cycles      {}, {:.1} per second, {} periods missed, {} longer than the deadline",
         component.cycles, component.rate_hz, component.overruns, component.late
     ));
     let period = match component.period_ms {
@@ -175,12 +175,12 @@ pub(super) fn show(
         period => format!(", of {period} ms"),
     };
     terminal.result(format_args!(
-        "  cycle time  {:.2} ms in the mean, {:.2} ms at most{period}",
+        "  cycle time  {:.2} ms on average, {:.2} ms at most{period}",
         component.cycle_mean_ms, component.cycle_max_ms
     ));
     if component.dropped + component.misfits > 0 {
         terminal.result(format_args!(
-            "  lost        {} messages dropped, {} did not fit",
+            "  lost        {} messages dropped, {} outside the codomain",
             component.dropped, component.misfits
         ));
     }

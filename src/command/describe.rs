@@ -78,7 +78,7 @@ fn tables(description: &Description<'_>, terminal: &mut TerminalOutput) {
     }
     let components = plan.components.iter().map(|component| {
         let pace = match component.pace.period_ms {
-            0 => "when something comes".to_owned(),
+            0 => "event-driven".to_owned(),
             period => format!("every {period} ms"),
         };
         vec![
@@ -87,7 +87,11 @@ fn tables(description: &Description<'_>, terminal: &mut TerminalOutput) {
             pace,
         ]
     });
-    show(&["component", "made of", "cycles"], components, terminal);
+    show(
+        &["component", "implementation", "cycles"],
+        components,
+        terminal,
+    );
     let topics = description.topics.iter().map(topic);
     show(
         &["topic", "type", "written by", "read by"],
@@ -96,12 +100,12 @@ fn tables(description: &Description<'_>, terminal: &mut TerminalOutput) {
     );
     let operations = description.operations.iter().map(operation);
     show(
-        &["operation", "asked", "answered", "called by"],
+        &["operation", "request", "reply", "called by"],
         operations,
         terminal,
     );
     let doors = plan.promoted.iter().flat_map(|it| doors(it, plan));
-    show(&["from outside", "what", "over"], doors, terminal);
+    show(&["address", "promoted", "transport"], doors, terminal);
 }
 
 /// The addresses under which a promoted service can be called.

@@ -115,7 +115,7 @@ pub struct MissionArguments {
     #[command(flatten)]
     books: OutputArguments,
 
-    /// Prints steps, calls, faults and the summary as JSON, one object a line, on standard output
+    /// Prints steps, calls, faults and the summary as JSON, one object per line, on standard output
     #[arg(long)]
     pub json: bool,
 
@@ -396,7 +396,7 @@ impl MissionArguments {
         Ok(())
     }
 
-    /// The listener for events: prints text for people or JSON for programs.
+    /// The listener for events: prints text or, for programs, JSON.
     fn listener(
         &self,
         books: Arc<Mutex<OutputFiles>>,

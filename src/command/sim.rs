@@ -33,7 +33,7 @@ pub struct Sim {
     #[arg(long, value_name = "TRACE", conflicts_with = "env")]
     replay_inputs: Option<String>,
 
-    /// Writes inputs, choices and updates to a file, one a line; for a folder, into a folder
+    /// Writes inputs, choices and updates to a file, one per line; for a folder, into a folder
     #[arg(long, value_name = "FILE")]
     trace: Option<String>,
 
@@ -54,7 +54,7 @@ pub struct Sim {
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Prints JSON, one object a line: each step, then the final state
+    /// Prints JSON, one object per line: each step, then the final state
     #[arg(long)]
     json: bool,
 

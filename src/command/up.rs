@@ -194,8 +194,8 @@ fn supervise(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput
     }
     for child in &children {
         let (name, all) = (&child.name, child.restarts.all);
-        let times = if all == 1 { "time" } else { "times" };
-        terminal.status("Ended", format_args!("{name}, started again {all} {times}"));
+        let restarts = if all == 1 { "restart" } else { "restarts" };
+        terminal.status("Ended", format_args!("{name}, {all} {restarts}"));
     }
     let well =
         |child: &SupervisedProcess| matches!(child.state, SupervisedState::Ended { well: true });
@@ -242,14 +242,14 @@ impl SupervisedProcess {
                 let count = self.restarts.all;
                 terminal.status(
                     "Restarting",
-                    format_args!("{name}, the {count}. time, after {status}"),
+                    format_args!("{name}, restart {count}, after {status}"),
                 );
                 SupervisedState::Due(now + wait)
             }
             AfterExit::Rest => SupervisedState::Ended { well },
             AfterExit::GiveUp => {
                 terminal.error(format_args!(
-                    "`{name}` ended again ({status}), too often to be restarted"
+                    "`{name}` ended ({status}) after too many restarts"
                 ));
                 SupervisedState::Ended { well: false }
             }
@@ -279,7 +279,10 @@ impl SupervisedProcess {
                 Ok(Some(status)) => break Some(status),
                 Ok(None) if Instant::now() < until => std::thread::sleep(LOOK),
                 Ok(None) | Err(_) => {
-                    terminal.error(format_args!("`{}` does not end and is killed", self.name));
+                    terminal.error(format_args!(
+                        "`{}` did not end in time and is killed",
+                        self.name
+                    ));
                     let _ = child.kill();
                     break child.wait().ok();
                 }
@@ -298,7 +301,7 @@ struct Restarts {
     all: u64,
 }
 
-/// What follows the end of a process.
+/// Reaction to the end of a process.
 #[derive(Debug, PartialEq)]
 enum AfterExit {
     /// Restart after this time.

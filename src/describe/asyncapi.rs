@@ -192,7 +192,7 @@ impl Document<'_> {
             replies.clone(),
             json!({
                 "address": null,
-                "description": "Whatever queue the request names in the AMQP property `reply_to`.",
+                "description": "The queue named by the AMQP property `reply_to` of the request.",
                 "messages": listed,
                 "bindings": binding("", "default"),
             }),
@@ -207,7 +207,7 @@ impl Document<'_> {
     /// Adds the presence and control channels of every process.
     fn processes(&mut self, names: &[&str]) {
         let parameter = json!({ "process": {
-            "description": "the name of the process; of one that runs the whole composite, the composite's",
+            "description": "Name of the process; that of the composite if one process runs all of it.",
             "enum": names,
         } });
         let word = |name: &str, doc: &str| {
@@ -218,9 +218,9 @@ impl Document<'_> {
             )
         };
         self.messages.extend([
-            word("presence", "What a process says of itself, once a second: its components with their ports, services, \
-                properties, states and rates; `leaves` in its last word."),
-            word("order", "What a process is to do: start or stop a component, or set its properties."),
+            word("presence", "State of a process, published once a second: its components with their ports, services, \
+                properties, states and rates; `leaves` is set in its last message."),
+            word("order", "Order to a process: start or stop a component, or set its properties."),
         ]);
         let exchange = match &*self.plan.brokers {
             [only] => &only.exchange,

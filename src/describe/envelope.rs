@@ -17,7 +17,7 @@ pub(super) fn refusals() -> [(String, Value); 2] {
         }
         (kind.to_owned(), message)
     };
-    let words = json!({ "type": "string", "description": "the words of a fault" });
+    let words = json!({ "type": "string", "description": "Text of the fault." });
     [
         answer(
             "refusal",
@@ -25,7 +25,7 @@ pub(super) fn refusals() -> [(String, Value); 2] {
         ),
         answer(
             "unavailable",
-            json!({ "description": "No server is available, or the request is unknown; without content." }),
+            json!({ "description": "No server is available, or the request is unknown. The payload is empty." }),
         ),
     ]
 }
@@ -34,18 +34,18 @@ pub(super) fn refusals() -> [(String, Value); 2] {
 pub(super) fn headers() -> [(&'static str, Value); 5] {
     let text = |doc: &str| json!({ "type": "string", "description": doc });
     let whole = |doc: &str| json!({ "type": "integer", "description": doc });
-    let source = text("the component that sent it");
-    let incarnation = whole("which life of its process; grows with every restart");
+    let source = text("Component that sent the message.");
+    let incarnation = whole("Incarnation of the sender's process; increases with every restart.");
     [
         (
             "topicHeaders",
             json!({ "type": "object", "properties": {
                 "source": source,
                 "incarnation": incarnation,
-                "sequence": whole("its number among this publisher's messages, from 1 without gaps"),
-                "stamp": whole("when it was sent, in nanoseconds"),
-                "clock": text("of which clock: `wall:rover1`"),
-                "traceparent": text("the trace it belongs to, as W3C writes it"),
+                "sequence": whole("Sequence number among the messages of this publisher, from 1 without gaps."),
+                "stamp": whole("Time of sending, in nanoseconds."),
+                "clock": text("Clock of the time stamp, for example `wall:rover1`."),
+                "traceparent": text("Trace of the message, in the W3C format."),
             } }),
         ),
         (
@@ -53,15 +53,15 @@ pub(super) fn headers() -> [(&'static str, Value); 5] {
             json!({ "type": "object", "required": ["timeout"], "properties": {
                 "source": source,
                 "incarnation": incarnation,
-                "timeout": whole("how many nanoseconds the caller gives it"),
-                "deadline": whole("when the caller gives up, in nanoseconds of Unix time"),
-                "callback": text("the address where the caller serves what comes later"),
+                "timeout": whole("Time limit of the call, in nanoseconds."),
+                "deadline": whole("Deadline of the call, in nanoseconds of Unix time."),
+                "callback": text("Address at which the caller serves later callbacks."),
             } }),
         ),
         ("resultHeaders", json!({ "type": "object" })),
         (
             "refusalHeaders",
-            json!({ "type": "object", "properties": { "code": text("the code of the fault") } }),
+            json!({ "type": "object", "properties": { "code": text("Code of the fault.") } }),
         ),
         ("unavailableHeaders", json!({ "type": "object" })),
     ]

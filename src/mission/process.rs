@@ -23,7 +23,7 @@ pub enum MissionBrokers {
     Nothing,
     /// No broker, but a bus inside the process for `--top`.
     Inside(LocalBus),
-    /// One broker for all topics and wires, whatever the composite says.
+    /// One broker for all topics and wires, in place of those of the composite.
     One(Box<AmqpSettings>),
     /// The brokers named by the composite, by name; each carries what the composite assigns to it.
     Each(BTreeMap<String, AmqpSettings>),

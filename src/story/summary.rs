@@ -14,7 +14,7 @@ const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
 /// The summary of a mission.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// Number of steps that wrote something.
+    /// Number of steps with updates.
     pub steps: u64,
     /// Number of changes of the control state.
     pub transitions: u64,

@@ -41,7 +41,7 @@ pub struct BoardTopic {
     pub kind: String,
     /// Sender of the last message.
     pub source: String,
-    /// Last message, or the reason why it cannot be decoded.
+    /// Last message, or the reason that it cannot be decoded.
     pub last: Result<Datum, DatumError>,
     /// Number of received messages.
     pub count: u64,
@@ -175,7 +175,7 @@ impl BoardProcess {
 }
 
 impl BoardTopic {
-    /// Messages a second over the last messages; `None` before the second one.
+    /// Messages per second over the last messages; `None` before the second one.
     pub fn rate(&self) -> Option<f64> {
         let gap = self.gap()?.as_secs_f64();
         (gap > 0.0).then(|| 1.0 / gap)

@@ -86,7 +86,10 @@ fn header<'a>(board: &Board, view: &View, place: &'a str, now: Duration) -> Line
 
 fn footer(view: &View) -> Line<'static> {
     if view.writes {
-        return Line::from(format!("/{}▏ Enter keeps it, Esc clears it", view.filter));
+        return Line::from(format!(
+            "/{}▏ Enter applies the filter, Esc clears it",
+            view.filter
+        ));
     }
     let filter = if view.filter.is_empty() {
         "/ filter".to_owned()
@@ -95,7 +98,7 @@ fn footer(view: &View) -> Line<'static> {
     };
     let pause = match view.paused {
         None => "p pause",
-        Some(_) => "p go on",
+        Some(_) => "p resume",
     };
     let order = view.order.word();
     Line::styled(
@@ -112,7 +115,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         "component",
         "process",
         "state",
-        "asked",
+        "period",
         "measured",
         "mean/max",
         "overruns",

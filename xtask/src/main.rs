@@ -3,7 +3,7 @@
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "chores tell what they found"
+    reason = "tasks print their results"
 )]
 
 use clap::{Parser, Subcommand};
@@ -19,7 +19,7 @@ const TABLE_BEGINS: &str = "<!-- table -->";
 const TABLE_ENDS: &str = "<!-- end of table -->";
 
 #[derive(Parser)]
-#[command(name = "cargo xtask", about = "Chores of this repository")]
+#[command(name = "cargo xtask", about = "Maintenance tasks of this repository")]
 struct Arguments {
     #[command(subcommand)]
     chore: Chore,
@@ -36,17 +36,17 @@ enum Chore {
         #[arg(long)]
         write: bool,
     },
-    /// Lists the cycles of files and of first-level modules, and the arrows that climb
+    /// Lists the cycles of files and of first-level modules, and the arrows that point up
     Cycles {
-        /// Only of this package
+        /// Only this package
         package: Option<String>,
     },
     /// Lists the uses of names through `lib.rs` or `main.rs`
     Hubs {
-        /// Only of this package
+        /// Only this package
         package: Option<String>,
     },
-    /// Makes a component in components/NAME and enters it wherever components are listed
+    /// Creates a component in components/NAME and adds it to every list of components
     NewComponent {
         /// Lower-case, words joined by dashes: pan-tilt
         name: String,

@@ -187,7 +187,7 @@ impl TypeTable {
     ) -> Fit {
         bindings.looks += 1;
         if &*domains[variable.0 as usize].name == ANY {
-            // `Any` is no variable: each occurrence accepts a value of another type
+            // `Any` is not a variable: each occurrence accepts a value of another type
             return Some(3);
         }
         let Some(&bound) = bindings.variables.get(&variable) else {

@@ -198,7 +198,7 @@ pub enum FunctionKind {
     Shared,
     /// Rules, during the run of the rule that declares it.
     Local,
-    /// Nobody: static or derived.
+    /// Neither: static or derived.
     Fixed,
 }
 

@@ -60,7 +60,7 @@ pub enum FaultKind {
     Library(asmotion_stdlib::BuiltinFault),
     /// A variable ranges over an infinite domain.
     Infinite,
-    /// A variable ranges over a value that is no collection.
+    /// A variable ranges over a value that is not a collection.
     NotACollection(Value),
     /// A term run as a rule has another value.
     NotARule(Value),
@@ -99,7 +99,7 @@ pub enum FaultKind {
         /// Value of the condition: false or undef.
         value: Value,
     },
-    /// The values picked for a `choose` from outside are no candidate.
+    /// The values picked for a `choose` from outside are not candidates.
     NoCandidate(Vec<Value>),
     /// The program is a module, which has no main rule.
     NoMain,

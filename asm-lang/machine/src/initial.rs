@@ -172,7 +172,7 @@ impl Machine {
     }
 
     /// Returns the initial values outside the codomain of their functions, at most one for each
-    /// function. They are no fault: the reference does not check them, and existing specifications
+    /// function. They are not faults: the reference does not check them, and existing specifications
     /// rely on that.
     pub fn initial_misfits(&self) -> Vec<InitialMisfit> {
         let mut found: BTreeMap<FunctionId, InitialMisfit> = BTreeMap::new();

@@ -2,7 +2,7 @@
 
 #![expect(
     unsafe_code,
-    reason = "lists are filled and emptied without a look at each element"
+    reason = "lists are filled and emptied without visiting each element"
 )]
 
 use crate::updates::Update;

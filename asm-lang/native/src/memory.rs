@@ -1,6 +1,6 @@
 //! Ownership of the executable memory.
 
-#![expect(unsafe_code, reason = "code is made a function, and freed")]
+#![expect(unsafe_code, reason = "code memory is called as a function, and freed")]
 
 use crate::frame::NativeEntry;
 use cranelift_jit::JITModule;

@@ -24,7 +24,7 @@ pub(crate) enum Counting {
     /// All before the loop, which runs to its end; leaves for the detour if the limit could be
     /// exceeded.
     Together,
-    /// As `Together`, after the limit was already checked.
+    /// Like `Together`, but the limit has already been checked.
     Checked,
     /// One by one, in a rule; exceeding the limit is a fault.
     EachInRule,

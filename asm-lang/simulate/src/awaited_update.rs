@@ -15,7 +15,7 @@ pub struct AwaitedUpdate {
     pub value: String,
 }
 
-/// The reason why no step can produce the update.
+/// The reason that no step can produce the update.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AwaitError {
     /// No function has this name.

@@ -31,7 +31,7 @@ impl Causes {
     }
 }
 
-/// The reason why a simulation cannot execute a step.
+/// The reason that a simulation cannot execute a step.
 #[derive(Debug)]
 pub enum SimulationError {
     /// The step has no next state.

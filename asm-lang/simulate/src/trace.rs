@@ -14,7 +14,7 @@
 //! S mode = MOVING               every location that rules may update, after the step
 //! D Order = {order!1}           elements of the domains that may grow, after the step
 //! D Robot = {rob1,rob2}
-//! @invariant post inv_safe      or `@error CLASH …`: the reason why there is no further step
+//! @invariant post inv_safe      or `@error CLASH …`: the reason that there is no further step
 //! @end INV                      `OK`, or the kind of the fault
 //! I mode = IDLE                 initial values of the locations that rules may update
 //! ```

@@ -86,7 +86,7 @@ fn read<'a, A: FromValue<'a>>(value: &'a Value) -> Result<A, BuiltinFault> {
 fn arity(expected: &'static str) -> BuiltinFault {
     BuiltinFault::Shape {
         expected,
-        found: "another number of them",
+        found: "a different number",
     }
 }
 

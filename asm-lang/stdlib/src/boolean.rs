@@ -130,7 +130,7 @@ mod tests {
             "not",
             "Boolean",
             &[],
-            "expected one argument, found another number of them",
+            "expected one argument, found a different number",
         );
     }
 }

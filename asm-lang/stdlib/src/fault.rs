@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// doubles a sequence in every step ends with a fault rather than by exhausting the memory.
 pub const LIMIT: usize = if cfg!(fuzzing) { 1 << 14 } else { 1 << 24 };
 
-/// The reason why a function is undefined for its arguments. The message shows the values;
+/// The reason that a function is undefined for its arguments. The message shows the values;
 /// [`BuiltinFault::help`] suggests a remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BuiltinFault {
@@ -91,7 +91,7 @@ pub enum BuiltinFault {
         /// Description of the required value, as in "an integer".
         expected: &'static str,
     },
-    /// A sum with an element that is no number, or with numbers of different domains.
+    /// A sum with an element that is not a number, or with numbers of different domains.
     #[error("`sum` cannot add {right} to {left}")]
     Sum {
         /// Kind of the sum so far.
@@ -118,7 +118,7 @@ pub enum BuiltinFault {
 }
 
 impl BuiltinFault {
-    /// Suggests what the author of the specification can do.
+    /// Suggests a remedy to the author of the specification.
     pub fn help(&self) -> &'static str {
         match self {
             Self::Overflow { .. } | Self::OverflowOf { .. } => {

@@ -47,7 +47,7 @@ pub(crate) fn check(name: &str, domain: &str, arguments: &[Value], expected: &st
     assert_eq!(shown, expected, "{name}: {domain} of {arguments:?}");
 }
 
-/// As `check`, for `--compat asmeta`.
+/// Like [`check`], but for `--compat asmeta`.
 #[track_caller]
 pub(crate) fn check_compatible(name: &str, domain: &str, arguments: &[Value], expected: &str) {
     let (shown, _) = call(compatible(name, domain), arguments);

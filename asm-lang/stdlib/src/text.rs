@@ -81,7 +81,7 @@ pub fn split(text: &str, separator: &str) -> Vec<Value> {
 /// Parses an integer; surrounding blanks are ignored.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`] if the text is no integer of 64 bits.
+/// [`BuiltinFault::Unreadable`] if the text is not a 64-bit integer.
 pub fn to_integer(text: &str) -> Result<i64, BuiltinFault> {
     text.trim()
         .parse()
@@ -91,7 +91,7 @@ pub fn to_integer(text: &str) -> Result<i64, BuiltinFault> {
 /// Parses a natural, with or without the suffix `n` of a literal.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`] if the text is no integer of 64 bits, [`BuiltinFault::Negative`]
+/// [`BuiltinFault::Unreadable`] if the text is not a 64-bit integer, [`BuiltinFault::Negative`]
 /// for a negative one.
 pub fn to_natural(text: &str) -> Result<i64, BuiltinFault> {
     let digits = text.trim();
@@ -111,7 +111,7 @@ pub fn to_natural(text: &str) -> Result<i64, BuiltinFault> {
 /// Parses a real; exponents, `Infinity` and `NaN` are accepted.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`] if the text is no number.
+/// [`BuiltinFault::Unreadable`] if the text is not a number.
 pub fn to_real(text: &str) -> Result<f64, BuiltinFault> {
     text.trim()
         .parse()
@@ -122,7 +122,7 @@ pub fn to_real(text: &str) -> Result<f64, BuiltinFault> {
 /// `i1`.
 ///
 /// # Errors
-/// [`BuiltinFault::Unreadable`] if the text is no complex number.
+/// [`BuiltinFault::Unreadable`] if the text is not a complex number.
 pub fn to_complex(text: &str) -> Result<Complex, BuiltinFault> {
     parse_complex(text.trim()).ok_or_else(|| unreadable("toComplex", text, "a complex number"))
 }

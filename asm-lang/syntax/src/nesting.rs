@@ -106,7 +106,7 @@ impl<'input> Nesting<'input> {
     fn push(&mut self, opener: SpannedToken<'input>) {
         let outside = 1 + self.depth();
         if outside > MAX_DEPTH + 1 {
-            return; // deeper than anybody looks
+            return; // deeper than any caller looks
         }
         self.open.push(OpenConstruct {
             opener,

@@ -26,10 +26,7 @@ use std::sync::Arc;
 pub(crate) type Caught<'input> = ErrorRecovery<usize, Token<'input>, Infallible>;
 
 /// The result of parsing a text, according to its start symbol.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one value exists for each parse, and it is taken apart at once"
-)]
+#[expect(clippy::large_enum_variant, reason = "one short-lived value per parse")]
 pub(crate) enum ParsedText {
     File(File),
     Rule(Rule),

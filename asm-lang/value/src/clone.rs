@@ -1,7 +1,7 @@
 //! Cloning and dropping, with a fast path for scalars: machines do little else, and mostly to
 //! scalars.
 
-#![expect(unsafe_code, reason = "scalars are copied as they lie there")]
+#![expect(unsafe_code, reason = "scalars are copied bitwise")]
 
 use crate::value::Value;
 use std::sync::Arc;

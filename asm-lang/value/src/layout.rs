@@ -17,7 +17,7 @@ pub const LAST_SCALAR: u8 = 6;
 
 #[cfg(test)]
 mod tests {
-    #![expect(unsafe_code, reason = "the layout is looked at byte by byte")]
+    #![expect(unsafe_code, reason = "the layout is inspected byte by byte")]
 
     use super::*;
     use crate::real::Real;

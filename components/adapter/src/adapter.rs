@@ -53,10 +53,10 @@ struct AdapterPorts {
     permit: In<Bool>,
     /// Path to follow, published whenever it changes: as planned, bent (same header and goal), or empty to stop.
     adapted: Out<Path>,
-    /// `BLOCKED` once for a path that leads nowhere; the detail says where.
+    /// `BLOCKED`, once for a path without a way through; the detail says where.
     event: Out<Event>,
-    /// Obstacles for the planner, map frame. With a map: everything it does not show. Without: what blocked a path
-    /// lately. Always published before `BLOCKED`.
+    /// Obstacles for the planner, map frame: with a map, those that it does not show; without one, those that recently
+    /// blocked a path. Always published before `BLOCKED`.
     obstacles: Out<Obstacles>,
 }
 

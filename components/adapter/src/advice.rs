@@ -11,7 +11,7 @@ use crate::bend::{Barrier, BendObstacles, Bender, Window};
 use crate::bend_limits::BendLimits;
 use crate::route::BendableRoute;
 
-/// When the robot holds before an obstacle, and when its path counts as blocked.
+/// Limits for holding before an obstacle, and for reporting the path as blocked.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct Patience {
     /// Distance to a barrier below which the robot stops at the first look.

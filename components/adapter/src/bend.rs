@@ -87,7 +87,7 @@ impl<'a> BendObstacles<'a> {
             .sqrt()
     }
 
-    /// Distance in m from `point` to the nearest obstacle of the map; 0 outside of the map, infinite without one.
+    /// Distance in m from `point` to the nearest obstacle of the map; 0 outside the map, infinite without one.
     fn mapped_distance(&self, point: Point) -> f64 {
         self.mapped.map_or(f64::INFINITY, |map| {
             let cell = map.layout().cell(point);

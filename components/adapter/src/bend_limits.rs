@@ -2,7 +2,7 @@
 
 use asmotion_component::Properties;
 
-/// The robot's size, and how far a detour may lead.
+/// Size of the robot, and limits of a detour.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct BendLimits {
     /// Radius of the disc that covers the robot.

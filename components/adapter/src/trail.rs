@@ -36,7 +36,7 @@ impl Trail {
         self.poses.back().map(|(_, pose)| pose)
     }
 
-    /// Pose of the robot at `nanos`, interpolated linearly between two known poses; `None` outside of the trail and its
+    /// Pose of the robot at `nanos`, interpolated linearly between two known poses; `None` outside the trail and its
     /// tolerance.
     pub fn at(&self, nanos: i64) -> Option<Pose> {
         let after = self.poses.partition_point(|(at, _)| *at <= nanos);

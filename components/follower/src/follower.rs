@@ -64,8 +64,8 @@ struct FollowerPorts {
     odom: In<Odometry>,
     /// Optional: permission to drive. While the newest is false no path is driven.
     permit: In<Bool>,
-    /// Velocity to drive, `linear.x` in m/s and `angular.z` in rad/s, base frame. Sent every cycle with something to
-    /// do, then once zero, then no more.
+    /// Velocity to drive, `linear.x` in m/s and `angular.z` in rad/s, base frame. Sent in every cycle while driving,
+    /// then once as zero, then not at all.
     twist: Out<Twist>,
     /// `REACHED` once for each path, `HALTED` once for each stop, each when the robot stands.
     event: Out<Event>,

@@ -83,7 +83,7 @@ impl Pursuit {
     }
 
     /// Returns whether the chord from `from` to the carrot stays within `corner_cut_m` of the line. A robot off the
-    /// line must come back first, so its distance from the line is allowed in addition, decreasing to zero at the
+    /// line must return to it first, so its distance from the line is allowed in addition, decreasing to zero at the
     /// carrot.
     fn keeps_to(
         &self,

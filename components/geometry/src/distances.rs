@@ -83,7 +83,7 @@ impl Distances {
         &self.squared
     }
 
-    /// Distance of a cell in m: infinite without obstacles, `None` outside of the grid.
+    /// Distance of a cell in m: infinite without obstacles, `None` outside the grid.
     pub fn metres(&self, cell: Cell) -> Option<f64> {
         Some(match self.squared[self.layout.index(cell)?] {
             Self::NONE => f64::INFINITY,

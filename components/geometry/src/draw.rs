@@ -1,4 +1,4 @@
-//! Draws polygons, strokes and discs in map coordinates on a grid. Parts outside of the grid are cut off.
+//! Draws polygons, strokes and discs in map coordinates on a grid. Parts outside the grid are cut off.
 
 use crate::grid::Grid;
 use crate::layout::GridLayout;

@@ -15,7 +15,7 @@ pub const OCCUPIED_FROM: i8 = 65;
 /// Meaning of a cell's value for planning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupancy {
-    /// Not observed, or outside of the grid.
+    /// Not observed, or outside the grid.
     Unknown,
     /// Free for a robot.
     Free,
@@ -89,19 +89,19 @@ impl Grid {
         &mut self.cells
     }
 
-    /// The value of a cell; `None` outside of the grid.
+    /// The value of a cell; `None` outside the grid.
     pub fn get(&self, cell: Cell) -> Option<i8> {
         Some(self.cells[self.layout.index(cell)?])
     }
 
-    /// Sets a cell; does nothing outside of the grid.
+    /// Sets a cell; does nothing outside the grid.
     pub fn set(&mut self, cell: Cell, value: i8) {
         if let Some(index) = self.layout.index(cell) {
             self.cells[index] = value;
         }
     }
 
-    /// Occupancy at a point in the map frame; unknown outside of the grid.
+    /// Occupancy at a point in the map frame; unknown outside the grid.
     pub fn occupancy(&self, point: Point) -> Occupancy {
         self.layout
             .cell(point)

@@ -172,12 +172,12 @@ impl GridLayout {
         self.origin * Point::from(cells.coords * self.resolution)
     }
 
-    /// The cell that contains a point of the map frame; `None` outside of the grid.
+    /// The cell that contains a point of the map frame; `None` outside the grid.
     pub fn cell(&self, point: Point) -> Option<Cell> {
         self.cell_of(self.to_cells(point))
     }
 
-    /// The cell that contains a point given in cells; `None` outside of the grid.
+    /// The cell that contains a point given in cells; `None` outside the grid.
     pub fn cell_of(&self, cells: Point) -> Option<Cell> {
         let inside = |value: f64, size: u32| {
             (value >= 0.0 && value < f64::from(size)).then_some(value as u32)
@@ -196,7 +196,7 @@ impl GridLayout {
         ))
     }
 
-    /// Row-major index of a cell; `None` outside of the grid.
+    /// Row-major index of a cell; `None` outside the grid.
     pub fn index(&self, cell: Cell) -> Option<usize> {
         (cell.column < self.width && cell.row < self.height)
             .then(|| cell.row as usize * self.width as usize + cell.column as usize)

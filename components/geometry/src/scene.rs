@@ -107,8 +107,8 @@ impl ObstacleScene {
         self.clearance_within(point, f64::INFINITY)
     }
 
-    /// As [`ObstacleScene::clearance`], but infinite if there is no obstacle within `max` metres, which is cheaper for
-    /// a collision test.
+    /// Like [`ObstacleScene::clearance`], but infinite if there is no obstacle within `max` metres; cheaper, for collision
+    /// tests.
     pub fn clearance_within(&self, point: Point, max: f64) -> f64 {
         let at = glam(&point);
         if !finite(&point) {

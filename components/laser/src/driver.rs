@@ -34,7 +34,7 @@ struct LaserPorts {
     scene: In<asmotion_messages::Scene>,
     /// True pose of the robot, map frame.
     truth: In<PoseStamped>,
-    /// One sweep for each new pose, with its stamp; ranges in m, REP-117 for beams without one.
+    /// One sweep for each new pose, with its stamp; ranges in m, REP-117 values for beams without a range.
     scan: Out<LaserScan>,
 }
 

@@ -8,7 +8,7 @@ use asmotion_map::{DiskFiles, MapSettings, load, ros};
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [file, folder] = &arguments[..] else {
-        return Err("wants a map and a folder".into());
+        return Err("expected a map and a folder".into());
     };
     let map = load(&DiskFiles, file, &MapSettings::default())?;
     let name = Path::new(file).file_stem().and_then(|stem| stem.to_str());

@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p asmotion-map --example render -- map.geojson out.png [x,y x,y | name name]…`
 
-#![allow(clippy::print_stdout, reason = "an example tells what it drew")]
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
 
 use std::error::Error;
 use std::fs::File;
@@ -16,7 +16,7 @@ use png::{ColorType, Encoder};
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [file, out, ends @ ..] = &arguments[..] else {
-        return Err("wants a map, a PNG file, and pairs of ends".into());
+        return Err("expected a map, a PNG file, and pairs of ends".into());
     };
     let map = load(&DiskFiles, file, &MapSettings::default())?;
     let mut picture = draw(&map.grid);

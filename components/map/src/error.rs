@@ -116,7 +116,7 @@ pub enum MapFault {
         /// The values allowed.
         expected: &'static str,
     },
-    /// Coordinates that are no degrees.
+    /// Coordinates that are not degrees.
     #[error(
         "({x}, {y}) is not a longitude and latitude; for coordinates in metres, add \"map\": {{\"units\": \"metres\"}}"
     )]

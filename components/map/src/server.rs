@@ -58,32 +58,32 @@ struct MapServerPorts {
     /// `getMap`: the map of a place, map frame; without a name, of `place`, or of the only place there is. Faults
     /// `UNKNOWN_PLACE`, `BAD_MAP`.
     maps: Provided<GetMap>,
-    /// Every map when it was loaded, and when it was loaded again; map frame, `map_load_time` is the revision.
+    /// Every map when it is loaded or reloaded; map frame, `map_load_time` is the revision.
     map: Out<OccupancyGrid>,
 }
 
 #[derive(Properties)]
 struct MapServerProperties {
-    /// Map file, folder of maps (a place is called like its file), or `places.toml`. Read when configured, as are all
-    /// properties here.
+    /// Map file, folder of maps (each place is named after its file), or `places.toml`. Read when configured, as are
+    /// all properties here.
     source: String,
     /// Place whose map is loaded and published at the start, and the one meant by a request without a name.
     place: String,
-    /// Side of a cell; 0 takes what the file says (ROS maps get coarser, never finer).
+    /// Side of a cell; 0 for that of the file (ROS maps can only become coarser).
     #[property(unit = "m", range = 0.0..=100.0)]
     resolution_m: f64,
     /// Largest number of cells of a grid; a cell takes a byte.
     #[property(range = 1..=GridLayout::MAX_CELLS, default = MapSettings::default().max_cells)]
     max_cells: u64,
-    /// Largest size of a file, unpacked.
+    /// Largest size of a file, uncompressed.
     #[property(unit = "B", range = 1..=1 << 36, default = MapSettings::default().max_bytes)]
     max_bytes: u64,
-    /// Rules before the built-in ones, which say what blocks: `key=value|value occupied|free|ignore width=…; …`.
+    /// Rules for map elements, applied before the built-in ones: `key=value|value occupied|free|ignore width=…; …`.
     rules: String,
     /// Frame of all maps (REP 105). A planner refuses a start or goal in another frame.
     #[property(default = MapSettings::default().frame)]
     frame: String,
-    /// Whether changed files are looked for as the server cycles, and loaded again.
+    /// Whether each cycle checks for changed files and loads them again.
     watch: bool,
 }
 
@@ -258,7 +258,9 @@ impl Freeze for MapServer {
             return Err(FreezeProblem::Busy(what));
         }
         if self.refreshing.is_some() {
-            return Err(FreezeProblem::Busy("it looks for changed files".to_owned()));
+            return Err(FreezeProblem::Busy(
+                "it checks for changed files".to_owned(),
+            ));
         }
         let contents = self.library.as_ref().map(MapLibrary::contents);
         Ok(vec![

@@ -34,7 +34,7 @@ impl Plan {
     pub const START_OCCUPIED: &str = "START_OCCUPIED";
     /// Fault code: the robot cannot stand at the goal.
     pub const GOAL_OCCUPIED: &str = "GOAL_OCCUPIED";
-    /// Fault code: start or goal is outside of the map.
+    /// Fault code: start or goal is outside the map.
     pub const OUTSIDE: &str = "OUTSIDE";
     /// Fault code: there is no map, or it is invalid.
     pub const BAD_MAP: &str = "BAD_MAP";

@@ -27,7 +27,7 @@ pub struct ScriptedOperator {
 struct OperatorPorts {
     /// Pose to send the robot to, map frame.
     goal: Out<PoseStamped>,
-    /// Calls the mission off.
+    /// Cancels the mission.
     cancel: Out<Empty>,
     /// State of the e-stop button: true while pressed.
     estop: Out<Bool>,

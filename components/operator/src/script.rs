@@ -32,7 +32,7 @@ pub enum OperatorCommand {
     Estop(bool),
 }
 
-/// A line that is no valid command.
+/// A line that is not a valid command.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{line}`: {problem}; as in `1.0 goal 26.4 4.2`, `8 estop on`, `12 cancel`")]
 pub struct ScriptError {

@@ -36,7 +36,7 @@ struct PlannerPorts {
     /// `plan`: a path for a round robot, in the frame of the map. Faults `NO_PATH`, `START_OCCUPIED`, `GOAL_OCCUPIED`,
     /// `OUTSIDE`, `BAD_MAP`.
     planning: Provided<PlanOperation>,
-    /// Map for requests that bring none.
+    /// Map for requests without one.
     #[port(optional)]
     maps: Required<GetMap>,
     /// Optional: obstacles the map does not show, map frame. A disc over the robot itself is ignored.
@@ -52,7 +52,7 @@ struct PlannerProperties {
     algorithm: String,
     #[property(flatten)]
     settings: PlannerSettings,
-    /// Place whose map is requested from `maps` when a request brings none.
+    /// Place whose map is requested from `maps` for a request without a map.
     place: String,
 }
 

@@ -10,7 +10,7 @@ pub trait Planner: Send {
     /// Equal arguments give equal results, regardless of earlier calls.
     ///
     /// # Errors
-    /// An error if an end is outside of the map, if the robot cannot stand at an end, or if no path connects the ends.
+    /// An error if an end is outside the map, if the robot cannot stand at an end, or if no path connects the ends.
     fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<PlannedPath, NoPath>;
 }
 
@@ -76,7 +76,7 @@ impl std::fmt::Display for PathEnd {
 /// Reason why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoPath {
-    /// An end is outside of the map.
+    /// An end is outside the map.
     #[error("the {end} ({x:.2}, {y:.2}) m lies outside the map", x = at.x, y = at.y)]
     Outside {
         /// The end concerned.

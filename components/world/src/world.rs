@@ -92,7 +92,7 @@ struct WorldPorts {
     truth: Out<PoseStamped>,
     /// Walls and obstacles, map frame, at the start and whenever they change; `revision` grows.
     scene: Out<asmotion_messages::Scene>,
-    /// `COLLISION`, once a touch.
+    /// `COLLISION`, once per contact.
     event: Out<Event>,
 }
 
@@ -100,10 +100,10 @@ struct WorldPorts {
 struct WorldProperties {
     #[property(flatten)]
     drive: DifferentialDrive,
-    /// Radius of the disc that is the robot.
+    /// Radius of the robot's disc.
     #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
     robot_radius_m: f64,
-    /// Standard deviation of how much farther a wheel rolls in a cycle, as a share.
+    /// Standard deviation of a wheel's slip in a cycle, as a fraction of the distance rolled.
     #[property(range = 0.0..=0.5, default = 0.0005)]
     slip: f64,
     /// Time without new wheel speeds after which the motors stop.
@@ -113,9 +113,9 @@ struct WorldProperties {
     start: [f64; 3],
     /// Map file, of any format of the map server, whose occupied cells are walls; empty for none.
     floor_plan: String,
-    /// More walls: x1, y1, x2, y2 of each, m, map frame.
+    /// Additional walls: x1, y1, x2, y2 of each, m, map frame.
     walls: Vec<f64>,
-    /// Obstacles no map shows: `at_s`, `until_s`, `disc = [x, y, radius]` or `block = [x, y, length, width, yaw]`,
+    /// Obstacles that no map shows: `at_s`, `until_s`, `disc = [x, y, radius]` or `block = [x, y, length, width, yaw]`,
     /// `frame = "map"` or `"robot"`; m and rad.
     obstacles: Vec<Obstacle>,
     /// Seed of the slip: the same seed gives the same slip.

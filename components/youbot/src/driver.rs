@@ -25,7 +25,7 @@ pub struct DummyDriver {
 struct DriverPorts {
     /// Target positions of the joints, rad; a command for another number of joints is ignored.
     commands: In<JointCommand>,
-    /// Period of the driver itself, s, 0.001 to 10; counts from its next cycle on.
+    /// Period of the driver itself, s, 0.001 to 10; takes effect from its next cycle on.
     period: In<Float64>,
     /// Position, velocity, current, temperature and error bits of each joint, every cycle.
     #[port(name = "jointStatus")]
@@ -44,7 +44,7 @@ struct DriverProperties {
     /// Number of joints. Read when configured.
     #[property(range = 1..=16, default = 5)]
     joints: u32,
-    /// Seed of everything random. Read when configured.
+    /// Seed of all random values. Read when configured.
     #[property(default = 1)]
     seed: u64,
     #[property(flatten)]

@@ -30,7 +30,7 @@ struct HandOperatorPorts {
     /// Moves the hand to a pose in the frame of the foot.
     #[port(name = "move")]
     locomotion: Required<MoveTo>,
-    /// Receives what happens to the arm.
+    /// Receives the events of the arm.
     notifying: Provided<Notify>,
 }
 

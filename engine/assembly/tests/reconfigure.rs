@@ -172,7 +172,7 @@ fn c18_what_differs_changes_and_nothing_else() {
     assert_eq!(
         planned_words,
         [
-            "`One.number` is parted from `Echo.heard`",
+            "`One.number` is disconnected from `Echo.heard`",
             "`One` has step = 1",
             "`One` cycles every 40ms",
             "`Other.number` is connected to `Echo.heard`",

@@ -103,7 +103,7 @@ const COMPONENTS: &[(&str, Constructor)] = &[
     ("test::Starter", |interface: &mut Interface| {
         Box::new(Starter {
             event: interface.output("event", "GO"),
-            code: interface.property("code", "GO".to_owned(), "what is said"),
+            code: interface.property("code", "GO".to_owned(), "code sent"),
             cycles: 0,
         })
     }),

@@ -43,13 +43,13 @@ const RELATIONS: [(&str, ConditionRelation); 6] = [
     (">", ConditionRelation::Greater),
 ];
 
-/// The reason that a text is no condition.
+/// The reason that a text is not a condition.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConditionError {
     /// The text does not begin with a port and a part of its messages.
     #[error("`{0}` does not start with `port.field`")]
     NoField(String),
-    /// The text after the field is no comparison.
+    /// The text after the field is not a comparison.
     #[error("`{0}` is not a comparison with a number, a Boolean or a quoted string")]
     NoComparison(String),
 }

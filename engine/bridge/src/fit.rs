@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(fit(&Datum::record::<String>([]), &command), Ok(()));
         assert_eq!(
             said(&pair(Datum::text("far")), &command),
-            "`goal.1`: expected `float64`, found text"
+            "`goal.1`: expected `float64`, found a string"
         );
         assert_eq!(
             said(&goal(Datum::List(Vec::new())), &command),

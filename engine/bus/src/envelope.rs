@@ -1,4 +1,4 @@
-//! Envelopes: a payload and what is known about it.
+//! Envelopes: a payload and its metadata.
 
 use std::fmt;
 use std::sync::Arc;

@@ -121,7 +121,7 @@ fn the_contract_finds_out_a_bus_that_breaks_it() {
         "drops the oldest and counts",
         "answers a request",
         "ends a call at its deadline",
-        "tells and waits for no answer",
+        "sends a one-way call without waiting",
     ] {
         assert!(cases.contains(&case), "{case} is not among {cases:?}");
     }

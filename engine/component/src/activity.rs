@@ -67,7 +67,7 @@ pub struct Denied {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum OnException {
-    /// The component stays in its exception state; the others go on.
+    /// The component stays in its exception state; the others continue.
     #[default]
     Stop,
     /// The component is reset, configured and started again, at most `max_resets` times.
@@ -97,7 +97,7 @@ pub enum Overrun {
     /// Missed periods are skipped; the next cycle is at the next whole period.
     #[default]
     Skip,
-    /// Missed cycles are made up for, one after the other without pause.
+    /// Missed cycles are executed one after the other, without a pause.
     CatchUp,
     /// The component fails.
     Fail,

@@ -4,7 +4,7 @@
 //! [`Cycle::spawn`](crate::Cycle::spawn) and checks for the result in the following cycles. The executor decides where
 //! the work runs:
 //!
-//! - Live: in a thread of its own. The component's thread goes on; when the work is done, the component gets a cycle,
+//! - Live: in a thread of its own. The component's thread continues; when the work is done, the component gets a cycle,
 //!   whatever drives it.
 //! - Simulated: at once, in the caller's thread. A cycle takes no virtual time, so neither does
 //!   the work: its result is there before the call returns, in the same cycle in each run, and traces stay equal.

@@ -163,7 +163,7 @@ pub enum FreezeProblem {
     )]
     NotImplemented,
     /// Background work is in progress; the component can be frozen once it is done. Contains a description of the work.
-    #[error("{0}, which is under way")]
+    #[error("{0} in the background")]
     Busy(String),
     /// A field cannot be represented as a datum.
     #[error(transparent)]
@@ -172,7 +172,7 @@ pub enum FreezeProblem {
 
 /// The error type of thawing a component, which is then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("`{component}` does not take the frozen state: {problem}")]
+#[error("`{component}` rejects the frozen state: {problem}")]
 pub struct ThawError {
     /// Type of the component.
     pub component: String,
@@ -187,7 +187,7 @@ pub enum ThawProblem {
     #[error("it does not implement `Component::thaw`")]
     NotImplemented,
     /// The state has another component type, contained here.
-    #[error("it is a state of `{0}`")]
+    #[error("it is the state of a `{0}`")]
     OtherComponent(String),
     /// The state was frozen by another version of the component.
     #[error("it has layout {frozen}, and this build has layout {present}")]

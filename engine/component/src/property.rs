@@ -53,7 +53,7 @@ pub enum PropertyProblem {
         /// The first difference and its place in the value.
         source: DatumError,
     },
-    /// The value is outside of the range.
+    /// The value is outside the range.
     #[error(
         "must be between {least} and {greatest}{}{unit}, not {value}",
         space(unit)

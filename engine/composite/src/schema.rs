@@ -35,9 +35,9 @@ fn document(title: &str, outline: &Outline) -> Json {
 pub fn reference() -> String {
     let mut page = String::from(
         "# Keys of composite files\n\nGenerated from the declarations in `engine`; \
-         [Composites](composites.md) explains what they are for. A key in **bold** must be there. `${properties.x}`, \
+         [Composites](composites.md) explains their use. Keys in **bold** are required. `${properties.x}`, \
          `${VARIABLE}` and `${VARIABLE:-default}` are substituted in values of properties, in times, in arguments of \
-         bindings and in endpoints; `${\u{2026}_FILE}` is the text of the file it names; `$$` is a dollar.\n",
+         bindings and in endpoints; `${\u{2026}_FILE}` is the content of the file it names; `$$` is a dollar sign.\n",
     );
     section(&mut page, "composite/1", "", &Composite::outline());
     section(&mut page, "composite-types/1", "", &TypeFile::outline());
@@ -98,7 +98,8 @@ fn value(key: &Key) -> String {
     match key.many {
         None => format!("{one}{unit}"),
         Some(Many::OneOrList) => format!("{one}, or a list"),
-        Some(Many::List(_) | Many::Tables) => format!("list of {one}{unit}"),
+        Some(Many::List(_)) => format!("list of {one}{unit}"),
+        Some(Many::Tables) => "list of tables".to_owned(),
         Some(Many::Names) => format!("{one} by name"),
     }
 }
@@ -113,7 +114,7 @@ fn kind(schema: &Json) -> String {
         return kind(first);
     }
     match schema["type"].as_str() {
-        Some("string") => "text".to_owned(),
+        Some("string") => "string".to_owned(),
         Some("boolean") => "`true` `false`".to_owned(),
         Some("object") => "table".to_owned(),
         Some("integer" | "number") => match (&schema["minimum"], &schema["maximum"]) {

@@ -1,4 +1,4 @@
-//! What is substituted in texts: values of properties, and variables. The one place that asks the environment.
+//! Substitution of properties and variables in strings; the only access to the environment.
 
 use crate::codes::c013::UnknownSetting;
 use crate::codes::c014::UnsetVariable;
@@ -87,7 +87,7 @@ impl<'s> PropertyScope<'s> {
         }
     }
 
-    /// Adds a property that is declared at `declared`; its value is `None` where it is not known, which was reported.
+    /// Adds a property that is declared at `declared`; its value is `None` if it is unknown, which has been reported.
     pub(crate) fn declare(&mut self, name: &str, value: Option<SettingValue>, declared: Span) {
         self.values.insert(name.to_owned(), (value, declared));
     }

@@ -1,4 +1,4 @@
-//! Texts with substitutions: `${properties.x}`, `${VARIABLE}` and `${VARIABLE:-default}`.
+//! Strings with substitutions: `${properties.x}`, `${VARIABLE}` and `${VARIABLE:-default}`.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use asmotion_diagnostics::Span;
 
 use crate::address::mask;
 
-/// A text with substitutions, as in `amqp://${AMQP_USER:-guest}@127.0.0.1`.
+/// A string with substitutions, as in `amqp://${AMQP_USER:-guest}@127.0.0.1`.
 #[derive(Clone, PartialEq)]
 pub struct Template {
     /// Its parts in order.
@@ -16,27 +16,27 @@ pub struct Template {
 /// A part of a [`Template`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Piece {
-    /// Text that stands for itself.
+    /// Literal text.
     Text(String),
     /// `${properties.name}`.
     Property {
         /// The property of the composite.
         name: String,
-        /// Where its name stands.
+        /// Location of the name.
         span: Span,
     },
     /// `${NAME}` or `${NAME:-default}`.
     Variable {
         /// The environment variable.
         name: String,
-        /// What holds where it is not set.
+        /// Default value; `None` if the variable must be set.
         default: Option<String>,
-        /// Where its name stands.
+        /// Location of the name.
         span: Span,
     },
 }
 
-/// As it was written, without a password that stands in it.
+/// Displays the string as written, with the password of a URL masked.
 impl fmt::Debug for Template {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let pieces = self.pieces.iter().map(|piece| match piece {
@@ -50,7 +50,7 @@ impl fmt::Debug for Template {
 }
 
 impl Template {
-    /// The text itself where nothing is substituted.
+    /// Returns the text if nothing is substituted.
     pub fn literal(&self) -> Option<&str> {
         match self.pieces.as_slice() {
             [] => Some(""),

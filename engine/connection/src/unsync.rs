@@ -1,7 +1,7 @@
 //! A cell without synchronisation, for ends that share one thread (RTT UNSYNC).
 #![expect(
     unsafe_code,
-    reason = "the promise of one thread is the caller's, and argued where it is made"
+    reason = "the caller guarantees that all ends are in one thread"
 )]
 
 use std::cell::UnsafeCell;

@@ -84,7 +84,7 @@ pub enum Receive {
     /// The newest message, however old (TCA's `receiveLast`).
     #[default]
     Last,
-    /// One message a step, in order; the others wait for the following steps (TCA's `receiveAll`).
+    /// One message per step, in order; the others wait for the following steps (TCA's `receiveAll`).
     All,
     /// None: the value is `true` in steps in which a message arrived, and `false` in all others.
     Edge,

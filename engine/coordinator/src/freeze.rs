@@ -186,7 +186,7 @@ impl Coordinator {
         if frozen.fingerprint != self.fingerprint {
             let (was, is) = (&frozen.specification, &self.specification.model.name);
             return Err(foreign(format!(
-                "it ran another text or binding of `{was}` than this coordinator of `{is}`"
+                "it ran `{was}` with another text or binding than this coordinator of `{is}`"
             )));
         }
         let snapshot = Snapshot::from_bytes(&frozen.machine).map_err(another_program)?;

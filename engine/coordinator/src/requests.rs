@@ -58,7 +58,7 @@ impl Requests {
                 reference: service.clone(),
                 operation: operation.clone(),
             })?;
-            let doc = "heard by the specification";
+            let doc = "read by the specification";
             requests.served.push(RequestInput {
                 service: service.clone(),
                 operation: operation.clone(),

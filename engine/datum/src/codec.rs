@@ -15,7 +15,7 @@ pub enum Codec {
     /// CBOR: compact, exact, with packed numeric arrays; for machines.
     #[default]
     Cbor,
-    /// JSON: exact floats, with `"NaN"` and `"Infinity"` as text; for human readers.
+    /// JSON: exact floats, with `"NaN"` and `"Infinity"` as strings; for human readers.
     Json,
     /// CDR, as used by ROS 2 and DDS; readable only with the schema.
     Cdr,

@@ -178,7 +178,7 @@ impl<'de> SeqAccess<'de> for ListAccess<'de> {
                 seed.deserialize(value.into_deserializer()).map(Some)
             }
             Some(Cow::Owned(other)) => Err(DatumError::new(DatumProblem::Mismatch(format!(
-                "{} in packed numbers",
+                "found {} among packed numbers",
                 other.kind()
             )))),
         }
@@ -217,7 +217,7 @@ impl<'de> MapAccess<'de> for RecordAccess<'de> {
         seed: V,
     ) -> Result<V::Value, DatumError> {
         let Some((name, value)) = self.value else {
-            return Err(de::Error::custom("a value was asked for before its key"));
+            return Err(de::Error::custom("value requested before its key"));
         };
         seed.deserialize(DatumDeserializer(value))
             .map_err(|error| error.within(name))
@@ -251,7 +251,7 @@ impl<'de> VariantDeserializer<'de> {
     fn content(&self) -> Result<DatumDeserializer<'de>, DatumError> {
         self.content.map(DatumDeserializer).ok_or_else(|| {
             DatumError::new(DatumProblem::Mismatch(format!(
-                "variant `{}` has content, but only its name is here",
+                "variant `{}` needs content, found only its name",
                 self.name
             )))
         })

@@ -89,7 +89,7 @@ impl Datum {
         }
     }
 
-    /// Number of elements or entries; `None` if the datum is no list, bytes or record.
+    /// Number of elements or entries; `None` if the datum is not a list, bytes or a record.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::List(elements) => Some(elements.len()),
@@ -147,7 +147,7 @@ impl Datum {
             Self::Bool(_) => "a Boolean",
             Self::Int(_) => "an integer",
             Self::Float(_) => "a number",
-            Self::Text(_) => "text",
+            Self::Text(_) => "a string",
             Self::Bytes(_) => "bytes",
             Self::Numbers(_) => "packed numbers",
             Self::List(_) => "a list",

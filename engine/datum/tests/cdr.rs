@@ -321,11 +321,11 @@ fn what_it_cannot_carry_is_said_with_its_place() {
     let outer = Schema::record("test/Outer", vec![field("all", Schema::many(inner, None))]);
     assert_eq!(
         said(&outer),
-        "`all.*.what`: CDR cannot carry what is known at run time only"
+        "`all.*.what`: CDR cannot carry a type known only at run time"
     );
     assert_eq!(
         said(&Schema::opaque("x/Y")),
-        "CDR cannot carry `x/Y`, of which only the name is known"
+        "CDR cannot carry `x/Y`, whose fields are unknown"
     );
     let none = Schema::many(u8::describe(), Some(0));
     assert_eq!(said(&none), "CDR cannot carry `uint8[0]`");
@@ -337,7 +337,7 @@ fn what_it_cannot_carry_is_said_with_its_place() {
     let written = Codec::Cdr.encode(&datum, &outer).unwrap_err();
     assert_eq!(
         written.to_string(),
-        "`all.0.what`: CDR cannot carry what is known at run time only"
+        "`all.0.what`: CDR cannot carry a type known only at run time"
     );
     for schema in [Each::schema(), Odd::schema()] {
         Codec::Cdr.carries(schema).unwrap();

@@ -235,7 +235,7 @@ fn what_does_not_fit_a_schema_says_where() {
     for (text, words) in [
         (
             r#"{"at": {"x": "1"}}"#,
-            "`at.x`: expected `float64`, found text",
+            "`at.x`: expected `float64`, found a string",
         ),
         (
             r#"{"at": {"w": 1}}"#,

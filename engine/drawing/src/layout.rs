@@ -109,7 +109,7 @@ struct FrameLayout {
     nodes: BTreeMap<usize, Rectangle>,
     frames: BTreeMap<usize, Rectangle>,
     lines: BTreeMap<usize, LinePieces>,
-    /// Where lines cross the frame, by edge: inwards at the left side, outwards at the right.
+    /// Vertical positions at which lines cross the frame, by edge: inwards at the left side, outwards at the right.
     enters: BTreeMap<usize, f64>,
     leaves: BTreeMap<usize, f64>,
 }

@@ -42,7 +42,7 @@ pub(crate) enum PictureNodeKind {
     Topic,
     /// A topic that the outside may publish and subscribe to.
     OpenTopic,
-    /// A partner outside of the composite.
+    /// A partner outside the composite.
     Outside,
 }
 
@@ -281,7 +281,7 @@ impl<'d> PictureBuilder<'d> {
         }
     }
 
-    /// Adds a partner outside of the composite.
+    /// Adds a partner outside the composite.
     fn outside(&mut self, name: String) -> Option<EdgeEnd> {
         let node = self.picture.nodes.len();
         self.picture

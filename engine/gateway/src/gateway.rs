@@ -54,7 +54,7 @@ impl Gateway {
     /// Opens a gateway to services on a bus, each operation of which has the address `SERVICE.OPERATION`.
     ///
     /// # Errors
-    /// An error if the address cannot be listened at or no thread can be started.
+    /// An error if the gateway cannot listen at the address, or if no thread can be started.
     pub fn open(
         settings: GatewaySettings,
         services: Vec<GatewayService>,

@@ -40,7 +40,7 @@ pub(crate) enum Problem {
     Argument { error: DatumError, path: String },
     #[error("{}", refusal.detail)]
     Fault { refusal: Refusal, path: String },
-    #[error("no answer within {} ms", after.as_millis())]
+    #[error("no reply within {} ms", after.as_millis())]
     Timeout { after: Duration },
     #[error("no server for `{service}`")]
     Unavailable { service: String },

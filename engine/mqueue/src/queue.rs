@@ -157,7 +157,7 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
     };
     #[expect(
         clippy::wildcard_enum_match_arm,
-        reason = "the enum lists all errors of the system, whichever call reports them"
+        reason = "the enum lists all errors of the operating system"
     )]
     match errno {
         Errno::EACCES => QueueCheckError::Denied { queue },

@@ -346,7 +346,7 @@ mod tests {
         assert_eq!(problem, "`errors`: expected uint16[3], found 1 elements");
         let text = Datum::record([("position", Datum::text("far"))]);
         let problem = encode(&text).unwrap_err().to_string();
-        assert_eq!(problem, "`position`: expected float64[], found text");
+        assert_eq!(problem, "`position`: expected float64[], found a string");
     }
 
     #[test]

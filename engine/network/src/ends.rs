@@ -10,7 +10,7 @@ use crate::remote::RemoteRoute;
 /// The remote ends of a system, except its topics.
 #[derive(Default)]
 pub(crate) struct RemoteEnds {
-    /// If there are several buses, the bus of each component, by position in the system.
+    /// The bus of each component, by position in the system; empty if there is only one bus.
     pub homes: BTreeMap<usize, String>,
     /// Publishing options by topic; topics that are not listed use the default.
     pub sending: BTreeMap<String, PublishOptions>,

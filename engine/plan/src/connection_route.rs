@@ -1,5 +1,5 @@
 //! The route from a writer to its reader, or from a caller to its service: inside a process, where real time holds, or
-//! over something that knows no real time.
+//! over a transport that is not suited to real time.
 
 use std::fmt;
 
@@ -45,7 +45,7 @@ impl Plan {
         connections.chain(topics).chain(wires).collect()
     }
 
-    /// The routes of a topic depend on all who are on it.
+    /// Returns `None` for a topic, whose routes depend on all its publishers and subscribers.
     fn route_of_connection(&self, connection: &Connection) -> Option<ConnectionRoute> {
         let over = match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => {
@@ -136,9 +136,9 @@ impl RouteTransport {
 impl fmt::Display for RouteTransport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nothing(Lock::LockFree) => f.write_str("inside, lock-free"),
-            Self::Nothing(Lock::Locked) => f.write_str("inside, by a lock"),
-            Self::Nothing(Lock::Unsync) => f.write_str("inside, in one thread"),
+            Self::Nothing(Lock::LockFree) => f.write_str("in process, lock-free"),
+            Self::Nothing(Lock::Locked) => f.write_str("in process, locked"),
+            Self::Nothing(Lock::Unsync) => f.write_str("in process, one thread"),
             Self::Mqueue => f.write_str("over a message queue"),
             Self::Broker(Some(name)) => write!(f, "over the broker `{name}`"),
             Self::Broker(None) => f.write_str("over the broker"),

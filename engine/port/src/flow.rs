@@ -13,7 +13,7 @@ pub enum Flow<T> {
 
 impl<T> Flow<T> {
     /// The sample, if it is new.
-    #[expect(clippy::new_ret_no_self, reason = "RTT's word: NewData")]
+    #[expect(clippy::new_ret_no_self, reason = "RTT's term: NewData")]
     pub fn new(self) -> Option<T> {
         match self {
             Self::NewData(sample) => Some(sample),

@@ -1,5 +1,8 @@
 //! Connections without synchronisation, for components in the same thread.
-#![expect(unsafe_code, reason = "the promise of one thread; argued below")]
+#![expect(
+    unsafe_code,
+    reason = "the guarantee that all ends are in one thread; argued below"
+)]
 
 use asmotion_connection::{BufferKind, Pool};
 
@@ -8,7 +11,7 @@ pub(crate) fn pool<T>(kind: BufferKind) -> Pool<T> {
     // SAFETY: all ends of the queue are used by one thread.
     //
     // The ends are stored in the ports of components, and nowhere else: injection ports, and writers and readers
-    // outside of the system, use connections with a lock or lock-free ones (`Policy::for_outsider`). The runtime's
+    // outside the system, use connections with a lock or lock-free ones (`Policy::for_outsider`). The runtime's
     // `ConnectionTable::admit` accepts an unsynchronised connection only between components in the same thread, where
     // one is, directly or indirectly, the other's slave.
     //

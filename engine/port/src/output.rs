@@ -35,7 +35,7 @@ pub struct OutputLink {
     pub mandatory: bool,
     /// Position of the shared queue in the connection table; `None` for a queue of its own.
     pub queue: Option<usize>,
-    /// Number of samples dropped so far. Written by the writer's thread; readers outside of the system may read it.
+    /// Number of samples dropped so far. Written by the writer's thread; readers outside the system may read it.
     pub dropped: Arc<AtomicU64>,
 }
 
@@ -53,7 +53,7 @@ pub enum Notification {
     Silent,
     /// The component at this position of the system is triggered.
     Trigger(usize),
-    /// A thread outside of the system is woken. The reference is weak, so it ends with the reader.
+    /// A thread outside the system is woken. The reference is weak, so it ends with the reader.
     Notify(Weak<Notifier>),
 }
 
@@ -121,7 +121,7 @@ impl<T: Message> OutputPort<T> {
 }
 
 impl OutputLink {
-    /// A link to the outside of the system, for example to a bus or a message queue; nothing is triggered there.
+    /// A link out of the system, for example to a bus or a message queue; nothing is triggered there.
     pub fn to_outside(to: String) -> Self {
         Self {
             readers: Vec::new(),
@@ -132,7 +132,7 @@ impl OutputLink {
         }
     }
 
-    /// A link to a reader outside of the system, and the notifier that its thread waits for.
+    /// A link to a reader outside the system, and the notifier that its thread waits for.
     pub fn to_reader(connection: ConnectionId, policy: &Policy) -> (Arc<Notifier>, Self) {
         let notifier = Arc::new(Notifier::new());
         let notification = Notification::Notify(Arc::downgrade(&notifier));

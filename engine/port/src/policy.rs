@@ -44,7 +44,7 @@ pub enum Lock {
     LockFree,
     /// A lock: one side may wait for the other.
     Locked,
-    /// None: both ends are in the same thread, because one component is the other's slave (`System::slave`).
+    /// None: both ends are in the same thread, because one component is the `master` of the other.
     Unsync,
 }
 
@@ -70,12 +70,12 @@ pub enum Sharing {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum OnStale {
-    /// The sample itself, as before.
+    /// The stale sample itself.
     #[default]
     Hold,
     /// No data, as before the first sample.
     NoData,
-    /// Once, a new sample of zeros, so that a velocity command whose writer has fallen silent becomes a stop.
+    /// A new sample of zeros, once, so that a velocity command becomes a stop if its writer falls silent.
     Zero,
 }
 
@@ -154,7 +154,7 @@ impl Policy {
         }
     }
 
-    /// The policy for an end outside of the system, which has its own thread: never unsynchronised, and with its own
+    /// The policy for an end outside the system, which has its own thread: never unsynchronised, and with its own
     /// queue.
     pub fn for_outsider(&self) -> Self {
         Self {

@@ -77,7 +77,7 @@ impl AnySender for PulledSender {
 pub enum PortSender<T> {
     /// The reader has the same type and gets the sample itself.
     Same(Sender<Stamped<T>>),
-    /// The reader has another type, or is outside of the system; it gets a pointer and converts.
+    /// The reader has another type, or is outside the system; it gets a pointer and converts.
     Shared(Box<dyn AnySender>),
 }
 

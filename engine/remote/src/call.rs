@@ -1,4 +1,4 @@
-//! Calls of operations from outside of a system: sent first, collected when they have ended.
+//! Calls of operations from outside a system: sent first, collected when they have ended.
 
 use std::sync::Arc;
 use std::time::Duration;

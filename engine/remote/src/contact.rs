@@ -95,7 +95,7 @@ impl<'p> ProcessContact<'p> {
         }
     }
 
-    /// Publishes the presence early if a new process was heard, because it may have missed messages published only
+    /// Publishes the presence early if a new process has appeared, because it may have missed messages published only
     /// once.
     fn repeat_for_new_processes(&mut self) {
         let mut is_new = false;

@@ -45,7 +45,7 @@ pub enum RemoteError {
         detail: String,
     },
     /// The component's process did not reply to an order.
-    #[error("the process `{process}` does not answer: {source}")]
+    #[error("the process `{process}` does not respond: {source}")]
     Process {
         /// Name of the process.
         process: String,

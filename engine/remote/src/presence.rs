@@ -28,7 +28,7 @@ pub struct RobotPresence {
 }
 
 impl RobotPresence {
-    /// Reads a message; `None` if it is no presence.
+    /// Reads a message; `None` if it is not a presence.
     pub fn of(envelope: &Envelope) -> Option<Self> {
         let presence = envelope.payload.to_datum().ok()?.to::<Presence>().ok()?;
         let topic = presence_topic(&presence.process);

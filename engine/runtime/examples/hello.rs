@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p asmotion-component --example hello`
 
-#![allow(clippy::print_stdout, reason = "an example tells what happened")]
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
 
 use asmotion_component::{
     Activity, Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided, Required,
@@ -41,11 +41,15 @@ impl Hello {
     /// Declares the ports, the service, the reference and the property; a constructor for [`System::add`].
     pub fn declare(interface: &mut Interface) -> Box<dyn Component> {
         Box::new(Self {
-            name: interface.input("name", "who is greeted"),
-            greeting: interface.output("greeting", "what is said"),
-            salutation: interface.property("salutation", "Hello".to_owned(), "how one greets"),
-            greet: interface.serve("greeting", "greets who asks"),
-            peer: interface.require("peer", "another one who greets"),
+            name: interface.input("name", "name to greet"),
+            greeting: interface.output("greeting", "the greeting"),
+            salutation: interface.property(
+                "salutation",
+                "Hello".to_owned(),
+                "first word of the greeting",
+            ),
+            greet: interface.serve("greeting", "greets by name"),
+            peer: interface.require("peer", "peer that greets, too"),
         })
     }
 }

@@ -193,7 +193,7 @@ impl ConnectionTable {
             (Sharing::PerOutput, _) => QueueOwner::Output(from.clone()),
             (Sharing::Shared, _) => QueueOwner::Named(policy.queue.clone()),
         };
-        // a queue without users is created anew, with the policy of its next user
+        // a queue without users is recreated with the policy of its next user
         self.queues.iter_mut().for_each(|common| {
             if common.users.is_empty() {
                 common.queue = None;

@@ -25,7 +25,7 @@ pub struct LiveContext {
     events: Arc<EventQueue>,
     /// Order number of the newest sample of the run. `Relaxed`: only the counting matters.
     order: Arc<AtomicU64>,
-    /// Set by the executor when the run ends; read by port readers and writers outside of the system.
+    /// Set by the executor when the run ends; read by port readers and writers outside the system.
     ended: Arc<AtomicBool>,
     /// Set by the thread of a failed component whose activity stops all components; cleared by the executor's thread.
     escalated: Arc<AtomicBool>,

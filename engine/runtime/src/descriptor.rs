@@ -116,7 +116,7 @@ impl ComponentStatus {
         State::from_number(self.state.load(Ordering::Acquire))
     }
 
-    /// The state that the transition under way leads to (RTT `getTargetState`); outside of a transition, the current
+    /// The state that the transition under way leads to (RTT `getTargetState`); outside a transition, the current
     /// state.
     pub(crate) fn target(&self) -> State {
         State::from_number(self.target.load(Ordering::Acquire))

@@ -138,7 +138,7 @@ pub enum Event<'a> {
     },
     /// A connection dropped a sample because it was full or could not carry the sample.
     Dropped {
-        /// Name of the writing component; empty if the writer is outside of the system.
+        /// Name of the writing component; empty if the writer is outside the system.
         component: &'a str,
         /// Name of the output port.
         port: &'a str,
@@ -146,7 +146,7 @@ pub enum Event<'a> {
         to: &'a str,
         /// Number of samples that this connection has dropped so far.
         total: u64,
-        /// Why the reader cannot read the sample; `None` if the connection was full.
+        /// Reason that the reader cannot read the sample; `None` if the connection was full.
         reason: Option<&'a DatumError>,
     },
     /// A property changed.

@@ -128,7 +128,7 @@ pub enum SystemFreezeError {
         source: CannotFreeze,
     },
     /// The system depends on something outside that cannot be frozen; contains its description.
-    #[error("{0}: that is outside of the system, and does not freeze with it")]
+    #[error("{0}, which is outside the system and cannot be frozen with it")]
     Outside(String),
     /// An unread sample, request or reply cannot be represented as a datum.
     #[error("{place}: {source}")]
@@ -144,13 +144,13 @@ pub enum SystemFreezeError {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SystemThawError {
     /// The bytes are malformed.
-    #[error("this is no frozen system: {0}")]
+    #[error("not a frozen system: {0}")]
     Malformed(DatumError),
     /// The bytes were written by another version: the version of the bytes and the current one.
     #[error("the frozen system has layout {0}, and this build has layout {1}")]
     OtherVersion(i64, u32),
     /// The state belongs to another composite; contains a description of the difference.
-    #[error("the frozen system is another one: {0}")]
+    #[error("the frozen state belongs to another system: {0}")]
     OtherSystem(String),
     /// A component rejects its state.
     #[error("`{component}`: {source}")]
@@ -183,7 +183,7 @@ pub(crate) fn trace_text(trace: Option<TraceContext>) -> Option<String> {
 pub(crate) fn trace_of(text: &Option<String>) -> Result<Option<TraceContext>, SystemThawError> {
     let read = text.as_ref().map(|text| text.parse());
     read.transpose()
-        .map_err(|_| other("a trace has no W3C text"))
+        .map_err(|_| other("a trace is not a W3C trace context"))
 }
 
 /// Returns the error for a state that belongs to another system.

@@ -1,4 +1,4 @@
-//! Injection ports: connections from outside of the system into its input ports and topics.
+//! Injection ports: connections from outside the system into its input ports and topics.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::unit::ComponentUnit;
 /// Capacity, in samples, of the queue between an injection port and its component's next cycle.
 const WAITING: usize = 64;
 
-/// A connection from outside of the system into one input port. Used by one thread at a time.
+/// A connection from outside the system into one input port. Used by one thread at a time.
 pub struct InjectionPort {
     /// Full name of the input, `component.port`.
     name: String,

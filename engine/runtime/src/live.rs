@@ -39,7 +39,7 @@ pub struct Live {
     observers: Vec<Box<dyn Observer>>,
     descriptors: Vec<ComponentDescriptor>,
     connections: ConnectionTable,
-    /// One for each component that is no slave.
+    /// One for each component that is not a slave.
     threads: Vec<Thread>,
     injections: InjectionPorts,
     /// Samples to be injected at a later time, latest first.
@@ -53,7 +53,7 @@ pub struct Live {
 
 /// The thread of a component and its slaves.
 struct Thread {
-    /// Position of the component that is no slave.
+    /// Position of the component that is not a slave.
     component: usize,
     commands: mpsc::Sender<WorkerCommand>,
     waker: Arc<ThreadWaker>,
@@ -61,7 +61,7 @@ struct Thread {
 }
 
 impl System {
-    /// Starts the system in real time, with a thread for each component that is no slave.
+    /// Starts the system in real time, with a thread for each component that is not a slave.
     ///
     /// Configures every component, then starts those with `run_on_startup`, and only then begins their cycles, all at the
     /// same time: the first cycle of each sees the others running, as in [`simulate`](Self::simulate). A component that
@@ -166,7 +166,7 @@ impl Live {
     }
 }
 
-/// Starts one thread for each component that is no slave; its slaves follow in order of addition.
+/// Starts one thread for each component that is not a slave; its slaves follow in order of addition.
 fn threads(
     units: Vec<ComponentUnit>,
     descriptors: &[ComponentDescriptor],

@@ -149,7 +149,7 @@ pub trait Run {
     /// Current state of a component; `None` if there is no such component.
     fn state(&self, component: &str) -> Option<State>;
 
-    /// The state that the transition under way leads to while its hook runs (RTT `getTargetState`); outside of a
+    /// The state that the transition under way leads to while its hook runs (RTT `getTargetState`); outside a
     /// transition, the current state.
     fn target_state(&self, component: &str) -> Option<State>;
 

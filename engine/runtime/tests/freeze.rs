@@ -204,7 +204,7 @@ fn a_system_with_another_policy_is_another_one() {
     let mut other = system(&Policy::buffer(4), &Log::new());
     assert_eq!(
         other.thaw(&frozen).unwrap_err().to_string(),
-        "the frozen system is another one: `Adder` is declared or connected in another way there"
+        "the frozen state belongs to another system: `Adder` is declared or connected differently"
     );
 }
 
@@ -220,7 +220,7 @@ fn bytes_that_are_no_system_are_refused() {
     ] {
         let refused = run.thaw(&FrozenSystem::from_bytes(bytes)).unwrap_err();
         let text = refused.to_string();
-        assert!(text.starts_with("this is no frozen system: "), "{text}");
+        assert!(text.starts_with("not a frozen system: "), "{text}");
     }
 }
 
@@ -247,7 +247,7 @@ fn what_leads_out_of_the_system_is_refused_by_name() {
     let reader = run.reader::<Number>("Adder.sum", Policy::data()).unwrap();
     assert_eq!(
         refusal(&mut run),
-        "`Adder.sum` writes to a reader outside: that is outside of the system, and does not freeze with it"
+        "`Adder.sum` writes to a reader outside, which is outside the system and cannot be frozen with it"
     );
     drop(reader);
 

@@ -462,7 +462,7 @@ fn properties_are_set_and_read_while_running() {
             .setting("n", 1_i64, "what to say")
             .range(0..=9)
             .declare();
-        let out = interface.output::<Number>("n", "what is said");
+        let out = interface.output::<Number>("n", "number sent");
         move |cycle| {
             let n = cycle.property(n);
             cycle.write(out, number(n));

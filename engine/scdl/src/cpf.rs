@@ -62,7 +62,7 @@ fn table(outer: &XmlElement, report: &mut Report) -> Table {
     }
 }
 
-/// Converts an element to a value; `None` for elements that are no properties, such as a description.
+/// Converts an element to a value; `None` for elements that are not properties, such as a description.
 fn value(element: &XmlElement, report: &mut Report) -> Option<Branch> {
     let kind = attribute(element, "type").map_or("", |kind| &kind.value);
     match (element.name.value.as_str(), kind) {
@@ -110,7 +110,7 @@ fn simple(element: &XmlElement, kind: &str, report: &mut Report) -> Option<Branc
             let number = written.parse().ok();
             (number.map(Branch::Integer), "an integer")
         }
-        _ => (None, "of a type of CPF, as `double`"),
+        _ => (None, "a CPF type, as in `double`"),
     };
     if value.is_none() {
         let wrong = WrongAttributeValue {

@@ -112,7 +112,7 @@ impl Exporter<'_> {
             self.unsayable("the bridge", &bridge.name, bridge.name.span);
         }
         for topic in &composite.topics {
-            self.unsayable("how messages are sent", &topic.name, topic.name.span);
+            self.unsayable("the message delivery", &topic.name, topic.name.span);
         }
         for connection in &composite.connections {
             let from = connection.from.iter().map(ToString::to_string);

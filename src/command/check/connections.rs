@@ -31,7 +31,7 @@ fn of_plan(plan: &Plan, terminal: &mut TerminalOutput) {
     let profile = plan.profile.as_ref();
     let profile = profile.map_or_else(String::new, |it| format!(" in profile `{it}`"));
     terminal.result(format_args!(
-        "{}{profile}: {} joined, {in_real_time} in real time",
+        "{}{profile}: {} connections, {in_real_time} in real time",
         plan.name,
         routes.len()
     ));
@@ -49,7 +49,7 @@ fn of_plan(plan: &Plan, terminal: &mut TerminalOutput) {
             real_time.to_owned(),
         ]
     });
-    for line in table::lines(&["from", "to", "topic", "way", "promise"], rows) {
+    for line in table::lines(&["from", "to", "topic", "path", "timing"], rows) {
         terminal.result(line);
     }
 }

@@ -91,7 +91,9 @@ fn diff(
     let running = component.properties()?;
     let differences = property_file::difference(&read.properties, &running);
     for (name, in_file, there) in &differences {
-        terminal.result(format_args!("{name}: {in_file} in the file, {there} there"));
+        terminal.result(format_args!(
+            "{name}: {in_file} in the file, {there} in the component"
+        ));
     }
     for name in &read.missing {
         terminal.result(format_args!("{name}: not in the file"));

@@ -53,7 +53,7 @@ impl ReplSession {
         let report = &self.history.session().specification.report;
         terminal.report(report, &self.history.session().specification.sources);
         terminal.say(format_args!(
-            "{FAINT}`step` does a step, `set x := 1` sets an input, a term gives its value, `help` tells the rest{FAINT:#}"
+            "{FAINT}`step` executes a step, `set x := 1` sets an input, a term prints its value, `help` lists all commands{FAINT:#}"
         ));
     }
 
@@ -132,7 +132,7 @@ impl ReplSession {
         }
         if is_run {
             let done = self.machine().steps() - from;
-            terminal.result(format_args!("{FAINT}{done} steps, and no break{FAINT:#}"));
+            terminal.result(format_args!("{FAINT}{done} steps without a break{FAINT:#}"));
             self.tell_watches(terminal);
         }
         Ok(())
@@ -343,7 +343,7 @@ impl ReplSession {
                 .undo(usize::try_from(count).unwrap_or(usize::MAX));
             let steps = self.machine().steps();
             terminal.result(format_args!(
-                "{FAINT}{undone} undone, {steps} steps are left{FAINT:#}"
+                "{FAINT}{undone} undone, {steps} steps left{FAINT:#}"
             ));
             self.tell_watches(terminal);
         }
@@ -396,7 +396,7 @@ impl ReplSession {
         for input in step.inputs() {
             let location = simulate::location(machine, input.slot);
             let hint = if input.value.is_undef() {
-                format!("  (`set {location} := …` gives it one)")
+                format!("  (`set {location} := …` sets it)")
             } else {
                 String::new()
             };

@@ -114,7 +114,7 @@ pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
         terminal.result(format_args!("  driven     {driven:.1} m{distance}"));
     }
     if !summary.received.0.is_empty() {
-        terminal.result(format_args!("  heard      {}", summary.received));
+        terminal.result(format_args!("  received   {}", summary.received));
     }
     if !summary.calls.0.is_empty() {
         let failed = summary.failed_calls;
@@ -124,7 +124,7 @@ pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
         ));
     }
     terminal.result(format_args!(
-        "  steps      {} that wrote something, {} changes of control state",
+        "  steps      {} with updates, {} changes of control state",
         summary.steps, summary.transitions
     ));
     for fault in &summary.faults {
@@ -132,7 +132,7 @@ pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
     }
     let wall = ended.wall.as_secs_f64();
     terminal.say(format_args!(
-        "  {FAINT}{wall:.2} s on the wall: {:.0} times real time{FAINT:#}",
+        "  {FAINT}{wall:.2} s of wall-clock time: {:.0} times real time{FAINT:#}",
         seconds / wall.max(1e-9)
     ));
 }

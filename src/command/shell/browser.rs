@@ -45,7 +45,7 @@ impl Browser {
     pub fn print_banner(&self, terminal: &mut TerminalOutput) {
         let count = self.remote.components().len();
         terminal.say(format_args!(
-            "{FAINT}{count} components; `ls` shows them, `cd COMPONENT` enters one, `help` tells the rest{FAINT:#}"
+            "{FAINT}{count} components; `ls` shows them, `cd COMPONENT` enters one, `help` lists all commands{FAINT:#}"
         ));
     }
 

@@ -45,7 +45,7 @@ impl TestResult {
     }
 }
 
-/// How a scenario ended.
+/// Outcome of a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestEnd {
     /// Ran to a verdict.

@@ -44,14 +44,14 @@ impl Hz {
             });
         let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
         terminal.result(format_args!(
-            "{:.1} Hz: {} messages, {least:.1} to {most:.1} ms between two",
+            "{:.1} Hz: {} messages, {least:.1} to {most:.1} ms apart",
             1e3 / mean,
             arrivals.len()
         ));
         let received = subscription.received();
         if received.missed + received.dropped > 0 {
             terminal.result(format_args!(
-                "{} lost, {} dropped by this reader",
+                "{} lost, {} dropped by this subscriber",
                 received.missed, received.dropped
             ));
         }

@@ -26,7 +26,7 @@ pub struct Pub {
     #[arg(long, default_value_t = 1)]
     count: u64,
 
-    /// Messages a second
+    /// Messages per second
     #[arg(long, default_value_t = 1.0)]
     rate: f64,
 }
@@ -61,7 +61,7 @@ impl Pub {
             return Err(format!("{} refused, {} lost", sent.refused, sent.lost));
         }
         if sent.unheard > 0 {
-            terminal.warn(format_args!("`{}` has no reader", self.topic));
+            terminal.warn(format_args!("`{}` has no subscriber", self.topic));
         }
         Ok(Exit::Ok)
     }

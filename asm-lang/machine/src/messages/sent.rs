@@ -54,7 +54,7 @@ pub enum SentKind {
     },
 }
 
-/// The reason why a call ended without a reply.
+/// The reason that a call ended without a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CallFault {
     /// The deadline passed.

@@ -57,7 +57,7 @@ pub trait NativeRule: Send + Sync {
     fn run(&self, run: &mut StepContext<'_>) -> Result<(), RuleStopped>;
 }
 
-/// The reason why a machine uses closures although native code was requested.
+/// The reason that a machine uses closures although native code was requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoNativeCode {
     /// The build has no code generator: the cargo feature `native` is off.

@@ -12,7 +12,7 @@ use asmotion_machine::{FaultKind, StepFault};
 pub enum Verdict {
     /// All checks and invariants hold.
     Pass,
-    /// A check failed, a `step until` reached its limit, or a picked value is no candidate.
+    /// A check failed, a `step until` reached its limit, or a picked value is not a candidate.
     Fail,
     /// An invariant was violated.
     Invariant,

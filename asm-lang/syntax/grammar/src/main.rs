@@ -1,7 +1,7 @@
 //! Generates the parser of `asmotion-syntax` from its grammar: `cargo run -p asmotion-grammar`.
 #![expect(
     clippy::disallowed_methods,
-    reason = "a tool of developers; only the language itself reads and writes no files"
+    reason = "a developer tool; only the language itself must not access files"
 )]
 //!
 //! The generated parser is part of the repository, so that building asmotion does not need LALRPOP.
@@ -47,7 +47,7 @@ mod tests {
         let found = fs::read_to_string(source("grammar.rs")).unwrap();
         assert!(
             found == wanted,
-            "the grammar has changed and its parser has not: `cargo run -p asmotion-grammar` writes it anew"
+            "the parser is out of date: regenerate it with `cargo run -p asmotion-grammar`"
         );
     }
 }

@@ -37,7 +37,7 @@ impl<'input> Explainer<'input, '_> {
         };
         #[expect(
             clippy::wildcard_enum_match_arm,
-            reason = "few signs are written by mistake"
+            reason = "only a few signs are typical mistakes"
         )]
         match sign {
             Sign::Eq if expected.has(":=") => Some(EqualsForUpdate { at }.diagnostic()),

@@ -140,7 +140,7 @@ impl<'input> Explainer<'input, '_> {
         };
         #[expect(
             clippy::wildcard_enum_match_arm,
-            reason = "few of the keywords open a construct with a part that is easily forgotten"
+            reason = "only a few keywords open a construct with a part that is often forgotten"
         )]
         let (missing, after) = match word {
             Keyword::If if expected.has("then") => ("then", "the guard of `if`"),

@@ -167,7 +167,7 @@ impl Nodes<'_, '_> {
             .iter()
             .any(|rule| matches!(*rule.kind, RuleKind::Invalid))
         {
-            return; // what looks like a rule may be a part of what was not understood
+            return; // an apparent rule may be part of a construct that failed to parse
         }
         match rules.iter().find_map(misspelled_word) {
             Some((found, meant)) => self.findings.report(UnknownWord { found, meant }),

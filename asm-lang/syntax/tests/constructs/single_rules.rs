@@ -1,4 +1,4 @@
-//! Rules outside of a file.
+//! Rules outside a file.
 
 use asmotion_diagnostics::FileId;
 use asmotion_syntax::{parse_assignment, parse_rule, parse_term_in};

@@ -1,4 +1,4 @@
-//! Terms outside of a file.
+//! Terms outside a file.
 
 use asmotion_diagnostics::FileId;
 use asmotion_syntax::parse_term;

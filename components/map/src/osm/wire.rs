@@ -3,7 +3,7 @@
 //! Reading copies nothing: a message is a slice, and each length is checked against the remaining bytes. No input can
 //! cause a panic, or the allocation of more than a small multiple of its own size.
 
-/// The reason that bytes are no protobuf message.
+/// The reason that bytes are not a protobuf message.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ProtobufError {
     /// A number or a length extends beyond the end.

@@ -64,7 +64,7 @@ impl Workshop for Standard<'_> {
             Implementation::Process(_) => Err("other programs cannot be started yet".to_owned()),
             Implementation::Ros(_) => Err("ROS nodes cannot be started yet".to_owned()),
             Implementation::Orocos(_) => {
-                Err("components of Orocos cannot be joined yet".to_owned())
+                Err("Orocos components cannot be connected yet".to_owned())
             }
         }
     }

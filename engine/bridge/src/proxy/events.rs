@@ -18,7 +18,7 @@ pub(super) struct ProxyEvents {
 impl ProxyEvents {
     pub(super) fn declare(notify: &ProxyNotification, interface: &mut Interface) -> Self {
         let (reference, service) = (&notify.reference, &notify.interface);
-        let doc = "hears of the target";
+        let doc = "receives the events of the target";
         Self {
             listener: interface.require_of(reference, service, &notify.operation, doc),
             notify: notify.clone(),

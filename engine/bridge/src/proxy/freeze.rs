@@ -67,7 +67,7 @@ impl PortProxy {
             && frozen.motion.is_some() == self.motion.is_some()
             && frozen.is_stale.is_some() == self.events.is_some();
         if !fits {
-            let what = "it is a state of a proxy with another map".to_owned();
+            let what = "it is the state of a proxy with a different map".to_owned();
             return Err(ThawError {
                 component: COMPONENT.to_owned(),
                 problem: ThawProblem::Foreign(what),

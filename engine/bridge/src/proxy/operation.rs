@@ -41,10 +41,12 @@ impl ProxiedOperation {
     pub(super) fn declare(mapped: &Mapped, interface: &mut Interface) -> Self {
         let doc = match mapped.mode {
             ReplyMode::OneWay => "writes a port of the target",
-            ReplyMode::Taken => "writes a port of the target; replies when it was read",
-            ReplyMode::Done => "writes a port of the target; replies when the motion has ended",
+            ReplyMode::Taken => {
+                "writes a port of the target; replies once the sample has been read"
+            }
+            ReplyMode::Done => "writes a port of the target; replies once the motion has ended",
             ReplyMode::Last => "reads the last sample of a port of the target",
-            ReplyMode::All => "reads the samples of a port of the target since the last call",
+            ReplyMode::All => "reads the samples of a port of the target since the previous call",
         };
         let handle = interface.serve_of(&mapped.service, &mapped.interface, &mapped.operation, doc);
         Self {

@@ -74,11 +74,11 @@ pub struct ProxyNotification {
     pub conversion: Conversion,
     /// Send `busy` when a command is accepted.
     pub busy: bool,
-    /// When to send `idle`: the motion has ended. `None` for never.
+    /// Condition for sending `idle`: the motion has ended. `None` for never.
     pub idle: Option<IdleCriterion>,
-    /// Which samples to report as `refresh`. `None` for no samples.
+    /// Samples to report as `refresh`. `None` for no samples.
     pub refresh: Option<MessageCondition>,
-    /// Which samples to report as `fault`. `None` for no samples.
+    /// Samples to report as `fault`. `None` for no samples.
     pub fault: Option<MessageCondition>,
     /// Time without samples after which `stale` is sent. `None` for never.
     pub stale: Option<Duration>,

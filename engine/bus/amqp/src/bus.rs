@@ -50,7 +50,7 @@ impl AmqpBus {
     ///
     /// # Errors
     /// [`BusError::BadName`] if a name of the process or the virtual host is too long for AMQP,
-    /// [`BusError::Disconnected`] if the system refuses a thread. A broker that does not answer is no error.
+    /// [`BusError::Disconnected`] if the system refuses a thread. A broker that does not respond is not an error.
     pub fn open(settings: AmqpSettings) -> Result<Self, BusError> {
         for name in [&settings.process, &settings.services(), &settings.vhost] {
             // the longest name derived from it is a queue's, which is truncated

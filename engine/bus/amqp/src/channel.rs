@@ -13,7 +13,7 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 /// Result of the AMQP client's calls.
 pub(crate) type AmqpResult<T> = Result<T, amqprs::error::Error>;
 
-/// Messages that the broker sends on a channel of its own accord.
+/// Unsolicited messages from the broker on a channel.
 #[derive(Debug)]
 pub(crate) enum BrokerEvent {
     /// Confirms this publication, and all before it if `multiple`.
@@ -91,7 +91,7 @@ impl ChannelCallback for ChannelListener {
 pub(crate) async fn to_the_end<T: Send + 'static>(
     question: impl Future<Output = AmqpResult<T>> + Send + 'static,
 ) -> AmqpResult<T> {
-    let broke = |_| amqprs::error::Error::InternalChannelError("the client broke".to_owned());
+    let broke = |_| amqprs::error::Error::InternalChannelError("the client failed".to_owned());
     tokio::spawn(question).await.map_err(broke)?
 }
 

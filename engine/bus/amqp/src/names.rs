@@ -72,7 +72,7 @@ pub(crate) fn short(name: &str, text: &str) -> Result<(), BusError> {
     }
     Err(BusError::BadName {
         name: name.to_owned(),
-        reason: format!("{} bytes, and AMQP has {LONGEST}", text.len()),
+        reason: format!("{} bytes, but AMQP allows {LONGEST}", text.len()),
     })
 }
 

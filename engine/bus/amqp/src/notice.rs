@@ -47,14 +47,14 @@ impl fmt::Display for BusNotice {
         match self {
             Self::Connected { broker } => write!(f, "connected to {broker}"),
             Self::Disconnected { reason } => write!(f, "no connection: {reason}"),
-            Self::Blocked => f.write_str("the broker takes no messages"),
-            Self::Unblocked => f.write_str("the broker takes messages again"),
+            Self::Blocked => f.write_str("the broker accepts no messages"),
+            Self::Unblocked => f.write_str("the broker accepts messages again"),
             Self::Refused { what, reason } => write!(f, "`{what}` was refused: {reason}"),
             Self::Unreadable { what, reason } => {
-                write!(f, "a message on `{what}` cannot be read: {reason}")
+                write!(f, "cannot decode a message on `{what}`: {reason}")
             }
             Self::Unwritable { what, reason } => {
-                write!(f, "a message on `{what}` cannot be written: {reason}")
+                write!(f, "cannot encode a message for `{what}`: {reason}")
             }
         }
     }

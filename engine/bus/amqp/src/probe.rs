@@ -35,7 +35,7 @@ pub(crate) enum ProbeError {
     Refused(String),
     #[error("not an AMQP broker")]
     Stranger,
-    #[error("no encrypted connection: {0}")]
+    #[error("cannot open an encrypted connection: {0}")]
     Encryption(String),
 }
 
@@ -48,7 +48,7 @@ struct Method {
 /// Opens a trial connection, through `connector` if the link is encrypted.
 ///
 /// # Errors
-/// The reason why the broker is unreachable or rejects the credentials or the virtual host.
+/// The reason that the broker is unreachable or rejects the credentials or the virtual host.
 pub(crate) async fn probe(
     settings: &AmqpSettings,
     connector: Option<&TlsConnector>,
@@ -130,7 +130,7 @@ async fn send(
     stream.write_all(&frame).await
 }
 
-/// Reads the expected method, or the reason why the broker closes instead.
+/// Reads the expected method, or the reason that the broker closes instead.
 async fn expect(
     stream: &mut (impl AsyncRead + AsyncWrite + Unpin),
     due: u16,

@@ -91,7 +91,7 @@ impl Publisher for AmqpPublisher {
         };
         if !self.lane.outbox().put(item, self.link.is_open()) {
             let reason = match self.link.health().link {
-                asmotion_bus::LinkState::Up => "more comes than goes".to_owned(),
+                asmotion_bus::LinkState::Up => "the outbox is full".to_owned(),
                 asmotion_bus::LinkState::Blocked { reason }
                 | asmotion_bus::LinkState::Down { reason } => reason.to_string(),
             };

@@ -41,10 +41,10 @@ pub(crate) async fn feel(link: &Link, pair: &ConnectionPair) -> String {
             return format!("the broker is silent for {:?}", timing.dead);
         }
         let health = if silence > timing.silent {
-            let reason = "the broker does not answer".into();
+            let reason = "the broker does not respond".into();
             asmotion_bus::LinkState::Down { reason }
         } else if publishing.silence() > timing.silent {
-            let reason = "the broker takes no messages: it is short of memory or disk".into();
+            let reason = "the broker accepts no messages: it is short of memory or disk".into();
             asmotion_bus::LinkState::Blocked { reason }
         } else {
             asmotion_bus::LinkState::Up

@@ -123,9 +123,9 @@ impl Credentials {
         let mut lines = text.lines();
         match (lines.next(), lines.next()) {
             (Some(user), Some(password)) => Ok(Self::new(user, password)),
-            (None, _) | (_, None) => {
-                Err(unread("the user and the password are two lines".to_owned()))
-            }
+            (None, _) | (_, None) => Err(unread(
+                "expected two lines: the user and the password".to_owned(),
+            )),
         }
     }
 

@@ -123,7 +123,7 @@ impl SubscriberTask {
             .map_err(|_| ChannelError::Lost)?;
         if self.link.is_poisoned() && channel::purge(&pair.consumers, &self.queue).await.is_ok() {
             let what = self.pattern.to_string();
-            let reason = "the client broke at it again and again; what waited was thrown away";
+            let reason = "the client failed on it repeatedly; the waiting messages were discarded";
             self.link.note(BusNotice::Unreadable {
                 what,
                 reason: reason.to_owned(),

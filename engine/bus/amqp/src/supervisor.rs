@@ -39,7 +39,7 @@ pub(crate) async fn supervise(link: Arc<Link>) {
                     live(&link, pair, closes).await
                 }
                 Ok(Err(reason)) => LinkFailure::Said(reason),
-                Err(_) => LinkFailure::Said(format!("no answer within {:?}", timing.connect)),
+                Err(_) => LinkFailure::Said(format!("no response within {:?}", timing.connect)),
             };
             link.broke_in_reading(end == LinkFailure::Reading && begun.elapsed() < SHORT);
             let reason = end.to_string();
@@ -79,7 +79,7 @@ impl fmt::Display for LinkFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Said(reason) => f.write_str(reason),
-            Self::Reading | Self::Writing => f.write_str("the connection broke"),
+            Self::Reading | Self::Writing => f.write_str("the connection was lost"),
         }
     }
 }
@@ -98,7 +98,7 @@ async fn live(
         reason = pulse::feel(link, &pair) => LinkFailure::Said(reason),
         _ = pair.publishers.listen_network_io_failure() => LinkFailure::Writing,
         _ = pair.consumers.listen_network_io_failure() => LinkFailure::Reading,
-        () = link.worn() => LinkFailure::Said("too many channels were refused on it".to_owned()),
+        () = link.worn() => LinkFailure::Said("the broker refused too many channels of the connection".to_owned()),
     };
     link.end();
     tokio::spawn(async move { pair.hang_up().await });

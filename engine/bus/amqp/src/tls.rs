@@ -31,7 +31,7 @@ impl TlsSettings {
     /// Creates the TLS connector. Reads the files each time, so that certificates can be renewed while the bus runs.
     ///
     /// # Errors
-    /// A description of the file that cannot be read or is no PEM.
+    /// A description of the file that cannot be read or is not PEM.
     pub(crate) fn connector(&self) -> Result<TlsConnector, String> {
         let provider = Arc::new(ring::default_provider());
         let config = ClientConfig::builder_with_provider(provider)

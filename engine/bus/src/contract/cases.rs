@@ -23,36 +23,39 @@ pub(super) const CASES: &[(&str, ContractCase)] = &[
     ("delivers what is published", delivers),
     ("keeps the order of a publisher", keeps_order),
     ("numbers messages without gaps", numbers),
-    ("carries what is known of a message", carries_facts),
+    ("carries the metadata of a message", carries_facts),
     ("carries data exactly", carries_exactly),
     ("gives every subscriber every message", fans_out),
-    ("joins all publishers of a topic", joins_publishers),
+    ("merges all publishers of a topic", joins_publishers),
     ("matches patterns", matches_patterns),
     ("keeps the latest", keeps_latest),
     ("drops the oldest and counts", drops_oldest),
     ("drops the newest and counts", drops_newest),
-    ("has no past", has_no_past),
-    ("repeats the last to those who came late", repeats_last),
-    ("forgets who leaves", forgets),
-    ("is not stalled by one who does not read", never_stalls),
+    ("delivers no earlier messages", has_no_past),
+    ("repeats the last message to late subscribers", repeats_last),
+    ("forgets subscribers that leave", forgets),
+    (
+        "is not stalled by a subscriber that does not read",
+        never_stalls,
+    ),
     ("answers a request", answers),
-    ("passes a refusal on", refuses),
+    ("passes on a refusal", refuses),
     ("ends a call at its deadline", times_out),
-    ("knows when nobody serves", unavailable),
+    ("reports that no server is available", unavailable),
     ("tells callers when a server leaves", server_leaves),
     (
         "tells the caller when a request is dropped",
         request_dropped,
     ),
     ("has one server at an address", one_server),
-    ("bounds the requests that wait", bounds_requests),
-    ("drops requests that nobody waits for", drops_expired),
-    ("takes a call back", takes_back),
-    ("tells and waits for no answer", tells),
+    ("limits the number of waiting requests", bounds_requests),
+    ("drops expired requests", drops_expired),
+    ("cancels a call", takes_back),
+    ("sends a one-way call without waiting", tells),
     ("calls back", calls_back),
     ("carries a trace", carries_trace),
-    ("confirms what it is to confirm", confirms),
-    ("is well", is_well),
+    ("confirms messages on request", confirms),
+    ("is healthy", is_well),
 ];
 
 /// Time within which a message crosses any bus.
@@ -455,7 +458,7 @@ fn takes_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let until = Instant::now() + CROSSING;
     while begun.is_awaited() {
         if Instant::now() > until {
-            return Err("the server never learnt that nobody waits".to_owned());
+            return Err("the server was not notified of the cancellation".to_owned());
         }
         std::thread::sleep(Duration::from_millis(10));
     }

@@ -122,7 +122,7 @@ impl<'s> Across<'s, '_> {
             let inside = [from, to].map(|end| self.home(end)) == [Some(Home::Inside); 2];
             if inside && wire.binding.is_none() && wire.broker.is_none() {
                 let what = format!("the wire from `{}` to `{service}`", wire.reference);
-                let why = "both have no broker".to_owned();
+                let why = "neither has a broker".to_owned();
                 self.no_broker(what, processes, why, wire.reference.span());
             }
         }

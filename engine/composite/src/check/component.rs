@@ -72,7 +72,7 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
     }
 }
 
-/// When a component cycles: the names it refers to, and keys without effect.
+/// Checks the schedule of a component: the names it refers to, and keys without effect.
 fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
     let Some(pace) = component.pace() else {
         return;

@@ -156,7 +156,7 @@ fn dangling(
 }
 
 /// Returns the location of a member of a component: its declaration if it is in the same file, otherwise the name of
-/// the component. Members of a nested composite are declared in another file, which may be correct by itself.
+/// the component. Members of a nested composite are declared in another file, which may be correct on its own.
 pub(crate) fn own_place(part: &CheckedComponent<'_>, at: Option<Span>) -> Span {
     let name = part.component.name.span;
     at.filter(|at| at.file == name.file).unwrap_or(name)

@@ -54,7 +54,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// timeout_ms = 1000
 /// ```
 ///
-/// An operation has no reply if the wire says `oneway = true`, if its reply message is empty, or if the
+/// An operation has no reply if the wire has `oneway = true`, if its reply message is empty, or if the
 /// out function that declares it has the codomain `Rule`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C034, error)]

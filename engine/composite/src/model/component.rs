@@ -22,14 +22,14 @@ pub struct Component {
     /// Name of the component, unique in the composite.
     #[key(entry = thing)]
     pub name: At<String>,
-    /// Implementation of the component; `None` if it is missing or invalid.
+    /// Program, specification or composite that implements the component.
     #[key(needed, example = "{ rust = \"nav::MapServer\" }")]
     pub implementation: Option<Implementation>,
     /// Profiles that include it; all if empty.
     #[key(name = "profile", example = "\"sim\"")]
     pub profiles: Vec<At<String>>,
     /// Description.
-    #[key(example = "\"what it is for\"")]
+    #[key(example = "\"Plans paths on a grid\"")]
     pub doc: Option<At<String>>,
     /// Schedule of a component reachable over a broker.
     #[key(example = "{ period_ms = 50 }")]

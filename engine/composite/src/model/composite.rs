@@ -68,14 +68,14 @@ pub struct Head {
     /// Name of the composite; also the name of the robot on the bus unless another is given at startup.
     #[key(needed, example = "\"navigation\"")]
     pub name: Option<At<String>>,
-    /// Version.
+    /// Version of the composite, shown by `asmotion describe`.
     #[key(example = "\"1.0.0\"")]
     pub version: Option<At<String>>,
     /// SCDL namespace of its names; may be shared with other composites.
     #[key(example = "\"http://robots.example/navigation\"")]
     pub namespace: Option<At<String>>,
     /// Description.
-    #[key(example = "\"what it is for\"")]
+    #[key(example = "\"Navigation of a rover\"")]
     pub doc: Option<At<String>>,
     /// Files with message types.
     #[key(example = "[\"types.toml\"]")]

@@ -1,4 +1,4 @@
-//! Ends (`Component.port`), terminals (`topic:plan`), paths into messages and conditions, read from their texts.
+//! Ends (`Component.port`), terminals (`topic:plan`), paths into messages and conditions, parsed from strings.
 
 use super::component::{Condition, MessagePath};
 use super::wiring::{End, Terminal};

@@ -83,7 +83,7 @@ pub struct Gateway {
     #[key(range = 1..=10_000, default = 64)]
     pub max_connections: Option<At<u64>>,
     /// Maximum size of a request body.
-    #[key(unit = "thousands of bytes", range = 1..=1_000_000, default = 1000)]
+    #[key(unit = "kilobytes", range = 1..=1_000_000, default = 1000)]
     pub max_body_kb: Option<At<u64>>,
 }
 

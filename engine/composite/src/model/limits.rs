@@ -1,7 +1,7 @@
 //! Limits and defaults that several tables share.
 
-/// No wait is longer than a day.
+/// Upper bound of all delays: one day, in milliseconds.
 pub(super) const DAY_MS: u64 = 86_400_000;
 
-/// How long a call may take where the wire does not say.
+/// Default time limit of a call, in milliseconds.
 pub const DEFAULT_TIMEOUT_MS: u64 = 1000;

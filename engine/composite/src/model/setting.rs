@@ -27,7 +27,7 @@ pub struct Property {
     /// Maximum value.
     pub max: Option<At<f64>>,
     /// Description.
-    #[key(example = "\"what it is for\"")]
+    #[key(example = "\"Safety distance around obstacles\"")]
     pub doc: Option<At<String>>,
 }
 

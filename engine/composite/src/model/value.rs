@@ -1,4 +1,4 @@
-//! How the values of the model that are no tables are read, and what they stand for.
+//! Reads and resolves the values of the model other than tables.
 
 use std::net::SocketAddr;
 
@@ -64,7 +64,7 @@ words! {
     ProxyMode PublishWhen Receive RestartPolicy Scheduler Sharing Tls Transport
 }
 
-/// The words, and below their documentation what each means.
+/// Documents the words, below the documentation of their key.
 fn words<W: Word>() -> Json {
     let meanings = W::WORDS.iter();
     let meanings = meanings.map(|(word, _, doc)| format!("- `{word}`: {doc}"));
@@ -72,7 +72,7 @@ fn words<W: Word>() -> Json {
     json!({ "enum": W::words(), "$comment": meanings.join("\n") })
 }
 
-/// Values that are written as a text.
+/// Values written as strings.
 macro_rules! texts {
     ($($kind:ty: |$reader:ident, $text:ident| $read:expr;)*) => {
         $(impl Value for $kind {
@@ -160,7 +160,7 @@ impl Value for PropertyType {
     }
 }
 
-/// Values that are known by their text.
+/// Values identified by a string.
 macro_rules! plain {
     ($($kind:ty => $resolved:ty: |$it:ident| $value:expr;)*) => {
         $(impl Resolve for $kind {

@@ -75,7 +75,7 @@ pub(super) fn within(
     }
 }
 
-/// The shape of one value of a type; addresses, paths and secrets are texts.
+/// The shape of one value of a type; addresses, paths and secrets are strings.
 fn shape(scalar: Scalar) -> Shape {
     primitive(scalar.word()).map_or(Shape::Text, |schema| schema.shape)
 }

@@ -73,7 +73,7 @@ pub fn scope<'s>(
     scope
 }
 
-/// A default; what the environment gives is text, also where a number is wanted.
+/// Evaluates a default. Values from the environment are strings, and are parsed as the property's type.
 fn default(
     scope: &PropertyScope<'_>,
     property: &Property,
@@ -89,9 +89,9 @@ fn default(
     }
 }
 
-/// A path counts from the folder of the file it is written in, wherever the run is begun. What was
-/// substituted is already where it belongs: a property of this type was read by these lines, and a
-/// variable comes from outside all files.
+/// Resolves a path relative to the folder of the file that contains it, independent of the working directory. Substituted
+/// paths are already resolved: a property of this type has passed through this function, and a variable comes from
+/// outside all files.
 fn beside(
     kind: PropertyType,
     value: SettingValue,

@@ -76,7 +76,7 @@ impl<T: Resolve> Resolve for At<T> {
     }
 }
 
-/// Values that stand for themselves.
+/// Values that resolve to themselves.
 macro_rules! plain {
     ($($kind:ty)*) => {
         $(impl Resolve for $kind {

@@ -1,4 +1,4 @@
-//! Values that are no tables: texts, numbers, whatever TOML can write.
+//! Values other than tables: strings, numbers and arbitrary TOML values.
 
 use serde_json::{Value as Json, json};
 
@@ -130,7 +130,7 @@ impl Value for Dialect {
     }
 }
 
-/// Reads all substitutions in a value, only to say which are malformed.
+/// Reports the malformed substitutions in a value.
 pub(crate) fn templates(reader: &mut Reader<'_>, key: &str, node: &Node) {
     match &node.value {
         Branch::Text(_) => {

@@ -51,7 +51,7 @@ pub(crate) struct Definition {
     #[key(entry = any)]
     pub name: At<String>,
     /// Description.
-    #[key(example = "\"what it is for\"")]
+    #[key(example = "\"Positions of the joints\"")]
     #[expect(dead_code, reason = "for people")]
     pub doc: Option<At<String>>,
     /// Fields with their types: a name, a list `name[]` or an array `name[5]`.

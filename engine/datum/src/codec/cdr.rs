@@ -84,8 +84,8 @@ fn shapeless(schema: &Schema) -> DatumError {
     DatumError::new(DatumProblem::Uncarried {
         codec: "CDR",
         shape: match (&schema.shape, schema.name.is_empty()) {
-            (Shape::Any, true) => "what is known at run time only".to_owned(),
-            (Shape::Any, false) => format!("`{schema}`, of which only the name is known"),
+            (Shape::Any, true) => "a type known only at run time".to_owned(),
+            (Shape::Any, false) => format!("`{schema}`, whose fields are unknown"),
             (_, _) => format!("`{schema}`"),
         },
     })

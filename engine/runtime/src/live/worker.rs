@@ -31,7 +31,7 @@ enum NextStep {
     Sleep,
 }
 
-/// The components of a thread: one that is no slave, and its slaves.
+/// The components of a thread: one that is not a slave, and its slaves.
 pub(crate) struct Worker {
     members: Vec<WorkerMember>,
     commands: mpsc::Receiver<WorkerCommand>,
@@ -45,7 +45,7 @@ pub(crate) struct Worker {
 struct WorkerMember {
     unit: ComponentUnit,
     waker: Arc<ThreadWaker>,
-    /// When the next periodic cycle is due; for an event-driven component, its first cycle.
+    /// Time of the next periodic cycle; for an event-driven component, of its first cycle.
     due: Time,
 }
 
@@ -88,7 +88,7 @@ impl Worker {
         }
     }
 
-    /// Applies the scheduling class and the processors of the component that is no slave to the thread.
+    /// Applies the scheduling class and the processors of the component that is not a slave to the thread.
     fn adopt_schedule(&mut self) {
         let masters = |member: &&WorkerMember| member.unit.master.is_none();
         let Some(WorkerMember { unit, .. }) = self.members.iter().find(masters) else {
@@ -102,7 +102,7 @@ impl Worker {
         }
     }
 
-    /// Carries out waiting commands. Returns whether to go on.
+    /// Carries out waiting commands. Returns whether to continue.
     fn attend(&mut self) -> bool {
         loop {
             match self.commands.try_recv() {

@@ -1,4 +1,4 @@
-//! Calls of operations from outside of a system: sent first, collected when they have ended.
+//! Calls of operations from outside a system: sent first, collected when they have ended.
 
 use std::sync::{Arc, mpsc};
 
@@ -8,7 +8,7 @@ use asmotion_port::Time;
 
 use crate::handle::RunHandle;
 
-/// A call from outside of a system (RTT `SendHandle`).
+/// A call from outside a system (RTT `SendHandle`).
 pub struct SentCall<O: Operation> {
     pub(super) answered: mpsc::Receiver<Result<Arc<dyn Sample>, CallError>>,
     pub(super) deadline: Time,

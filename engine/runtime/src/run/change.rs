@@ -84,12 +84,12 @@ impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Connect { from, to, .. } => write!(f, "`{from}` is connected to `{to}`"),
-            Self::Disconnect { from, to } => write!(f, "`{from}` is parted from `{to}`"),
+            Self::Disconnect { from, to } => write!(f, "`{from}` is disconnected from `{to}`"),
             Self::Wire {
                 reference, service, ..
             } => write!(f, "`{reference}` is wired to `{service}`"),
             Self::Unwire { reference, service } => {
-                write!(f, "`{reference}` leaves `{service}`")
+                write!(f, "`{reference}` is unwired from `{service}`")
             }
             Self::Set { component, values } => {
                 let values = values.iter();

@@ -1,4 +1,4 @@
-//! Port readers: threads outside of a system that read one of its outputs, each through its own connection.
+//! Port readers: threads outside a system that read one of its outputs, each through its own connection.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -13,8 +13,8 @@ use crate::handle::RunHandle;
 /// Longest sleep between two checks of `ended`.
 const NAP: Duration = Duration::from_millis(100);
 
-/// Reads an output port from outside of the system; see [`Run::reader`](crate::Run::reader). Each read freezes the
-/// input anew: a sample that was new at the last read is old at the next.
+/// Reads an output port from outside the system; see [`Run::reader`](crate::Run::reader). Each read freezes the
+/// input again: a sample that is new at one read is old at the next.
 pub struct PortReader<T: Message> {
     pub(super) port: String,
     pub(super) input: InputPort<T>,
@@ -32,7 +32,7 @@ pub struct PortSubscription {
     thread: Option<JoinHandle<()>>,
 }
 
-/// When a subscription reads.
+/// Times at which a subscription reads.
 enum SubscriptionPace {
     OnNews,
     Every(Duration),

@@ -1,4 +1,4 @@
-//! Port writers: threads outside of a system that write to one of its inputs, each through its own connection.
+//! Port writers: threads outside a system that write to one of its inputs, each through its own connection.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use asmotion_port::{PortSender, PushOutcome, Stamped};
 
 use crate::handle::RunHandle;
 
-/// Writes to an input port from outside of the system; see [`Run::writer`](crate::Run::writer).
+/// Writes to an input port from outside the system; see [`Run::writer`](crate::Run::writer).
 pub struct PortWriter<T: Message> {
     pub(super) port: String,
     pub(super) sender: PortSender<T>,

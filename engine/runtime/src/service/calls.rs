@@ -42,7 +42,7 @@ struct OutstandingCall {
     number: u64,
     slot: OperationSlot,
     attempt: u32,
-    /// When the current attempt times out or, while `resting`, when the next one begins.
+    /// Time at which the current attempt times out or, while `resting`, the next one begins.
     deadline: Time,
     /// The last attempt has failed, and the next one has not begun.
     resting: bool,

@@ -51,14 +51,14 @@ pub enum ReplyTo {
     Component(ComponentReply),
     /// A caller that reached the service through an adapter, for example over a bus.
     Remote(Box<dyn RemoteCaller>),
-    /// A thread outside of the system that called [`Run::send`](crate::Run::send).
+    /// A thread outside the system that called [`Run::send`](crate::Run::send).
     External(mpsc::Sender<Result<Arc<dyn Sample>, CallError>>),
 }
 
 /// The return address of a component of this system.
 pub struct ComponentReply(pub(super) Arc<ReplyQueue>);
 
-/// A caller outside of the system, reached through an adapter.
+/// A caller outside the system, reached through an adapter.
 pub trait RemoteCaller: Send {
     /// Returns whether the caller still waits, as far as the adapter knows.
     fn is_awaited(&self) -> bool;

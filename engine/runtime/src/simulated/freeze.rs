@@ -111,14 +111,14 @@ impl Simulation {
         if state.units.len() != count || state.schedules.len() != count {
             let theirs = state.units.len();
             return Err(other(format!(
-                "it has {theirs} components, and this one {count}"
+                "it has {theirs} components, this system has {count}"
             )));
         }
         for (unit, frozen) in self.units.iter().zip(&state.units) {
             unit.compare(frozen)?;
         }
         if state.dropped.len() != self.injections.all().count() {
-            return Err(other("it has other topics"));
+            return Err(other("its topics differ"));
         }
         let fits = state.due.iter().all(|(at, _, work)| {
             *at >= state.now
@@ -132,7 +132,9 @@ impl Simulation {
         if fits {
             Ok(())
         } else {
-            Err(other("something is due there that cannot be due here"))
+            Err(other(
+                "it contains scheduled work that this system cannot have",
+            ))
         }
     }
 

@@ -26,7 +26,7 @@ pub(super) struct Timeline {
     pub each: Vec<UnitSchedule>,
     /// A component has failed whose activity stops all components.
     pub escalated: bool,
-    /// Shared with threads outside of the simulation.
+    /// Shared with threads outside the simulation.
     pub handle: Arc<SimulatedHandle>,
 }
 
@@ -109,7 +109,7 @@ impl Timeline {
         self.handle.set_now(now);
     }
 
-    /// The running system, for threads outside of the simulation.
+    /// The running system, for threads outside the simulation.
     pub(super) fn run_handle(&self) -> Arc<dyn RunHandle> {
         Arc::clone(&self.handle) as Arc<dyn RunHandle>
     }
@@ -235,7 +235,7 @@ impl Timeline {
         self.queue.push(at, what);
     }
 
-    /// If the unit's drive has changed, plans anew, counting from the cycle that has just ended.
+    /// Plans the unit's cycles again if its drive has changed, counting from the cycle that has just ended.
     pub(super) fn follow(&mut self, unit: &ComponentUnit) {
         let driven = &mut self.each[unit.index];
         if driven.drive == unit.activity.drive {

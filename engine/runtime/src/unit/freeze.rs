@@ -154,7 +154,7 @@ impl ComponentUnit {
         let body = &self.body;
         if *self.name != *frozen.name {
             let (known, name) = (&self.name, &frozen.name);
-            return Err(other(format!("it has `{name}` where `{known}` is here")));
+            return Err(other(format!("it has `{name}` in place of `{known}`")));
         }
         let fits = frozen.layout == self.layout()
             && frozen.inputs.len() == body.inputs.len()
@@ -165,7 +165,7 @@ impl ComponentUnit {
             Ok(())
         } else {
             Err(other(format!(
-                "`{}` is declared or connected in another way there",
+                "`{}` is declared or connected differently",
                 self.name
             )))
         }

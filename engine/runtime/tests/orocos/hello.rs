@@ -49,7 +49,7 @@ fn o1_hello_world_has_ports_properties_operations_services_and_peers() {
     assert!(declared.input("name").is_some() && declared.output("greeting").is_some());
     assert_eq!(
         declared.property("salutation").unwrap().doc,
-        "how one greets"
+        "first word of the greeting"
     );
     let service = declared.service("greeting").unwrap();
     let peer = declared.reference("peer").unwrap();

@@ -1,4 +1,4 @@
-//! Components that read and write as a test says.
+//! Components that read and write as directed by a test.
 
 use std::sync::{Arc, Mutex};
 

@@ -170,7 +170,7 @@ impl Exporter<'_> {
             ("the operations", first(&component.operations)),
             ("the binding of functions", monitored.or(out)),
             (
-                "what is verified",
+                "the verification",
                 component.verify.as_ref().map(|_| name.span),
             ),
             ("the map", (!component.map.is_empty()).then_some(name.span)),
@@ -231,7 +231,7 @@ impl Exporter<'_> {
             ("the deadline", timeout.map(|it| it.span)),
             ("the retries", wire.retry.as_ref().map(|_| wire.span)),
             ("the cancelling", wire.cancel.as_ref().map(|it| it.span)),
-            ("that no reply is expected", oneway.map(|it| it.span)),
+            ("the one-way calls", oneway.map(|it| it.span)),
         ];
         for (what, at) in rows {
             if let Some(at) = at {

@@ -19,7 +19,7 @@ use crate::wire;
 const TICK: Duration = Duration::from_millis(25);
 /// Interval at which a provider is asked whether it still knows a call.
 const ENQUIRY: Duration = Duration::from_millis(250);
-/// Time that a provider has to come back after the link broke.
+/// Time within which a provider must return after the link was lost.
 const GRACE: Duration = Duration::from_secs(5);
 /// Pause after the broker refused the channel.
 const REST: Duration = Duration::from_millis(200);

@@ -401,9 +401,9 @@ fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
             vhost.name()
         ))
         .unwrap();
-    eventually("it is thrown away", || {
+    eventually("it is discarded", || {
         let notices = notices.lock().unwrap();
-        let thrown = |notice: &BusNotice| notice.to_string().contains("thrown away");
+        let thrown = |notice: &BusNotice| notice.to_string().contains("discarded");
         notices.iter().any(thrown)
     });
     let mut publisher = publisher(&bus, "t", events());

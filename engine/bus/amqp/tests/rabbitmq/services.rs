@@ -71,7 +71,7 @@ fn a_provider_killed_in_the_middle_of_a_call_is_missed_before_the_deadline() {
     let serving = serve(&there, 8);
     let pending = call(&here, 1, 2 * LONG);
     let begun = next(&serving);
-    // equivalent to killing it: its connection is cut, and it does not come back under this name
+    // equivalent to killing it: its connection is cut, and it does not reconnect under this name
     std::mem::forget(begun);
     let at = Instant::now();
     drop(there);

@@ -70,7 +70,11 @@ impl<'b> CdrReader<'b> {
             Shape::Option(element) => match self.count()? {
                 0 => Datum::Null,
                 1 => self.one(element, depth)?,
-                more => return Err(malformed(format_args!("{more} where one may be"))),
+                more => {
+                    return Err(malformed(format_args!(
+                        "{more} elements in an optional value"
+                    )));
+                }
             },
             Shape::List(element) => {
                 let count = self.count()?;
@@ -158,7 +162,7 @@ impl<'b> CdrReader<'b> {
         };
         numbers
             .map(Datum::Numbers)
-            .ok_or_else(|| malformed("numbers of no kind"))
+            .ok_or_else(|| malformed("numbers of an unknown type"))
     }
 
     fn record(&mut self, fields: &[OutlineKey], depth: usize) -> Result<Datum, DatumError> {

@@ -81,7 +81,9 @@ impl CdrWriter {
 
     fn count(&mut self, count: usize) -> Result<(), DatumError> {
         let count = u32::try_from(count).map_err(|_| {
-            DatumError::new(DatumProblem::Mismatch(format!("{count} are too many")))
+            DatumError::new(DatumProblem::Mismatch(format!(
+                "{count} elements are more than 32 bits can count"
+            )))
         })?;
         self.put(count.to_le_bytes());
         Ok(())
