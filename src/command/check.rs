@@ -91,7 +91,7 @@ impl Check {
             if self.format() == FindingFormat::Full {
                 terminal.status("Checking", path);
             }
-            let (report, sources) = match self.fix.then(|| fix::apply(path, &options)) {
+            let (report, sources) = match self.fix.then(|| fix::fix_file(path, &options)) {
                 Some(Ok(fixed)) => self.fixed(path, fixed, &mut seen, terminal),
                 // a file that cannot be read is reported like any other finding
                 Some(Err(_)) | None => findings(path, &options, &DiskLoader),

@@ -33,7 +33,7 @@ pub struct AppliedFix {
 }
 
 /// Applies safe fixes until none is left. Changes only this file, no imported one.
-pub fn apply(path: &str, options: &ReadOptions) -> Result<FixedFile, LoadError> {
+pub fn fix_file(path: &str, options: &ReadOptions) -> Result<FixedFile, LoadError> {
     let before = DiskLoader.read(path)?;
     let mut after = before.clone();
     let mut done = Vec::new();
