@@ -19,7 +19,7 @@ use asmotion_assembly::{Assembled, Standard};
 use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
-use asmotion_lang::Loader;
+use asmotion_lang::{Loader, Report, Sources};
 use asmotion_plan::{Opened, Plan, Terminal};
 use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
@@ -81,7 +81,7 @@ pub enum MissionOutcome {
     Failed,
     /// The time limit was reached.
     TimeUp,
-    /// A component failed.
+    /// A component failed: one without which nothing can be reached, or another one, and the time limit was reached.
     Fault,
     /// The run was stopped from outside.
     Stopped,
@@ -94,6 +94,8 @@ pub struct MissionEnd {
     pub outcome: MissionOutcome,
     /// Summary of its events.
     pub summary: Summary,
+    /// Components that failed and were not running at the end.
+    pub failed: Vec<String>,
     /// Duration in its own time.
     pub time: Duration,
     /// Duration in real time.
@@ -127,13 +129,14 @@ impl Mission {
         }
     }
 
-    /// Runs the mission. `on_event` receives every event, with its line of the story if it has one; setting `stop` ends the
-    /// run early.
+    /// Runs the mission. `on_warnings` receives the warnings about the composite, if there are any, before anything starts.
+    /// `on_event` receives every event, with its line of the story if it has one; setting `stop` ends the run early.
     ///
     /// # Errors
     /// Fails if the composite has errors or cannot be assembled in this binary.
     pub fn run(
         &self,
+        on_warnings: impl FnOnce(&Report, &Sources),
         mut on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<MissionEnd, MissionError> {
@@ -145,16 +148,19 @@ impl Mission {
                 outside: opened.outside,
             });
         }
+        if !opened.report.diagnostics.is_empty() {
+            on_warnings(&opened.report, &opened.sources);
+        }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile.clone(), opened.profiles);
             return Err(MissionError::Profile { wanted, known });
         };
         self.in_the_time_of_queues(plan)?;
-        let watch = EndCondition {
-            until: awaited(plan, self.until.as_deref(), "ARRIVED")?,
-            unless: awaited(plan, self.unless.as_deref(), "FAILED")?,
-            outcome: None,
-        };
+        let watch = EndCondition::new(
+            plan,
+            awaited(plan, self.until.as_deref(), "ARRIVED")?,
+            awaited(plan, self.unless.as_deref(), "FAILED")?,
+        );
         let mut workshop = Standard {
             catalogue: &build::BUILD,
             loader: &DiskLoader,
@@ -209,6 +215,7 @@ impl Mission {
         };
         let outcome = self.drive(&mut *run, &watch, stop, &mut contacts, &mut successor);
         let time = run.now().since(Time::ZERO);
+        let failed = lock(&watch).dead(&*run).cloned().collect();
         let summary = lock(&story).summary().clone();
         if outcome == MissionOutcome::Reached || outcome == MissionOutcome::Failed {
             run.run_for(REST);
@@ -223,6 +230,7 @@ impl Mission {
         Ok(MissionEnd {
             outcome,
             summary,
+            failed,
             time,
             wall: began.elapsed(),
         })
@@ -267,7 +275,7 @@ impl Mission {
     ) -> MissionOutcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
         loop {
-            if let Some(outcome) = lock(watch).outcome {
+            if let Some(outcome) = lock(watch).outcome(run) {
                 return outcome;
             }
             if stop.load(Ordering::Relaxed) {
@@ -280,7 +288,12 @@ impl Mission {
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {
                 if run.now() >= limit {
-                    return MissionOutcome::TimeUp;
+                    let failed = lock(watch).dead(run).next().is_some();
+                    return if failed {
+                        MissionOutcome::Fault
+                    } else {
+                        MissionOutcome::TimeUp
+                    };
                 }
                 until = until.min(limit);
             }

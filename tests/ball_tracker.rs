@@ -42,7 +42,9 @@ fn states(mut mission: Mission, until: &str) -> (Vec<String>, MissionOutcome, Du
                 .extend(entered.into_iter().chain(within));
         }
     };
-    let ended = mission.run(hear, &AtomicBool::new(false)).unwrap();
+    let ended = mission
+        .run(|_, _| (), hear, &AtomicBool::new(false))
+        .unwrap();
     let states = all.lock().unwrap().clone();
     (states, ended.outcome, ended.time)
 }

@@ -1,6 +1,7 @@
 //! The command line: arguments, output and exit codes.
 
 mod check;
+mod failure;
 mod fmt;
 mod mistakes;
 mod output;

@@ -179,7 +179,7 @@ impl Onboard {
             let hear = move |at: Time, event: &Event<'_>, _: Option<&str>| {
                 recorder.lock().unwrap().note(at, event);
             };
-            mission.run(hear, &stopping).unwrap()
+            mission.run(|_, _| (), hear, &stopping).unwrap()
         });
         there(vhost, "onboard");
         Self {

@@ -41,6 +41,7 @@ fn tell(mission: &Mission) -> (String, MissionEnd) {
     let teller = story.clone();
     let ended = mission
         .run(
+            |_, _| (),
             move |_, _, line| {
                 if let Some(line) = line.filter(|line| !line.contains("m from the goal")) {
                     let plain = anstream::adapter::strip_str(line).to_string();
@@ -72,6 +73,7 @@ fn trace(mission: &Mission) -> String {
     let writer = trace.clone();
     mission
         .run(
+            |_, _| (),
             move |at, event, _| writer.lock().unwrap().note(at, event),
             &AtomicBool::new(false),
         )

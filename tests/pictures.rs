@@ -69,6 +69,7 @@ fn the_plan_is_what_the_demo_drove() {
     let watcher = seen.clone();
     let ended = mission
         .run(
+            |_, _| (),
             move |_, event, _| watcher.lock().unwrap().see(event),
             &AtomicBool::new(false),
         )

@@ -15,6 +15,7 @@ use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_composite::SettingValue;
 use asmotion_datum::Datum;
+use asmotion_lang::{Report, Sources};
 use asmotion_runtime::Event;
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -138,7 +139,9 @@ impl Run {
             return Exit::Usage;
         }
         match self.mission() {
-            Ok(mission) => self.common.run_applied(&self.composite, &mission, terminal),
+            Ok(mission) => self
+                .common
+                .run_applied(&self.composite, &mission, true, terminal),
             Err(problem) => {
                 terminal.error(problem);
                 Exit::Usage
@@ -261,11 +264,18 @@ impl MissionArguments {
             return Exit::Usage;
         }
         self.open_to_spectators(&mut mission);
-        self.run_applied(title, &mission, terminal)
+        self.run_applied(title, &mission, false, terminal)
     }
 
-    /// Runs a mission to which the options have been applied.
-    fn run_applied(&self, title: &str, mission: &Mission, terminal: &mut TerminalOutput) -> Exit {
+    /// Runs a mission to which the options have been applied. `warns` prints the warnings about its composite; those of a
+    /// composite in the program are no news to its user.
+    fn run_applied(
+        &self,
+        title: &str,
+        mission: &Mission,
+        warns: bool,
+        terminal: &mut TerminalOutput,
+    ) -> Exit {
         let clock = match mission.clock {
             MissionClock::Wall => "wall clock".to_owned(),
             MissionClock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),
@@ -282,8 +292,26 @@ impl MissionArguments {
         let books = Arc::new(Mutex::new(self.books.open()));
         let listener = self.listener(books.clone());
         let ended = match spectator(self.top, mission) {
-            Ok(None) => mission.run(listener, &stop),
-            Ok(Some(spectator)) => spectator.beside(&stop, || mission.run(listener, &stop)),
+            Ok(None) => {
+                let warn = |report: &Report, sources: &Sources| {
+                    if warns {
+                        terminal.report(report, sources);
+                    }
+                };
+                mission.run(warn, listener, &stop)
+            }
+            Ok(Some(spectator)) => {
+                // the screen belongs to the table while the mission runs
+                let mut warnings = None;
+                let warn = |report: &Report, sources: &Sources| {
+                    warnings = Some((report.clone(), sources.clone()));
+                };
+                let ended = spectator.beside(&stop, || mission.run(warn, listener, &stop));
+                if let Some((report, sources)) = warnings.filter(|_| warns) {
+                    terminal.report(&report, &sources);
+                }
+                ended
+            }
             Err(problem) => Err(MissionError::Launch(problem)),
         };
         let ended = match ended {

@@ -1,13 +1,14 @@
 //! End conditions of a mission.
 
-use super::{MissionError, MissionOutcome};
+use super::{MissionError, MissionOutcome, SLICE};
 use crate::files::DiskLoader;
-use asmotion_component::Time;
+use asmotion_component::{State, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::AwaitedUpdate;
 use asmotion_plan::{Implementation, Plan};
-use asmotion_runtime::{Event, Observer};
+use asmotion_runtime::{Event, Observer, Run};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns the end conditions; by default `mode` with its usual value.
 pub(super) fn awaited(
@@ -55,20 +56,80 @@ fn machines(plan: &Plan) -> Vec<(String, Machine)> {
 }
 
 /// Watches for the end conditions.
+#[derive(Default)]
 pub(super) struct EndCondition {
-    pub until: Vec<AwaitedUpdate>,
-    pub unless: Vec<AwaitedUpdate>,
+    until: Vec<AwaitedUpdate>,
+    unless: Vec<AwaitedUpdate>,
+    /// Names of the components that run a specification.
+    specifications: BTreeSet<String>,
+    /// Components that have been running.
+    started: BTreeSet<String>,
+    /// Components that have failed, with the time of their last fault.
+    faulted: BTreeMap<String, Time>,
     /// Outcome of the run, once it is known.
-    pub outcome: Option<MissionOutcome>,
+    outcome: Option<MissionOutcome>,
+}
+
+impl EndCondition {
+    pub(super) fn new(plan: &Plan, until: Vec<AwaitedUpdate>, unless: Vec<AwaitedUpdate>) -> Self {
+        let components = plan.components.iter();
+        let specifications =
+            components.filter(|it| matches!(it.implementation, Implementation::Asm(_)));
+        Self {
+            until,
+            unless,
+            specifications: specifications.map(|it| it.name.clone()).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// Returns the outcome, once it is known.
+    ///
+    /// A component that has failed is isolated, and restarted if its `on_exception` says so. The run ends if nothing can be
+    /// reached without it: it runs a specification, it could not be started, or its failure has stopped all components.
+    pub(super) fn outcome(&self, run: &dyn Run) -> Option<MissionOutcome> {
+        let ends = |component: &String| {
+            self.specifications.contains(component) || !self.started.contains(component)
+        };
+        let is_fatal = || {
+            let mut dead = self.dead(run).peekable();
+            dead.peek().is_some()
+                && (dead.any(ends) || !self.started.iter().any(|it| run.is_running(it)))
+        };
+        self.outcome
+            .or_else(|| is_fatal().then_some(MissionOutcome::Fault))
+    }
+
+    /// Iterates over the components that have failed and are not restarted.
+    pub(super) fn dead<'a>(&'a self, run: &'a dyn Run) -> impl Iterator<Item = &'a String> {
+        let faulted = self.faulted.iter().filter(move |(component, at)| {
+            let state = run.state(component);
+            let failed = matches!(state, Some(State::Exception | State::FatalError));
+            // a restart passes the exception state at once, and takes its time to configure
+            let restarts = run.now() < **at + SLICE;
+            !state.is_some_and(State::is_running)
+                && (!self.started.contains(*component) || failed && !restarts)
+        });
+        faulted.map(|(component, _)| component)
+    }
 }
 
 impl Observer for EndCondition {
-    fn observe(&mut self, _at: Time, event: &Event<'_>) {
+    fn observe(&mut self, at: Time, event: &Event<'_>) {
         if self.outcome.is_some() {
             return;
         }
         match event {
-            Event::Fault { .. } => self.outcome = Some(MissionOutcome::Fault),
+            Event::Fault { component, .. } => {
+                self.faulted.insert((*component).to_owned(), at);
+            }
+            Event::LifeCycle {
+                component,
+                to: State::Running,
+                ..
+            } => {
+                self.started.insert((*component).to_owned());
+            }
             Event::Report { kind, what, .. } if *kind == STEP_REPORT => {
                 let Ok(step) = what.to::<StepRecord>() else {
                     return;

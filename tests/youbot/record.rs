@@ -27,7 +27,9 @@ fn published() -> Vec<(i64, JointStatus)> {
             listener.lock().unwrap().push((at.nanos(), status));
         }
     };
-    mission.run(hear, &AtomicBool::new(false)).unwrap();
+    mission
+        .run(|_, _| (), hear, &AtomicBool::new(false))
+        .unwrap();
     let mut all = all.lock().unwrap();
     std::mem::take(&mut *all)
 }

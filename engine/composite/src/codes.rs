@@ -99,6 +99,7 @@ pub(crate) mod c124;
 pub(crate) mod c125;
 pub(crate) mod c126;
 pub(crate) mod c127;
+pub(crate) mod c128;
 
 use asmotion_diagnostics::Code;
 
@@ -168,7 +169,7 @@ pub const CODES: &[&Code] = &[
     c073::UnknownRecordedTopic::CODE,
     c074::LocalWireAcross::CODE,
     c075::NoCommonBroker::CODE,
-    c076::RecordIgnored::CODE,
+    c076::UnsupportedKey::CODE,
     c080::CircularInclusion::CODE,
     c081::CompositesTooDeep::CODE,
     c090::UnknownBoundFunction::CODE,
@@ -201,4 +202,5 @@ pub const CODES: &[&Code] = &[
     c125::InvalidCondition::CODE,
     c126::NoIdleNotification::CODE,
     c127::StaleWithoutPeriod::CODE,
+    c128::VerificationNotSupported::CODE,
 ];

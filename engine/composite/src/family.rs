@@ -238,6 +238,7 @@ impl Visit<'_, '_> {
         }
         match self.context.specifications.open(path, self.sources) {
             Ok(Some(signature)) => {
+                self.report.extend(signature.warnings());
                 self.specifications.insert(path.to_owned(), signature);
             }
             Ok(None) => self.broken.push(path.to_owned()),

@@ -27,6 +27,11 @@ impl Specifications for NoSpecifications {
 
 /// Functions of a specification.
 pub trait Signature {
+    /// Returns the warnings of the specification that concern its runs.
+    fn warnings(&self) -> Report {
+        Report::new()
+    }
+
     /// Returns all declared functions except those of libraries.
     fn functions(&self) -> Vec<FunctionInfo>;
 

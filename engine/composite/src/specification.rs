@@ -25,8 +25,8 @@ impl<'a> AsmFiles<'a> {
 }
 
 impl Specifications for AsmFiles<'_> {
-    /// Errors of the specification are reported with the composite; its warnings are omitted, since checking the
-    /// specification itself reports them.
+    /// Errors of the specification are reported with the composite, and properties that no run verifies; its other
+    /// warnings are omitted, since checking the specification itself reports them.
     fn open(
         &self,
         path: &str,
@@ -53,6 +53,12 @@ struct ModelSignature {
 }
 
 impl Signature for ModelSignature {
+    fn warnings(&self) -> Report {
+        asmotion_lang::unverified_properties(&self.model)
+            .into_iter()
+            .collect()
+    }
+
     fn functions(&self) -> Vec<FunctionInfo> {
         let own = self.model.own_functions();
         // operations of partners are not outputs

@@ -79,6 +79,7 @@ pub(super) fn summary_json(ended: &MissionEnd) -> serde_json::Value {
         "driven_m": way.map(|way| way.driven_m), "to_goal_m": way.and_then(DrivenPath::to_goal_m),
         "failed_calls": summary.failed_calls, "control_state": summary.control_state,
         "heard": tally_json(&summary.received), "calls": tally_json(&summary.calls), "faults": summary.faults,
+        "failed_components": ended.failed,
     })
 }
 
@@ -129,6 +130,12 @@ pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
     ));
     for fault in &summary.faults {
         terminal.result(format_args!("  {BAD}fault{BAD:#}      {fault}"));
+    }
+    if !ended.failed.is_empty() {
+        let failed = ended.failed.join(", ");
+        terminal.result(format_args!(
+            "  {BAD}failed{BAD:#}     {failed}: not running at the end"
+        ));
     }
     let wall = ended.wall.as_secs_f64();
     terminal.say(format_args!(

@@ -8,6 +8,8 @@ use crate::codes::c025::ImplementationNotInBuild;
 use crate::codes::c028::UnknownProperty;
 use crate::codes::c035::OwnMaster;
 use crate::codes::c048::IdleKey;
+use crate::codes::c076::UnsupportedKey;
+use crate::codes::c128::VerificationNotSupported;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -37,6 +39,7 @@ pub(crate) fn parts<'s>(
         }
         id(component, &mut ids, report);
         pace(scene, component, report);
+        verify(component, report);
         let face = face(scene, component, nested, report);
         parts.push(CheckedComponent { component, face });
     }
@@ -94,6 +97,26 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
                 at: master.span,
             });
         }
+    }
+}
+
+/// Reports keys of `verify`, which this version does not act on.
+fn verify(component: &Component, report: &mut Report) {
+    let Some(verify) = &component.verify else {
+        return;
+    };
+    let wanted = |key: &Option<At<bool>>| key.as_ref().filter(|key| key.value).map(|key| key.span);
+    if let Some(at) = wanted(&verify.refuse_start_on_failure) {
+        let component = component.name.value.clone();
+        return report.found(VerificationNotSupported { component, at });
+    }
+    let keys = [&verify.ctl, &verify.ltl, &verify.invariants];
+    if let Some(at) = keys.into_iter().find_map(wanted) {
+        report.found(UnsupportedKey {
+            key: "verify",
+            at,
+            instead: "invariants of the specification are checked in every step of a run",
+        });
     }
 }
 

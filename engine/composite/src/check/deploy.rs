@@ -4,7 +4,7 @@ use crate::codes::c070::PlacedTwice;
 use crate::codes::c071::PlacedNowhere;
 use crate::codes::c072::DuplicateProcess;
 use crate::codes::c073::UnknownRecordedTopic;
-use crate::codes::c076::RecordIgnored;
+use crate::codes::c076::UnsupportedKey;
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
@@ -64,7 +64,11 @@ fn place<'s>(
 
 fn record(deploy: &Deploy, topics: &Topics, report: &mut Report) {
     if let Some(record) = &deploy.record {
-        report.found(RecordIgnored { at: record.span });
+        report.found(UnsupportedKey {
+            key: "record",
+            at: record.span,
+            instead: "record ports and topics with `asmotion run --record FILE --ports NAME`",
+        });
     }
     let recorded = deploy.record.iter().flat_map(|record| &record.topics);
     for topic in recorded.filter(|topic| !topic.contains('*')) {

@@ -1,6 +1,7 @@
 //! Checks brokers and bridges.
 
 use crate::codes::c004::MissingKey;
+use crate::codes::c076::UnsupportedKey;
 use asmotion_diagnostics::Report;
 
 use super::scene::CheckedComposite;
@@ -9,6 +10,11 @@ use crate::model::{Bridge, BridgeKind};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for bridge in &scene.composite.bridges {
+        report.found(UnsupportedKey {
+            key: "bridges",
+            at: bridge.name.span,
+            instead: "connect to ROS with a program of its own on the broker (docs/wire.md)",
+        });
         let missing = match bridge.kind.value {
             BridgeKind::Ros1 if bridge.master.is_none() => {
                 Some(("master", "\"http://127.0.0.1:11311\""))

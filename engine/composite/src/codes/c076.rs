@@ -1,9 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Recording not supported
+/// Key not supported by this version
 ///
-/// The `record` key is valid, but this version does not record runs through the composite file. It has
-/// no effect.
+/// The key is valid, but this version ignores it: `record` of `[deploy]`, `verify` of a component, and `[bridges]`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -61,15 +60,18 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C076, warning)]
-#[error("`record` is not supported by this version")]
-pub(crate) struct RecordIgnored {
+#[error("`{key}` is not supported by this version")]
+pub(crate) struct UnsupportedKey {
+    pub key: &'static str,
     pub at: Span,
+    /// What to do without the key.
+    pub instead: &'static str,
 }
 
-impl Finding for RecordIgnored {
+impl Finding for UnsupportedKey {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "has no effect")
-            .help("record ports and topics with `asmotion run --record FILE --ports NAME`")
+            .help(self.instead)
     }
 }

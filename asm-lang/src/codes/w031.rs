@@ -1,0 +1,66 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Properties that are not verified
+///
+/// Temporal properties (`CTLSPEC`, `LTLSPEC`) and the constraints on them (`INVAR`, `JUSTICE`, `COMPASSION`) are parsed,
+/// resolved and typed, but this version does not verify them: a run behaves as if they were not there, even if they
+/// are false.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// import CTLLibrary
+/// signature:
+///   controlled moving: Boolean
+///   monitored permit: Boolean
+/// definitions:
+///   main rule r_Main = moving := permit
+///   CTLSPEC ag(moving implies permit)
+/// default init s0:
+///   function moving = false
+/// ```
+///
+/// An invariant is checked in every state of a run:
+///
+/// ```asm corrected
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled moving: Boolean
+///   controlled permitted: Boolean
+///   monitored permit: Boolean
+/// definitions:
+///   invariant over moving, permitted: moving implies permitted
+///   main rule r_Main = par moving := permit permitted := permit endpar
+/// default init s0:
+///   function moving = false
+///   function permitted = false
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W031, warning)]
+#[error("{}, none verified", properties(*count))]
+pub(crate) struct PropertiesNotVerified {
+    pub count: usize,
+    /// The first property.
+    pub at: Span,
+}
+
+fn properties(count: usize) -> String {
+    match count {
+        1 => "1 temporal property".to_owned(),
+        _ => format!("{count} temporal properties"),
+    }
+}
+
+impl Finding for PropertiesNotVerified {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let first = if self.count == 1 {
+            "not verified"
+        } else {
+            "the first of them"
+        };
+        diagnostic
+            .label(self.at, first)
+            .note("this version does not verify temporal properties; it checks invariants in every state of a run")
+    }
+}

@@ -1,0 +1,154 @@
+//! Runs in which a component fails, or a demand of the composite cannot be met.
+
+use super::run;
+use std::path::Path;
+
+/// Counts its steps.
+const COUNTS: &str = "asm counts
+import StandardLibrary
+signature:
+  controlled n: Integer
+definitions:
+  main rule r_Main = n := n + 1
+default init s0:
+  function n = 0
+";
+
+/// Fails in its third step, because nothing writes `input`.
+const FAILS: &str = "asm fails
+import StandardLibrary
+signature:
+  controlled k: Integer
+  monitored input: Boolean
+definitions:
+  main rule r_Main = par k := k + 1 if k > 1 then if input then skip endif endif endpar
+default init s0:
+  function k = 0
+";
+
+/// Has a false property.
+const PROMISES: &str = "asm promises
+import StandardLibrary
+import CTLLibrary
+signature:
+  controlled n: Integer
+definitions:
+  main rule r_Main = n := n + 1
+  CTLSPEC ag(n = 0)
+  CTLSPEC ag(n = 1)
+default init s0:
+  function n = 0
+";
+
+const HEAD: &str = "schema = \"composite/1\"\n[composite]\nname = \"test\"\n";
+
+fn component(name: &str, rest: &str) -> String {
+    format!("[components.{name}]\nactivity = {{ period_ms = 100 }}\n{rest}\n")
+}
+
+/// Runs a composite of these components; returns the exit code and both outputs.
+fn run_composite(components: &[String], arguments: &[&str]) -> (i32, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    for (name, text) in [("counts", COUNTS), ("fails", FAILS), ("promises", PROMISES)] {
+        write(&format!("{name}.asm"), text);
+    }
+    write("hall.geojson", "{");
+    write(
+        "test.composite.toml",
+        &(HEAD.to_owned() + &components.concat()),
+    );
+    let path = |path: &Path| path.to_str().unwrap().to_owned();
+    let composite = path(&folder.path().join("test.composite.toml"));
+    run(&[&["run", &composite], arguments].concat())
+}
+
+const UNTIL: [&str; 4] = ["--until", "n=20", "--for", "5"];
+
+fn counter() -> String {
+    component("Counter", "implementation = { asm = \"counts.asm\" }")
+}
+
+/// A map server that fails in its first cycle, since its map cannot be read.
+fn failing_server(lifecycle: &str) -> String {
+    let rest = format!(
+        "implementation = {{ rust = \"nav::MapServer\" }}
+services = {{ maps = {{ interface = \"nav/MapService\", optional = true }} }}
+properties = {{ source = \".\", place = \"hall\" }}\n{lifecycle}"
+    );
+    component("Maps", &rest)
+}
+
+#[test]
+fn a_component_that_fails_is_isolated_and_named_at_the_end() {
+    let components = [failing_server(""), counter()];
+    let (code, out, err) = run_composite(&components, &UNTIL);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.starts_with("reached"), "{out}");
+    assert!(out.contains("Maps: not running at the end"), "{out}");
+    let (code, out, _) = run_composite(&components, &["--until", "n=0", "--for", "5"]);
+    assert_eq!(code, 3, "the limit is reached with a dead component: {out}");
+}
+
+#[test]
+fn a_component_that_fails_is_reset_as_often_as_the_composite_says() {
+    let lifecycle = "lifecycle = { on_exception = \"reset\", max_resets = 4 }";
+    let (code, out, err) = run_composite(&[failing_server(lifecycle), counter()], &UNTIL);
+    assert_eq!(code, 0, "{out}{err}");
+    assert_eq!(err.matches("fault of Maps").count(), 5, "{err}");
+    let specification = format!("implementation = {{ asm = \"fails.asm\" }}\n{lifecycle}");
+    let components = [component("Failing", &specification), counter()];
+    let (code, out, err) = run_composite(&components, &UNTIL);
+    assert_eq!(
+        code, 3,
+        "a specification that is dead for good ends the run: {out}{err}"
+    );
+    let few = ["--until", "n=8", "--for", "5"];
+    let (code, out, err) = run_composite(&components, &few);
+    assert_eq!(code, 0, "it is reset before: {out}{err}");
+}
+
+#[test]
+fn a_failure_that_escalates_ends_the_run() {
+    let lifecycle = "lifecycle = { on_exception = \"escalate\" }";
+    let (code, out, err) = run_composite(&[failing_server(lifecycle), counter()], &UNTIL);
+    assert_eq!(code, 3, "{out}{err}");
+    assert!(out.starts_with("fault"), "{out}");
+}
+
+#[test]
+fn a_component_that_cannot_be_configured_ends_the_run_at_once() {
+    let rest = "implementation = { rust = \"nav::MapServer\" }
+services = { maps = { interface = \"nav/MapService\", optional = true } }
+properties = { source = \"\" }";
+    let (code, out, err) = run_composite(&[component("Maps", rest), counter()], &UNTIL);
+    assert_eq!(code, 3, "{out}{err}");
+}
+
+#[test]
+fn properties_that_are_not_verified_are_said_before_the_start() {
+    let guarded = |verify: &str| {
+        let rest = format!("implementation = {{ asm = \"promises.asm\" }}\n{verify}");
+        run_composite(&[component("Guard", &rest)], &UNTIL)
+    };
+    let (code, out, err) = guarded("");
+    assert_eq!(code, 0, "{out}{err}");
+    let warning = err.find("W031").expect("the warning");
+    assert!(
+        err.contains("2 temporal properties, none verified"),
+        "{err}"
+    );
+    assert!(
+        err.find("n: 0 → 1").is_none_or(|step| warning < step),
+        "{err}"
+    );
+    let (code, out, err) = guarded("verify = { ctl = true }");
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(err.contains("C076"), "{err}");
+    let (code, out, err) = guarded("verify = { ctl = true, refuse_start_on_failure = true }");
+    assert_ne!(code, 0, "{out}{err}");
+    assert!(
+        err.contains("C128") && !out.contains("reached"),
+        "{out}{err}"
+    );
+}
