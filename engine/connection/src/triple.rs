@@ -199,7 +199,7 @@ mod exhaustively {
                 writer.write([2, 2]);
                 writer.write([3, 3]);
             });
-            reader.look(|[a, b]| assert_eq!(a, b, "torn"));
+            reader.peek_each(|[a, b]| assert_eq!(a, b, "torn"));
             assert!(writing.join().is_ok());
             assert_eq!(reader.take(), Some([3, 3]));
         });

@@ -169,7 +169,7 @@ impl PublisherTask {
         let confirmed = self.shared.outbox().is_confirmed();
         let mut session = PublisherSession::open(pair, confirmed).await?;
         // as long as the broker keeps the queues of readers that are away
-        session.probe_until += self.link.settings.timing.remembered;
+        session.probe_until += self.link.settings.timing.reply_retention;
         let mut state = self.link.state();
         loop {
             if state.borrow_and_update().open().is_some() {
