@@ -29,7 +29,7 @@ use crate::mission::{
 };
 use crate::output_files::{OutputArguments, OutputFiles};
 use crate::terminal::TerminalOutput;
-use report::{event_json, summarise, summary_json};
+use report::{event_json, print_summary, summary_json};
 #[cfg(feature = "tui")]
 use top::spectator;
 #[cfg(not(feature = "tui"))]
@@ -141,7 +141,7 @@ impl Run {
         match self.mission() {
             Ok(mission) => self
                 .common
-                .run_applied(&self.composite, &mission, true, terminal),
+                .run_mission(&self.composite, &mission, true, terminal),
             Err(problem) => {
                 terminal.error(problem);
                 Exit::Usage
@@ -155,12 +155,12 @@ impl Run {
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
         mission.brokers = self.brokers(&mission)?;
-        self.common.open_to_spectators(&mut mission);
+        self.common.enable_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {
             broker::prepare(settings, self.robot.clone(), self.common.top);
         }
         mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.on_listen())?;
-        let over = match (mission.brokers.are_there(), mission.gateways.are_there()) {
+        let over = match (mission.brokers.is_connected(), mission.gateways.is_open()) {
             (true, _) => Some(("a broker", "")),
             (false, true) => Some(("a gateway", ", or add `--http off`")),
             (false, false) => None,
@@ -181,8 +181,8 @@ impl Run {
                 );
             }
         };
-        mission.until = ends(&self.until)?;
-        mission.unless = ends(&self.unless)?;
+        mission.until = end_conditions(&self.until)?;
+        mission.unless = end_conditions(&self.unless)?;
         Ok(mission)
     }
 
@@ -239,7 +239,7 @@ pub fn property_value(written: &str) -> Datum {
 }
 
 /// Splits `location=value` options; `None` if there are none.
-fn ends(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
+fn end_conditions(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
     if written.is_empty() {
         return Ok(None);
     }
@@ -263,13 +263,13 @@ impl MissionArguments {
             terminal.error(problem);
             return Exit::Usage;
         }
-        self.open_to_spectators(&mut mission);
-        self.run_applied(title, &mission, false, terminal)
+        self.enable_spectators(&mut mission);
+        self.run_mission(title, &mission, false, terminal)
     }
 
     /// Runs a mission to which the options have been applied. `warns` prints the warnings about its composite; those of a
     /// composite in the program are no news to its user.
-    fn run_applied(
+    fn run_mission(
         &self,
         title: &str,
         mission: &Mission,
@@ -289,9 +289,9 @@ impl MissionArguments {
         }
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);
-        let books = Arc::new(Mutex::new(self.books.open()));
-        let listener = self.listener(books.clone());
-        let ended = match spectator(self.top, mission) {
+        let output_files = Arc::new(Mutex::new(self.books.open()));
+        let listener = self.listener(output_files.clone());
+        let result = match spectator(self.top, mission) {
             Ok(None) => {
                 let warn = |report: &Report, sources: &Sources| {
                     if warns {
@@ -306,16 +306,16 @@ impl MissionArguments {
                 let warn = |report: &Report, sources: &Sources| {
                     warnings = Some((report.clone(), sources.clone()));
                 };
-                let ended = spectator.beside(&stop, || mission.run(warn, listener, &stop));
+                let result = spectator.run_beside(&stop, || mission.run(warn, listener, &stop));
                 if let Some((report, sources)) = warnings.filter(|_| warns) {
                     terminal.report(&report, &sources);
                 }
-                ended
+                result
             }
             Err(problem) => Err(MissionError::Launch(problem)),
         };
-        let ended = match ended {
-            Ok(ended) => ended,
+        let result = match result {
+            Ok(mission_end) => mission_end,
             Err(MissionError::Composite {
                 sources,
                 report,
@@ -334,7 +334,7 @@ impl MissionArguments {
                 return Exit::Usage;
             }
         };
-        match lock(&books).close() {
+        match lock(&output_files).close() {
             Ok(silent) => {
                 for pattern in silent {
                     terminal.warn(format_args!(
@@ -348,11 +348,11 @@ impl MissionArguments {
             }
         }
         if self.json {
-            terminal.result(summary_json(&ended));
+            terminal.result(summary_json(&result));
         } else {
-            summarise(&ended, terminal);
+            print_summary(&result, terminal);
         }
-        match ended.outcome {
+        match result.outcome {
             MissionOutcome::Reached => Exit::Ok,
             // one process of several runs until it is stopped
             MissionOutcome::Stopped if mission.process.is_some() => Exit::Ok,
@@ -364,7 +364,7 @@ impl MissionArguments {
     }
 
     /// Gives the mission a local bus for `--top` if there is no broker.
-    fn open_to_spectators(&self, mission: &mut Mission) {
+    fn enable_spectators(&self, mission: &mut Mission) {
         if let (true, MissionBrokers::Nothing) = (self.top, &mission.brokers) {
             mission.brokers = MissionBrokers::Inside(LocalBus::new());
         }
@@ -427,11 +427,11 @@ impl MissionArguments {
     /// The listener for events: prints text or, for programs, JSON.
     fn listener(
         &self,
-        books: Arc<Mutex<OutputFiles>>,
+        output_files: Arc<Mutex<OutputFiles>>,
     ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
         let (tell, as_json) = (!self.quiet && !self.json && !self.top, self.json);
         move |at, event, line| {
-            lock(&books).note(at, event);
+            lock(&output_files).note(at, event);
             if let (true, Some(line)) = (tell, line) {
                 let _ = writeln!(anstream::stderr(), "{line}");
             }
@@ -443,8 +443,8 @@ impl MissionArguments {
 }
 
 /// Locks the books; they are consistent even if a listener panicked while it held the lock.
-fn lock(books: &Mutex<OutputFiles>) -> MutexGuard<'_, OutputFiles> {
-    books.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(output_files: &Mutex<OutputFiles>) -> MutexGuard<'_, OutputFiles> {
+    output_files.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Installs a handler: the first Ctrl-C stops the run in order, the second one at once.

@@ -11,18 +11,18 @@ use asmotion_runtime::{Event, Observer, Run};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns the end conditions; by default `mode` with its usual value.
-pub(super) fn awaited(
+pub(super) fn awaited_updates(
     plan: &Plan,
-    wished: Option<&[(String, String)]>,
-    usual: &str,
+    requested: Option<&[(String, String)]>,
+    default: &str,
 ) -> Result<Vec<AwaitedUpdate>, MissionError> {
-    let Some(wished) = wished else {
-        let (location, value) = ("mode".to_owned(), usual.to_owned());
+    let Some(requested) = requested else {
+        let (location, value) = ("mode".to_owned(), default.to_owned());
         return Ok(vec![AwaitedUpdate { location, value }]);
     };
     let machines = machines(plan);
     let mut all = Vec::new();
-    for (location, value) in wished {
+    for (location, value) in requested {
         let mut reasons = Vec::new();
         for (path, machine) in &machines {
             match AwaitedUpdate::of(machine, location, value) {
@@ -32,8 +32,8 @@ pub(super) fn awaited(
         }
         // it suffices if one specification can establish the condition
         if reasons.len() == machines.len() {
-            let wanted = format!("{location}={value}");
-            return Err(MissionError::NeverEnds { wanted, reasons });
+            let requested = format!("{location}={value}");
+            return Err(MissionError::NeverEnds { requested, reasons });
         }
     }
     Ok(all)
@@ -130,7 +130,9 @@ impl Observer for EndCondition {
             } => {
                 self.started.insert((*component).to_owned());
             }
-            Event::Report { kind, what, .. } if *kind == STEP_REPORT => {
+            Event::Report {
+                kind, data: what, ..
+            } if *kind == STEP_REPORT => {
                 let Ok(step) = what.to::<StepRecord>() else {
                     return;
                 };

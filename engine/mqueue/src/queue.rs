@@ -35,16 +35,19 @@ pub(crate) enum SendOutcome {
 impl KernelQueue {
     /// Opens a queue for writing, and creates it if it does not exist. Also opens it for reading, so that the writer
     /// can remove the oldest message.
-    pub(crate) fn create(name: &QueueName, room: QueueCapacity) -> Result<Self, QueueCheckError> {
+    pub(crate) fn create(
+        name: &QueueName,
+        capacity: QueueCapacity,
+    ) -> Result<Self, QueueCheckError> {
         let member =
             |number: usize| mq_attr_member_t::try_from(number).unwrap_or(mq_attr_member_t::MAX);
-        let attributes = MqAttr::new(0, member(room.messages), member(room.size), 0);
+        let attributes = MqAttr::new(0, member(capacity.messages), member(capacity.size), 0);
         let flags = MQ_OFlag::O_CREAT | MQ_OFlag::O_RDWR;
-        Self::open(name, flags, Some(&attributes)).map_err(|errno| refusal(name, room, errno))
+        Self::open(name, flags, Some(&attributes)).map_err(|errno| refusal(name, capacity, errno))
     }
 
     /// Opens a queue for reading. Returns `None` if it does not exist.
-    pub(crate) fn find(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
+    pub(crate) fn open_existing(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
         match Self::open(name, MQ_OFlag::O_RDONLY, None) {
             Ok(queue) => Ok(Some(queue)),
             Err(Errno::ENOENT) => Ok(None),
@@ -89,7 +92,7 @@ impl KernelQueue {
             Err(Errno::EAGAIN) => Ok(SendOutcome::Full),
             Err(Errno::EMSGSIZE) => Err(QueueCheckError::Smaller {
                 queue: self.name.to_string(),
-                takes: self.size,
+                required: self.size,
                 size: message.len(),
             }),
             Err(errno) => Err(system(&self.name, errno)),
@@ -110,16 +113,16 @@ impl KernelQueue {
     }
 
     /// Waits until there is a message, at most this long.
-    pub(crate) fn wait(&self, at_most: Duration) {
+    pub(crate) fn wait(&self, timeout: Duration) {
         let Ok(open) = self.descriptor() else { return };
-        let milliseconds = u16::try_from(at_most.as_millis()).unwrap_or(u16::MAX);
+        let milliseconds = u16::try_from(timeout.as_millis()).unwrap_or(u16::MAX);
         let mut polled = [PollFd::new(open.as_fd(), PollFlags::POLLIN)];
         // after an interruption too, the caller checks the queue itself
         let _ = poll(&mut polled, PollTimeout::from(milliseconds));
     }
 
     /// Returns whether the queue's name has been removed, so that new messages under this name go to another queue.
-    pub(crate) fn is_gone(&self) -> bool {
+    pub(crate) fn is_unlinked(&self) -> bool {
         let status = self.descriptor().and_then(|open| fstat(open.as_fd()));
         status.is_ok_and(|status| status.st_nlink == 0)
     }
@@ -166,12 +169,12 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
             match (limit("msg_max"), limit("msgsize_max")) {
                 (Some(limit), _) if room.messages > limit => QueueCheckError::TooMany {
                     queue,
-                    asked: room.messages,
+                    requested: room.messages,
                     limit,
                 },
                 (_, Some(limit)) if room.size > limit => QueueCheckError::TooLarge {
                     queue,
-                    asked: room.size,
+                    requested: room.size,
                     limit,
                 },
                 _ => system(name, errno),
@@ -182,7 +185,7 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
             Ok((limit, _)) if room.messages.saturating_mul(room.size) as u64 > limit / 2 => {
                 QueueCheckError::NoRoom {
                     queue,
-                    asked: room.messages.saturating_mul(room.size),
+                    requested: room.messages.saturating_mul(room.size),
                     limit,
                 }
             }

@@ -36,7 +36,7 @@ struct OpenQueue {
     queue: KernelQueue,
     buffer: Vec<u8>,
     /// No message has been read from it.
-    fresh: bool,
+    is_first: bool,
 }
 
 /// Period of the search for a queue.
@@ -54,27 +54,27 @@ impl QueueReader {
         }
     }
 
-    /// Waits up to `at_most` for the next message. Returns `None` if there is none.
-    pub fn next(&mut self, at_most: Duration) -> Option<Result<Datum, DatumError>> {
+    /// Waits up to `timeout` for the next message. Returns `None` if there is none.
+    pub fn next(&mut self, timeout: Duration) -> Option<Result<Datum, DatumError>> {
         let Some(open) = &mut self.queue else {
-            return self.search(at_most).map(Err);
+            return self.open_queue(timeout).map(Err);
         };
         let mut read = open.read();
         if read == Ok(None) {
-            open.queue.wait(at_most);
+            open.queue.wait(timeout);
             read = open.read();
         }
         match read {
             Ok(Some(bytes)) => {
-                let fresh = std::mem::replace(&mut open.fresh, false);
+                let is_first = std::mem::replace(&mut open.is_first, false);
                 let message = self.layout.decode(open.buffer.get(..bytes).unwrap_or(&[]));
                 match (message, self.first) {
-                    (Ok(_), FirstMessage::Shape) if fresh => None,
+                    (Ok(_), FirstMessage::Shape) if is_first => None,
                     (message, _) => Some(message),
                 }
             }
             Ok(None) => {
-                if open.queue.is_gone() {
+                if open.queue.is_unlinked() {
                     self.queue = None;
                 }
                 None
@@ -87,26 +87,26 @@ impl QueueReader {
     }
 
     /// Searches for the queue. Returns a problem if it differs from the previous one.
-    fn search(&mut self, at_most: Duration) -> Option<DatumError> {
-        match KernelQueue::find(&self.name) {
+    fn open_queue(&mut self, timeout: Duration) -> Option<DatumError> {
+        match KernelQueue::open_existing(&self.name) {
             Ok(Some(queue)) => {
                 self.problem = None;
                 self.queue = Some(OpenQueue {
                     buffer: vec![0; queue.size()],
                     queue,
-                    fresh: true,
+                    is_first: true,
                 });
                 None
             }
             Ok(None) => {
-                thread::sleep(at_most.min(SEARCH));
+                thread::sleep(timeout.min(SEARCH));
                 None
             }
             Err(problem) => {
-                thread::sleep(at_most.min(SEARCH));
+                thread::sleep(timeout.min(SEARCH));
                 let problem = to_datum_error(problem);
-                let known = self.problem.replace(problem.clone());
-                (known.as_ref() != Some(&problem)).then_some(problem)
+                let previous = self.problem.replace(problem.clone());
+                (previous.as_ref() != Some(&problem)).then_some(problem)
             }
         }
     }

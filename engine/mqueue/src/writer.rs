@@ -31,7 +31,7 @@ pub struct QueueWriter {
     /// Buffer for the message being written.
     message: Vec<u8>,
     /// Buffer for a message that is removed to make room.
-    old: Vec<u8>,
+    discarded: Vec<u8>,
 }
 
 impl QueueWriter {
@@ -56,7 +56,7 @@ impl QueueWriter {
         if queue.size() < room.size {
             return Err(QueueCheckError::Smaller {
                 queue: name.to_string(),
-                takes: queue.size(),
+                required: queue.size(),
                 size: room.size,
             });
         }
@@ -67,14 +67,14 @@ impl QueueWriter {
             layout,
             keep,
             message: Vec::with_capacity(room.size),
-            old,
+            discarded: old,
             queue,
         };
-        writer.show_shape().map(|()| writer)
+        writer.send_zeros().map(|()| writer)
     }
 
     /// Sends a sample that shows the layout, for which a reader of RTT waits after connecting.
-    fn show_shape(&mut self) -> Result<(), QueueCheckError> {
+    fn send_zeros(&mut self) -> Result<(), QueueCheckError> {
         // fails only for types that a layout refuses
         match self.layout.encode_zeros(&mut self.message) {
             Ok(()) => self.push().map(drop),
@@ -103,7 +103,7 @@ impl QueueWriter {
             return Ok(PushOutcome::DroppedNewest);
         }
         // a reader may have emptied the queue in the meantime, in which case nothing is lost
-        let taken = self.queue.pop(&mut self.old)?;
+        let taken = self.queue.pop(&mut self.discarded)?;
         Ok(match (self.queue.push(&self.message)?, taken, self.keep) {
             (SendOutcome::Full, ..) => PushOutcome::DroppedNewest,
             (SendOutcome::Stored, Some(_), FullQueuePolicy::Newest) => PushOutcome::DroppedOldest,

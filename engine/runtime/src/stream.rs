@@ -28,16 +28,16 @@ pub trait Source: Send + 'static {
     /// Name for messages, for example `mqueue:/commands`.
     fn name(&self) -> String;
 
-    /// Waits up to `at_most` for the next sample. Returns `None` if none arrives, and an error for a sample that cannot
+    /// Waits up to `timeout` for the next sample. Returns `None` if none arrives, and an error for a sample that cannot
     /// be decoded.
-    fn next(&mut self, at_most: Duration) -> Option<Result<Arc<dyn Sample>, DatumError>>;
+    fn next(&mut self, timeout: Duration) -> Option<Result<Arc<dyn Sample>, DatumError>>;
 }
 
 /// Adapts a sink to the reading end of a connection.
 pub(crate) struct SinkSender(pub Box<dyn Sink>);
 
 impl AnySender for SinkSender {
-    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+    fn check(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
         Ok(())
     }
 

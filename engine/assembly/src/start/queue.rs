@@ -31,7 +31,7 @@ pub(super) fn to(
     let room = QueueCapacity { messages, size };
     let writer = QueueName::new(queue).and_then(|name| QueueWriter::open(name, layout, room, keep));
     let writer = writer.map_err(|error| refused(from, error))?;
-    Ok(system.stream_out(&from.to_string(), Box::new(writer))?)
+    Ok(system.connect_sink(&from.to_string(), Box::new(writer))?)
 }
 
 /// Connects an input port to a queue.
@@ -50,7 +50,7 @@ pub(super) fn from(
         FirstMessage::Shape
     };
     let reader = QueueReader::new(name, layout, first);
-    Ok(system.stream_in(Box::new(reader), &to.to_string(), policy)?)
+    Ok(system.connect_source(Box::new(reader), &to.to_string(), policy)?)
 }
 
 fn layout(
