@@ -25,7 +25,6 @@ pub(crate) mod r023;
 pub(crate) mod v023;
 pub(crate) mod v024;
 pub(crate) mod w030;
-pub(crate) mod w031;
 
 use asmotion_diagnostics::Code;
 
@@ -45,7 +44,6 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
 /// The codes of this crate: run-time faults, and scenarios that cannot be opened.
 const CODES: &[&Code] = &[
     w030::BeginsOutside::CODE,
-    w031::PropertiesNotVerified::CODE,
     r001::Clash::CODE,
     r002::WritesForeignValue::CODE,
     r003::UndefinedGuard::CODE,

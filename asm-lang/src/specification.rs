@@ -1,9 +1,6 @@
 //! Opens specifications: from a path to a program for a machine.
 
-use crate::codes::w031::PropertiesNotVerified;
-use asmotion_diagnostics::{
-    Diagnostic, Finding as _, Loader, Report, Sources, Span, Style, render_all,
-};
+use asmotion_diagnostics::{Loader, Report, Sources, Span, Style, render_all};
 use asmotion_hir::{self as hir, Model, ReadOptions};
 use asmotion_ir as ir;
 use asmotion_machine::{Machine, StepFault};
@@ -82,7 +79,7 @@ pub(crate) fn open_in(
     match ir::lower(&model) {
         Ok(lowered) => {
             report.extend(lowered.warnings);
-            report.extend(unverified_properties(&model).into_iter().collect());
+            report.extend(hir::unverified_properties(&model).into_iter().collect());
             let (program, origins) = (Arc::new(lowered.program), lowered.origins);
             Ok(Specification {
                 model,
@@ -100,13 +97,6 @@ pub(crate) fn open_in(
             })
         }
     }
-}
-
-/// Returns a warning if the specification has temporal properties, which no run verifies.
-pub fn unverified_properties(model: &Model) -> Option<Diagnostic> {
-    let at = model.properties.first()?.span;
-    let count = model.properties.len();
-    Some(PropertiesNotVerified { count, at }.diagnostic())
 }
 
 impl Specification {

@@ -292,6 +292,8 @@ fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>
         .report
         .diagnostics
         .iter()
+        // the locomotor's temporal properties are not verified
+        .filter(|it| it.code.name != "W031")
         .map(|it| (it.code, &it.message));
     assert_eq!(found.collect::<Vec<_>>(), [], "nothing is found");
     let plan = opened.plan(None).unwrap();

@@ -16,6 +16,7 @@ use crate::codes::w004::EmptyDomain;
 use crate::codes::w005::NoMainRule;
 use crate::codes::w024::DefinesItself;
 use crate::codes::w029::NothingChosen;
+use crate::codes::w031::PropertiesNotVerified;
 use crate::declare::{SignatureTables, declare};
 use crate::load::LoadedFiles;
 use crate::model::{
@@ -25,7 +26,9 @@ use crate::model::{
 use crate::options::ReadOptions;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use asmotion_diagnostics::{Code, Finding, Report, Sources, Span, did_you_mean, similar};
+use asmotion_diagnostics::{
+    Code, Diagnostic, Finding, Report, Sources, Span, did_you_mean, similar,
+};
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;
@@ -75,6 +78,13 @@ pub fn analyse_with(
         .as_ref()
         .map_or_else(|| Arc::from(""), |name| name.text.clone());
     (Some(analysis.finish(name, main_rule)), report)
+}
+
+/// Returns a warning if the specification has temporal properties, which no run verifies.
+pub fn unverified_properties(model: &Model) -> Option<Diagnostic> {
+    let at = model.properties.first()?.span;
+    let count = model.properties.len();
+    Some(PropertiesNotVerified { count, at }.diagnostic())
 }
 
 struct Analysis<'a> {

@@ -44,6 +44,7 @@ pub(crate) mod w026;
 pub(crate) mod w027;
 pub(crate) mod w028;
 pub(crate) mod w029;
+pub(crate) mod w031;
 
 use asmotion_diagnostics::Code;
 
@@ -93,6 +94,7 @@ pub const CODES: &[&Code] = &[
     w027::ExtendsStatic::CODE,
     w028::ArgumentTooWide::CODE,
     w029::NothingChosen::CODE,
+    w031::PropertiesNotVerified::CODE,
 ];
 
 /// Code of the finding for an unknown initial state. Exported because the name may come from a

@@ -25,7 +25,7 @@ mod term;
 mod types;
 
 pub use addition::{AddedRule, AddedTerm, Assignment};
-pub use analyse::{analyse, analyse_with};
+pub use analyse::{analyse, analyse_with, unverified_properties};
 pub use codes::{CODES, NO_SUCH_INIT};
 pub use load::{LoadedFiles, SourceUnit, load};
 pub use model::*;

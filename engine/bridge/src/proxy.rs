@@ -19,6 +19,7 @@ use asmotion_component::{
 };
 use asmotion_datum::{Datum, Schema};
 
+use crate::fit::check_fit;
 use events::ProxyEvents;
 use motion::MotionMonitor;
 use operation::{ProxiedOperation, TAKEN_BACK, refusal};
@@ -211,7 +212,7 @@ impl PortProxy {
         let output = output.ok_or_else(missing)?;
         let message = operation.conversion.apply(argument);
         let unfit = |misfit: crate::fit::SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
-        crate::check_fit(&message, &output.message).map_err(unfit)?;
+        check_fit(&message, &output.message).map_err(unfit)?;
         if let Some(motion) = self
             .motion
             .as_mut()

@@ -5,6 +5,20 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// `refuse_start_on_failure = true` makes the start of the robot depend on properties of the specification. This version
 /// does not verify properties, so it refuses to start rather than start without the verification.
 ///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled moving: Boolean
+///   controlled permitted: Boolean
+/// definitions:
+///   invariant over moving, permitted: moving implies permitted
+///   main rule r_Main = moving := permitted
+/// default init s0:
+///   function moving = false
+///   function permitted = false
+/// ```
+///
 /// ```toml wrong
 /// schema = "composite/1"
 ///
@@ -12,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// name = "example"
 ///
 /// [components.Guard]
-/// implementation = { asm = "guard.asm" }
+/// implementation = { asm = "example.asm" }
 /// verify = { ctl = true, refuse_start_on_failure = true }
 /// ```
 ///
@@ -25,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// name = "example"
 ///
 /// [components.Guard]
-/// implementation = { asm = "guard.asm" }
+/// implementation = { asm = "example.asm" }
 /// ```
 ///
 /// Invariants of the specification (`invariant over …`) are checked in every step of a run, and end it when they are

@@ -28,10 +28,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// signature:
 ///   controlled moving: Boolean
 ///   controlled permitted: Boolean
-///   monitored permit: Boolean
 /// definitions:
 ///   invariant over moving, permitted: moving implies permitted
-///   main rule r_Main = par moving := permit permitted := permit endpar
+///   main rule r_Main = moving := permitted
 /// default init s0:
 ///   function moving = false
 ///   function permitted = false
