@@ -143,6 +143,11 @@ impl PendingCall {
         self.slot.set(Err(CallFailure::Cancelled));
     }
 
+    /// Returns the instant at which the call ends without a reply.
+    pub fn deadline(&self) -> Instant {
+        self.deadline
+    }
+
     /// Returns whether the deadline has passed.
     pub fn is_expired(&self) -> bool {
         Instant::now() >= self.deadline

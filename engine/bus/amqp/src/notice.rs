@@ -1,6 +1,7 @@
 //! Events of a bus that no call returns, for a log.
 
 use std::fmt;
+use std::time::Duration;
 
 /// An event in the life of a bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,6 +34,20 @@ pub enum BusNotice {
         /// Decoding error.
         reason: String,
     },
+    /// A request came so late that its caller has given up; it was not executed.
+    Late {
+        /// Address of the request.
+        what: String,
+        /// Name of the caller.
+        source: String,
+    },
+    /// The clock of a caller differs from that of this machine by more than a timeout.
+    ClockOffset {
+        /// Name of the caller.
+        source: String,
+        /// Difference of the clocks.
+        difference: Duration,
+    },
     /// A message could not be encoded.
     Unwritable {
         /// Topic or address of the message.
@@ -53,6 +68,15 @@ impl fmt::Display for BusNotice {
             Self::Unreadable { what, reason } => {
                 write!(f, "cannot decode a message on `{what}`: {reason}")
             }
+            Self::Late { what, source } => write!(
+                f,
+                "a request of `{source}` to `{what}` came too late and was not executed"
+            ),
+            Self::ClockOffset { source, difference } => write!(
+                f,
+                "the clock of `{source}` differs from that of this machine by {:.1} s: synchronise them",
+                difference.as_secs_f64()
+            ),
             Self::Unwritable { what, reason } => {
                 write!(f, "cannot encode a message for `{what}`: {reason}")
             }
