@@ -26,6 +26,17 @@ pub(crate) struct DuplicateFilter {
     names: HashSet<(String, String)>,
     oldest_names: VecDeque<(String, String)>,
     missed: u64,
+    jump: Option<SequenceJump>,
+}
+
+/// A jump of a stream's numbers that no loss explains.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct SequenceJump {
+    /// The stream's user; empty if its messages name none.
+    pub user: String,
+    /// The highest number before.
+    pub from: u64,
+    pub to: u64,
 }
 
 struct MessageStream {
@@ -62,13 +73,8 @@ impl DuplicateFilter {
         let Some(stream) = self.streams.get_mut(&id) else {
             self.now += 1;
             let now = self.now;
-            // messages published before the first one received do not count as missing
-            let stream = MessageStream {
-                highest: sequence,
-                gaps: BTreeMap::new(),
-                last_seen: now,
-            };
-            self.streams.insert(id.clone(), stream);
+            self.streams
+                .insert(id.clone(), MessageStream::new(sequence, now));
             self.last_seen.insert(now, id);
             self.evict();
             return true;
@@ -87,8 +93,24 @@ impl DuplicateFilter {
             self.missed = self.missed.saturating_sub(counted.into());
             return gap.is_some();
         }
-        self.missed += stream.advance(sequence);
+        let from = stream.highest;
+        match stream.advance(sequence) {
+            Some(missing) => self.missed += missing,
+            None => {
+                let to = sequence;
+                self.jump = Some(SequenceJump {
+                    user: id.user,
+                    from,
+                    to,
+                });
+            }
+        }
         true
+    }
+
+    /// Returns the last jump that no loss explains, once.
+    pub(crate) fn take_jump(&mut self) -> Option<SequenceJump> {
+        self.jump.take()
     }
 
     fn evict(&mut self) {
@@ -114,8 +136,23 @@ impl DuplicateFilter {
 }
 
 impl MessageStream {
-    /// Records a number above the highest. Returns how many numbers are missing in between.
-    fn advance(&mut self, sequence: u64) -> u64 {
+    /// A stream whose first message has this number. Messages before it do not count as missing; one that arrives after all
+    /// is new.
+    fn new(sequence: u64, last_seen: u64) -> Self {
+        let before = sequence.checked_sub(1).map(|last| {
+            let counted = false;
+            (0, Gap { last, counted })
+        });
+        Self {
+            highest: sequence,
+            gaps: before.into_iter().collect(),
+            last_seen,
+        }
+    }
+
+    /// Records a number above the highest. Returns how many numbers are missing in between; `None` if it is too far ahead
+    /// for a loss.
+    fn advance(&mut self, sequence: u64) -> Option<u64> {
         let missing = sequence - self.highest - 1;
         let counted = missing <= LARGEST_JUMP;
         if missing > 0 {
@@ -124,7 +161,7 @@ impl MessageStream {
         }
         self.highest = sequence;
         self.limit_gaps();
-        if counted { missing } else { 0 }
+        counted.then_some(missing)
     }
 
     /// Removes a number from the gaps. Returns the gap to which it belonged.
@@ -145,19 +182,19 @@ impl MessageStream {
         Some(gap)
     }
 
-    /// Merges the two oldest gaps if there are too many. The numbers between them, which have arrived, would be accepted again: that is better
-    /// than to reject what has not arrived.
+    /// Merges two neighbouring gaps if there are too many: the oldest two that both count as missing, or both do not. The
+    /// numbers between them, which have arrived, would be accepted again: that is better than to reject one that has not.
     fn limit_gaps(&mut self) {
         if self.gaps.len() <= GAPS {
             return;
         }
-        let Some((first, oldest)) = self.gaps.pop_first() else {
-            return;
-        };
-        if let Some((_, next)) = self.gaps.pop_first() {
-            let counted = oldest.counted && next.counted;
-            let last = next.last;
-            self.gaps.insert(first, Gap { last, counted });
+        let neighbours = || self.gaps.iter().zip(self.gaps.iter().skip(1));
+        let alike = neighbours().find(|(one, next)| one.1.counted == next.1.counted);
+        if let Some(((&first, _), (&second, _))) = alike.or_else(|| neighbours().next())
+            && let Some(next) = self.gaps.remove(&second)
+            && let Some(merged) = self.gaps.get_mut(&first)
+        {
+            merged.last = next.last;
         }
     }
 }
@@ -227,6 +264,12 @@ mod tests {
         );
         assert_eq!(kept(&mut repeats, &[5, 6, 5, 4, 8, 7]), [5, 6, 8, 7]);
         assert_eq!(repeats.missed(), 0, "no loss of 2^62 messages is reported");
+        let jump = repeats.take_jump().unwrap();
+        assert_eq!((jump.from, jump.to), (4, u64::MAX));
+        assert_eq!(repeats.take_jump(), None);
+        // nor if the forged number is the first that arrives
+        let mut late = DuplicateFilter::default();
+        assert_eq!(kept(&mut late, &[1 << 62, 1, 2, 1]), [1 << 62, 1, 2]);
     }
 
     #[test]

@@ -34,6 +34,17 @@ pub enum BusNotice {
         /// Decoding error.
         reason: String,
     },
+    /// The numbers of a stream jumped too far for a loss: its publisher is faulty, or its messages are forged.
+    SequenceJump {
+        /// Topic of the message.
+        topic: String,
+        /// The sender's AMQP user, which the broker verifies; empty if the message names none.
+        user: String,
+        /// The highest number before.
+        from: u64,
+        /// The number of the message.
+        to: u64,
+    },
     /// A request came so late that its caller has given up; it was not executed.
     Late {
         /// Address of the request.
@@ -68,6 +79,15 @@ impl fmt::Display for BusNotice {
             Self::Unreadable { what, reason } => {
                 write!(f, "cannot decode a message on `{what}`: {reason}")
             }
+            Self::SequenceJump {
+                topic,
+                user,
+                from,
+                to,
+            } => write!(
+                f,
+                "the numbers of a stream of user `{user}` on `{topic}` jump from {from} to {to}"
+            ),
             Self::Late { what, source } => write!(
                 f,
                 "a request of `{source}` to `{what}` came too late and was not executed"
