@@ -28,6 +28,7 @@ mod queue;
 #[cfg(not(target_os = "linux"))]
 #[path = "queue/absent.rs"]
 mod queue;
+mod queue_priority;
 mod reader;
 mod wire;
 mod writer;
@@ -36,5 +37,5 @@ pub use capacity::QueueCapacity;
 pub use error::{QueueCheckError, UnsupportedTypeError};
 pub use layout::QueueLayout;
 pub use name::QueueName;
-pub use reader::{FirstMessage, QueueReader};
+pub use reader::{QueueEvent, QueueReader};
 pub use writer::{FullQueuePolicy, QueueWriter};
