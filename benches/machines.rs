@@ -165,7 +165,7 @@ fn main() {
         );
         return;
     }
-    let wanted: Vec<String> = std::env::args()
+    let selected: Vec<String> = std::env::args()
         .skip(1)
         .filter(|argument| !argument.starts_with('-'))
         .collect();
@@ -174,7 +174,7 @@ fn main() {
     );
     println!("|---|---|---|---|---|---|---|");
     for case in CASES {
-        if !wanted.is_empty() && !wanted.iter().any(|name| name == case.name) {
+        if !selected.is_empty() && !selected.iter().any(|name| name == case.name) {
             continue;
         }
         let (_, hand) = *hand::MACHINES
@@ -195,7 +195,7 @@ fn main() {
             if factor > case.limit { " missed" } else { "" },
         );
     }
-    if wanted.is_empty() {
+    if selected.is_empty() {
         large::print();
     }
 }

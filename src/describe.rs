@@ -133,7 +133,7 @@ impl<'a> Declarations<'a> {
     }
 
     /// Replaces a reference to a named type by its definition, if this binary or the composite has one.
-    fn known(&self, schema: Schema) -> Schema {
+    fn resolve_named(&self, schema: Schema) -> Schema {
         if schema.shape == Shape::Any {
             self.opened.schema(&schema.name).cloned().unwrap_or(schema)
         } else {
@@ -146,7 +146,7 @@ impl<'a> Declarations<'a> {
         let mut schemas = ends.filter_map(|end| self.port(end));
         match schemas.find(|schema| schema.shape != Shape::Any) {
             Some(schema) => schema.clone(),
-            None => self.known(Schema::opaque(kind.unwrap_or_default().to_owned())),
+            None => self.resolve_named(Schema::opaque(kind.unwrap_or_default().to_owned())),
         }
     }
 
@@ -227,8 +227,8 @@ impl<'a> Declarations<'a> {
                     service: service.clone(),
                     interface: interface.clone(),
                     operation: OperationDeclaration {
-                        request: self.known(request),
-                        response: self.known(response),
+                        request: self.resolve_named(request),
+                        response: self.resolve_named(response),
                         name: operation.name,
                     },
                     one_way,
@@ -238,7 +238,8 @@ impl<'a> Declarations<'a> {
         served
     }
 
-    /// References wired to a service that call the operation. A reference without declared calls can call any operation.
+    /// References wired to a service that call the operation. A reference without declared calls can call any
+    /// operation.
     fn callers(&self, service: &End, operation: &str) -> Vec<OperationCaller> {
         let calls = |reference: &End| {
             let declared = self.component(&reference.component);

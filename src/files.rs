@@ -47,11 +47,11 @@ impl Loader for DiskLoader {
 /// Candidate paths of an imported file, best first.
 fn candidates(from: &str, import: &str) -> [PathBuf; 4] {
     let folder = Path::new(from).parent().unwrap_or(Path::new(""));
-    let near = folder.join(import.replace('\\', "/"));
+    let beside = folder.join(import.replace('\\', "/"));
     let with_suffix = |path: &Path| PathBuf::from(format!("{}.asm", path.display()));
     [
-        near.clone(),
-        with_suffix(&near),
+        beside.clone(),
+        with_suffix(&beside),
         PathBuf::from(import),
         with_suffix(Path::new(import)),
     ]
@@ -101,7 +101,7 @@ pub struct SentFiles {
 
 impl SentFiles {
     /// Places files in the folder of `path`; their paths are relative to it.
-    pub fn beside(path: &str, files: &[(String, String)]) -> Self {
+    pub fn in_folder_of(path: &str, files: &[(String, String)]) -> Self {
         let folder = Path::new(path).parent().unwrap_or(Path::new(""));
         let mut sent = Self {
             folder: folder.to_owned(),

@@ -18,20 +18,20 @@ pub fn open(
     if http == ["off"] {
         return Ok(MissionGateways::Closed);
     }
-    let elsewhere = http.iter().map(|written| elsewhere(written, named));
+    let elsewhere = http.iter().map(|written| address_override(written, named));
     let elsewhere = elsewhere.collect::<Result<_, _>>()?;
     Ok(if named.is_empty() {
         MissionGateways::Closed
     } else {
         MissionGateways::Open {
-            elsewhere,
+            address_overrides: elsewhere,
             on_listen,
         }
     })
 }
 
 /// Splits an option into gateway and address.
-fn elsewhere(written: &str, named: &[String]) -> Result<(String, SocketAddr), String> {
+fn address_override(written: &str, named: &[String]) -> Result<(String, SocketAddr), String> {
     let wrong = |reason: &str| Err(format!("`--http {written}`: {reason}"));
     let (name, address) = match (written.split_once('='), named) {
         (_, []) => {
@@ -47,10 +47,10 @@ fn elsewhere(written: &str, named: &[String]) -> Result<(String, SocketAddr), St
         }
     };
     if !named.iter().any(|known| known == name) {
-        let meant = or_did_you_mean(similar(name, named).map(String::as_str));
+        let suggestion = or_did_you_mean(similar(name, named).map(String::as_str));
         let names = named.join(", ");
         return wrong(&format!(
-            "unknown gateway `{name}`; the gateways are {names}{meant}"
+            "unknown gateway `{name}`; the gateways are {names}{suggestion}"
         ));
     }
     match address.parse() {

@@ -27,7 +27,7 @@ use asmotion_runtime::{Event, Observer, Pace, Run};
 use crate::build;
 use crate::files::DiskLoader;
 use crate::story::{Story, Summary};
-use end_condition::{EndCondition, awaited};
+use end_condition::{EndCondition, awaited_updates};
 use version_switch::VersionSwitch;
 
 /// A composite and the options of its run.
@@ -127,8 +127,8 @@ impl Mission {
         }
     }
 
-    /// Runs the mission. `on_event` receives every event, with its line of the story if it has one; setting `stop` ends the
-    /// run early.
+    /// Runs the mission. `on_event` receives every event, with its line of the story if it has one; setting `stop` ends
+    /// the run early.
     ///
     /// # Errors
     /// Fails if the composite has errors or cannot be assembled in this binary.
@@ -147,12 +147,15 @@ impl Mission {
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile.clone(), opened.profiles);
-            return Err(MissionError::Profile { wanted, known });
+            return Err(MissionError::Profile {
+                requested: wanted,
+                available: known,
+            });
         };
-        self.in_the_time_of_queues(plan)?;
+        self.check_clock_of_queues(plan)?;
         let watch = EndCondition {
-            until: awaited(plan, self.until.as_deref(), "ARRIVED")?,
-            unless: awaited(plan, self.unless.as_deref(), "FAILED")?,
+            until: awaited_updates(plan, self.until.as_deref(), "ARRIVED")?,
+            unless: awaited_updates(plan, self.unless.as_deref(), "FAILED")?,
             outcome: None,
         };
         let mut workshop = Standard {
@@ -191,8 +194,9 @@ impl Mission {
             lock(&watcher).observe(at, event);
         });
         let connected = self.connect(plan)?;
-        let mut contacts = self.join(&mut system, &mut network, &connected, plan, &part)?;
-        let mut successor = self.successor(&opened, plan, &part, &connected)?;
+        let mut contacts =
+            self.connect_contacts(&mut system, &mut network, &connected, plan, &part)?;
+        let mut successor = self.version_switch(&opened, plan, &part, &connected)?;
         let gateways = self.open_gateways(&mut system, &mut network, &opened, plan, &part)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
@@ -229,7 +233,7 @@ impl Mission {
     }
 
     /// Rejects virtual time if a message queue leads to a component outside, which uses the wall clock.
-    fn in_the_time_of_queues(&self, plan: &Plan) -> Result<(), MissionError> {
+    fn check_clock_of_queues(&self, plan: &Plan) -> Result<(), MissionError> {
         let mut ends = plan.connections.iter().flat_map(|it| [&it.from, &it.to]);
         match (
             self.clock,
@@ -274,9 +278,9 @@ impl Mission {
                 return MissionOutcome::Stopped;
             }
             for contact in &mut *contacts {
-                contact.attend(run);
+                contact.process_orders(run);
             }
-            successor.attend(run);
+            successor.process_requests(run);
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {
                 if run.now() >= limit {

@@ -71,7 +71,7 @@ impl OutputFiles {
         let file = File::create(path).map_err(|error| cannot(path, error))?;
         let written = record.write(io::BufWriter::new(file));
         written.map_err(|error| cannot(path, error))?;
-        Ok(record.silent().collect())
+        Ok(record.unmatched_patterns().collect())
     }
 }
 

@@ -13,10 +13,10 @@ const WIDE: usize = 64;
 /// Values published by ports, by time.
 #[derive(Debug)]
 pub struct PortRecording {
-    wanted: Vec<PortPattern>,
+    patterns: Vec<PortPattern>,
     columns: Vec<String>,
     /// Index of each column.
-    places: BTreeMap<String, usize>,
+    column_indices: BTreeMap<String, usize>,
     rows: Vec<RecordingRow>,
 }
 
@@ -24,7 +24,7 @@ pub struct PortRecording {
 #[derive(Debug)]
 struct PortPattern {
     pattern: String,
-    is_there: bool,
+    is_matched: bool,
 }
 
 /// Values published at an instant.
@@ -38,17 +38,17 @@ struct RecordingRow {
 impl PortRecording {
     /// Records the ports and topics that match one of the patterns; without patterns, all of them.
     pub fn of(patterns: &[String]) -> Self {
-        let wanted = |pattern: &str| PortPattern {
+        let pattern_of = |pattern: &str| PortPattern {
             pattern: pattern.to_owned(),
-            is_there: false,
+            is_matched: false,
         };
         Self {
-            wanted: match patterns {
-                [] => vec![wanted("*")],
-                some => some.iter().map(|it| wanted(it)).collect(),
+            patterns: match patterns {
+                [] => vec![pattern_of("*")],
+                some => some.iter().map(|it| pattern_of(it)).collect(),
             },
             columns: Vec::new(),
-            places: BTreeMap::new(),
+            column_indices: BTreeMap::new(),
             rows: Vec::new(),
         }
     }
@@ -68,13 +68,13 @@ impl PortRecording {
         let name = format!("{component}.{port}");
         let names = [Some(name.as_str()), *topic];
         let mut is_wanted = false;
-        for wanted in &mut self.wanted {
-            let found = names
+        for wanted in &mut self.patterns {
+            let is_match = names
                 .iter()
                 .flatten()
                 .any(|name| matches(&wanted.pattern, name));
-            wanted.is_there |= found;
-            is_wanted |= found;
+            wanted.is_matched |= is_match;
+            is_wanted |= is_match;
         }
         if let (true, Ok(datum)) = (is_wanted, sample.to_datum()) {
             let mut values = Vec::new();
@@ -84,9 +84,9 @@ impl PortRecording {
     }
 
     /// Patterns of ports that published nothing.
-    pub fn silent(&self) -> impl Iterator<Item = &str> {
-        let silent = self.wanted.iter().filter(|wanted| !wanted.is_there);
-        silent.map(|wanted| wanted.pattern.as_str())
+    pub fn unmatched_patterns(&self) -> impl Iterator<Item = &str> {
+        let unmatched = self.patterns.iter().filter(|wanted| !wanted.is_matched);
+        unmatched.map(|wanted| wanted.pattern.as_str())
     }
 
     /// Writes the table as CSV: the time in seconds, then the columns in order of first publication.
@@ -126,7 +126,7 @@ impl PortRecording {
     }
 
     fn column(&mut self, name: String) -> usize {
-        *self.places.entry(name).or_insert_with_key(|name| {
+        *self.column_indices.entry(name).or_insert_with_key(|name| {
             self.columns.push(name.clone());
             self.columns.len() - 1
         })

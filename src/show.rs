@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 /// Returns every location with a value, as pairs of location and value.
 pub fn state(machine: &Machine) -> Vec<(String, String)> {
     let naming = machine.naming();
-    let mut shown: Vec<(String, String)> = machine
+    let mut locations: Vec<(String, String)> = machine
         .state()
         .locations(machine.program())
         .into_iter()
@@ -21,8 +21,8 @@ pub fn state(machine: &Machine) -> Vec<(String, String)> {
             )
         })
         .collect();
-    shown.sort();
-    shown
+    locations.sort();
+    locations
 }
 
 /// A step as JSON.

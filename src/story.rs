@@ -42,11 +42,11 @@ struct StoryEntry {
 }
 
 impl StoryEntry {
-    fn once(line: String) -> Self {
+    fn single(line: String) -> Self {
         Self { line, again: None }
     }
 
-    fn often(line: String, name: String) -> Self {
+    fn repeatable(line: String, name: String) -> Self {
         let again = Some(name);
         Self { line, again }
     }
@@ -68,8 +68,8 @@ impl Story {
 
     /// Handles an event. Returns the lines to print, which are usually none.
     pub fn report(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
-        self.summary.ended = Some(at);
-        let entry = self.happened(at, event);
+        self.summary.end_time = Some(at);
+        let entry = self.entry(at, event);
         let repeated = self.repeats.due(at, entry.as_ref());
         let entry = entry.filter(|entry| match &entry.again {
             Some(name) => self.repeats.is_new(at, name),
@@ -82,7 +82,7 @@ impl Story {
         }
     }
 
-    fn happened(&mut self, at: Time, event: &Event<'_>) -> Option<StoryEntry> {
+    fn entry(&mut self, at: Time, event: &Event<'_>) -> Option<StoryEntry> {
         match event {
             Event::Published {
                 component,
@@ -94,14 +94,17 @@ impl Story {
                 let moved = self.summary.moved(at, *sample);
                 let mut inputs = self.inputs.iter_mut();
                 match inputs.find(|input| input.receives(component, port, *topic)) {
-                    Some(input) => received(input, &mut self.summary, component, *sample),
+                    Some(input) => message_entry(input, &mut self.summary, component, *sample),
                     None => moved,
                 }
             }
-            Event::Injected { place, sample } => {
+            Event::Injected {
+                target: place,
+                sample,
+            } => {
                 let mut inputs = self.inputs.iter_mut();
-                let input = inputs.find(|input| input.is_at(place))?;
-                received(input, &mut self.summary, "outside", *sample)
+                let input = inputs.find(|input| input.is_port(place))?;
+                message_entry(input, &mut self.summary, "outside", *sample)
             }
             Event::Called {
                 reference,
@@ -109,25 +112,29 @@ impl Story {
                 attempt,
                 argument,
                 ..
-            } => Some(self.called(reference, operation, *attempt, *argument)),
+            } => Some(self.call_entry(reference, operation, *attempt, *argument)),
             Event::Replied {
                 reference,
                 operation,
                 result,
                 ..
-            } => Some(self.replied(reference, operation, *result)),
+            } => Some(self.reply_entry(reference, operation, *result)),
             Event::Report {
                 component,
                 kind,
-                what,
-            } => self.reported(component, kind, what),
+                data: what,
+            } => self.report_entry(component, kind, what),
             Event::Fault { component, fault } => {
                 self.summary.faults.push(format!("{component}: {fault}"));
-                Some(trouble(BAD, "fault", format!("of {component}: {fault}")))
+                Some(warning_entry(
+                    BAD,
+                    "fault",
+                    format!("of {component}: {fault}"),
+                ))
             }
             Event::Overrun { component, missed } => {
                 let what = format!("{component} missed {missed} periods");
-                Some(trouble(NOTE, "overrun", what))
+                Some(warning_entry(NOTE, "overrun", what))
             }
             Event::Late {
                 component,
@@ -137,11 +144,13 @@ impl Story {
                 let what = format!(
                     "{component} took {took:.1?} for a cycle; its deadline is {deadline:?}"
                 );
-                Some(trouble(NOTE, "late", what))
+                Some(warning_entry(NOTE, "late", what))
             }
-            Event::Denied { component, denied } => {
-                Some(trouble(NOTE, "denied", format!("{component}: {denied}")))
-            }
+            Event::Denied { component, denied } => Some(warning_entry(
+                NOTE,
+                "denied",
+                format!("{component}: {denied}"),
+            )),
             Event::Dropped {
                 component,
                 port,
@@ -153,11 +162,11 @@ impl Story {
                 if let Some(reason) = reason {
                     what += &format!(" ({reason})");
                 }
-                Some(trouble(NOTE, "dropped", what))
+                Some(warning_entry(NOTE, "dropped", what))
             }
             Event::Lost { count } => {
                 let what = format!("{count} events of this run");
-                Some(trouble(NOTE, "lost", what))
+                Some(warning_entry(NOTE, "lost", what))
             }
             Event::Cycle { .. }
             | Event::Answered { .. }
@@ -166,7 +175,7 @@ impl Story {
         }
     }
 
-    fn reported(&mut self, component: &str, kind: &str, what: &Datum) -> Option<StoryEntry> {
+    fn report_entry(&mut self, component: &str, kind: &str, what: &Datum) -> Option<StoryEntry> {
         match kind {
             STEP_REPORT => {
                 let record: StepRecord = what.to().ok()?;
@@ -176,24 +185,24 @@ impl Story {
             UNSENT_REPORT => {
                 let missing = what.as_text().unwrap_or_default();
                 let what = format!("{component} has no value for `{missing}` yet");
-                Some(trouble(NOTE, "unsent", what))
+                Some(warning_entry(NOTE, "unsent", what))
             }
             WAITING_REPORT => {
                 let what = format!("{component} for {}", what.as_text().unwrap_or_default());
-                Some(trouble(NOTE, "waiting", what))
+                Some(warning_entry(NOTE, "waiting", what))
             }
             LOSSES_REPORT => {
                 let Losses { dropped, misfits } = what.to().ok()?;
                 let what = format!(
                     "{component}: {dropped} events dropped and {misfits} messages outside the codomain so far"
                 );
-                Some(trouble(NOTE, "lost", what))
+                Some(warning_entry(NOTE, "lost", what))
             }
             _ => None,
         }
     }
 
-    fn called(
+    fn call_entry(
         &mut self,
         reference: &str,
         operation: &str,
@@ -209,10 +218,10 @@ impl Story {
         if attempt > 1 {
             what += &format!(" (attempt {attempt})");
         }
-        StoryEntry::often(format!("{NAME}call{NAME:#}  {what}"), what)
+        StoryEntry::repeatable(format!("{NAME}call{NAME:#}  {what}"), what)
     }
 
-    fn replied(
+    fn reply_entry(
         &mut self,
         reference: &str,
         operation: &str,
@@ -223,18 +232,18 @@ impl Story {
         match result {
             Ok(sample) => {
                 let what = message::brief(sample).unwrap_or_else(|| "done".to_owned());
-                StoryEntry::often(line(&what), format!("reply {name}: {what}"))
+                StoryEntry::repeatable(line(&what), format!("reply {name}: {what}"))
             }
             Err(error) => {
                 self.summary.failed_calls += 1;
-                StoryEntry::once(line(&format!("{NOTE}{error}{NOTE:#}")))
+                StoryEntry::single(line(&format!("{NOTE}{error}{NOTE:#}")))
             }
         }
     }
 }
 
 /// The entry for a message to a specification, if it is worth reporting.
-fn received(
+fn message_entry(
     input: &mut StoryInput,
     summary: &mut Summary,
     speaker: &str,
@@ -243,7 +252,7 @@ fn received(
     let (name, what) = input.describe(sample)?;
     if !input.is_state() {
         summary.received.count(&name);
-        summary.wanted(sample);
+        summary.set_goal(sample);
     }
     let what = what.map_or_else(String::new, |what| format!(" {what}"));
     let topic = &input.name;
@@ -251,14 +260,14 @@ fn received(
     // streams of numbers are reported from time to time, words each time
     let flows = input.is_state() && !what.contains(char::is_alphabetic);
     Some(if flows {
-        StoryEntry::often(line, name)
+        StoryEntry::repeatable(line, name)
     } else {
-        StoryEntry::once(line)
+        StoryEntry::single(line)
     })
 }
 
-fn trouble(style: anstyle::Style, word: &str, what: String) -> StoryEntry {
-    StoryEntry::once(format!("{style}{word}{style:#} {what}"))
+fn warning_entry(style: anstyle::Style, word: &str, what: String) -> StoryEntry {
+    StoryEntry::single(format!("{style}{word}{style:#} {what}"))
 }
 
 fn stamped(at: Time, line: &str) -> String {

@@ -73,29 +73,29 @@ impl TerminalOutput {
     }
 
     /// Prints a line of progress.
-    pub fn say(&mut self, line: impl Display) {
+    pub fn progress(&mut self, line: impl Display) {
         let _ = writeln!(self.err, "{line}");
     }
 
     /// Prints a line that begins with an activity, for example `   Checking 3 files`.
     pub fn status(&mut self, verb: &str, what: impl Display) {
-        self.say(format_args!("{GOOD}{verb:>12}{GOOD:#} {what}"));
+        self.progress(format_args!("{GOOD}{verb:>12}{GOOD:#} {what}"));
     }
 
     /// Prints an error that stops the command.
     pub fn error(&mut self, what: impl Display) {
-        self.say(format_args!("{BAD}error{BAD:#}: {what}"));
+        self.progress(format_args!("{BAD}error{BAD:#}: {what}"));
     }
 
     /// Prints a warning.
     pub fn warn(&mut self, what: impl Display) {
-        self.say(format_args!("{NOTE}warning{NOTE:#}: {what}"));
+        self.progress(format_args!("{NOTE}warning{NOTE:#}: {what}"));
     }
 
     /// Prints all findings of a report.
     pub fn report(&mut self, report: &Report, sources: &Sources) {
         for finding in &report.diagnostics {
-            self.say(format_args!(
+            self.progress(format_args!(
                 "{}\n",
                 asmotion_lang::render(finding, sources, Style::Coloured)
             ));

@@ -1,7 +1,7 @@
 //! Trace of a run, one event per line; equal runs give equal bytes.
 //!
-//! Steps of coordinators are written in full. Of a message, the trace contains the CRC-32 of its CBOR encoding, so that a map
-//! takes one line like any other message. Cycles without effect are omitted.
+//! Steps of coordinators are written in full. Of a message, the trace contains the CRC-32 of its CBOR encoding, so that
+//! a map takes one line like any other message. Cycles without effect are omitted.
 
 use asmotion_component::{CallError, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
@@ -41,7 +41,10 @@ impl MissionTrace {
             } => {
                 format!("publish {component}.{port} #{sequence} {}", print(*sample))
             }
-            Event::Injected { place, sample } => format!("inject {place} {}", print(*sample)),
+            Event::Injected {
+                target: place,
+                sample,
+            } => format!("inject {place} {}", print(*sample)),
             Event::Called {
                 component,
                 reference,
@@ -115,7 +118,7 @@ impl MissionTrace {
             Event::Report {
                 component,
                 kind,
-                what,
+                data: what,
             } => report(component, kind, what),
             Event::Lost { count } => format!("lost {count}"),
         };

@@ -59,20 +59,20 @@ fn a_password_from_the_environment_or_a_file_lets_in_and_is_told_nowhere() {
     let file = credentials(folder.path(), &format!("{user}\n{password}\n"));
     let mut list = asmotion(&["topic", "list", "--bus", &bus, "--credentials"]);
     let from_file = list.arg(&file).output();
-    let mut told = String::new();
+    let mut printed = String::new();
     for output in [from_environment.unwrap(), from_file.unwrap()] {
-        told += &text(&output);
-        assert!(output.status.success(), "{told}");
+        printed += &text(&output);
+        assert!(output.status.success(), "{printed}");
     }
 
     let without = asmotion(&["topic", "list", "--bus", &bus])
         .output()
         .unwrap();
     assert_eq!(without.status.code(), Some(2));
-    let asked = text(&without);
+    let refusal = text(&without);
     assert!(
-        asked.contains("set ASMOTION_PASSWORD, or name a file with `--credentials`"),
-        "{asked}"
+        refusal.contains("set ASMOTION_PASSWORD, or name a file with `--credentials`"),
+        "{refusal}"
     );
     let wrong_password = "wrong-horse-battery";
     let mut wrong = mission(&bus, &trace);
@@ -81,17 +81,17 @@ fn a_password_from_the_environment_or_a_file_lets_in_and_is_told_nowhere() {
         .output()
         .unwrap();
     assert_eq!(wrong.status.code(), Some(2));
-    told += &text(&wrong);
+    printed += &text(&wrong);
     let half = credentials(folder.path(), wrong_password);
     let mut list = asmotion(&["topic", "list", "--bus", &bus, "--credentials"]);
     let half = list.arg(&half).output().unwrap();
     assert_eq!(half.status.code(), Some(2), "{}", text(&half));
-    told += &text(&half);
+    printed += &text(&half);
 
     let recorded = std::fs::read_to_string(&trace).unwrap();
     assert!(recorded.contains("publish RoverDriver.odom"));
     for secret in [password, wrong_password] {
-        assert!(!told.contains(secret), "{told}");
+        assert!(!printed.contains(secret), "{printed}");
         assert!(!recorded.contains(secret));
     }
 }
@@ -122,16 +122,16 @@ fn certificates_on_both_sides_let_in_where_they_fit() {
     }
     let nobody = known(list(), false);
     assert_eq!(nobody.status.code(), Some(2), "{}", text(&nobody));
-    let mut stranger = list();
-    let stranger = stranger
+    let mut other_list = list();
+    let other_list = other_list
         .env("ASMOTION_PASSWORD", broker.password())
         .output();
-    let stranger = stranger.unwrap();
-    assert_eq!(stranger.status.code(), Some(2));
+    let other_list = other_list.unwrap();
+    assert_eq!(other_list.status.code(), Some(2));
     assert!(
-        text(&stranger).contains("UnknownIssuer"),
+        text(&other_list).contains("UnknownIssuer"),
         "{}",
-        text(&stranger)
+        text(&other_list)
     );
     let mut half = list();
     let half = half

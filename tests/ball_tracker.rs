@@ -25,7 +25,7 @@ fn states(mut mission: Mission, until: &str) -> (Vec<String>, MissionOutcome, Du
         if let Event::Report {
             kind: STEP_REPORT,
             component: "Coordinator",
-            what,
+            data: what,
         } = event
         {
             let step: StepRecord = what.to().unwrap();

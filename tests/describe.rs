@@ -83,8 +83,8 @@ fn check(document: &Value) {
     let keys =
         ["messages", "schemas"].map(|kind| document["components"][kind].as_object().unwrap());
     for key in keys.into_iter().flat_map(|members| members.keys()) {
-        let lawful = |it: char| it.is_ascii_alphanumeric() || "._-".contains(it);
-        assert!(key.chars().all(lawful), "{key}");
+        let is_valid = |it: char| it.is_ascii_alphanumeric() || "._-".contains(it);
+        assert!(key.chars().all(is_valid), "{key}");
     }
 }
 
@@ -223,10 +223,10 @@ fn brokers_are_servers_without_who_goes_there() {
     std::fs::write(&path, DESK).unwrap();
     let document = asyncapi(path.to_str().unwrap());
     check(&document);
-    let wanted = serde_json::json!({ "main": {
+    let expected = serde_json::json!({ "main": {
         "host": "127.0.0.1:5672", "pathname": "/%2f", "protocol": "amqp", "protocolVersion": "0.9.1",
     } });
-    assert_eq!(document["servers"], wanted);
+    assert_eq!(document["servers"], expected);
     assert!(!document.to_string().contains("guest"));
 }
 

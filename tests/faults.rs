@@ -15,7 +15,7 @@ use asmotion_runtime::Event;
 use serde_json::Value;
 
 use crate::processes::{
-    Running, expected, navigation, over, queues, run_any, there, three_processes,
+    Running, expected, navigation, over, queues, run_any, three_processes, wait_until_present,
 };
 
 /// Age limit of the connection from topic `permit`, in s: the time for which the rover drives without a new permission.
@@ -42,12 +42,12 @@ impl Heard {
     pub(super) fn until(
         &mut self,
         told: &mut Vec<Value>,
-        wanted: impl Fn(&Value) -> bool,
+        predicate: impl Fn(&Value) -> bool,
     ) -> Option<Value> {
         for line in self.lines.by_ref() {
             let line: Value = serde_json::from_str(&line.unwrap()).unwrap();
             told.push(line.clone());
-            if wanted(&line) {
+            if predicate(&line) {
                 return Some(line);
             }
         }
@@ -97,10 +97,12 @@ struct Record {
 impl Record {
     fn note(&mut self, at: Time, event: &Event<'_>) {
         match event {
-            Event::Injected { place, .. } if *place == "TrajectoryFollower.permit" => {
+            Event::Injected { target: place, .. } if *place == "TrajectoryFollower.permit" => {
                 self.permits.push(at.seconds())
             }
-            Event::Injected { place, .. } if *place == "TrajectoryAdapter.path" => self.plans += 1,
+            Event::Injected { target: place, .. } if *place == "TrajectoryAdapter.path" => {
+                self.plans += 1
+            }
             Event::Published {
                 component: "RoverDriver",
                 port: "odom",
@@ -181,7 +183,7 @@ impl Onboard {
             };
             mission.run(hear, &stopping).unwrap()
         });
-        there(vhost, "onboard");
+        wait_until_present(vhost, "onboard");
         Self {
             record,
             stop,
@@ -202,16 +204,16 @@ fn through(broker: &TestBroker, vhost: &Vhost<'_>, harm: impl FnOnce(&TestBroker
     let composite = navigation().join("navigation.composite.toml");
     let onboard = Onboard::start(vhost);
     let mut supervisor = Heard::start(&mut over(&composite, broker, vhost, Some("supervisor")));
-    let mut told = Vec::new();
-    assert!(supervisor.until(&mut told, enters("FOLLOWING")).is_some());
+    let mut events = Vec::new();
+    assert!(supervisor.until(&mut events, enters("FOLLOWING")).is_some());
     // driving, and far from the goal
     std::thread::sleep(Duration::from_millis(1500));
     harm(broker);
-    supervisor.until(&mut told, |_| false);
-    let modes: Vec<_> = told.iter().flat_map(entered).collect();
+    supervisor.until(&mut events, |_| false);
+    let modes: Vec<_> = events.iter().flat_map(entered).collect();
     let code = supervisor.child.wait().unwrap().code();
     assert_eq!((modes, code), expected());
-    assert_eq!((calls(&told, "getMap"), calls(&told, "plan")), (1, 1));
+    assert_eq!((calls(&events, "getMap"), calls(&events, "plan")), (1, 1));
     let record = onboard.end();
     // one order to drive, one to stop
     assert_eq!(record.plans, 2);
@@ -256,8 +258,8 @@ fn the_mission_goes_on_when_an_operator_has_closed_the_connections() {
 /// Sends a signal to a child process.
 fn signal(process: &Child, signal: &str) {
     let mut kill = Command::new("kill");
-    let told = kill.args([signal, &process.id().to_string()]).status();
-    assert!(told.unwrap().success());
+    let status = kill.args([signal, &process.id().to_string()]).status();
+    assert!(status.unwrap().success());
 }
 
 #[test]
@@ -280,24 +282,24 @@ fn a_provider_killed_in_a_call_is_unavailable_before_the_deadline_and_serves_aga
 
     let mut planning = Heard::start(&mut command("planning"));
     serves();
-    there(&vhost, "onboard");
+    wait_until_present(&vhost, "onboard");
     // it takes the request, and then stops responding
     signal(&planning.child, "-STOP");
     let mut supervisor = command("supervisor");
     let supervisor = supervisor.args(["--until", "mode=ARRIVED", "--unless", "mode=STOPPING"]);
     let mut supervisor = Heard::start(supervisor);
-    let mut told = Vec::new();
+    let mut events = Vec::new();
     let plan = |kind: &'static str| {
         move |line: &Value| line["type"] == kind && line["operation"] == "plan"
     };
-    let call = supervisor.until(&mut told, plan("call")).unwrap();
+    let call = supervisor.until(&mut events, plan("call")).unwrap();
     std::thread::sleep(Duration::from_millis(300));
     planning.child.kill().unwrap();
-    let reply = supervisor.until(&mut told, plan("reply")).unwrap();
+    let reply = supervisor.until(&mut events, plan("reply")).unwrap();
     assert_eq!(reply["error"], "unavailable");
     let took = reply["t"].as_f64().unwrap() - call["t"].as_f64().unwrap();
     assert!(took < 10.0, "{took} s");
-    assert!(supervisor.until(&mut told, enters("FAILED")).is_some());
+    assert!(supervisor.until(&mut events, enters("FAILED")).is_some());
 
     let _planning = Running::start(&mut command("planning"));
     serves();
@@ -312,9 +314,13 @@ fn a_provider_killed_in_a_call_is_unavailable_before_the_deadline_and_serves_aga
         &vhost.url(),
     ]);
     assert!(tool.status().unwrap().success());
-    supervisor.until(&mut told, |_| false);
-    assert_eq!(supervisor.child.wait().unwrap().code(), Some(0), "{told:?}");
-    let modes: Vec<_> = told.iter().flat_map(entered).collect();
+    supervisor.until(&mut events, |_| false);
+    assert_eq!(
+        supervisor.child.wait().unwrap().code(),
+        Some(0),
+        "{events:?}"
+    );
+    let modes: Vec<_> = events.iter().flat_map(entered).collect();
     let (again, _) = expected();
     let first = ["WAIT_MAP", "WAIT_PATH", "FAILED"].map(str::to_owned);
     assert_eq!(modes, [&first[..], &again].concat());

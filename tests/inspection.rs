@@ -1,7 +1,7 @@
 //! Inspection and control of a running system over a broker: ports, schemas, life cycle, monitor.
 
 use crate::person::person;
-use crate::processes::{Running, navigation, over, there, tool};
+use crate::processes::{Running, navigation, over, tool, wait_until_present};
 use std::process::Command;
 
 #[test]
@@ -15,7 +15,7 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
     let tool = |arguments: &[&str]| tool(&broker, &url, arguments);
     let composite = navigation().join("navigation.composite.toml");
     let _onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
-    there(&vhost, "onboard");
+    wait_until_present(&vhost, "onboard");
     let refused = |arguments: &[&str], reason: &str| {
         let (code, _, err) = tool(arguments);
         assert_eq!(code, Some(2), "{arguments:?}");
@@ -200,7 +200,7 @@ fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
     let vhost = broker.vhost().unwrap();
     let composite = navigation().join("navigation.composite.toml");
     let _onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
-    there(&vhost, "onboard");
+    wait_until_present(&vhost, "onboard");
     let rover = asmotion_remote::Remote::connect(&vhost.url(), Some("navigation")).unwrap();
     assert_eq!(rover.components().len(), 5);
     let follower = rover.component("TrajectoryFollower").unwrap();

@@ -52,7 +52,7 @@ fn tell(mission: &Mission) -> (String, MissionEnd) {
         .unwrap();
     let mut story = story.lock().unwrap().clone();
     let summary = &ended.summary;
-    let way = summary.way.iter().map(|way| {
+    let way = summary.path.iter().map(|way| {
         let left = way.to_goal_m().unwrap_or(f64::NAN);
         format!(", {:.1} m driven, {left:.2} m from the goal", way.driven_m)
     });
@@ -86,7 +86,7 @@ fn an_arm_is_told_by_what_it_is() {
     let mut mission = Mission::new(composite.display().to_string());
     mission.until = Some(vec![("mode".to_owned(), "IDLE".to_owned())]);
     let (story, ended) = tell(&mission);
-    assert_eq!(ended.summary.way, None, "nothing drives");
+    assert_eq!(ended.summary.path, None, "nothing drives");
     assert_eq!(ended.summary.calls.of("notifying.notify"), 24);
     insta::assert_snapshot!(story);
 }
@@ -198,7 +198,7 @@ fn every_seed_reaches_the_goal() {
             "seed {seed}:\n{story}"
         );
         assert!(
-            ended.summary.way.unwrap().to_goal_m().unwrap() < 0.15,
+            ended.summary.path.unwrap().to_goal_m().unwrap() < 0.15,
             "seed {seed}:\n{story}"
         );
         assert!(!story.contains("COLLISION"), "seed {seed}:\n{story}");

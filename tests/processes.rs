@@ -90,8 +90,8 @@ impl Running {
 
     pub(super) fn signal(&self, signal: &str) {
         let pid = self.0.as_ref().unwrap().id().to_string();
-        let told = Command::new("kill").args([signal, &pid]).status();
-        assert!(told.unwrap().success());
+        let status = Command::new("kill").args([signal, &pid]).status();
+        assert!(status.unwrap().success());
     }
 }
 
@@ -124,7 +124,7 @@ pub(super) fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
 
 /// Waits until a process of the navigation has declared its queues; the queue of orders is the last.
 #[track_caller]
-pub(super) fn there(vhost: &Vhost<'_>, process: &str) {
+pub(super) fn wait_until_present(vhost: &Vhost<'_>, process: &str) {
     queues(
         vhost,
         &format!("robots.services.navigation.control.{process}"),
@@ -179,7 +179,7 @@ fn in_two_processes_of_which_the_one_on_board_runs_until_it_is_told_to_end() {
     let vhost = broker.vhost().unwrap();
     let composite = navigation().join("navigation.composite.toml");
     let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
-    there(&vhost, "onboard");
+    wait_until_present(&vhost, "onboard");
     let supervisor = over(&composite, &broker, &vhost, Some("supervisor"))
         .output()
         .unwrap();
@@ -321,8 +321,8 @@ fn in_three_processes_with_a_service_in_another_one() {
     let composite = three_processes(folder.path());
     let start = |process| Running::start(&mut over(&composite, &broker, &vhost, Some(process)));
     let others = [start("onboard"), start("planning")];
-    there(&vhost, "onboard");
-    there(&vhost, "planning");
+    wait_until_present(&vhost, "onboard");
+    wait_until_present(&vhost, "planning");
     let supervisor = start("supervisor").end();
     assert_eq!(modes(&supervisor), expected());
     for other in others {
@@ -348,7 +348,9 @@ fn c17_in_four_processes_the_coordinator_goes_through_the_same_states() {
     let start = |process| Running::start(&mut over(&composite, &broker, &vhost, Some(process)));
     let names = ["world", "onboard", "planning"];
     let others = names.map(start);
-    names.iter().for_each(|name| there(&vhost, name));
+    names
+        .iter()
+        .for_each(|name| wait_until_present(&vhost, name));
     let supervisor = start("supervisor").end();
     assert_eq!(modes(&supervisor), expected());
     for other in others {
@@ -365,7 +367,7 @@ fn without_its_partner_a_process_goes_on_and_its_calls_fail() {
     let folder = tempfile::tempdir().unwrap();
     let composite = three_processes(folder.path());
     let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
-    there(&vhost, "onboard");
+    wait_until_present(&vhost, "onboard");
     let alone = over(&composite, &broker, &vhost, Some("supervisor"))
         .output()
         .unwrap();
@@ -405,7 +407,7 @@ fn tools_see_who_is_there_and_take_part() {
     let tool = |arguments: &[&str]| tool(&broker, &url, arguments);
     let composite = navigation().join("navigation.composite.toml");
     let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
-    there(&vhost, "onboard");
+    wait_until_present(&vhost, "onboard");
 
     let (code, out, err) = tool(&["component", "list"]);
     let driver = out.lines().find(|line| line.starts_with("RoverDriver"));
@@ -465,7 +467,7 @@ fn tools_see_who_is_there_and_take_part() {
         "{err}"
     );
     let supervisor = Running::start(&mut over(&composite, &broker, &vhost, Some("supervisor")));
-    there(&vhost, "supervisor");
+    wait_until_present(&vhost, "supervisor");
     let (code, _, err) = tool(&["topic", "pub", "navigation.estop", r#"{"data":true}"#]);
     assert_eq!((code, &*err), (Some(0), ""));
 

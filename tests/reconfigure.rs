@@ -1,6 +1,6 @@
 //! C18: a running composite changes to its next version without a restart, or does not change at all.
 
-use crate::processes::{Running, over, there, three_processes, tool};
+use crate::processes::{Running, over, three_processes, tool, wait_until_present};
 
 #[test]
 fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
@@ -25,7 +25,9 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     let names = ["onboard", "planning"];
     let running =
         names.map(|process| Running::start(&mut over(&composite, &broker, &vhost, Some(process))));
-    names.iter().for_each(|name| there(&vhost, name));
+    names
+        .iter()
+        .for_each(|name| wait_until_present(&vhost, name));
     let reconfigure = |more: &[&str]| {
         let arguments = [&["reconfigure", path], more].concat();
         tool(&broker, &url, &arguments)

@@ -119,14 +119,15 @@ impl Ear {
             size: 4096,
             overflow: asmotion_bus::Overflow::DropOldest,
         };
-        let heard = bus.subscribe("ear", &Pattern::new("#"), queue, Arc::new(Notifier::new()));
-        Self(heard.unwrap(), bus)
+        let subscription =
+            bus.subscribe("ear", &Pattern::new("#"), queue, Arc::new(Notifier::new()));
+        Self(subscription.unwrap(), bus)
     }
 
     fn topics(self) -> BTreeSet<String> {
         assert!(self.1.drain(LONG));
-        let heard = std::iter::from_fn(|| self.0.next_within(Duration::from_millis(200)));
-        let topics = heard.map(|envelope| envelope.topic.to_string());
+        let received = std::iter::from_fn(|| self.0.next_within(Duration::from_millis(200)));
+        let topics = received.map(|envelope| envelope.topic.to_string());
         topics.filter(|topic| !topic.contains("presence")).collect()
     }
 }
@@ -333,17 +334,17 @@ fn y10_a_callback_reaches_every_listener_inside_over_the_bus_and_in_another_proc
         command.env("ASMOTION_PASSWORD", broker.password());
         Running::start(&mut command)
     };
-    let heard = |output: &std::process::Output| written(&output.stdout, "heard");
+    let received = |output: &std::process::Output| written(&output.stdout, "heard");
     let of = |component: &str| (component.to_owned(), "7".to_owned());
     let all = BTreeSet::from([of("Far"), of("Near")]);
     for (bus, limit) in [("local", "2"), (url.as_str(), "3")] {
         let limit = ["--bus", bus, "--for", limit];
         let output = start(&limit).end();
-        assert_eq!(heard(&output), all, "{bus}: {output:?}");
+        assert_eq!(received(&output), all, "{bus}: {output:?}");
     }
     let far = start(&["--bus", &url, "--process", "there", "--until", "heard=7"]);
     queues(&vhost, "robots.services.told.Far");
-    let near = start(&["--bus", &url, "--process", "here"]);
-    assert_eq!(heard(&far.end()), BTreeSet::from([of("Far")]));
-    assert_eq!(heard(&near.interrupt()), BTreeSet::from([of("Near")]));
+    let onboard = start(&["--bus", &url, "--process", "here"]);
+    assert_eq!(received(&far.end()), BTreeSet::from([of("Far")]));
+    assert_eq!(received(&onboard.interrupt()), BTreeSet::from([of("Near")]));
 }

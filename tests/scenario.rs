@@ -272,16 +272,19 @@ fn the_specification_must_be_there_and_run() {
 #[test]
 fn the_exit_code_tells_failing_from_broken() {
     let good = about("set push := false; step");
-    let bad = about("check mode = OPEN;");
+    let unexpected = about("check mode = OPEN;");
     let (code, ..) = test(&[("good.avalla", &good)], &[]);
     assert_eq!(code, 0);
-    let (code, ..) = test(&[("good.avalla", &good), ("bad.avalla", &bad)], &[]);
+    let (code, ..) = test(&[("good.avalla", &good), ("bad.avalla", &unexpected)], &[]);
     assert_eq!(code, 1);
-    let (code, ..) = test(&[("bad.avalla", &bad), ("none.avalla", "")], &[]);
+    let (code, ..) = test(&[("bad.avalla", &unexpected), ("none.avalla", "")], &[]);
     assert_eq!(code, 2);
     let (code, ..) = test(&[], &[]);
     assert_eq!(code, 2, "there is no scenario");
-    let files = [("good.avalla", good.as_str()), ("bad.avalla", bad.as_str())];
+    let files = [
+        ("good.avalla", good.as_str()),
+        ("bad.avalla", unexpected.as_str()),
+    ];
     let (code, ..) = test(&files, &["--filter", "good"]);
     assert_eq!(code, 0);
 }

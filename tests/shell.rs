@@ -94,7 +94,7 @@ fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
         .lines()
         .filter(|line| line.starts_with("error"))
         .collect();
-    let told = [
+    let outputs = [
         "it is Running",
         "`seed`",
         "nor an operation",
@@ -103,8 +103,8 @@ fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
         "did you mean `start`?",
         "did you mean `Driver/youBotDriver`?",
     ];
-    assert_eq!(errors.len(), told.len(), "{err}");
-    for (error, told) in errors.iter().zip(told) {
+    assert_eq!(errors.len(), outputs.len(), "{err}");
+    for (error, told) in errors.iter().zip(outputs) {
         assert!(error.contains(told), "{told}: {error}");
     }
 }

@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use crate::processes::{Running, expected, modes, over, there, three_processes};
+use crate::processes::{Running, expected, modes, over, three_processes, wait_until_present};
 
 const ADDRESS: &str = "TrajectoryPlanner.planning.plan";
 
@@ -165,7 +165,7 @@ fn a_mission_runs_with_it_in_place_of_our_planner() {
     let composite = three_processes(folder.path());
     let _stranger = Stranger::start(python, &vhost.url(), "navigation");
     let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
-    there(&vhost, "onboard");
+    wait_until_present(&vhost, "onboard");
     let mut supervisor = over(&composite, &broker, &vhost, Some("supervisor"));
     assert_eq!(modes(&supervisor.output().unwrap()), expected());
     assert_eq!(modes(&onboard.interrupt()), (Vec::new(), Some(0)));

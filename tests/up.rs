@@ -62,8 +62,8 @@ fn said(lines: &Receiver<String>, words: &str) -> String {
 }
 
 fn signal(signal: &str, id: &str) {
-    let told = Command::new("kill").args([signal, id]).status().unwrap();
-    assert!(told.success());
+    let status = Command::new("kill").args([signal, id]).status().unwrap();
+    assert!(status.success());
 }
 
 #[test]

@@ -147,7 +147,7 @@ impl RuleCoverage {
 
     /// Returns the number of executed branches and of all branches of `if`, `switch` and `choose`.
     pub fn branches(&self) -> (usize, usize) {
-        self.ran(|part| {
+        self.counts_of(|part| {
             matches!(
                 part,
                 CoveragePoint::Then
@@ -162,13 +162,13 @@ impl RuleCoverage {
 
     /// Returns the number of executed updates and of all updates.
     pub fn updates(&self) -> (usize, usize) {
-        self.ran(|part| part == CoveragePoint::Update)
+        self.counts_of(|part| part == CoveragePoint::Update)
     }
 
     /// Returns the number of `forall` rules observed with no iteration, with one and with several,
     /// followed by the number of all `forall` rules.
     pub fn rounds(&self) -> ([usize; 3], usize) {
-        let of = |wanted| self.ran(|part| part == wanted);
+        let of = |point| self.counts_of(|part| part == point);
         let (none, all) = of(CoveragePoint::None);
         (
             [none, of(CoveragePoint::One).0, of(CoveragePoint::Many).0],
@@ -176,8 +176,8 @@ impl RuleCoverage {
         )
     }
 
-    fn ran(&self, wanted: impl Fn(CoveragePoint) -> bool) -> (usize, usize) {
-        let parts = self.parts.iter().filter(|((_, part), _)| wanted(*part));
+    fn counts_of(&self, predicate: impl Fn(CoveragePoint) -> bool) -> (usize, usize) {
+        let parts = self.parts.iter().filter(|((_, part), _)| predicate(*part));
         let (mut ran, mut all) = (0, 0);
         for (_, part) in parts {
             all += 1;

@@ -153,8 +153,11 @@ impl Specification {
                 let value = show(value);
                 RunsNoRule { value, when, at }.diagnostic()
             }
-            &FaultKind::RuleArity { wanted, actual } => WrongRuleArity {
-                wanted,
+            &FaultKind::RuleArity {
+                expected: wanted,
+                actual,
+            } => WrongRuleArity {
+                expected: wanted,
                 actual,
                 when,
                 at,

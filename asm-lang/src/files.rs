@@ -35,10 +35,10 @@ impl Loader for MemoryFiles {
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
         let folder = from.rsplit_once('/').map_or("", |(folder, _)| folder);
-        let near = normal(&format!("{folder}/{import}"));
+        let sibling = normal(&format!("{folder}/{import}"));
         let candidates = [
-            near.clone(),
-            format!("{near}.asm"),
+            sibling.clone(),
+            format!("{sibling}.asm"),
             normal(import),
             normal(&format!("{import}.asm")),
         ];

@@ -262,7 +262,7 @@ impl History {
         let program = self.session.specification.program.clone();
         self.session.machine = moment.machine;
         // cannot fail: only terms were added since, and no locations
-        let _ = self.session.machine.adopt(program);
+        let _ = self.session.machine.replace_program(program);
         self.present = moment.present;
         let again = self.events.split_off(near);
         self.moments.split_off(&near);

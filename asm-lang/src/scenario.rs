@@ -57,7 +57,7 @@ pub fn test(
     loader: &dyn Loader,
     settings: &ScenarioSettings,
 ) -> Result<ScenarioResult, OpenFailure> {
-    open(path, loader, settings).map(|opened| carry_out(opened, settings))
+    open(path, loader, settings).map(|opened| run(opened, settings))
 }
 
 /// Checks the scenario at a path without running it.
@@ -171,7 +171,7 @@ fn plan(
     Ok(plan)
 }
 
-fn carry_out(opened: OpenedScenario, settings: &ScenarioSettings) -> ScenarioResult {
+fn run(opened: OpenedScenario, settings: &ScenarioSettings) -> ScenarioResult {
     let OpenedScenario {
         tree,
         plan,
@@ -198,7 +198,7 @@ fn carry_out(opened: OpenedScenario, settings: &ScenarioSettings) -> ScenarioRes
                 .load
                 .as_ref()
                 .map_or_else(Span::default, |load| load.span);
-            let outcome = ScenarioOutcome::unbegun(fault, at);
+            let outcome = ScenarioOutcome::initial_fault(fault, at);
             report.extend(explained(&outcome, &specification, None));
             outcome
         }

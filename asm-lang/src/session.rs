@@ -99,7 +99,7 @@ impl Session {
         environment: &mut dyn Environment,
         now_ns: i64,
     ) -> Result<Value, Report> {
-        self.once(|session| {
+        self.with_temporary(|session| {
             let term = session.watch(text)?;
             session.value(term, environment, now_ns)
         })
@@ -118,7 +118,7 @@ impl Session {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<Step<'_>, Report> {
-        self.once(|session| {
+        self.with_temporary(|session| {
             let file = session.text(text);
             let rule = asmotion_syntax::parse_rule(file, text)?;
             let added = session.specification.model.add_rule(&rule)?;
@@ -144,7 +144,7 @@ impl Session {
         environment: &mut dyn Environment,
         now_ns: i64,
     ) -> Result<(asmotion_ir::FunctionId, Vec<Value>, Value), Report> {
-        self.once(|session| {
+        self.with_temporary(|session| {
             let file = session.text(text);
             let (target, value) = asmotion_syntax::parse_assignment(file, text)?;
             let assignment = session
@@ -168,7 +168,10 @@ impl Session {
     }
 
     /// Runs `work`, then removes the terms and rules that it added.
-    fn once<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Report>) -> Result<T, Report> {
+    fn with_temporary<T>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> Result<T, Report>,
+    ) -> Result<T, Report> {
         let added = &self.specification.model.added;
         let (terms, rules) = (added.terms.len(), added.rules.len());
         let result = work(self);
@@ -192,7 +195,9 @@ impl Session {
     /// Lets the machine continue with the program lowered last.
     fn go_on(&mut self) {
         // cannot fail: only terms, rules and counters were added, so the locations are the same
-        let _ = self.machine.adopt(self.specification.program.clone());
+        let _ = self
+            .machine
+            .replace_program(self.specification.program.clone());
     }
 
     fn report(&self, fault: &StepFault) -> Report {

@@ -246,9 +246,9 @@ fn with_a_map_its_walls_are_no_news() {
     arrives_with_every_seed(&course);
     let drive = course.drive(20.0);
     assert!(!drive.obstacles.is_empty());
-    for told in &drive.obstacles {
-        let off = (Point::new(told.x, told.y) - Point::new(5.0, 0.0)).norm();
-        assert!(off <= 0.4, "{told:?} is not the disc");
+    for reported in &drive.obstacles {
+        let off = (Point::new(reported.x, reported.y) - Point::new(5.0, 0.0)).norm();
+        assert!(off <= 0.4, "{reported:?} is not the disc");
     }
 }
 

@@ -62,7 +62,7 @@ fn no_component_takes_the_state_of_another_type_or_layout() {
             let refused = component.thaw(&made(other).freeze().unwrap()).unwrap_err();
             assert_eq!(
                 refused.problem,
-                ThawProblem::OtherComponent((*other).to_owned())
+                ThawProblem::ComponentMismatch((*other).to_owned())
             );
         }
         let newer = with(&own, "version", &Datum::Int(2));

@@ -283,7 +283,7 @@ fn a_state_of_another_composite_is_refused_and_nothing_changes() {
     let (theirs, own) = (tracker.freeze().unwrap(), courier.freeze().unwrap());
     let refused = courier.thaw(&theirs).unwrap_err();
     assert!(
-        matches!(refused, SystemThawError::OtherSystem(_)),
+        matches!(refused, SystemThawError::SystemMismatch(_)),
         "{refused}"
     );
     assert_eq!(courier.freeze().unwrap(), own);

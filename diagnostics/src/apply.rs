@@ -18,7 +18,7 @@ pub struct Fixed<'a> {
 pub fn apply<'a>(text: &str, file: FileId, findings: &'a [Diagnostic]) -> Fixed<'a> {
     let mut offers: Vec<(&Diagnostic, Vec<&Edit>)> = findings
         .iter()
-        .filter_map(|finding| Some((finding, lawful(finding.fix.as_ref()?, text, file)?)))
+        .filter_map(|finding| Some((finding, valid_edits(finding.fix.as_ref()?, text, file)?)))
         .collect();
     offers.sort_by_key(|(_, edits)| edits.first().map(|edit| edit.span));
     let mut taken: Vec<&Edit> = Vec::new();
@@ -39,7 +39,7 @@ pub fn apply<'a>(text: &str, file: FileId, findings: &'a [Diagnostic]) -> Fixed<
 
 /// Returns the edits of a sure fix in order, or `None` if one lies outside this text or two
 /// overlap.
-fn lawful<'a>(fix: &'a Fix, text: &str, file: FileId) -> Option<Vec<&'a Edit>> {
+fn valid_edits<'a>(fix: &'a Fix, text: &str, file: FileId) -> Option<Vec<&'a Edit>> {
     let inside = |edit: &Edit| edit.span.file == file && text.get(edit.span.range()).is_some();
     if fix.applicability == Applicability::Maybe || !fix.edits.iter().all(inside) {
         return None;

@@ -62,11 +62,11 @@ impl BrokerArguments {
 /// Fails if the broker is unreachable or refuses the connection.
 pub fn remote(mut settings: AmqpSettings) -> Result<Remote, String> {
     settings.process = "asmotion-tool".to_owned();
-    let place = settings.place();
+    let location = settings.location();
     let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
-        format!("broker at {place}: {reason}\n  `asmotion doctor` shows how to fix it")
+        format!("broker at {location}: {reason}\n  `asmotion doctor` shows how to fix it")
     })?;
-    Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
+    Remote::over_bus(Arc::new(bus), None).map_err(|error| error.to_string())
 }
 
 /// Completes the settings of a run: sets the robot name, and reports changes of the link to the user unless `quiet`.
@@ -93,9 +93,9 @@ pub fn connect(
     if let Some(process) = process {
         process.clone_into(&mut settings.process);
     }
-    let place = settings.place();
+    let location = settings.location();
     let bus = AmqpBus::connect(settings, CONNECT);
-    (place, bus.map(|bus| Arc::new(bus) as Arc<dyn Bus>))
+    (location, bus.map(|bus| Arc::new(bus) as Arc<dyn Bus>))
 }
 
 /// Connects to all systems on a broker, for the monitor beside a run. Returns the broker's address too.
@@ -106,7 +106,7 @@ pub fn connect(
 pub fn watch(settings: &AmqpSettings) -> (String, Result<Remote, String>) {
     let mut settings = settings.clone();
     settings.robot = None;
-    (settings.place(), remote(settings))
+    (settings.location(), remote(settings))
 }
 
 /// Returns the settings of a broker named in a composite.

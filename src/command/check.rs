@@ -86,35 +86,34 @@ impl Check {
             return explain::explain(code.as_deref(), terminal);
         }
         let options = self.options();
-        let mut seen = CheckSummary::default();
+        let mut summary = CheckSummary::default();
         for path in &self.files {
             if self.format() == FindingFormat::Full {
                 terminal.status("Checking", path);
             }
             let (report, sources) = match self.fix.then(|| fix::fix_file(path, &options)) {
-                Some(Ok(fixed)) => self.fixed(path, fixed, &mut seen, terminal),
+                Some(Ok(fixed)) => self.fixed(path, fixed, &mut summary, terminal),
                 // a file that cannot be read is reported like any other finding
                 Some(Err(_)) | None => findings(path, &options, &DiskLoader),
             };
-            self.show(&report, &sources, &mut seen, terminal);
+            self.show(&report, &sources, &mut summary, terminal);
             if self.connections {
                 connections::show(path, terminal);
             }
             if report.has_errors() {
-                seen.exit = seen.exit.max(Exit::refused(path));
+                summary.exit = summary.exit.max(Exit::refused(path));
             }
-            seen.report.extend(report);
+            summary.report.extend(report);
         }
         if self.format() == FindingFormat::Json {
-            let mut document =
-                json!({ "type": "check", "v": 1, "files": self.files, "findings": seen.findings });
+            let mut document = json!({ "type": "check", "v": 1, "files": self.files, "findings": summary.findings });
             if self.fix {
-                document["fixed"] = seen.fixed.into();
+                document["fixed"] = summary.fixed.into();
             }
             terminal.result(document);
         }
-        self.conclude(&seen.report, terminal);
-        seen.exit
+        self.conclude(&summary.report, terminal);
+        summary.exit
     }
 
     fn options(&self) -> ReadOptions {
@@ -137,24 +136,25 @@ impl Check {
         &self,
         path: &str,
         fixed: FixedFile,
-        seen: &mut CheckSummary,
+        summary: &mut CheckSummary,
         terminal: &mut TerminalOutput,
     ) -> (Report, Sources) {
-        if !fixed.done.is_empty() {
+        if !fixed.applied_fixes.is_empty() {
             if self.diff {
                 terminal.result(fixed.diff(path).trim_end());
             } else if let Err(error) = fixed.write(path) {
                 terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
-                seen.exit = Exit::Usage;
+                summary.exit = Exit::Usage;
                 return findings(path, &self.options(), &DiskLoader);
             }
         }
         let verb = if self.diff { "Would fix" } else { "Fixed" };
-        for done in &fixed.done {
-            terminal.status(verb, format_args!("{path}:{done}"));
+        for applied in &fixed.applied_fixes {
+            terminal.status(verb, format_args!("{path}:{applied}"));
         }
-        seen.fixed
-            .extend(fixed.done.iter().map(|done| done.json(path)));
+        summary
+            .fixed
+            .extend(fixed.applied_fixes.iter().map(|done| done.json(path)));
         (fixed.report, fixed.sources)
     }
 
@@ -162,7 +162,7 @@ impl Check {
         &self,
         report: &Report,
         sources: &Sources,
-        seen: &mut CheckSummary,
+        summary: &mut CheckSummary,
         terminal: &mut TerminalOutput,
     ) {
         match self.format() {
@@ -172,7 +172,7 @@ impl Check {
                     terminal.result(asmotion_lang::concise(finding, sources));
                 }
             }
-            FindingFormat::Json => seen.findings.extend(
+            FindingFormat::Json => summary.findings.extend(
                 report
                     .diagnostics
                     .iter()
@@ -194,8 +194,8 @@ impl Check {
         let sure = report.diagnostics.iter().filter(|finding| is_sure(finding));
         match sure.count() {
             0 => {}
-            1 => terminal.say("`--fix` can fix one of them"),
-            several => terminal.say(format_args!("`--fix` can fix {several} of them")),
+            1 => terminal.progress("`--fix` can fix one of them"),
+            several => terminal.progress(format_args!("`--fix` can fix {several} of them")),
         }
     }
 }

@@ -78,11 +78,11 @@ enum ComponentCommand {
 impl Component {
     /// Executes the subcommand.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        let done = self.broker.remote().and_then(|remote| {
-            let done = self.what.run(&remote, terminal);
-            done.map_err(|error| error.to_string())
+        let result = self.broker.remote().and_then(|remote| {
+            let result = self.what.run(&remote, terminal);
+            result.map_err(|error| error.to_string())
         });
-        match done {
+        match result {
             Ok(exit) => exit,
             Err(problem) => {
                 terminal.error(problem);
@@ -127,17 +127,17 @@ fn setting(written: &str) -> Result<(String, Datum), String> {
     Ok((property.trim().to_owned(), property_value(value.trim())))
 }
 
-pub(super) fn list(found: &[asmotion_remote::RemoteComponent], terminal: &mut TerminalOutput) {
-    let rows = found.iter().map(|found| {
-        let component = found.present();
+pub(super) fn list(components: &[asmotion_remote::RemoteComponent], terminal: &mut TerminalOutput) {
+    let rows = components.iter().map(|component| {
+        let present = component.present();
         vec![
-            component.name.clone(),
-            found.robot().to_owned(),
-            found.process().to_owned(),
-            component.state.clone(),
-            format!("{:.1}", component.rate_hz),
-            component.overruns.to_string(),
-            component.late.to_string(),
+            present.name.clone(),
+            component.robot().to_owned(),
+            component.process().to_owned(),
+            present.state.clone(),
+            format!("{:.1}", present.rate_hz),
+            present.overruns.to_string(),
+            present.late.to_string(),
         ]
     });
     let head = [
@@ -155,7 +155,7 @@ pub(super) fn list(found: &[asmotion_remote::RemoteComponent], terminal: &mut Te
 }
 
 pub(super) fn show(
-    found: &asmotion_remote::RemoteComponent,
+    remote_component: &asmotion_remote::RemoteComponent,
     component: &PresentComponent,
     terminal: &mut TerminalOutput,
 ) {
@@ -163,8 +163,8 @@ pub(super) fn show(
         "{NAME}{}{NAME:#}: {} in process {} of {}",
         component.name,
         component.state,
-        found.process(),
-        found.robot()
+        remote_component.process(),
+        remote_component.robot()
     ));
     terminal.result(format_args!(
         "  cycles      {}, {:.1} per second, {} periods missed, {} longer than the deadline",

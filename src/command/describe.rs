@@ -51,7 +51,10 @@ impl Describe {
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile, opened.profiles);
-            terminal.error(MissionError::Profile { wanted, known });
+            terminal.error(MissionError::Profile {
+                requested: wanted,
+                available: known,
+            });
             return Exit::Usage;
         };
         let description = describe::describe(&opened, plan);
@@ -104,12 +107,16 @@ fn tables(description: &Description<'_>, terminal: &mut TerminalOutput) {
         operations,
         terminal,
     );
-    let doors = plan.promoted.iter().flat_map(|it| doors(it, plan));
-    show(&["address", "promoted", "transport"], doors, terminal);
+    let access_points = plan.promoted.iter().flat_map(|it| access_points(it, plan));
+    show(
+        &["address", "promoted", "transport"],
+        access_points,
+        terminal,
+    );
 }
 
 /// The addresses under which a promoted service can be called.
-fn doors(promoted: &Promoted, plan: &Plan) -> Vec<Vec<String>> {
+fn access_points(promoted: &Promoted, plan: &Plan) -> Vec<Vec<String>> {
     let listens = |name: &String| {
         let gateway = plan.gateways.iter().find(|it| it.name == *name)?;
         Some(format!(
@@ -117,7 +124,7 @@ fn doors(promoted: &Promoted, plan: &Plan) -> Vec<Vec<String>> {
             gateway.listen?, promoted.name
         ))
     };
-    let door = |over: &Transport| {
+    let access_point = |over: &Transport| {
         let called = promoted
             .gateway
             .as_ref()
@@ -127,7 +134,7 @@ fn doors(promoted: &Promoted, plan: &Plan) -> Vec<Vec<String>> {
             .unwrap_or_else(|| promoted.name.clone());
         vec![address, promoted.inside.clone(), over.to_string()]
     };
-    promoted.bindings.iter().map(door).collect()
+    promoted.bindings.iter().map(access_point).collect()
 }
 
 fn show(head: &[&str], rows: impl Iterator<Item = Vec<String>>, terminal: &mut TerminalOutput) {

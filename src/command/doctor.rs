@@ -29,14 +29,14 @@ const TRIED: &str = "asmotion.doctor";
 
 /// A defect of the broker, with its remedy.
 struct Diagnosis {
-    what: String,
+    problem: String,
     remedy: String,
 }
 
 impl Diagnosis {
     fn new(what: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
-            what: what.into(),
+            problem: what.into(),
             remedy: remedy.into(),
         }
     }
@@ -52,11 +52,11 @@ impl Doctor {
                 return Exit::Usage;
             }
         };
-        match examine(&settings, terminal) {
+        match check_all(&settings, terminal) {
             Ok(()) => Exit::Ok,
-            Err(ailment) => {
-                terminal.result(format_args!("{BAD}bad{BAD:#}  {}", ailment.what));
-                for line in ailment.remedy.lines() {
+            Err(diagnosis) => {
+                terminal.result(format_args!("{BAD}bad{BAD:#}  {}", diagnosis.problem));
+                for line in diagnosis.remedy.lines() {
                     terminal.result(format_args!("       {line}"));
                 }
                 Exit::Findings
@@ -65,27 +65,27 @@ impl Doctor {
     }
 }
 
-fn examine(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(), Diagnosis> {
+fn check_all(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(), Diagnosis> {
     let mut well = |what: String| terminal.result(format_args!("{GOOD}ok{GOOD:#}   {what}"));
-    reach(settings)?;
+    check_connection(settings)?;
     well(format!("{}:{} is reachable", settings.host, settings.port));
-    let bus = enter(settings)?;
+    let bus = log_in(settings)?;
     well(format!(
         "user `{}` has access to the virtual host `{}`",
         settings.credentials.user(),
         settings.vhost
     ));
-    take(&bus, settings)?;
+    check_alarms(&bus, settings)?;
     well("the broker accepts messages: no alarm".to_owned());
-    exchange(&bus, settings)?;
+    check_topic(&bus, settings)?;
     well("a published message arrives".to_owned());
-    serve(&bus, settings)?;
+    check_service(&bus, settings)?;
     well("an offered service can be called".to_owned());
     Ok(())
 }
 
 /// Tests whether a TCP connection can be opened.
-fn reach(settings: &AmqpSettings) -> Result<(), Diagnosis> {
+fn check_connection(settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let (host, port) = (&settings.host, settings.port);
     let addresses = (host.as_str(), port).to_socket_addrs().map_err(|error| {
         Diagnosis::new(
@@ -107,19 +107,19 @@ fn reach(settings: &AmqpSettings) -> Result<(), Diagnosis> {
 }
 
 /// Tests whether the broker accepts the credentials and the virtual host.
-fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
+fn log_in(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
     AmqpBus::connect(settings.clone(), PATIENCE).map_err(|error| {
         let (user, vhost) = (settings.credentials.user(), &settings.vhost);
-        let what = error.to_string();
-        let text = what.to_lowercase();
+        let problem = error.to_string();
+        let text = problem.to_lowercase();
         let remedy = if text.contains("login") || text.contains("authentication") {
             format!(
                 "invalid user or password: `rabbitmqctl list_users` lists the users,\n`rabbitmqctl change_password {user} …` sets a password; `guest` can connect only from the same machine"
             )
         } else if text.contains("vhost") && text.contains("not found") {
-            format!("`rabbitmqctl add_vhost {vhost}`, then `{}`", permit(settings))
+            format!("`rabbitmqctl add_vhost {vhost}`, then `{}`", permission_command(settings))
         } else if text.contains("vhost") {
-            format!("the user has no access: `{}`", permit(settings))
+            format!("the user has no access: `{}`", permission_command(settings))
         } else if text.contains("certificate") || text.contains("tls") {
             "`--ca FILE` names the authority that signed the broker's certificate; `--certificate` and `--key` identify this client"
                 .to_owned()
@@ -127,20 +127,20 @@ fn enter(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
             "another program listens there: check the port, and see the broker's log"
                 .to_owned()
         };
-        Diagnosis::new(what, remedy)
+        Diagnosis::new(problem, remedy)
     })
 }
 
 /// The command that grants the user all permissions in the virtual host.
-fn permit(settings: &AmqpSettings) -> String {
+fn permission_command(settings: &AmqpSettings) -> String {
     let (user, vhost) = (settings.credentials.user(), &settings.vhost);
     format!("rabbitmqctl set_permissions -p {vhost} {user} '.*' '.*' '.*'")
 }
 
 /// Tests whether the broker accepts messages.
-fn take(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
+fn check_alarms(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     // a memory or disk alarm shows as a probe without a reply
-    std::thread::sleep(settings.timing.silent + 2 * settings.timing.pulse);
+    std::thread::sleep(settings.timing.silence_timeout + 2 * settings.timing.pulse);
     match bus.health().link {
         LinkState::Up => Ok(()),
         LinkState::Blocked { reason } | LinkState::Down { reason } => Err(Diagnosis::new(
@@ -151,23 +151,25 @@ fn take(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
 }
 
 /// Tests whether a message published on a topic arrives.
-fn exchange(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
+fn check_topic(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
     let read = asmotion_remote::listen(bus, TRIED)
-        .map_err(|error| forbidden("cannot read a topic", &error.to_string(), settings))?;
+        .map_err(|error| missing_permission("cannot read a topic", &error.to_string(), settings))?;
     let sending = PublishOptions::events(NonZeroUsize::MIN);
     let origin = SenderId::new("asmotion-doctor", 0);
     let message = Payload::of(Datum::text("hello"));
     let mut publisher = bus
         .publisher(TRIED, &origin, Datum::schema(), sending)
-        .map_err(|error| forbidden("cannot write a topic", &error.to_string(), settings))?;
+        .map_err(|error| {
+            missing_permission("cannot write a topic", &error.to_string(), settings)
+        })?;
     let published = publisher.publish(0, message).is_ok();
     if published && read.next_within(PATIENCE).is_some() {
         return Ok(());
     }
     // an alarm can become visible only now
-    take(bus, settings)?;
+    check_alarms(bus, settings)?;
     let what = "cannot write a topic";
-    Err(forbidden(
+    Err(missing_permission(
         what,
         "the published message did not arrive",
         settings,
@@ -175,8 +177,8 @@ fn exchange(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
 }
 
 /// Tests whether a service can be offered and called.
-fn serve(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
-    let ill = |what: String| forbidden("cannot offer or call a service", &what, settings);
+fn check_service(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
+    let ill = |what: String| missing_permission("cannot offer or call a service", &what, settings);
     let serving = match bus.serve(TRIED, 1, Arc::new(Notifier::new())) {
         Ok(serving) => serving,
         // another `asmotion doctor` is running
@@ -200,13 +202,13 @@ fn serve(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis> {
         .map_err(|failure: CallFailure| ill(failure.to_string()))
 }
 
-fn forbidden(what: &str, reason: &str, settings: &AmqpSettings) -> Diagnosis {
+fn missing_permission(problem: &str, reason: &str, settings: &AmqpSettings) -> Diagnosis {
     let (user, vhost) = (settings.credentials.user(), &settings.vhost);
     Diagnosis::new(
-        format!("{what}: {reason}"),
+        format!("{problem}: {reason}"),
         format!(
             "`rabbitmqctl list_permissions -p {vhost}` shows the permissions of `{user}`;\n`{}` allows everything, docs/wire.md lists what is needed",
-            permit(settings)
+            permission_command(settings)
         ),
     )
 }

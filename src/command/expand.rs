@@ -28,7 +28,10 @@ impl Expand {
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile, opened.profiles);
-            terminal.error(MissionError::Profile { wanted, known });
+            terminal.error(MissionError::Profile {
+                requested: wanted,
+                available: known,
+            });
             return Exit::Usage;
         };
         if !plan.missing.is_empty() {

@@ -33,7 +33,7 @@ struct FmtSummary {
     changed: usize,
     unchanged: usize,
     /// Files with errors, left unchanged.
-    wrong: usize,
+    unparsable: usize,
     /// Files that could not be read or written.
     failed: usize,
 }
@@ -45,7 +45,7 @@ impl Fmt {
             match files_at(path) {
                 Ok(files) => files
                     .iter()
-                    .for_each(|file| self.file(file, &mut tally, terminal)),
+                    .for_each(|file| self.format_file(file, &mut tally, terminal)),
                 Err(error) => {
                     let reason = files::reason(&error);
                     terminal.error(format_args!("cannot read `{path}`: {reason}"));
@@ -58,19 +58,19 @@ impl Fmt {
         }
         if tally.failed > 0 {
             Exit::Usage
-        } else if tally.wrong > 0 || (self.check && tally.changed > 0) {
+        } else if tally.unparsable > 0 || (self.check && tally.changed > 0) {
             Exit::Findings
         } else {
             Exit::Ok
         }
     }
 
-    fn file(&self, path: &str, tally: &mut FmtSummary, terminal: &mut TerminalOutput) {
+    fn format_file(&self, path: &str, summary: &mut FmtSummary, terminal: &mut TerminalOutput) {
         let before = match read(path) {
             Ok(text) => text,
             Err(error) => {
                 terminal.error(error);
-                tally.failed += 1;
+                summary.failed += 1;
                 return;
             }
         };
@@ -78,7 +78,7 @@ impl Fmt {
             Ok(text) => text,
             Err((report, sources)) => {
                 terminal.report(&report, &sources);
-                tally.wrong += 1;
+                summary.unparsable += 1;
                 return;
             }
         };
@@ -87,13 +87,13 @@ impl Fmt {
             terminal.result(after.trim_end_matches('\n'));
         } else if changes && let Err(error) = self.change(path, &before, &after, terminal) {
             terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
-            tally.failed += 1;
+            summary.failed += 1;
             return;
         }
         if changes {
-            tally.changed += 1;
+            summary.changed += 1;
         } else {
-            tally.unchanged += 1;
+            summary.unchanged += 1;
         }
     }
 
@@ -116,27 +116,27 @@ impl Fmt {
         Ok(())
     }
 
-    fn conclude(&self, tally: &FmtSummary, terminal: &mut TerminalOutput) {
+    fn conclude(&self, summary: &FmtSummary, terminal: &mut TerminalOutput) {
         let change = if self.check || self.diff {
             "to format"
         } else {
             "formatted"
         };
         let mut parts = vec![
-            format!("{} {change}", count(tally.changed)),
-            format!("{} left as they are", tally.unchanged),
+            format!("{} {change}", count(summary.changed)),
+            format!("{} left as they are", summary.unchanged),
         ];
-        if tally.failed > 0 {
-            parts.push(format!("{} missing or not writable", tally.failed));
+        if summary.failed > 0 {
+            parts.push(format!("{} missing or not writable", summary.failed));
         }
-        if tally.wrong > 0 {
-            parts.push(format!("{} with errors left unchanged", tally.wrong));
+        if summary.unparsable > 0 {
+            parts.push(format!("{} with errors left unchanged", summary.unparsable));
         }
-        let summary = parts.join(", ");
-        if tally.wrong + tally.failed > 0 || (self.check && tally.changed > 0) {
-            terminal.error(summary);
+        let line = parts.join(", ");
+        if summary.unparsable + summary.failed > 0 || (self.check && summary.changed > 0) {
+            terminal.error(line);
         } else {
-            terminal.status("Finished", summary);
+            terminal.status("Finished", line);
         }
     }
 }

@@ -49,7 +49,10 @@ impl Graph {
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile, opened.profiles);
-            terminal.error(MissionError::Profile { wanted, known });
+            terminal.error(MissionError::Profile {
+                requested: wanted,
+                available: known,
+            });
             return Exit::Usage;
         };
         let picture = match self.format {

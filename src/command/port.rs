@@ -36,7 +36,7 @@ enum PortCommand {
 
 impl Port {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        match self.ask() {
+        match self.execute() {
             Ok(None) => Exit::Ok,
             Ok(Some(read)) => {
                 terminal.result(read);
@@ -49,7 +49,7 @@ impl Port {
         }
     }
 
-    fn ask(self) -> Result<Option<String>, String> {
+    fn execute(self) -> Result<Option<String>, String> {
         let (whole, message) = match self.what {
             PortCommand::Read { port } => (port, None),
             PortCommand::Write { port, message } => {
@@ -62,7 +62,7 @@ impl Port {
             .rsplit_once('.')
             .ok_or_else(|| format!("`{whole}` is not a port: write `Component.port`"))?;
         let remote = self.broker.remote()?;
-        let asked = remote
+        let result = remote
             .component(component)
             .and_then(|component| match message {
                 Some(message) => component.write(port, message).map(|()| None),
@@ -71,6 +71,6 @@ impl Port {
                     Ok(Some(asmotion_datum::json::encode(&read)?))
                 }
             });
-        asked.map_err(|error: RemoteError| error.to_string())
+        result.map_err(|error: RemoteError| error.to_string())
     }
 }

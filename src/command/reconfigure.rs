@@ -49,21 +49,21 @@ impl Reconfigure {
         let Some(composite) = opened.composite.filter(|_| !opened.report.has_errors()) else {
             return Exit::refused(&self.composite);
         };
-        let here = |path: &str| beside(&opened.path, path);
+        let relative = |path: &str| beside(&opened.path, path);
         let version = CompositeVersion {
-            composite: here(&opened.path),
+            composite: relative(&opened.path),
             files: files
                 .read()
                 .into_iter()
-                .map(|(path, text)| (here(&path), text.to_string()))
+                .map(|(path, text)| (relative(&path), text.to_string()))
                 .collect(),
             only_try: true,
         };
-        let done = self
+        let result = self
             .broker
             .remote()
             .and_then(|remote| self.change(&remote, &composite.name(), version, terminal));
-        done.unwrap_or_else(|problem| {
+        result.unwrap_or_else(|problem| {
             terminal.error(problem);
             Exit::Usage
         })
@@ -91,26 +91,28 @@ impl Reconfigure {
             }
             [_, ..] => {}
         }
-        let ask = |version: &CompositeVersion| -> Vec<Result<Vec<String>, RemoteError>> {
-            let asked = processes.iter().map(|it| ask(remote, it, version));
-            asked.collect()
+        let request_all = |version: &CompositeVersion| -> Vec<Result<Vec<String>, RemoteError>> {
+            let threads = processes
+                .iter()
+                .map(|it| request_change(remote, it, version));
+            threads.collect()
         };
-        let tried = ask(&version);
+        let tried = request_all(&version);
         if tried.iter().all(Result::is_ok) && !self.only_try {
             let version = CompositeVersion {
                 only_try: false,
                 ..version
             };
-            return Ok(tell(&processes, ask(&version), terminal));
+            return Ok(report_replies(&processes, request_all(&version), terminal));
         }
-        let exit = tell(&processes, tried, terminal);
+        let exit = report_replies(&processes, tried, terminal);
         terminal.status("Unchanged", format_args!("`{name}` runs unchanged"));
         Ok(exit)
     }
 }
 
 /// Asks one process to check or apply a version; returns the list of changes.
-fn ask(
+fn request_change(
     remote: &Remote,
     process: &RobotPresence,
     version: &CompositeVersion,
@@ -121,13 +123,13 @@ fn ask(
 }
 
 /// Prints the replies of all processes.
-fn tell(
+fn report_replies(
     processes: &[RobotPresence],
-    answers: Vec<Result<Vec<String>, RemoteError>>,
+    replies: Vec<Result<Vec<String>, RemoteError>>,
     terminal: &mut TerminalOutput,
 ) -> Exit {
     let mut exit = Exit::Ok;
-    for (process, answer) in processes.iter().zip(answers) {
+    for (process, answer) in processes.iter().zip(replies) {
         let process = &process.presence.process;
         match answer {
             Ok(changes) => {

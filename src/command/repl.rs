@@ -47,14 +47,14 @@ impl Repl {
                 return Exit::Usage;
             }
         };
-        prompt.know(names(&session));
+        prompt.set_names(names(&session));
         let history = History::new(session, self.seed, self.random);
         let mut talk = ReplSession::new(self.spec, self.seed, history);
         talk.print_banner(terminal);
         loop {
             match prompt.read(&talk.prompt()) {
                 PromptLine::Text(line) => {
-                    if !talk.answer(&line, terminal) {
+                    if !talk.execute(&line, terminal) {
                         break;
                     }
                 }
@@ -62,7 +62,7 @@ impl Repl {
                 PromptLine::End => break,
             }
         }
-        prompt.keep();
+        prompt.save_history();
         Exit::Ok
     }
 }

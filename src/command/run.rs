@@ -28,7 +28,7 @@ use crate::mission::{
 };
 use crate::output_files::{OutputArguments, OutputFiles};
 use crate::terminal::TerminalOutput;
-use report::{event_json, summarise, summary_json};
+use report::{event_json, print_summary, summary_json};
 #[cfg(feature = "tui")]
 use top::spectator;
 #[cfg(not(feature = "tui"))]
@@ -138,7 +138,7 @@ impl Run {
             return Exit::Usage;
         }
         match self.mission() {
-            Ok(mission) => self.common.run_applied(&self.composite, &mission, terminal),
+            Ok(mission) => self.common.run_mission(&self.composite, &mission, terminal),
             Err(problem) => {
                 terminal.error(problem);
                 Exit::Usage
@@ -152,12 +152,12 @@ impl Run {
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
         mission.brokers = self.brokers(&mission)?;
-        self.common.open_to_spectators(&mut mission);
+        self.common.enable_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {
             broker::prepare(settings, self.robot.clone(), self.common.top);
         }
         mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.on_listen())?;
-        let over = match (mission.brokers.are_there(), mission.gateways.are_there()) {
+        let over = match (mission.brokers.is_connected(), mission.gateways.is_open()) {
             (true, _) => Some(("a broker", "")),
             (false, true) => Some(("a gateway", ", or add `--http off`")),
             (false, false) => None,
@@ -178,8 +178,8 @@ impl Run {
                 );
             }
         };
-        mission.until = ends(&self.until)?;
-        mission.unless = ends(&self.unless)?;
+        mission.until = end_conditions(&self.until)?;
+        mission.unless = end_conditions(&self.unless)?;
         Ok(mission)
     }
 
@@ -236,7 +236,7 @@ pub fn property_value(written: &str) -> Datum {
 }
 
 /// Splits `location=value` options; `None` if there are none.
-fn ends(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
+fn end_conditions(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
     if written.is_empty() {
         return Ok(None);
     }
@@ -260,12 +260,12 @@ impl MissionArguments {
             terminal.error(problem);
             return Exit::Usage;
         }
-        self.open_to_spectators(&mut mission);
-        self.run_applied(title, &mission, terminal)
+        self.enable_spectators(&mut mission);
+        self.run_mission(title, &mission, terminal)
     }
 
     /// Runs a mission to which the options have been applied.
-    fn run_applied(&self, title: &str, mission: &Mission, terminal: &mut TerminalOutput) -> Exit {
+    fn run_mission(&self, title: &str, mission: &Mission, terminal: &mut TerminalOutput) -> Exit {
         let clock = match mission.clock {
             MissionClock::Wall => "wall clock".to_owned(),
             MissionClock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),
@@ -279,15 +279,15 @@ impl MissionArguments {
         }
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);
-        let books = Arc::new(Mutex::new(self.books.open()));
-        let listener = self.listener(books.clone());
-        let ended = match spectator(self.top, mission) {
+        let output_files = Arc::new(Mutex::new(self.books.open()));
+        let listener = self.listener(output_files.clone());
+        let result = match spectator(self.top, mission) {
             Ok(None) => mission.run(listener, &stop),
-            Ok(Some(spectator)) => spectator.beside(&stop, || mission.run(listener, &stop)),
+            Ok(Some(spectator)) => spectator.run_beside(&stop, || mission.run(listener, &stop)),
             Err(problem) => Err(MissionError::Launch(problem)),
         };
-        let ended = match ended {
-            Ok(ended) => ended,
+        let result = match result {
+            Ok(mission_end) => mission_end,
             Err(MissionError::Composite {
                 sources,
                 report,
@@ -306,7 +306,7 @@ impl MissionArguments {
                 return Exit::Usage;
             }
         };
-        match lock(&books).close() {
+        match lock(&output_files).close() {
             Ok(silent) => {
                 for pattern in silent {
                     terminal.warn(format_args!(
@@ -320,11 +320,11 @@ impl MissionArguments {
             }
         }
         if self.json {
-            terminal.result(summary_json(&ended));
+            terminal.result(summary_json(&result));
         } else {
-            summarise(&ended, terminal);
+            print_summary(&result, terminal);
         }
-        match ended.outcome {
+        match result.outcome {
             MissionOutcome::Reached => Exit::Ok,
             // one process of several runs until it is stopped
             MissionOutcome::Stopped if mission.process.is_some() => Exit::Ok,
@@ -336,7 +336,7 @@ impl MissionArguments {
     }
 
     /// Gives the mission a local bus for `--top` if there is no broker.
-    fn open_to_spectators(&self, mission: &mut Mission) {
+    fn enable_spectators(&self, mission: &mut Mission) {
         if let (true, MissionBrokers::Nothing) = (self.top, &mission.brokers) {
             mission.brokers = MissionBrokers::Inside(LocalBus::new());
         }
@@ -399,11 +399,11 @@ impl MissionArguments {
     /// The listener for events: prints text or, for programs, JSON.
     fn listener(
         &self,
-        books: Arc<Mutex<OutputFiles>>,
+        output_files: Arc<Mutex<OutputFiles>>,
     ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
         let (tell, as_json) = (!self.quiet && !self.json && !self.top, self.json);
         move |at, event, line| {
-            lock(&books).note(at, event);
+            lock(&output_files).note(at, event);
             if let (true, Some(line)) = (tell, line) {
                 let _ = writeln!(anstream::stderr(), "{line}");
             }
@@ -415,8 +415,8 @@ impl MissionArguments {
 }
 
 /// Locks the books; they are consistent even if a listener panicked while it held the lock.
-fn lock(books: &Mutex<OutputFiles>) -> MutexGuard<'_, OutputFiles> {
-    books.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(output_files: &Mutex<OutputFiles>) -> MutexGuard<'_, OutputFiles> {
+    output_files.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Installs a handler: the first Ctrl-C stops the run in order, the second one at once.

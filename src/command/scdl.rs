@@ -101,11 +101,11 @@ fn read(file: &str) -> Result<Vec<(String, String)>, (String, String)> {
     } else {
         folder
     };
-    let beside = std::fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-    let beside = beside.map_err(|error| (folder.display().to_string(), reason(&error)))?;
-    let mut beside: Vec<PathBuf> = beside.into_iter().map(|entry| entry.path()).collect();
-    beside.sort();
-    for path in beside {
+    let entries = std::fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+    let entries = entries.map_err(|error| (folder.display().to_string(), reason(&error)))?;
+    let mut paths: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
+    paths.sort();
+    for path in paths {
         let is_scdl = path.extension().is_some_and(|ending| ending == "composite");
         if is_scdl && path.file_name() != Path::new(file).file_name() {
             files.push(read(&path.display().to_string())?);

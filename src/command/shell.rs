@@ -38,10 +38,10 @@ impl Shell {
         let mut browser = Browser::new(remote);
         browser.print_banner(terminal);
         loop {
-            prompt.know(browser.names());
+            prompt.set_names(browser.names());
             match prompt.read(&browser.prompt()) {
                 PromptLine::Text(line) => {
-                    if !browser.answer(&line, terminal) {
+                    if !browser.execute(&line, terminal) {
                         break;
                     }
                 }
@@ -49,7 +49,7 @@ impl Shell {
                 PromptLine::End => break,
             }
         }
-        prompt.keep();
+        prompt.save_history();
         Exit::Ok
     }
 }

@@ -83,8 +83,8 @@ fn ticking(text: &str) -> Result<SimClock, String> {
         "stepped:min" => SimClock::Stepped(60 * SECOND),
         "stepped:h" => SimClock::Stepped(3600 * SECOND),
         _ => {
-            let known = "`virtual`, `wall`, `stepped`, `stepped:ns`, `stepped:us`, `stepped:ms`, `stepped:s`, `stepped:min`, `stepped:h`";
-            return Err(format!("the clocks are {known}"));
+            let accepted = "`virtual`, `wall`, `stepped`, `stepped:ns`, `stepped:us`, `stepped:ms`, `stepped:s`, `stepped:min`, `stepped:h`";
+            return Err(format!("the clocks are {accepted}"));
         }
     })
 }
@@ -132,7 +132,7 @@ impl Sim {
     }
 
     /// Starts a run of an opened specification, with recorded inputs if `recorded` is given.
-    fn begin(
+    fn start(
         &self,
         specification: &mut Specification,
         recorded: Option<&str>,

@@ -79,18 +79,18 @@ pub struct Test {
 impl Test {
     /// Runs the scenarios and prints their results.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        let found = match find::scenarios(&self.paths) {
-            Ok(found) => found,
+        let scenarios = match find::scenarios(&self.paths) {
+            Ok(scenarios) => scenarios,
             Err(error) => {
                 terminal.error(error);
                 return Exit::Usage;
             }
         };
-        let wanted: Vec<PathBuf> = found
+        let selected: Vec<PathBuf> = scenarios
             .into_iter()
-            .filter(|path| self.is_wanted(&path.to_string_lossy()))
+            .filter(|path| self.matches_filter(&path.to_string_lossy()))
             .collect();
-        if wanted.is_empty() {
+        if selected.is_empty() {
             terminal.error("no scenario found");
             return Exit::Usage;
         }
@@ -98,34 +98,39 @@ impl Test {
             terminal.error("`--accept` is disabled where `CI` is set");
             return Exit::Usage;
         }
-        let begun = Instant::now();
-        let mut ended: Vec<TestResult> =
-            wanted.into_par_iter().map(|path| self.one(path)).collect();
-        let took = begun.elapsed();
+        let started = Instant::now();
+        let mut results: Vec<TestResult> = selected
+            .into_par_iter()
+            .map(|path| self.run_one(path))
+            .collect();
+        let took = started.elapsed();
         let mut exit = match (self.accept, self.review) {
-            (true, _) => review::accept(&mut ended, terminal),
-            (_, true) => review::review(&mut ended, terminal),
+            (true, _) => review::accept(&mut results, terminal),
+            (_, true) => review::review(&mut results, terminal),
             (false, false) => Exit::Ok,
         };
-        for one in &ended {
-            report::tell(one, self.json, terminal);
+        for one in &results {
+            report::print_result(one, self.json, terminal);
         }
-        report::sum_up(&ended, took, terminal);
-        exit = ended.iter().map(|one| one.end.exit()).fold(exit, Exit::max);
+        report::print_summary(&results, took, terminal);
+        exit = results
+            .iter()
+            .map(|result| result.end.exit())
+            .fold(exit, Exit::max);
         if let Some(file) = &self.junit {
-            exit = exit.max(junit::write(file, &ended, terminal));
+            exit = exit.max(junit::write(file, &results, terminal));
         }
-        exit.max(self.covered(&mut ended, terminal))
+        exit.max(self.print_coverage(&mut results, terminal))
     }
 
     /// Prints and writes coverage if requested.
-    fn covered(&self, ended: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
+    fn print_coverage(&self, results: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
         let mut all = Coverage::default();
-        for one in ended {
-            all.add(one.coverage.take().unwrap_or_default());
+        for result in results {
+            all.add(result.coverage.take().unwrap_or_default());
         }
-        if let Some(shown) = self.coverage {
-            coverage::tell(&all, shown, terminal);
+        if let Some(format) = self.coverage {
+            coverage::print(&all, format, terminal);
         }
         let Some(file) = &self.coverage_out else {
             return Exit::Ok;
@@ -139,23 +144,23 @@ impl Test {
         }
     }
 
-    fn is_wanted(&self, path: &str) -> bool {
+    fn matches_filter(&self, path: &str) -> bool {
         self.filter.as_ref().is_none_or(|text| path.contains(text))
     }
 
-    fn one(&self, path: PathBuf) -> TestResult {
+    fn run_one(&self, path: PathBuf) -> TestResult {
         if snapshot::is_script(&path) {
-            snapshot::run(path, self.seed, self.covers())
+            snapshot::run(path, self.seed, self.measures_coverage())
         } else {
             self.scenario(path)
         }
     }
 
     fn scenario(&self, path: PathBuf) -> TestResult {
-        let begun = Instant::now();
+        let started = Instant::now();
         let tested =
             asmotion_lang::scenario::test(&path.to_string_lossy(), &DiskLoader, &self.settings());
-        let mut ended = TestResult::unusable(path);
+        let mut result = TestResult::unusable(path);
         match tested {
             Ok(ScenarioResult {
                 name,
@@ -164,22 +169,22 @@ impl Test {
                 specification,
                 coverage,
             }) => {
-                ended.name = name;
-                ended.end = TestEnd::Ran(outcome.verdict);
-                (ended.steps, ended.checks) = (outcome.steps, outcome.checks);
-                (ended.report, ended.sources) = (report, specification.sources);
-                ended.coverage = coverage;
+                result.name = name;
+                result.end = TestEnd::Ran(outcome.verdict);
+                (result.steps, result.checks) = (outcome.steps, outcome.checks);
+                (result.report, result.sources) = (report, specification.sources);
+                result.coverage = coverage;
             }
             Err(OpenFailure { sources, report }) => {
-                (ended.report, ended.sources) = (report, sources)
+                (result.report, result.sources) = (report, sources)
             }
         }
-        ended.took = begun.elapsed();
-        ended
+        result.duration = started.elapsed();
+        result
     }
 
     /// Returns `true` if coverage is requested.
-    fn covers(&self) -> bool {
+    fn measures_coverage(&self) -> bool {
         self.coverage.is_some() || self.coverage_out.is_some()
     }
 
@@ -194,7 +199,7 @@ impl Test {
                 max_steps: self.max_steps,
                 ..ScenarioOptions::default()
             },
-            covers: self.covers(),
+            covers: self.measures_coverage(),
         }
     }
 }

@@ -25,12 +25,13 @@ impl Top {
             terminal.error("`asmotion top` needs a terminal; programs can use `asmotion component list` and `asmotion topic list`");
             return Exit::Usage;
         }
-        let shown = self.broker.settings().and_then(|settings| {
-            let place = settings.place();
+        let result = self.broker.settings().and_then(|settings| {
+            let location = settings.location();
             let remote = self.broker.remote()?;
-            top::show(&remote, &place, &AtomicBool::new(false)).map_err(|error| error.to_string())
+            top::show(&remote, &location, &AtomicBool::new(false))
+                .map_err(|error| error.to_string())
         });
-        match shown {
+        match result {
             Ok(()) => Exit::Ok,
             Err(problem) => {
                 terminal.error(problem);

@@ -71,7 +71,10 @@ impl Up {
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile, opened.profiles);
-            terminal.error(MissionError::Profile { wanted, known });
+            terminal.error(MissionError::Profile {
+                requested: wanted,
+                available: known,
+            });
             return Exit::Usage;
         };
         match self.children(plan, terminal) {
@@ -165,7 +168,7 @@ enum SupervisedState {
     Due(Instant),
     Running(Child),
     Ended {
-        well: bool,
+        success: bool,
     },
 }
 
@@ -177,7 +180,7 @@ fn supervise(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput
     let _ = ctrlc::set_handler(move || stop_flag.store(true, Ordering::Relaxed));
     while !stop.load(Ordering::Relaxed) {
         for child in &mut children {
-            child.look(terminal);
+            child.poll(terminal);
         }
         if children
             .iter()
@@ -188,17 +191,17 @@ fn supervise(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput
         std::thread::sleep(LOOK);
     }
     let until = Instant::now() + GRACE;
-    children.iter_mut().for_each(SupervisedProcess::tell_to_end);
+    children.iter_mut().for_each(SupervisedProcess::terminate);
     for child in &mut children {
         child.wait_for_end(until, terminal);
     }
     for child in &children {
-        let (name, all) = (&child.name, child.restarts.all);
+        let (name, all) = (&child.name, child.restarts.total);
         let restarts = if all == 1 { "restart" } else { "restarts" };
         terminal.status("Ended", format_args!("{name}, {all} {restarts}"));
     }
     let well =
-        |child: &SupervisedProcess| matches!(child.state, SupervisedState::Ended { well: true });
+        |child: &SupervisedProcess| matches!(child.state, SupervisedState::Ended { success: true });
     if children.iter().all(well) {
         Exit::Ok
     } else {
@@ -208,7 +211,7 @@ fn supervise(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput
 
 impl SupervisedProcess {
     /// Starts the process if it is due, and handles its end.
-    fn look(&mut self, terminal: &mut TerminalOutput) {
+    fn poll(&mut self, terminal: &mut TerminalOutput) {
         let now = Instant::now();
         match &mut self.state {
             SupervisedState::Due(at) if *at <= now => self.start(terminal),
@@ -230,7 +233,7 @@ impl SupervisedProcess {
             }
             Err(error) => {
                 terminal.error(format_args!("cannot start `{}`: {error}", self.name));
-                SupervisedState::Ended { well: false }
+                SupervisedState::Ended { success: false }
             }
         };
     }
@@ -238,33 +241,33 @@ impl SupervisedProcess {
     fn ended(&mut self, status: ExitStatus, now: Instant, terminal: &mut TerminalOutput) {
         let (name, well) = (&self.name, status.success());
         self.state = match self.restarts.next(well, now) {
-            AfterExit::Again(wait) => {
-                let count = self.restarts.all;
+            AfterExit::Restart(wait) => {
+                let count = self.restarts.total;
                 terminal.status(
                     "Restarting",
                     format_args!("{name}, restart {count}, after {status}"),
                 );
                 SupervisedState::Due(now + wait)
             }
-            AfterExit::Rest => SupervisedState::Ended { well },
+            AfterExit::StayEnded => SupervisedState::Ended { success: well },
             AfterExit::GiveUp => {
                 terminal.error(format_args!(
                     "`{name}` ended ({status}) after too many restarts"
                 ));
-                SupervisedState::Ended { well: false }
+                SupervisedState::Ended { success: false }
             }
         };
     }
 
     /// Sends SIGTERM to the process.
-    fn tell_to_end(&mut self) {
+    fn terminate(&mut self) {
         match &self.state {
             SupervisedState::Running(child) => {
                 let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
                 // the process can have ended just before
                 let _ = id.map(|id| kill_process(id, Signal::TERM));
             }
-            SupervisedState::Due(_) => self.state = SupervisedState::Ended { well: true },
+            SupervisedState::Due(_) => self.state = SupervisedState::Ended { success: true },
             SupervisedState::Ended { .. } => {}
         }
     }
@@ -289,7 +292,7 @@ impl SupervisedProcess {
             }
         };
         let well = status.is_some_and(|status| status.success());
-        self.state = SupervisedState::Ended { well };
+        self.state = SupervisedState::Ended { success: well };
     }
 }
 
@@ -298,16 +301,16 @@ struct Restarts {
     rule: Option<Restart>,
     /// Restarts within the window, and their total number.
     recent: Vec<Instant>,
-    all: u64,
+    total: u64,
 }
 
 /// Reaction to the end of a process.
 #[derive(Debug, PartialEq)]
 enum AfterExit {
     /// Restart after this time.
-    Again(Duration),
+    Restart(Duration),
     /// No restart: the policy does not ask for one.
-    Rest,
+    StayEnded,
     /// No restart: there were too many.
     GiveUp,
 }
@@ -317,21 +320,21 @@ impl Restarts {
         Self {
             rule,
             recent: Vec::new(),
-            all: 0,
+            total: 0,
         }
     }
 
-    fn next(&mut self, well: bool, now: Instant) -> AfterExit {
+    fn next(&mut self, success: bool, now: Instant) -> AfterExit {
         let Some(rule) = &self.rule else {
-            return AfterExit::Rest;
+            return AfterExit::StayEnded;
         };
         let again = match rule.policy {
             RestartPolicy::Never => false,
-            RestartPolicy::OnFailure => !well,
+            RestartPolicy::OnFailure => !success,
             RestartPolicy::Always => true,
         };
         if !again {
-            return AfterExit::Rest;
+            return AfterExit::StayEnded;
         }
         let window = Duration::from_secs(rule.window_s);
         self.recent.retain(|at| now.duration_since(*at) < window);
@@ -340,10 +343,10 @@ impl Restarts {
             return AfterExit::GiveUp;
         }
         self.recent.push(now);
-        self.all += 1;
+        self.total += 1;
         let waits = &rule.backoff_ms;
         let wait = waits.get(count).or(waits.last());
-        AfterExit::Again(wait.map_or(BACKOFF, |wait| Duration::from_millis(*wait)))
+        AfterExit::Restart(wait.map_or(BACKOFF, |wait| Duration::from_millis(*wait)))
     }
 }
 
@@ -364,15 +367,15 @@ mod tests {
     fn a_failure_is_followed_by_a_start_until_there_were_too_many() {
         let now = Instant::now();
         let at = |seconds| now + Duration::from_secs(seconds);
-        let wait = |ms| AfterExit::Again(Duration::from_millis(ms));
+        let wait = |ms| AfterExit::Restart(Duration::from_millis(ms));
         let mut restarts = restarts(RestartPolicy::OnFailure);
-        assert_eq!(restarts.next(true, now), AfterExit::Rest);
+        assert_eq!(restarts.next(true, now), AfterExit::StayEnded);
         assert_eq!(restarts.next(false, at(0)), wait(100));
         assert_eq!(restarts.next(false, at(1)), wait(300));
         assert_eq!(restarts.next(false, at(2)), AfterExit::GiveUp);
         // the first restart has left the window
         assert_eq!(restarts.next(false, at(10)), wait(300));
-        assert_eq!(restarts.all, 3);
+        assert_eq!(restarts.total, 3);
     }
 
     #[test]
@@ -380,10 +383,10 @@ mod tests {
         let now = Instant::now();
         assert_eq!(
             restarts(RestartPolicy::Never).next(false, now),
-            AfterExit::Rest
+            AfterExit::StayEnded
         );
-        assert_eq!(Restarts::new(None).next(false, now), AfterExit::Rest);
+        assert_eq!(Restarts::new(None).next(false, now), AfterExit::StayEnded);
         let again = restarts(RestartPolicy::Always).next(true, now);
-        assert_eq!(again, AfterExit::Again(Duration::from_millis(100)));
+        assert_eq!(again, AfterExit::Restart(Duration::from_millis(100)));
     }
 }

@@ -119,7 +119,7 @@ impl Document<'_> {
         address: &str,
         broker: Option<&str>,
     ) -> String {
-        let request = self.asked(&served.operation.request);
+        let request = self.request_message(&served.operation.request);
         let exchange = format!("{}.services", self.exchange(broker));
         self.channels.insert(
             address.to_owned(),
@@ -182,7 +182,7 @@ impl Document<'_> {
     /// Adds the channel of the operation's replies; returns the `reply` object.
     fn reply(&mut self, served: &ServedOperation) -> Value {
         let replies = format!("{}.reply", served.address());
-        let result = self.answered(&served.operation.response);
+        let result = self.reply_message(&served.operation.response);
         let answers = [result.as_str(), "refusal", "unavailable"];
         let listed: Map<String, Value> = answers
             .iter()
@@ -271,11 +271,11 @@ impl Document<'_> {
         self.message("", schema, &schema.to_string(), "topicHeaders")
     }
 
-    fn asked(&mut self, schema: &Schema) -> String {
+    fn request_message(&mut self, schema: &Schema) -> String {
         self.message("request.", schema, "request", "requestHeaders")
     }
 
-    fn answered(&mut self, schema: &Schema) -> String {
+    fn reply_message(&mut self, schema: &Schema) -> String {
         self.message("result.", schema, "result", "resultHeaders")
     }
 

@@ -15,13 +15,13 @@ fn write(value: &Value, depth: usize, text: &mut String) {
         Value::Object(members) if !members.is_empty() => {
             for (name, member) in members {
                 text.push_str(&format!("{indent}{}:", Value::from(name.as_str())));
-                below(member, depth, text);
+                write_nested(member, depth, text);
             }
         }
         Value::Array(elements) if !elements.is_empty() => {
             for element in elements {
                 text.push_str(&format!("{indent}-"));
-                below(element, depth, text);
+                write_nested(element, depth, text);
             }
         }
         Value::Object(_)
@@ -34,7 +34,7 @@ fn write(value: &Value, depth: usize, text: &mut String) {
 }
 
 /// Writes the value of a key or list item: on the same line, or on the following ones.
-fn below(value: &Value, depth: usize, text: &mut String) {
+fn write_nested(value: &Value, depth: usize, text: &mut String) {
     let is_block = match value {
         Value::Object(members) => !members.is_empty(),
         Value::Array(elements) => !elements.is_empty(),

@@ -10,18 +10,18 @@ use asmotion_plan::{Implementation, Plan};
 use asmotion_runtime::{Event, Observer};
 
 /// Returns the end conditions; by default `mode` with its usual value.
-pub(super) fn awaited(
+pub(super) fn awaited_updates(
     plan: &Plan,
-    wished: Option<&[(String, String)]>,
-    usual: &str,
+    requested: Option<&[(String, String)]>,
+    default: &str,
 ) -> Result<Vec<AwaitedUpdate>, MissionError> {
-    let Some(wished) = wished else {
-        let (location, value) = ("mode".to_owned(), usual.to_owned());
+    let Some(requested) = requested else {
+        let (location, value) = ("mode".to_owned(), default.to_owned());
         return Ok(vec![AwaitedUpdate { location, value }]);
     };
     let machines = machines(plan);
     let mut all = Vec::new();
-    for (location, value) in wished {
+    for (location, value) in requested {
         let mut reasons = Vec::new();
         for (path, machine) in &machines {
             match AwaitedUpdate::of(machine, location, value) {
@@ -31,8 +31,8 @@ pub(super) fn awaited(
         }
         // it suffices if one specification can establish the condition
         if reasons.len() == machines.len() {
-            let wanted = format!("{location}={value}");
-            return Err(MissionError::NeverEnds { wanted, reasons });
+            let requested = format!("{location}={value}");
+            return Err(MissionError::NeverEnds { requested, reasons });
         }
     }
     Ok(all)
@@ -69,7 +69,9 @@ impl Observer for EndCondition {
         }
         match event {
             Event::Fault { .. } => self.outcome = Some(MissionOutcome::Fault),
-            Event::Report { kind, what, .. } if *kind == STEP_REPORT => {
+            Event::Report {
+                kind, data: what, ..
+            } if *kind == STEP_REPORT => {
                 let Ok(step) = what.to::<StepRecord>() else {
                     return;
                 };

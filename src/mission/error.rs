@@ -22,9 +22,9 @@ pub enum MissionError {
     /// The profile does not exist, or one must be chosen.
     Profile {
         /// Requested profile.
-        wanted: Option<String>,
+        requested: Option<String>,
         /// Existing profiles.
-        known: Vec<String>,
+        available: Vec<String>,
     },
     /// There is no component of this name with properties.
     Component {
@@ -36,16 +36,16 @@ pub enum MissionError {
     /// No step can establish the end condition.
     NeverEnds {
         /// Condition, for example `mode=ARRIVED`.
-        wanted: String,
+        requested: String,
         /// Reason for each specification.
         reasons: Vec<(String, AwaitError)>,
     },
     /// The composite is not deployed to this process.
     Process {
         /// Requested process.
-        wanted: String,
+        requested: String,
         /// Existing processes.
-        known: Vec<String>,
+        available: Vec<String>,
     },
     /// One process of several needs a broker.
     NeedsBroker {
@@ -55,7 +55,7 @@ pub enum MissionError {
     /// The broker is unreachable or refuses the connection.
     Broker {
         /// Address of the broker.
-        place: String,
+        location: String,
         /// Error of the connection.
         reason: asmotion_bus::BusError,
     },
@@ -87,28 +87,28 @@ impl fmt::Display for MissionError {
                 sources,
                 asmotion_lang::Style::Plain,
             )),
-            Self::Profile { known, .. } if known.is_empty() => {
+            Self::Profile { available, .. } if available.is_empty() => {
                 to.write_str("the composite has no profiles: remove `--profile`")
             }
             Self::Profile {
-                wanted: Some(wanted),
-                known,
+                requested: Some(requested),
+                available,
             } => {
-                let meant = or_did_you_mean(similar(wanted, known).map(String::as_str));
-                let known = known.join(", ");
+                let suggestion = or_did_you_mean(similar(requested, available).map(String::as_str));
+                let available = available.join(", ");
                 write!(
                     to,
-                    "unknown profile `{wanted}`; the profiles are {known}{meant}"
+                    "unknown profile `{requested}`; the profiles are {available}{suggestion}"
                 )
             }
             Self::Profile {
-                wanted: None,
-                known,
+                requested: None,
+                available,
             } => {
                 write!(
                     to,
                     "select a profile with `--profile`: {}",
-                    known.join(", ")
+                    available.join(", ")
                 )
             }
             Self::Component { name, similar } => {
@@ -118,31 +118,34 @@ impl fmt::Display for MissionError {
                     or_did_you_mean(similar.as_deref())
                 )
             }
-            Self::NeverEnds { wanted, reasons } if reasons.is_empty() => write!(
+            Self::NeverEnds { requested, reasons } if reasons.is_empty() => write!(
                 to,
-                "the run cannot end with `{wanted}`: no component runs a specification"
+                "the run cannot end with `{requested}`: no component runs a specification"
             ),
-            Self::NeverEnds { wanted, reasons } => {
-                write!(to, "the run cannot end with `{wanted}`")?;
+            Self::NeverEnds { requested, reasons } => {
+                write!(to, "the run cannot end with `{requested}`")?;
                 reasons.iter().try_for_each(|(specification, reason)| {
                     write!(to, "\n  {specification}: {reason}")
                 })
             }
-            Self::Process { wanted, known } => {
-                let meant = or_did_you_mean(similar(wanted, known).map(String::as_str));
-                let known = known.join(", ");
+            Self::Process {
+                requested,
+                available,
+            } => {
+                let suggestion = or_did_you_mean(similar(requested, available).map(String::as_str));
+                let available = available.join(", ");
                 write!(
                     to,
-                    "unknown process `{wanted}`; the processes are {known}{meant}"
+                    "unknown process `{requested}`; the processes are {available}{suggestion}"
                 )
             }
             Self::NeedsBroker { process } => write!(
                 to,
                 "`{process}` is one of several processes, which communicate over a broker: add `--bus amqp://user@host:port/vhost`, or remove `--process` to run all of them in one"
             ),
-            Self::Broker { place, reason } => write!(
+            Self::Broker { location, reason } => write!(
                 to,
-                "broker at {place}: {reason}\n  `asmotion doctor` shows how to fix it; `--bus local` runs without a broker"
+                "broker at {location}: {reason}\n  `asmotion doctor` shows how to fix it; `--bus local` runs without a broker"
             ),
             Self::Gateway { name, reason } => write!(
                 to,

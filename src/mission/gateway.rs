@@ -22,7 +22,7 @@ pub enum MissionGateways {
     /// Gateways listen at the addresses in the composite.
     Open {
         /// Overriding addresses, as pairs of gateway and address.
-        elsewhere: Vec<(String, SocketAddr)>,
+        address_overrides: Vec<(String, SocketAddr)>,
         /// Called with the address of each gateway.
         on_listen: ListenCallback,
     },
@@ -39,8 +39,8 @@ type ListenFunction = dyn Fn(&str, SocketAddr) + Send + Sync;
 
 impl ListenCallback {
     /// Wraps a function.
-    pub fn new(hears: impl Fn(&str, SocketAddr) + Send + Sync + 'static) -> Self {
-        Self(Arc::new(hears))
+    pub fn new(callback: impl Fn(&str, SocketAddr) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(callback))
     }
 }
 
@@ -52,7 +52,7 @@ impl fmt::Debug for ListenCallback {
 
 impl MissionGateways {
     /// Returns `true` if gateways are opened.
-    pub fn are_there(&self) -> bool {
+    pub fn is_open(&self) -> bool {
         matches!(self, Self::Open { .. })
     }
 }
@@ -60,9 +60,9 @@ impl MissionGateways {
 impl Mission {
     /// Names of the composite's gateways for this process; empty if the composite has errors, which the run reports.
     pub fn named_gateways(&self) -> Vec<String> {
-        let names = self.planned(|plan| {
-            let wanted = self.process.as_ref();
-            let process = plan.processes.iter().find(|it| Some(&it.name) == wanted);
+        let names = self.with_plan(|plan| {
+            let requested = self.process.as_ref();
+            let process = plan.processes.iter().find(|it| Some(&it.name) == requested);
             let part = process.map_or(Part::Whole, Part::of);
             let gateways = plan.gateways_of(&part).into_iter();
             gateways.map(|(gateway, _)| gateway.name.clone()).collect()

@@ -41,13 +41,13 @@ pub enum NamedBrokers {
 pub(super) struct ConnectedBroker {
     /// Name of the broker in the composite; `None` if it carries everything.
     name: Option<String>,
-    place: String,
+    location: String,
     bus: Arc<dyn Bus>,
 }
 
 impl MissionBrokers {
     /// Returns `true` if there is a broker.
-    pub fn are_there(&self) -> bool {
+    pub fn is_connected(&self) -> bool {
         match self {
             Self::Nothing | Self::Inside(_) => false,
             Self::One(_) | Self::Each(_) => true,
@@ -67,21 +67,21 @@ impl MissionBrokers {
 impl Mission {
     /// Returns the part of the plan that runs in this process.
     pub(super) fn part(&self, plan: &Plan) -> Result<Part, MissionError> {
-        let Some(wanted) = &self.process else {
+        let Some(requested) = &self.process else {
             return Ok(match self.brokers {
                 MissionBrokers::Nothing | MissionBrokers::Inside(_) => Part::Whole,
                 MissionBrokers::One(_) => Part::WholeOverBus,
                 MissionBrokers::Each(_) => Part::with_brokers(plan),
             });
         };
-        let found = plan.processes.iter().find(|known| known.name == *wanted);
-        match (found, self.brokers.are_there()) {
+        let process = plan.processes.iter().find(|known| known.name == *requested);
+        match (process, self.brokers.is_connected()) {
             (None, _) => Err(MissionError::Process {
-                wanted: wanted.clone(),
-                known: plan.processes.iter().map(|it| it.name.clone()).collect(),
+                requested: requested.clone(),
+                available: plan.processes.iter().map(|it| it.name.clone()).collect(),
             }),
             (Some(_), false) if plan.processes.len() > 1 => Err(MissionError::NeedsBroker {
-                process: wanted.clone(),
+                process: requested.clone(),
             }),
             (Some(_), false) => Ok(Part::Whole),
             (Some(process), true) => Ok(Part::of(process)),
@@ -93,10 +93,10 @@ impl Mission {
     /// # Errors
     /// Fails if there are several brokers and no component is assigned to one.
     pub fn named_brokers(&self) -> Result<Option<NamedBrokers>, String> {
-        let named = self.planned(|plan| {
+        let named = self.with_plan(|plan| {
             if plan.names_brokers() {
-                let wanted = self.process.as_ref();
-                let process = plan.processes.iter().find(|it| Some(&it.name) == wanted);
+                let requested = self.process.as_ref();
+                let process = plan.processes.iter().find(|it| Some(&it.name) == requested);
                 let part = process.map_or_else(|| Part::with_brokers(plan), Part::of);
                 let brokers = plan.brokers_of(&part).into_iter().cloned();
                 return Ok(Some(NamedBrokers::Each(brokers.collect())));
@@ -117,13 +117,13 @@ impl Mission {
     }
 
     /// Applies a function to the plan, if the composite can be started.
-    pub(super) fn planned<T>(&self, says: impl FnOnce(&Plan) -> T) -> Option<T> {
+    pub(super) fn with_plan<T>(&self, f: impl FnOnce(&Plan) -> T) -> Option<T> {
         let opened = self.open(&self.composite, &DiskLoader);
         if opened.report.has_errors() {
             return None;
         }
         let plan = opened.plan(self.profile.as_deref());
-        plan.filter(|plan| plan.missing.is_empty()).map(says)
+        plan.filter(|plan| plan.missing.is_empty()).map(f)
     }
 
     /// Connects to the brokers.
@@ -132,23 +132,31 @@ impl Mission {
         let brokers: Vec<(Option<String>, &AmqpSettings)> = match &self.brokers {
             MissionBrokers::Nothing => Vec::new(),
             MissionBrokers::Inside(bus) => {
-                let (place, bus) = ("this process".to_owned(), Arc::new(bus.clone()));
+                let (location, bus) = ("this process".to_owned(), Arc::new(bus.clone()));
                 let name = None;
-                return Ok(vec![ConnectedBroker { name, place, bus }]);
+                return Ok(vec![ConnectedBroker {
+                    name,
+                    location,
+                    bus,
+                }]);
             }
             MissionBrokers::One(settings) => vec![(None, settings)],
             MissionBrokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
         let connect = |(name, settings): (Option<String>, &AmqpSettings)| {
-            let (place, bus) = broker::connect(settings, &plan.name, self.process.as_deref());
-            let bus = bus.map_err(|reason| broker_error(&place, reason))?;
-            Ok(ConnectedBroker { name, place, bus })
+            let (location, bus) = broker::connect(settings, &plan.name, self.process.as_deref());
+            let bus = bus.map_err(|reason| broker_error(&location, reason))?;
+            Ok(ConnectedBroker {
+                name,
+                location,
+                bus,
+            })
         };
         brokers.into_iter().map(connect).collect()
     }
 
     /// Connects a system to the buses and announces it there.
-    pub(super) fn join<'p>(
+    pub(super) fn connect_contacts<'p>(
         &self,
         system: &mut System,
         network: &mut Network,
@@ -157,8 +165,8 @@ impl Mission {
         part: &Part,
     ) -> Result<Vec<ProcessContact<'p>>, MissionError> {
         let incarnation = incarnation();
-        let places: Vec<&str> = connected.iter().map(|it| &*it.place).collect();
-        let of_all = |reason| broker_error(&places.join(", "), reason);
+        let locations: Vec<&str> = connected.iter().map(|it| &*it.location).collect();
+        let of_all = |reason| broker_error(&locations.join(", "), reason);
         match (&self.brokers, connected) {
             (MissionBrokers::Nothing, _) => {}
             (MissionBrokers::Inside(_) | MissionBrokers::One(_), connected) => {
@@ -182,29 +190,29 @@ impl Mission {
             system.observe(newest.clone());
             let contact =
                 ProcessContact::new(plan, part.clone(), name, &*it.bus, incarnation, newest);
-            contact.map_err(|reason| broker_error(&it.place, reason))
+            contact.map_err(|reason| broker_error(&it.location, reason))
         };
         connected.iter().map(contact).collect()
     }
 
     /// Returns the receiver of new versions of the composite from the buses.
-    pub(super) fn successor<'m>(
+    pub(super) fn version_switch<'m>(
         &'m self,
         opened: &'m Opened,
         plan: &Plan,
         part: &Part,
         connected: &'m [ConnectedBroker],
     ) -> Result<VersionSwitch<'m>, MissionError> {
-        let places: Vec<&str> = connected.iter().map(|it| &*it.place).collect();
+        let locations: Vec<&str> = connected.iter().map(|it| &*it.location).collect();
         let buses = connected.iter().map(|it| &*it.bus);
         let successor = VersionSwitch::new(self, opened, plan, part, buses);
-        successor.map_err(|reason| broker_error(&places.join(", "), reason))
+        successor.map_err(|reason| broker_error(&locations.join(", "), reason))
     }
 }
 
-fn broker_error(place: &str, reason: BusError) -> MissionError {
+fn broker_error(location: &str, reason: BusError) -> MissionError {
     MissionError::Broker {
-        place: place.to_owned(),
+        location: location.to_owned(),
         reason,
     }
 }

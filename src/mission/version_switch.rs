@@ -66,40 +66,40 @@ impl<'m> VersionSwitch<'m> {
     }
 
     /// Applies the versions that have arrived.
-    pub(super) fn attend(&mut self, run: &mut dyn Run) {
+    pub(super) fn process_requests(&mut self, run: &mut dyn Run) {
         let calls = self.calls.iter();
         let calls: Vec<IncomingCall> = calls.filter_map(ServedAddress::try_next).collect();
         for call in calls {
-            let answer = self.answer(&call, run);
+            let answer = self.handle_request(&call, run);
             call.reply(answer.map(Payload::of));
         }
     }
 
-    fn answer(&mut self, call: &IncomingCall, run: &mut dyn Run) -> Result<Datum, Refusal> {
-        let bad = |error: DatumError| refusal("BAD_REQUEST", error);
+    fn handle_request(&mut self, call: &IncomingCall, run: &mut dyn Run) -> Result<Datum, Refusal> {
+        let bad_request = |error: DatumError| refusal("BAD_REQUEST", error);
         let version: CompositeVersion = call
             .argument
             .to_datum()
             .and_then(|version| version.to())
-            .map_err(bad)?;
-        let wanted = self.open(&version)?;
-        let mut changes = changes(&self.plan, &wanted, &self.part, &*run).map_err(|fixed| {
+            .map_err(bad_request)?;
+        let plan = self.open(&version)?;
+        let mut changes = changes(&self.plan, &plan, &self.part, &*run).map_err(|fixed| {
             let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
             refusal("NEEDS_START", fixed.join("; "))
         })?;
-        self.keep(&mut changes);
+        self.keep_command_line_properties(&mut changes);
         if !version.only_try {
             let changed = run.change(&changes);
             changed.map_err(|error| refusal("REFUSED", error))?;
-            self.plan = wanted;
+            self.plan = plan;
         }
         let words: Vec<_> = changes.iter().map(ToString::to_string).collect();
-        Datum::of(&words).map_err(bad)
+        Datum::of(&words).map_err(bad_request)
     }
 
     /// Returns the plan of a version, as this process would run it from the start.
     fn open(&self, version: &CompositeVersion) -> Result<Plan, Refusal> {
-        let sent = SentFiles::beside(&self.opened.path, &version.files);
+        let sent = SentFiles::in_folder_of(&self.opened.path, &version.files);
         let opened = self.mission.open(&sent.path(&version.composite), &sent);
         if opened.report.has_errors() {
             let findings = render_all(&opened.report, &opened.sources, Style::Plain);
@@ -133,7 +133,7 @@ impl<'m> VersionSwitch<'m> {
     }
 
     /// Removes changes of properties that were set on the command line, which keep their values.
-    fn keep(&self, changes: &mut Vec<Change>) {
+    fn keep_command_line_properties(&self, changes: &mut Vec<Change>) {
         let set = |of: &str, name: &str| {
             let mut set = self.mission.properties.iter();
             set.any(|(component, property, _)| component == of && property == name)

@@ -16,12 +16,12 @@ use super::{PromptLine, Verb};
 pub struct Prompt {
     editor: Editor<Words, DefaultHistory>,
     /// History file, if input is a terminal.
-    memory: Option<PathBuf>,
+    history_file: Option<PathBuf>,
 }
 
 impl Prompt {
     /// Creates a prompt with these verbs. Names consist of letters, digits and `signs`; the history is kept in the file
-    /// `memory`.
+    /// `history_file`.
     pub fn new(
         verbs: &'static [Verb],
         signs: &'static str,
@@ -34,17 +34,20 @@ impl Prompt {
             names: Vec::new(),
         }));
         let memory = std::io::IsTerminal::is_terminal(&std::io::stdin())
-            .then(|| remembered(memory))
+            .then(|| history_path(memory))
             .flatten();
         if let Some(path) = &memory {
             // the file does not exist in the first session
             let _ = editor.load_history(path);
         }
-        Ok(Self { editor, memory })
+        Ok(Self {
+            editor,
+            history_file: memory,
+        })
     }
 
     /// Replaces the names that are completed.
-    pub fn know(&mut self, mut names: Vec<String>) {
+    pub fn set_names(&mut self, mut names: Vec<String>) {
         names.sort();
         names.dedup();
         if let Some(words) = self.editor.helper_mut() {
@@ -65,8 +68,8 @@ impl Prompt {
     }
 
     /// Saves the history, if possible.
-    pub fn keep(&mut self) {
-        if let Some(path) = &self.memory {
+    pub fn save_history(&mut self) {
+        if let Some(path) = &self.history_file {
             let _ = path.parent().map(std::fs::create_dir_all);
             let _ = self.editor.save_history(path);
         }
@@ -74,7 +77,7 @@ impl Prompt {
 }
 
 /// Path of the history in the state folder of the XDG base directories.
-fn remembered(name: &str) -> Option<PathBuf> {
+fn history_path(name: &str) -> Option<PathBuf> {
     let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
     let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/state"));
     let state = state.filter(|path| path.is_absolute()).or_else(home)?;
@@ -100,15 +103,15 @@ impl Completer for Words {
         let before = &line[..position];
         let is_letter = |letter: char| letter.is_alphanumeric() || self.signs.contains(letter);
         let start = before.trim_end_matches(is_letter).len();
-        let word = &before[start..];
+        let prefix = &before[start..];
         let verbs = self
             .verbs
             .iter()
             .map(|verb| verb.name)
             .filter(|_| before[..start].trim().is_empty());
         let names = self.names.iter().map(String::as_str);
-        let found = verbs.chain(names).filter(|name| name.starts_with(word));
-        Ok((start, found.map(str::to_owned).collect()))
+        let candidates = verbs.chain(names).filter(|name| name.starts_with(prefix));
+        Ok((start, candidates.map(str::to_owned).collect()))
     }
 }
 

@@ -27,7 +27,7 @@ pub struct DrivenPath {
 
 impl DrivenPath {
     /// The position in an odometry message; `None` for other messages.
-    pub(super) fn place(sample: &dyn Sample) -> Option<Point> {
+    pub(super) fn position(sample: &dyn Sample) -> Option<Point> {
         let odometry = sample.downcast_ref::<Odometry>()?;
         Some(odometry.pose.pose.position)
     }
@@ -49,14 +49,14 @@ impl DrivenPath {
         if let Some(from) = self.at.replace(to) {
             self.driven_m += distance(&from, &to);
         }
-        let left = self.to_goal_m()?;
+        let remaining = self.to_goal_m()?;
         let (then, driven) = self.last_report;
         if at.seconds() - then < PROGRESS_S || self.driven_m - driven < STANDS {
             return None;
         }
         self.last_report = (at.seconds(), self.driven_m);
-        Some(StoryEntry::once(format!(
-            "{FAINT}at ({:.1}, {:.1}), {left:.1} m from the goal{FAINT:#}",
+        Some(StoryEntry::single(format!(
+            "{FAINT}at ({:.1}, {:.1}), {remaining:.1} m from the goal{FAINT:#}",
             to.x, to.y
         )))
     }

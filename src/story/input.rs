@@ -10,7 +10,7 @@ use super::message;
 #[derive(Debug)]
 pub(super) struct StoryInput {
     /// Full name of the input, `Component.port`.
-    place: String,
+    port: String,
     /// Displayed name: the topic or, without one, the port.
     pub(super) name: String,
     topic: Option<String>,
@@ -47,7 +47,7 @@ pub(super) fn of(plan: &Plan) -> Vec<StoryInput> {
                 },
                 ..StoryInput::at(plan, component, port)
             };
-            if !inputs.iter().any(|known| known.place == input.place) {
+            if !inputs.iter().any(|existing| existing.port == input.port) {
                 inputs.push(input);
             }
         }
@@ -68,7 +68,7 @@ impl StoryInput {
             end(to).then(|| (from.component.clone(), from.name.clone()))
         });
         Self {
-            place: format!("{}.{port}", component.name),
+            port: format!("{}.{port}", component.name),
             name: topic.clone().unwrap_or_else(|| port.to_owned()),
             topic,
             writers: joined.collect(),
@@ -89,8 +89,8 @@ impl StoryInput {
     }
 
     /// Returns whether this is the input with the given name or topic.
-    pub(super) fn is_at(&self, place: &str) -> bool {
-        self.place == place || self.topic.as_deref() == Some(place)
+    pub(super) fn is_port(&self, port: &str) -> bool {
+        self.port == port || self.topic.as_deref() == Some(port)
     }
 
     /// The name and the content of a message, if it is worth reporting.

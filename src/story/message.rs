@@ -18,15 +18,15 @@ pub(super) fn brief(sample: &dyn Sample) -> Option<String> {
     };
     if is(Path::NAME, "poses") {
         let path = sample.to_shared().read::<Path>();
-        return path.ok().map(|path| in_a_path(&path));
+        return path.ok().map(|path| describe_path(&path));
     }
     if is(OccupancyGrid::NAME, "info") {
         let map = sample.to_shared().read::<OccupancyGrid>();
-        return map.ok().map(|map| in_a_map(&map));
+        return map.ok().map(|map| describe_map(&map));
     }
     let text = match untyped {
-        Some(datum) => words(datum),
-        None => words(&sample.to_datum().ok()?),
+        Some(datum) => describe_datum(datum),
+        None => describe_datum(&sample.to_datum().ok()?),
     };
     text.filter(|words| !words.is_empty())
 }
@@ -37,7 +37,7 @@ pub(super) fn field(sample: &dyn Sample, field: &str) -> Option<String> {
     Some(number(&*datum.get(field)?))
 }
 
-fn in_a_map(map: &OccupancyGrid) -> String {
+fn describe_map(map: &OccupancyGrid) -> String {
     let info = &map.info;
     format!(
         "a map of {} × {} cells, {:.2} m each",
@@ -45,7 +45,7 @@ fn in_a_map(map: &OccupancyGrid) -> String {
     )
 }
 
-fn in_a_path(path: &Path) -> String {
+fn describe_path(path: &Path) -> String {
     let points = path.poses.iter().map(|pose| pose.pose.position);
     let pairs = points.clone().zip(points.skip(1));
     let metres: f64 = pairs.map(|(a, b)| (b.x - a.x).hypot(b.y - a.y)).sum();
@@ -53,16 +53,16 @@ fn in_a_path(path: &Path) -> String {
 }
 
 /// Formats a text, a few numbers, a position, or several of these.
-fn words(datum: &Datum) -> Option<String> {
+fn describe_datum(datum: &Datum) -> Option<String> {
     match datum {
         Datum::Record(fields) => {
-            if let Some(place) = place(datum) {
+            if let Some(place) = describe_position(datum) {
                 return Some(place);
             }
             let text = fields
                 .iter()
                 .filter(|(name, _)| !matches!(&**name, "stamp" | "header"));
-            let text: Option<Vec<String>> = text.map(|(_, value)| words(value)).collect();
+            let text: Option<Vec<String>> = text.map(|(_, value)| describe_datum(value)).collect();
             let text: Vec<String> = text?.into_iter().filter(|it| !it.is_empty()).collect();
             Some(text.join(": "))
         }
@@ -76,7 +76,7 @@ fn words(datum: &Datum) -> Option<String> {
 }
 
 /// Formats a point, or the position of a pose; z only if it is above the ground.
-fn place(datum: &Datum) -> Option<String> {
+fn describe_position(datum: &Datum) -> Option<String> {
     let at = |path: &str| datum.get(path)?.as_float();
     let of = |prefix: &str| {
         let axis = |name: &str| at(&format!("{prefix}{name}"));

@@ -13,7 +13,7 @@ pub(super) fn entry(component: &str, record: &StepRecord) -> StoryEntry {
     let number = record.number;
     let Some(control) = control(record) else {
         let (changed, locations) = changed(record);
-        return StoryEntry::often(
+        return StoryEntry::repeatable(
             format!("{FAINT}step {number}  {changed}{FAINT:#}"),
             format!("{component} {locations}"),
         );
@@ -24,7 +24,7 @@ pub(super) fn entry(component: &str, record: &StepRecord) -> StoryEntry {
     );
     let updates = record.updates.iter();
     let updates = updates.map(|update| format!("\n{:>12}{}", "", DisplayUpdate(update)));
-    StoryEntry::once(head + &updates.collect::<String>())
+    StoryEntry::single(head + &updates.collect::<String>())
 }
 
 /// The effective updates of a step as text, and their locations.

@@ -25,13 +25,13 @@ pub struct Summary {
     /// Number of calls that failed or timed out.
     pub failed_calls: u64,
     /// The driven path; `None` if nothing moved.
-    pub way: Option<DrivenPath>,
+    pub path: Option<DrivenPath>,
     /// The last control state; `None` if no specification has one.
     pub control_state: Option<String>,
     /// Faults of components, as "component: fault".
     pub faults: Vec<String>,
     /// Time of the last event; `None` before the first.
-    pub ended: Option<Time>,
+    pub end_time: Option<Time>,
 }
 
 /// Counts of events by name, in order of first occurrence.
@@ -77,14 +77,14 @@ impl Summary {
 
     /// Handles a message, which may contain a position. Returns a report of progress, if due.
     pub(super) fn moved(&mut self, at: Time, sample: &dyn Sample) -> Option<StoryEntry> {
-        let place = DrivenPath::place(sample)?;
-        self.way.get_or_insert_default().moved(at, place)
+        let position = DrivenPath::position(sample)?;
+        self.path.get_or_insert_default().moved(at, position)
     }
 
     /// Handles a message to a specification, which may contain a goal.
-    pub(super) fn wanted(&mut self, sample: &dyn Sample) {
+    pub(super) fn set_goal(&mut self, sample: &dyn Sample) {
         if let Some(goal) = DrivenPath::goal(sample) {
-            self.way.get_or_insert_default().goal = Some(goal);
+            self.path.get_or_insert_default().goal = Some(goal);
         }
     }
 }

@@ -75,8 +75,8 @@ impl Board {
     pub fn receive(&mut self, envelope: &Envelope, now: Duration) {
         if is_presence(&envelope.topic) {
             // other programs can publish on the same exchange
-            if let Some(word) = RobotPresence::of(envelope) {
-                self.update_process(word, now);
+            if let Some(presence) = RobotPresence::of(envelope) {
+                self.update_process(presence, now);
             }
             return;
         }
@@ -103,11 +103,11 @@ impl Board {
         topic.arrivals.push_back(now);
     }
 
-    fn update_process(&mut self, word: RobotPresence, now: Duration) {
+    fn update_process(&mut self, presence: RobotPresence, now: Duration) {
         let RobotPresence {
             robot,
             mut presence,
-        } = word;
+        } = presence;
         let key = (robot, presence.process.clone());
         if let (true, Some(known)) = (presence.leaves, self.processes.get(&key)) {
             // the last message of a process need not list its components
@@ -132,8 +132,8 @@ impl Board {
 
     /// Number of processes.
     pub fn processes(&self) -> usize {
-        let there = |process: &&BoardProcess| !process.presence.leaves;
-        self.processes.values().filter(there).count()
+        let is_present = |process: &&BoardProcess| !process.presence.leaves;
+        self.processes.values().filter(is_present).count()
     }
 
     /// All components by robot and process, in the order of their composites.
@@ -159,8 +159,8 @@ impl Board {
 }
 
 fn is_presence(topic: &str) -> bool {
-    let mut words = topic.rsplit('.');
-    words.next().is_some() && words.next() == Some("presence")
+    let mut segments = topic.rsplit('.');
+    segments.next().is_some() && segments.next() == Some("presence")
 }
 
 impl BoardProcess {

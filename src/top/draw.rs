@@ -29,7 +29,7 @@ const HEAD: Style = Style::new().add_modifier(Modifier::BOLD);
 const CHOSEN: Style = Style::new().add_modifier(Modifier::REVERSED);
 
 /// Draws the model at the current time, or at the time of the pause.
-pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, place: &str, now: Duration) {
+pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, location: &str, now: Duration) {
     let (board, at) = match &view.paused {
         None => (board, now),
         Some((board, at)) => (board, *at),
@@ -40,7 +40,7 @@ pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, place: &str, now:
         Constraint::Length(1),
     ])
     .areas(frame.area());
-    frame.render_widget(header(board, view, place, now), top);
+    frame.render_widget(header(board, view, location, now), top);
     frame.render_widget(footer(view), bottom);
     let [tables, message] = if middle.width >= WIDE {
         Layout::horizontal([Constraint::Percentage(60), Constraint::Percentage(40)])
@@ -55,22 +55,22 @@ pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, place: &str, now:
     self::message(frame, message, board, view, at);
 }
 
-fn header<'a>(board: &Board, view: &View, place: &'a str, now: Duration) -> Line<'a> {
+fn header<'a>(board: &Board, view: &View, location: &'a str, now: Duration) -> Line<'a> {
     let mut line = vec![
         Span::styled("asmotion top ", HEAD),
-        Span::raw(place),
+        Span::raw(location),
         Span::raw(" "),
     ];
     line.push(match &board.link {
         None => Span::styled("unknown", NOTE),
         Some((link, since)) => {
-            let words = format!("{link} for {}", seconds(now.saturating_sub(*since)));
+            let text = format!("{link} for {}", seconds(now.saturating_sub(*since)));
             let style = match link {
                 LinkState::Up => GOOD,
                 LinkState::Blocked { .. } => NOTE,
                 LinkState::Down { .. } => BAD,
             };
-            Span::styled(words, style)
+            Span::styled(text, style)
         }
     });
     line.push(Span::raw(match board.processes() {
@@ -78,8 +78,8 @@ fn header<'a>(board: &Board, view: &View, place: &'a str, now: Duration) -> Line
         several => format!("  {several} processes"),
     }));
     if let Some((_, since)) = &view.paused {
-        let words = format!("  PAUSED for {}", seconds(now.saturating_sub(*since)));
-        line.push(Span::styled(words, BAD));
+        let text = format!("  PAUSED for {}", seconds(now.saturating_sub(*since)));
+        line.push(Span::styled(text, BAD));
     }
     Line::from(line)
 }
@@ -146,7 +146,7 @@ fn component(component: &BoardComponent<'_>, several: bool) -> Row<'static> {
     } else {
         component.process.to_owned()
     };
-    let asked = match present.period_ms {
+    let period = match present.period_ms {
         0 => "event".to_owned(),
         period => format!("{period} ms"),
     };
@@ -163,18 +163,18 @@ fn component(component: &BoardComponent<'_>, several: bool) -> Row<'static> {
         None => (present.state.clone(), BAD),
     };
     // outdated facts are dimmed
-    let known = component.silence.is_none();
-    let now = |shown: String| if known { shown } else { "-".to_owned() };
+    let is_current = component.silence.is_none();
+    let now = |shown: String| if is_current { shown } else { "-".to_owned() };
     Row::new([
         Span::raw(present.name.clone()),
         Span::raw(process),
         Span::styled(state, style),
-        Span::raw(asked),
+        Span::raw(period),
         Span::raw(now(measured)),
         cycle_time(present),
         overruns(present),
     ])
-    .style(if known { Style::new() } else { FAINT })
+    .style(if is_current { Style::new() } else { FAINT })
 }
 
 /// Duration of cycles: mean and maximum.
@@ -284,8 +284,8 @@ fn message(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: D
         Span::raw(format!("  {} from {}", topic.kind, topic.source)),
     ];
     if topic.is_stale(now) {
-        let words = format!("  stale {}", seconds(topic.age(now)));
-        title.push(Span::styled(words, BAD));
+        let text = format!("  stale {}", seconds(topic.age(now)));
+        title.push(Span::styled(text, BAD));
     }
     let block = Block::bordered()
         .border_style(FAINT)

@@ -28,11 +28,15 @@ pub fn joints(message: &Datum) -> Option<ListTable> {
         | Datum::Record(_) => None,
     };
     let lengths: Vec<usize> = fields.iter().filter_map(|(_, it)| length(it)).collect();
-    let of = |wanted: usize| lengths.iter().filter(|it| **it == wanted).count();
-    let wanted = (2..=MOST)
-        .filter(|it| of(*it) >= 2)
-        .max_by_key(|it| of(*it))?;
-    let lists = || fields.iter().filter(|(_, it)| length(it) == Some(wanted));
+    let lists_of = |length: usize| lengths.iter().filter(|it| **it == length).count();
+    let common_length = (2..=MOST)
+        .filter(|it| lists_of(*it) >= 2)
+        .max_by_key(|it| lists_of(*it))?;
+    let lists = || {
+        fields
+            .iter()
+            .filter(|(_, it)| length(it) == Some(common_length))
+    };
     let row = |index: usize| {
         let elements = lists().map(|(_, list)| list.element(index));
         let shown = elements.map(|it| it.map_or_else(String::new, |it| brief(&it)));
@@ -40,7 +44,7 @@ pub fn joints(message: &Datum) -> Option<ListTable> {
     };
     Some(ListTable {
         names: lists().map(|(name, _)| name.to_string()).collect(),
-        rows: (0..wanted).map(row).collect(),
+        rows: (0..common_length).map(row).collect(),
     })
 }
 

@@ -17,36 +17,36 @@ const FRAME: Duration = Duration::from_millis(100);
 /// Fails if the bus refuses the subscription or the terminal cannot be drawn on.
 pub fn show(
     remote: &Remote,
-    place: &str,
+    location: &str,
     stop: &AtomicBool,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let everything = remote.listen("#")?;
-    let began = Instant::now();
+    let started = Instant::now();
     let (mut board, mut view) = (Board::default(), View::default());
     let mut screen = ratatui::try_init()?;
-    let shown = loop {
+    let result = loop {
         while let Some(envelope) = everything.try_next() {
-            board.receive(&envelope, began.elapsed());
+            board.receive(&envelope, started.elapsed());
         }
-        let now = began.elapsed();
+        let now = started.elapsed();
         board.set_link(remote.bus().health().link, now);
-        if let Err(error) = screen.draw(|frame| draw(frame, &board, &view, place, now)) {
+        if let Err(error) = screen.draw(|frame| draw(frame, &board, &view, location, now)) {
             break Err(error);
         }
         match pressed(FRAME) {
-            Ok(Some(key)) if !view.press(key, &board, began.elapsed()) => break Ok(()),
+            Ok(Some(key)) if !view.press(key, &board, started.elapsed()) => break Ok(()),
             Ok(_) if stop.load(Ordering::Relaxed) => break Ok(()),
             Ok(_) => {}
             Err(error) => break Err(error),
         }
     };
     ratatui::try_restore()?;
-    Ok(shown?)
+    Ok(result?)
 }
 
 /// Waits up to this time for the next key with a meaning.
-fn pressed(at_most: Duration) -> std::io::Result<Option<Key>> {
-    if !event::poll(at_most)? {
+fn pressed(timeout: Duration) -> std::io::Result<Option<Key>> {
+    if !event::poll(timeout)? {
         return Ok(None);
     }
     let Event::Key(key) = event::read()? else {

@@ -158,12 +158,12 @@ impl View {
     pub fn components<'b>(&self, board: &'b Board, now: Duration) -> Vec<BoardComponent<'b>> {
         let mut components: Vec<_> = board
             .components(now)
-            .filter(|it| self.shows(&[it.robot, it.process, &it.present.name]))
+            .filter(|it| self.matches_filter(&[it.robot, it.process, &it.present.name]))
             .collect();
         match self.order {
             SortOrder::Name => {}
             SortOrder::Rate => {
-                components.sort_by(|a, b| faster(a.present.rate_hz, b.present.rate_hz));
+                components.sort_by(|a, b| by_rate(a.present.rate_hz, b.present.rate_hz));
             }
             SortOrder::Trouble => components.sort_by_key(|it| {
                 let silent = it.silence.is_some();
@@ -178,13 +178,13 @@ impl View {
     pub fn topics<'b>(&self, board: &'b Board, now: Duration) -> Vec<&'b BoardTopic> {
         let mut topics: Vec<_> = board
             .topics()
-            .filter(|it| self.shows(&[&it.name, &it.kind, &it.source]))
+            .filter(|it| self.matches_filter(&[&it.name, &it.kind, &it.source]))
             .collect();
         match self.order {
             SortOrder::Name => {}
             SortOrder::Rate => topics.sort_by(|a, b| {
                 let rate = |topic: &BoardTopic| topic.rate().unwrap_or(0.0);
-                faster(rate(a), rate(b))
+                by_rate(rate(a), rate(b))
             }),
             SortOrder::Trouble => {
                 topics.sort_by_key(|it| (it.last.is_ok(), !it.is_stale(now)));
@@ -193,15 +193,15 @@ impl View {
         topics
     }
 
-    fn shows(&self, names: &[&str]) -> bool {
-        let wanted = self.filter.to_lowercase();
+    fn matches_filter(&self, names: &[&str]) -> bool {
+        let filter = self.filter.to_lowercase();
         names
             .iter()
-            .any(|name| name.to_lowercase().contains(&wanted))
+            .any(|name| name.to_lowercase().contains(&filter))
     }
 }
 
-fn faster(a: f64, b: f64) -> Ordering {
+fn by_rate(a: f64, b: f64) -> Ordering {
     b.total_cmp(&a)
 }
 

@@ -101,7 +101,7 @@ fn are_what_the_table_says() {
     }
     session.specification.lower().unwrap();
     let program = session.specification.program.clone();
-    session.machine.adopt(program).unwrap();
+    session.machine.replace_program(program).unwrap();
     for (row, term) in terms {
         let value = session.machine.evaluate(term, &mut NoInputs, 1_999_999_999);
         let found = match value {

@@ -56,13 +56,13 @@ fn agrees_on_the_corpus() {
     let compared: Vec<(String, bool)> = reference
         .into_par_iter()
         .filter_map(|(path, verdict)| {
-            let wanted = wanted(&verdict)?;
+            let expected = expected_verdict(&verdict)?;
             let ours = test(
                 &corpus.join(&path).to_string_lossy(),
                 &DiskLoader,
                 &ScenarioSettings::default(),
             );
-            let agreed = ours.is_ok_and(|ours| ours.outcome.verdict == wanted);
+            let agreed = ours.is_ok_and(|ours| ours.outcome.verdict == expected);
             Some((path, agreed))
         })
         .collect();
@@ -78,7 +78,7 @@ fn agrees_on_the_corpus() {
 }
 
 /// The reference's verdict, if it has one.
-fn wanted(verdict: &str) -> Option<Verdict> {
+fn expected_verdict(verdict: &str) -> Option<Verdict> {
     match verdict.split(':').next()? {
         "PASS" => Some(Verdict::Pass),
         "FAIL" => Some(Verdict::Fail),

@@ -249,8 +249,8 @@ impl Log {
 
     /// The events in order, without `refresh`.
     pub(super) fn events(&self) -> Vec<&str> {
-        let told = self.notices.iter().map(|(_, event)| event.as_str());
-        told.filter(|event| *event != "refresh").collect()
+        let events = self.notices.iter().map(|(_, event)| event.as_str());
+        events.filter(|event| *event != "refresh").collect()
     }
 }
 

@@ -46,10 +46,10 @@ fn expected() -> Vec<String> {
 
 /// The first `count` control states of the process with the locomotor.
 fn first_modes(locomotor: &mut Command, count: usize) -> Vec<String> {
-    let mut heard = Heard::start(locomotor);
+    let mut monitor = Heard::start(locomotor);
     let (mut told, mut modes) = (Vec::new(), Vec::new());
     while modes.len() < count {
-        let entered = heard.until(&mut told, |line| !entered(line).is_empty());
+        let entered = monitor.until(&mut told, |line| !entered(line).is_empty());
         let entered = entered.unwrap_or_else(|| panic!("after {modes:?} nothing: {told:#?}"));
         modes.extend(self::entered(&entered));
     }
@@ -145,7 +145,7 @@ impl Monitor {
 
     /// Waits until the board satisfies a predicate.
     #[track_caller]
-    fn shows(&mut self, what: &str, wanted: impl Fn(&Board, Duration) -> bool) {
+    fn shows(&mut self, what: &str, predicate: impl Fn(&Board, Duration) -> bool) {
         let until = Instant::now() + Duration::from_secs(30);
         loop {
             while let Some(envelope) = self.everything.try_next() {
@@ -153,7 +153,7 @@ impl Monitor {
             }
             let now = self.began.elapsed();
             self.board.set_link(self.bus.health().link, now);
-            if wanted(&self.board, now) {
+            if predicate(&self.board, now) {
                 return;
             }
             assert!(Instant::now() < until, "{what} is not shown");
@@ -192,8 +192,8 @@ fn y11_where_the_link_is_cut_nothing_old_is_shown_as_new_and_then_it_goes_on() {
     let _robot = slow_robot(&vhost);
     let mut monitor = Monitor::start(&vhost);
     let mut station = Heard::start(&mut process(&shipped(), &vhost, "station"));
-    let mut told = Vec::new();
-    assert!(station.until(&mut told, enters("BUSY")).is_some());
+    let mut events = Vec::new();
+    assert!(station.until(&mut events, enters("BUSY")).is_some());
     let (arm, joints) = ("Driver/youBotDriver", "youbot.jointStatus");
     let well = |board: &Board, now| {
         let components = [arm, "Locomotor"].map(|it| silent(board, now, it));
@@ -202,7 +202,7 @@ fn y11_where_the_link_is_cut_nothing_old_is_shown_as_new_and_then_it_goes_on() {
     monitor.shows("a system that is well", well);
 
     broker.kill().unwrap();
-    assert!(station.until(&mut told, enters("FAULT")).is_some());
+    assert!(station.until(&mut events, enters("FAULT")).is_some());
     monitor.shows("that the link is cut", |board, now| {
         let link = board
             .link
@@ -213,8 +213,8 @@ fn y11_where_the_link_is_cut_nothing_old_is_shown_as_new_and_then_it_goes_on() {
     });
     broker.revive().unwrap();
     monitor.shows("that all is well again", well);
-    assert!(station.until(&mut told, enters("IDLE")).is_some());
-    assert!(station.until(&mut told, enters("BUSY")).is_some());
+    assert!(station.until(&mut events, enters("IDLE")).is_some());
+    assert!(station.until(&mut events, enters("BUSY")).is_some());
 }
 
 #[test]
@@ -226,15 +226,15 @@ fn y11_a_robot_that_is_out_of_reach_is_stale_to_all() {
     let robot = slow_robot(&vhost);
     let mut monitor = Monitor::start(&vhost);
     let mut station = Heard::start(&mut process(&shipped(), &vhost, "station"));
-    let mut told: Vec<Value> = Vec::new();
-    assert!(station.until(&mut told, enters("BUSY")).is_some());
+    let mut events: Vec<Value> = Vec::new();
+    assert!(station.until(&mut events, enters("BUSY")).is_some());
     let joints = "youbot.jointStatus";
     monitor.shows("a robot that moves", |board, now| {
         is_stale(board, now, joints) == Some(false)
     });
     // as if its cable were pulled: the connections exist, and nothing arrives
     robot.signal("-STOP");
-    assert!(station.until(&mut told, enters("FAULT")).is_some());
+    assert!(station.until(&mut events, enters("FAULT")).is_some());
     monitor.shows(
         "the silence of the robot, and of nobody else",
         |board, now| {
@@ -245,5 +245,5 @@ fn y11_a_robot_that_is_out_of_reach_is_stale_to_all() {
         },
     );
     robot.signal("-CONT");
-    assert!(station.until(&mut told, enters("IDLE")).is_some());
+    assert!(station.until(&mut events, enters("IDLE")).is_some());
 }

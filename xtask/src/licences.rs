@@ -88,7 +88,7 @@ mod tests {
         ] {
             assert!(accepts(&allowed, good), "{good}");
         }
-        for bad in [
+        for rejected in [
             "",
             "GPL-3.0",
             "MIT AND GPL-3.0",
@@ -97,7 +97,7 @@ mod tests {
             "Apache-2.0",
             "MIT ISC",
         ] {
-            assert!(!accepts(&allowed, bad), "{bad}");
+            assert!(!accepts(&allowed, rejected), "{rejected}");
         }
     }
 }

@@ -48,13 +48,13 @@ pub struct PlannedFile {
 /// The name is invalid or taken, or a list was not found.
 pub fn plan(root: &Path, name: &str) -> Result<Vec<PlannedFile>, NewComponentError> {
     let words: Vec<&str> = name.split('-').collect();
-    let lawful = |word: &&str| {
+    let is_valid = |word: &&str| {
         !word.is_empty()
             && word
                 .bytes()
                 .all(|it| it.is_ascii_lowercase() || it.is_ascii_digit())
     };
-    if !words.iter().all(lawful) || name.starts_with(|it: char| it.is_ascii_digit()) {
+    if !words.iter().all(is_valid) || name.starts_with(|it: char| it.is_ascii_digit()) {
         return Err(NewComponentError::Name(name.to_owned()));
     }
     let folder = root.join("components").join(name);

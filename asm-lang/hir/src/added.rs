@@ -29,19 +29,19 @@ impl Model {
         Ok(self.added.term(body))
     }
 
-    /// Adds a term of the type `wanted`; `what` names the term in messages.
+    /// Adds a term of the type `expected`; `what` names the term in messages.
     ///
     /// # Errors
     /// As [`Model::add_term`].
     pub fn add_typed(
         &mut self,
         term: &ast::Term,
-        wanted: TypeId,
+        expected: TypeId,
         what: &str,
     ) -> Result<AddedTerm, Report> {
         let body = self.resolve(|mut resolver| {
             let root = resolver.term(term);
-            resolver.expect(&root, wanted, what, None);
+            resolver.expect(&root, expected, what, None);
             Some(resolver.body(0, root))
         })?;
         Ok(self.added.term(body))
@@ -62,7 +62,7 @@ impl Model {
     /// As [`Model::add_term`], or the rule updates a static or derived function.
     pub fn add_rule(&mut self, rule: &ast::Rule) -> Result<AddedRule, Report> {
         let body = self.resolve(|mut resolver| {
-            resolver.enter_from_outside();
+            resolver.mark_external();
             let root = resolver.rule(rule);
             Some(resolver.body(0, root))
         })?;
@@ -196,7 +196,7 @@ impl Resolver<'_> {
 
 /// Merges the scopes of all files into the scope of added parts: names of the main file, the last
 /// one, hide those of the others.
-pub(crate) fn seen_from_outside(mut scopes: Vec<Scope>) -> Scope {
+pub(crate) fn merged_scope(mut scopes: Vec<Scope>) -> Scope {
     let mut seen = scopes.pop().unwrap_or_default();
     for scope in scopes.iter().rev() {
         seen.complete(scope);

@@ -1,6 +1,6 @@
 //! From trees to a model: declarations, then definitions, rules, properties and the initial state.
 
-use crate::added::seen_from_outside;
+use crate::added::merged_scope;
 use crate::codes::a001::UnknownFunction;
 use crate::codes::a003::UnknownRule;
 use crate::codes::a004::UnknownDomain;
@@ -96,7 +96,7 @@ impl Analysis<'_> {
         &mut self,
         unit: usize,
         term: &ast::Term,
-        wanted: TypeId,
+        expected: TypeId,
         what: &str,
         declared: Option<Span>,
     ) -> Body<Term> {
@@ -104,7 +104,7 @@ impl Analysis<'_> {
         let root = resolver.term(term);
         resolver.expect(
             &root,
-            wanted,
+            expected,
             what,
             declared.map(|declared| (declared, "declared as subset of")),
         );
@@ -140,14 +140,14 @@ impl Analysis<'_> {
                     self.declared.report.push(error.diagnostic());
                     continue;
                 }
-                self.once(&definition.name, known);
+                self.check_unique(&definition.name, known);
                 self.declared.functions[id.0 as usize].meaning = Meaning::Defined(body);
             }
         }
     }
 
     /// Reports a duplicate declaration if the name is already known.
-    fn once(&mut self, name: &ast::NameText, known: Option<Span>) {
+    fn check_unique(&mut self, name: &ast::NameText, known: Option<Span>) {
         if let Some(first) = known {
             let error = DuplicateDeclaration {
                 name: name.text.clone(),
@@ -181,9 +181,9 @@ impl Analysis<'_> {
             };
             return self.declared.report.push(error.diagnostic());
         };
-        let wanted = self.declared.types.id(Type::Powerset(base));
+        let expected = self.declared.types.id(Type::Powerset(base));
         let what = format!("`{}`", name.text);
-        let body = self.expression(unit, &definition.body, wanted, &what, Some(declared));
+        let body = self.expression(unit, &definition.body, expected, &what, Some(declared));
         self.declared.domains[id.0 as usize].definition = Some(body);
     }
 
@@ -251,11 +251,11 @@ impl Analysis<'_> {
             .iter()
             .copied()
             .filter(|id| {
-                let wanted = &self.declared.functions[id.0 as usize].parameters;
+                let declared = &self.declared.functions[id.0 as usize].parameters;
                 let fits = |(&a, &b): (&TypeId, &TypeId)| {
                     self.declared.types.compatible(a, b, &self.declared.domains)
                 };
-                wanted.len() == parameters.len() && wanted.iter().zip(parameters).all(fits)
+                declared.len() == parameters.len() && declared.iter().zip(parameters).all(fits)
             })
             .collect();
         if let Some(&id) = fitting.first() {
@@ -272,13 +272,13 @@ impl Analysis<'_> {
             self.declared.report.push(error.diagnostic());
             return None;
         };
-        let wanted = &self.declared.functions[first.0 as usize];
+        let function = &self.declared.functions[first.0 as usize];
         let error = WrongArity {
             name: name.text.clone(),
-            wanted: wanted.parameters.len(),
+            expected: function.parameters.len(),
             actual: parameters.len(),
             at: name.span,
-            declared: wanted.span,
+            declared: function.span,
         };
         self.declared.report.push(error.diagnostic());
         None
@@ -361,26 +361,26 @@ impl Analysis<'_> {
     }
 
     fn initial_state(&mut self, unit: usize, tree: &ast::File) {
-        let wanted = self.wanted_init(tree);
+        let selected = self.requested_init(tree);
         // the initial states that were not selected are only checked
         for (index, init) in tree.inits.iter().enumerate() {
-            let is_wanted = wanted == Some(index);
+            let is_selected = selected == Some(index);
             for definition in &init.domains {
                 // the reference simulator ignores the initial elements of dynamic domains
-                if is_wanted && !self.options.compatible {
+                if is_selected && !self.options.compatible {
                     self.domain_definition(unit, definition);
                 }
             }
             for definition in &init.functions {
                 let resolved = self.function_definition(unit, definition, Purpose::Initial);
-                if let (Some((id, body)), true) = (resolved, is_wanted) {
+                if let (Some((id, body)), true) = (resolved, is_selected) {
                     let known = self.declared.functions[id.0 as usize].initial.as_ref();
-                    self.once(&definition.name, known.map(|known| known.root.span));
+                    self.check_unique(&definition.name, known.map(|known| known.root.span));
                     self.declared.functions[id.0 as usize].initial = Some(body);
                 }
             }
             for agent in &init.agents {
-                if let (Some(program), true) = (self.program(unit, agent), is_wanted) {
+                if let (Some(program), true) = (self.program(unit, agent), is_selected) {
                     self.programs.push(program);
                 }
             }
@@ -388,7 +388,7 @@ impl Analysis<'_> {
     }
 
     /// Returns the index of the initial state to use: the requested one, or else the default.
-    fn wanted_init(&mut self, tree: &ast::File) -> Option<usize> {
+    fn requested_init(&mut self, tree: &ast::File) -> Option<usize> {
         let first = tree.inits.first()?;
         let at = first.name.span;
         let mut inits = tree.inits.iter();
@@ -399,13 +399,17 @@ impl Analysis<'_> {
         if found.is_none() {
             let names = tree.inits.iter().map(|init| &init.name.text);
             let (wanted, help) = match &self.options.initial {
-                Some(name) => (format!("called `{name}`"), meant(name, names)),
+                Some(name) => (format!("called `{name}`"), suggestion(name, names)),
                 None => (
                     "the default".to_owned(),
                     "write `default init` for the one to start from".to_owned(),
                 ),
             };
-            let error = NoSuchInit { wanted, at, help };
+            let error = NoSuchInit {
+                expected: wanted,
+                at,
+                help,
+            };
             self.declared.report.push(error.diagnostic());
         }
         found
@@ -538,7 +542,7 @@ impl Analysis<'_> {
             reserved,
             compatible: self.options.compatible,
             added: Added::default(),
-            scope: seen_from_outside(self.declared.scopes),
+            scope: merged_scope(self.declared.scopes),
         }
     }
 }
@@ -578,7 +582,7 @@ impl Purpose {
 }
 
 /// Suggests the initial state with a similar name, or lists all of them.
-fn meant<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> String {
+fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> String {
     match similar(name, known.clone()) {
         Some(similar) => did_you_mean(similar),
         None => {

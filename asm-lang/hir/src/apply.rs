@@ -132,7 +132,7 @@ impl Resolver<'_> {
             .find(|(known, _)| known.eq_ignore_ascii_case(domain))?;
         let shown = element_name(&self.declared.domains[id.0 as usize].name, number);
         let kind = TermKind::Element(id, shown.into());
-        Some(self.made(kind, Type::Domain(id), name.span))
+        Some(self.new_term(kind, Type::Domain(id), name.span))
     }
 
     /// Applies the candidate that fits the arguments best.
@@ -161,7 +161,7 @@ impl Resolver<'_> {
             .substitute(codomain, &self.declared.domains, &bindings);
         // `undef` and erroneous terms fit every type and therefore do not determine the type of the
         // result
-        let wanted = self.declared.functions[function.0 as usize]
+        let expected = self.declared.functions[function.0 as usize]
             .parameters
             .len();
         let run = self.declared.functions[function.0 as usize].run;
@@ -171,7 +171,7 @@ impl Resolver<'_> {
                 let run = run.map(|run| self.variable_of(run, span));
                 TermKind::Apply(function, run.into_iter().chain(arguments).collect())
             }
-            _ if wanted != arguments.len() => match arguments.into_iter().next() {
+            _ if expected != arguments.len() => match arguments.into_iter().next() {
                 Some(tuple) => TermKind::Spread(function, tuple),
                 None => TermKind::Invalid,
             },
@@ -205,10 +205,10 @@ impl Resolver<'_> {
             .collect();
         for (wanted, actual, at) in pairs {
             if self.is_wider(actual, wanted) {
-                let (wanted, actual) = (self.show(wanted), self.show(actual));
+                let (expected, actual) = (self.show(wanted), self.show(actual));
                 self.error(ArgumentTooWide {
                     name: name.clone(),
-                    wanted,
+                    expected,
                     actual,
                     at,
                     declared: span,
@@ -229,7 +229,9 @@ impl Resolver<'_> {
         types.is_abstract(wide, domains)
             && wide != narrow
             && matches!(types.get(narrow), Type::Domain(_))
-            && types.reach(narrow, domains).any(|part| part == wide)
+            && types
+                .reachable_types(narrow, domains)
+                .any(|part| part == wide)
     }
 
     /// Returns how well a function fits the arguments, with the bindings of its type variables.
@@ -349,7 +351,7 @@ impl Resolver<'_> {
             Some((fit?, id))
         });
         match best.min() {
-            Some((_, rule)) => self.made(TermKind::Rule(rule), Type::Rule, span),
+            Some((_, rule)) => self.new_term(TermKind::Rule(rule), Type::Rule, span),
             None => {
                 self.unknown_rule(name);
                 self.invalid(span)
@@ -420,15 +422,15 @@ impl Resolver<'_> {
                 for (index, argument) in arguments.iter().enumerate() {
                     let same = |&other: &usize| parameters[other] == parameters[index];
                     if let Some(first) = (0..index).find(same) {
-                        let wanted = types[first];
-                        self.expect(argument, wanted, &what, Some((declared, "takes")));
+                        let expected = types[first];
+                        self.expect(argument, expected, &what, Some((declared, "takes")));
                     }
                 }
             }
         } else {
             self.error(WrongArity {
                 name: name.text.clone(),
-                wanted: parameters.len(),
+                expected: parameters.len(),
                 actual: arguments.len(),
                 at: name.span,
                 declared,

@@ -48,7 +48,7 @@ impl Resolver<'_> {
     pub fn listed(&mut self, collection: ast::Collection, items: &[ast::Term], span: Span) -> Term {
         let items = self.terms(items);
         let item = self.common("the elements", &items);
-        self.made(
+        self.new_term(
             TermKind::Listed(collection, items),
             of(collection, item),
             span,
@@ -64,7 +64,7 @@ impl Resolver<'_> {
         self.scoped(|this| {
             let (binders, guard, item) = this.generated(from);
             let ty = of(collection, item.ty);
-            this.made(
+            this.new_term(
                 TermKind::Comprehension(collection, binders, guard, item),
                 ty,
                 span,
@@ -82,7 +82,7 @@ impl Resolver<'_> {
             let (binders, guard, key) = this.generated(from);
             let value = this.term(value);
             let ty = Type::Map(key.ty, value.ty);
-            this.made(
+            this.new_term(
                 TermKind::MapComprehension(binders, guard, key, value),
                 ty,
                 span,
@@ -115,7 +115,7 @@ impl Resolver<'_> {
             let actual = self.show(first.ty);
             let error = TypeMismatch {
                 what: "an interval".to_owned(),
-                wanted: "a number".to_owned(),
+                expected: "a number".to_owned(),
                 actual,
                 at: first.span,
                 because: None,
@@ -135,7 +135,7 @@ impl Resolver<'_> {
             }
         }
         let ty = of(collection, root);
-        self.made(TermKind::Interval(collection, first, last, step), ty, span)
+        self.new_term(TermKind::Interval(collection, first, last, step), ty, span)
     }
 
     pub fn map(&mut self, pairs: &[(ast::Term, ast::Term)], span: Span) -> Term {
@@ -145,7 +145,7 @@ impl Resolver<'_> {
             .collect();
         let key = self.common("the keys", pairs.iter().map(|(key, _)| key));
         let value = self.common("the values", pairs.iter().map(|(_, value)| value));
-        self.made(TermKind::Map(pairs), Type::Map(key, value), span)
+        self.new_term(TermKind::Map(pairs), Type::Map(key, value), span)
     }
 }
 

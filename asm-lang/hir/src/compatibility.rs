@@ -16,7 +16,7 @@ pub(crate) type Fit = Option<u32>;
 pub(crate) struct TypeBindings {
     variables: BTreeMap<DomainId, TypeId>,
     /// Number of lookups of variables so far. A comparison of two types that made none does not
-    /// depend on the bindings and can be cached in `known`.
+    /// depend on the bindings and can be cached in `cache`.
     looks: usize,
     /// `true` for the arguments of an equality, which treats natural numbers and integers alike,
     /// also within collections and tuples.
@@ -25,7 +25,7 @@ pub(crate) struct TypeBindings {
     compares: bool,
     /// Cached fits of pairs of types without variables; avoids exponential work for nested
     /// products.
-    known: BTreeMap<(TypeId, TypeId), Fit>,
+    cache: BTreeMap<(TypeId, TypeId), Fit>,
 }
 
 impl TypeBindings {
@@ -63,7 +63,7 @@ impl TypeTable {
     }
 
     /// Iterates over a type, its components, and the bases of the domains in it, each once.
-    pub fn reach<'a>(
+    pub fn reachable_types<'a>(
         &'a self,
         id: TypeId,
         domains: &'a [Domain],
@@ -111,45 +111,45 @@ impl TypeTable {
             .is_some()
     }
 
-    /// Returns how well `actual` fits `wanted`, and binds the type variables of `wanted`.
+    /// Returns how well `actual` fits `expected`, and binds the type variables of `expected`.
     pub(crate) fn fit(
         &self,
-        wanted: TypeId,
+        expected: TypeId,
         actual: TypeId,
         domains: &[Domain],
         bindings: &mut TypeBindings,
     ) -> Fit {
-        if let Some(known) = bindings.known.get(&(wanted, actual)) {
+        if let Some(known) = bindings.cache.get(&(expected, actual)) {
             return *known;
         }
         let looks = bindings.looks;
-        let fit = self.fit_anew(wanted, actual, domains, bindings);
+        let fit = self.compute_fit(expected, actual, domains, bindings);
         if bindings.looks == looks {
-            bindings.known.insert((wanted, actual), fit);
+            bindings.cache.insert((expected, actual), fit);
         }
         fit
     }
 
-    fn fit_anew(
+    fn compute_fit(
         &self,
-        wanted: TypeId,
+        expected: TypeId,
         actual: TypeId,
         domains: &[Domain],
         bindings: &mut TypeBindings,
     ) -> Fit {
-        if wanted == actual && self.variable(wanted, domains).is_none() {
+        if expected == actual && self.variable(expected, domains).is_none() {
             return Some(0);
         }
-        if let Some(variable) = self.variable(wanted, domains) {
+        if let Some(variable) = self.variable(expected, domains) {
             return self.bind(variable, actual, domains, bindings);
         }
         if self.variable(actual, domains).is_some() {
             bindings.looks += 1;
             return Some(2);
         }
-        let (wanted_root, actual_root) = (self.root(wanted, domains), self.root(actual, domains));
-        if wanted_root != wanted || actual_root != actual {
-            let step = u32::from(wanted_root != wanted) + u32::from(actual_root != actual);
+        let (wanted_root, actual_root) = (self.root(expected, domains), self.root(actual, domains));
+        if wanted_root != expected || actual_root != actual {
+            let step = u32::from(wanted_root != expected) + u32::from(actual_root != actual);
             // grows the stack: subsets of collections of subsets can be nested as deeply as there
             // are domains
             let fit = stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
@@ -163,7 +163,7 @@ impl TypeTable {
                 Some(self.fit(a, b, domains, bindings)?.saturating_add(sum))
             })
         };
-        match (self.get(wanted), self.get(actual)) {
+        match (self.get(expected), self.get(actual)) {
             (Type::Invalid | Type::Undef, _) | (_, Type::Invalid | Type::Undef) => Some(0),
             (Type::Prod(a), Type::Prod(b)) if a.len() == b.len() => {
                 all(&a.iter().copied().zip(b.iter().copied()).collect::<Vec<_>>())

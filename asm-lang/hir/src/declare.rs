@@ -139,7 +139,7 @@ impl SignatureTables {
     /// Returns `true` if a domain occurs in a type, or in the base of a concrete domain in it.
     fn contains(&self, ty: TypeId, domain: DomainId) -> bool {
         self.types
-            .reach(ty, &self.domains)
+            .reachable_types(ty, &self.domains)
             .any(|ty| *self.types.get(ty) == Type::Domain(domain))
     }
 
@@ -232,7 +232,7 @@ impl SignatureTables {
             }
             let id = FunctionId(self.functions.len() as u32);
             let is_defined = defined.contains(&*name.text);
-            let meaning = self.meaning(
+            let meaning = self.classify(
                 function.kind,
                 &name.text,
                 &parameters,
@@ -242,7 +242,8 @@ impl SignatureTables {
             let annotation = annotation(&unit.tree, function);
             let is_element = matches!(meaning, Meaning::Missing) && parameters.is_empty();
             // the target of a reference is wired by the assembly: an element stands for it
-            let is_reference = annotation == Some("Reference") && !begins(units, &name.text);
+            let is_reference =
+                annotation == Some("Reference") && !has_initial_definition(units, &name.text);
             if !is_defined && (is_element || is_reference) {
                 undefined.push(id);
             }
@@ -321,7 +322,7 @@ impl SignatureTables {
         FunctionId(self.functions.len() as u32 - 1)
     }
 
-    fn meaning(
+    fn classify(
         &self,
         kind: FunctionKind,
         name: &str,
@@ -550,7 +551,7 @@ fn annotation<'a>(tree: &'a ast::File, function: &ast::Function) -> Option<&'a s
 }
 
 /// Returns `true` if an initial state defines the function.
-fn begins(units: &[SourceUnit], function: &str) -> bool {
+fn has_initial_definition(units: &[SourceUnit], function: &str) -> bool {
     let mut inits = units.iter().flat_map(|unit| &unit.tree.inits);
     inits.any(|init| {
         let mut functions = init.functions.iter();

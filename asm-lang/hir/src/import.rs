@@ -58,7 +58,7 @@ impl SignatureTables {
             let other = self.scopes[from].clone();
             self.scopes[index].import(
                 &other,
-                |name| exports.has(name) && asked(import, name),
+                |name| exports.has(name) && is_listed(import, name),
                 |_| false,
             );
         }
@@ -71,8 +71,9 @@ impl SignatureTables {
             let other = self.scopes[from].clone();
             let (domains, atoms) = (&self.domains, &self.atoms);
             let domain_of = |atom: Atom| &*domains[atoms[atom.0 as usize].domain.0 as usize].name;
-            let wanted = |atom| exports.has(domain_of(atom)) && asked(import, domain_of(atom));
-            self.scopes[index].import(&other, |_| false, wanted);
+            let is_imported =
+                |atom| exports.has(domain_of(atom)) && is_listed(import, domain_of(atom));
+            self.scopes[index].import(&other, |_| false, is_imported);
         }
     }
 
@@ -134,7 +135,7 @@ impl SignatureTables {
             part(&mut other, &self.scopes[from]);
             self.scopes[index].import(
                 &other,
-                |name| exports.has(name) && asked(import, name),
+                |name| exports.has(name) && is_listed(import, name),
                 |_| false,
             );
         }
@@ -142,7 +143,7 @@ impl SignatureTables {
 }
 
 /// Returns `true` if the import lists this name or lists none.
-fn asked(import: &ast::Import, name: &str) -> bool {
+fn is_listed(import: &ast::Import, name: &str) -> bool {
     import
         .names
         .as_ref()

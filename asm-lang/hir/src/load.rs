@@ -96,7 +96,7 @@ impl FileLoading<'_> {
 
     fn library(&mut self, library: &asmotion_stdlib::StandardLibrary) -> usize {
         let path = format!("<{}>", library.name);
-        self.known(&path)
+        self.find_unit(&path)
             .unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true))
     }
 
@@ -135,7 +135,7 @@ impl FileLoading<'_> {
                 .push(ImportCycle { path, at, chain }.diagnostic());
             return None;
         }
-        if let Some(unit) = self.known(&path) {
+        if let Some(unit) = self.find_unit(&path) {
             return Some(unit);
         }
         if self.open.len() >= MAX_IMPORT_DEPTH {
@@ -163,7 +163,7 @@ impl FileLoading<'_> {
         }
     }
 
-    fn known(&self, path: &str) -> Option<usize> {
+    fn find_unit(&self, path: &str) -> Option<usize> {
         self.loaded.units.iter().position(|unit| unit.path == path)
     }
 }

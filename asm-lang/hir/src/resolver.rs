@@ -48,7 +48,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Marks the rule as coming from outside.
-    pub fn enter_from_outside(&mut self) {
+    pub fn mark_external(&mut self) {
         self.from_outside = true;
     }
 
@@ -136,23 +136,23 @@ impl<'a> Resolver<'a> {
     pub fn expect(
         &mut self,
         term: &Term,
-        wanted: TypeId,
+        expected: TypeId,
         what: &str,
         because: Option<(Span, &'static str)>,
     ) {
-        if self.compatible(wanted, term.ty) {
+        if self.compatible(expected, term.ty) {
             return;
         }
-        let number = self.written_as(term, wanted);
-        if let (Some(number), true) = (&number, self.is_natural(term, wanted)) {
+        let number = self.suggested_spelling(term, expected);
+        if let (Some(number), true) = (&number, self.is_natural(term, expected)) {
             let number = number.clone();
             let at = term.span;
             return self.error(IntegerForNatural { number, at });
         }
-        let (wanted, actual) = (self.show(wanted), self.show(term.ty));
+        let (expected, actual) = (self.show(expected), self.show(term.ty));
         self.error(TypeMismatch {
             what: what.to_owned(),
-            wanted,
+            expected,
             actual,
             at: term.span,
             because,
@@ -162,18 +162,18 @@ impl<'a> Resolver<'a> {
 
     /// Returns `true` if a term is a non-negative integer literal where a Natural is wanted: older
     /// models do not distinguish the two.
-    fn is_natural(&self, term: &Term, wanted: TypeId) -> bool {
-        let root = self.declared.types.root(wanted, &self.declared.domains);
+    fn is_natural(&self, term: &Term, expected: TypeId) -> bool {
+        let root = self.declared.types.root(expected, &self.declared.domains);
         *self.declared.types.get(root) == Type::Natural
             && matches!(*term.kind, TermKind::Value(Value::Int(0..)))
     }
 
     /// Suggests the spelling of a number literal in another number domain.
-    fn written_as(&self, term: &Term, wanted: TypeId) -> Option<String> {
+    fn suggested_spelling(&self, term: &Term, expected: TypeId) -> Option<String> {
         let TermKind::Value(Value::Int(number)) = *term.kind else {
             return None;
         };
-        let root = self.declared.types.root(wanted, &self.declared.domains);
+        let root = self.declared.types.root(expected, &self.declared.domains);
         match self.declared.types.get(root) {
             Type::Integer => Some(number.to_string()),
             Type::Natural => Some(format!("{number}n")),

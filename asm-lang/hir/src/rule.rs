@@ -138,10 +138,10 @@ impl Resolver<'_> {
             return RuleKind::Invalid;
         };
         if !self.compatible(wanted, result) {
-            let (wanted, actual) = (self.show(wanted), self.show(result));
+            let (expected, actual) = (self.show(wanted), self.show(result));
             let error = TypeMismatch {
                 what,
-                wanted,
+                expected,
                 actual,
                 at: rule.span,
                 because: Some((location, "declared")),

@@ -21,18 +21,18 @@ impl Scope {
     pub fn import(
         &mut self,
         other: &Scope,
-        wanted: impl Fn(&str) -> bool,
+        filter: impl Fn(&str) -> bool,
         literal: impl Fn(Atom) -> bool,
     ) {
         for (name, &domain) in &other.domains {
-            if wanted(name) {
+            if filter(name) {
                 self.domains.entry(name.clone()).or_insert(domain);
             }
         }
         merge(&mut self.functions, &other.functions, |name, _| {
-            wanted(name)
+            filter(name)
         });
-        merge(&mut self.rules, &other.rules, |name, _| wanted(name));
+        merge(&mut self.rules, &other.rules, |name, _| filter(name));
         merge(&mut self.literals, &other.literals, |_, atom| literal(atom));
     }
 
@@ -73,11 +73,11 @@ impl Scope {
 fn merge<T: Copy + PartialEq>(
     into: &mut BTreeMap<Arc<str>, Vec<T>>,
     from: &BTreeMap<Arc<str>, Vec<T>>,
-    wanted: impl Fn(&str, T) -> bool,
+    filter: impl Fn(&str, T) -> bool,
 ) {
     for (name, items) in from {
         for &item in items {
-            if wanted(name, item) {
+            if filter(name, item) {
                 let known = into.entry(name.clone()).or_default();
                 if !known.contains(&item) {
                     known.push(item);

@@ -43,7 +43,7 @@ impl Resolver<'_> {
             ast::TermKind::Tuple(items) => {
                 let items = self.terms(items);
                 let ty = Type::Prod(items.iter().map(|item| item.ty).collect());
-                self.made(TermKind::Tuple(items), ty, span)
+                self.new_term(TermKind::Tuple(items), ty, span)
             }
             ast::TermKind::If {
                 guard,
@@ -82,7 +82,7 @@ impl Resolver<'_> {
             } => self.scoped(|this| {
                 let binders = this.binders(binders);
                 let guard = guard.as_ref().map(|guard| this.boolean(guard, "a guard"));
-                this.made(
+                this.new_term(
                     TermKind::Quantified(*quantifier, binders, guard),
                     Type::Boolean,
                     span,
@@ -105,7 +105,7 @@ impl Resolver<'_> {
             ast::TermKind::RuleRef { name, domains } => self.rule_ref(name, domains, span),
             ast::TermKind::Domain(domain) => {
                 let ty = self.declared.resolve_type(self.unit, domain);
-                self.made(TermKind::Extent(ty), Type::Powerset(ty), span)
+                self.new_term(TermKind::Extent(ty), Type::Powerset(ty), span)
             }
             ast::TermKind::Invalid => self.invalid(span),
         }
@@ -115,7 +115,7 @@ impl Resolver<'_> {
         terms.iter().map(|term| self.term(term)).collect()
     }
 
-    pub fn made(&mut self, kind: TermKind, ty: Type, span: Span) -> Term {
+    pub fn new_term(&mut self, kind: TermKind, ty: Type, span: Span) -> Term {
         Term {
             kind: Box::new(kind),
             ty: self.ty(ty),
@@ -124,7 +124,7 @@ impl Resolver<'_> {
     }
 
     pub fn invalid(&mut self, span: Span) -> Term {
-        self.made(TermKind::Invalid, Type::Invalid, span)
+        self.new_term(TermKind::Invalid, Type::Invalid, span)
     }
 
     fn literal(&mut self, literal: &Literal, span: Span) -> Term {
@@ -145,7 +145,7 @@ impl Resolver<'_> {
             Literal::Char(character) => (Value::Char(*character), Type::Char),
             Literal::Text(text) => (Value::text(&**text), Type::String),
         };
-        self.made(TermKind::Value(value), ty, span)
+        self.new_term(TermKind::Value(value), ty, span)
     }
 
     fn variable_term(&mut self, name: &ast::NameText) -> Term {
@@ -172,7 +172,7 @@ impl Resolver<'_> {
             .and_then(|atoms| atoms.first())
         {
             let domain = self.declared.atoms[atom.0 as usize].domain;
-            return self.made(
+            return self.new_term(
                 TermKind::Value(Value::Atom(atom)),
                 Type::Domain(domain),
                 name.span,
@@ -184,7 +184,7 @@ impl Resolver<'_> {
                 span: name.span,
             };
             let ty = self.declared.resolve_type(self.unit, &domain);
-            return self.made(TermKind::Extent(ty), Type::Powerset(ty), name.span);
+            return self.new_term(TermKind::Extent(ty), Type::Powerset(ty), name.span);
         }
         let similar = scope.similar_constant(&name.text);
         if let Some(element) = self.element(name) {

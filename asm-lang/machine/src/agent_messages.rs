@@ -9,32 +9,34 @@ use asmotion_value::Value;
 
 impl StepContext<'_> {
     /// Returns the value of a query about messages whose arguments are on the stack from
-    /// `arguments` on. Only a value that differs from the default (no message) is recorded as an
+    /// `first_argument` on. Only a value that differs from the default (no message) is recorded as an
     /// input.
-    pub fn hear(
+    pub fn message_query(
         &mut self,
         slot: Slot,
-        mail: MessageQuery,
+        query: MessageQuery,
         messages: &Messages,
-        arguments: usize,
+        first_argument: usize,
     ) -> Value {
-        let asked = &self.stack[arguments..];
-        let known = self.post.answer(mail, asked, messages, self.now_ns);
+        let arguments = &self.stack[first_argument..];
+        let answer = self
+            .messages
+            .answer(query, arguments, messages, self.now_ns);
         // traces and scripts need no entry for queries about messages that do not exist
         let function = self.state.function(self.program, slot);
-        let provided = known.or_else(|| self.environment.read(function?, asked).ok()?);
-        self.stack.truncate(arguments);
-        self.asked(slot);
-        let silence = MessagesInTransit::silence(mail, messages);
+        let provided = answer.or_else(|| self.environment.read(function?, arguments).ok()?);
+        self.stack.truncate(first_argument);
+        self.record_read(slot);
+        let default = MessagesInTransit::default_answer(query, messages);
         let value = match provided {
-            Some(value) if value != silence => {
+            Some(value) if value != default => {
                 self.record.inputs.push(StepInput {
                     slot,
                     value: value.clone(),
                 });
                 value
             }
-            Some(_) | None => silence,
+            Some(_) | None => default,
         };
         self.state.store.slots[slot as usize] = value.clone();
         value
@@ -46,29 +48,31 @@ impl StepContext<'_> {
     /// # Errors
     /// [`RuleStopped`] if the status of an agent cannot be written, because the agent is not in the domain of the
     /// status function; the fault is in the context.
-    pub fn settle_status(&mut self) -> Result<(), RuleStopped> {
+    pub fn finish_messages(&mut self) -> Result<(), RuleStopped> {
         let Some(messages) = &self.program.messages else {
             return Ok(());
         };
-        let done = std::mem::take(&mut self.record.done);
-        for agent in done.iter().filter_map(|done| done.arguments.first()) {
-            self.settle_status_of(agent, &done, messages)?;
+        let action = std::mem::take(&mut self.record.performed);
+        for agent in action.iter().filter_map(|done| done.arguments.first()) {
+            self.finish_messages_of(agent, &action, messages)?;
         }
-        self.record.done = done;
+        self.record.performed = action;
         Ok(())
     }
 
-    fn settle_status_of(
+    fn finish_messages_of(
         &mut self,
         agent: &Value,
         done: &[PerformedAction],
         messages: &Messages,
     ) -> Result<(), RuleStopped> {
-        let mut own = done
+        let mut own_actions = done
             .iter()
             .filter(|done| done.arguments.first() == Some(agent));
-        let has_received = own.clone().any(|done| done.act == MessageAction::Take);
-        let Some(origin) = own.find_map(|done| match done.act {
+        let has_received = own_actions
+            .clone()
+            .any(|done| done.action == MessageAction::Take);
+        let Some(origin) = own_actions.find_map(|done| match done.action {
             MessageAction::Take | MessageAction::Wait => Some(done.origin),
             MessageAction::Send
             | MessageAction::Call
@@ -87,7 +91,9 @@ impl StepContext<'_> {
         } else {
             &messages.blocked
         };
-        if self.updates.given(slot).is_some() || self.state.store.slots[slot as usize] == *status {
+        if self.updates.written_value(slot).is_some()
+            || self.state.store.slots[slot as usize] == *status
+        {
             return Ok(());
         }
         let codomain = CodomainCheck::of(self.program, messages.status);

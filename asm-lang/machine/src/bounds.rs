@@ -14,12 +14,16 @@ pub(crate) fn is_bounded(value: &Value) -> bool {
 }
 
 /// Checks a value against a remaining depth and a remaining number of elements, which it reduces.
-fn is_within(value: &Value, depth: usize, room: &mut u64) -> bool {
-    fn all<'a>(items: impl IntoIterator<Item = &'a Value>, depth: usize, room: &mut u64) -> bool {
+fn is_within(value: &Value, depth: usize, remaining: &mut u64) -> bool {
+    fn all<'a>(
+        items: impl IntoIterator<Item = &'a Value>,
+        depth: usize,
+        remaining: &mut u64,
+    ) -> bool {
         depth > 0
             && items.into_iter().all(|item| {
-                *room = room.saturating_sub(1);
-                *room > 0 && is_within(item, depth - 1, room)
+                *remaining = remaining.saturating_sub(1);
+                *remaining > 0 && is_within(item, depth - 1, remaining)
             })
     }
     match value {
@@ -32,9 +36,11 @@ fn is_within(value: &Value, depth: usize, room: &mut u64) -> bool {
         | Value::Rule(_)
         | Value::Text(_)
         | Value::Complex(_) => true,
-        Value::Tuple(items) | Value::Seq(items) => all(items.iter(), depth, room),
-        Value::Set(items) => all(items.iter(), depth, room),
-        Value::Bag(items) => all(items.keys(), depth, room),
-        Value::Map(pairs) => all(pairs.keys(), depth, room) && all(pairs.values(), depth, room),
+        Value::Tuple(items) | Value::Seq(items) => all(items.iter(), depth, remaining),
+        Value::Set(items) => all(items.iter(), depth, remaining),
+        Value::Bag(items) => all(items.keys(), depth, remaining),
+        Value::Map(pairs) => {
+            all(pairs.keys(), depth, remaining) && all(pairs.values(), depth, remaining)
+        }
     }
 }

@@ -88,7 +88,7 @@ struct Values(Vec<TermCode>);
 
 impl Values {
     /// Evaluates the terms and pushes their values on the stack; returns the index of the first.
-    fn stacked(&self, run: &mut StepContext<'_>) -> usize {
+    fn push_all(&self, run: &mut StepContext<'_>) -> usize {
         let from = run.stack.len();
         for term in &self.0 {
             let value = term(run);
@@ -99,7 +99,7 @@ impl Values {
 
     /// Evaluates the terms and appends their values to the locals, as arguments of a call; returns
     /// the index of the first.
-    fn passed(&self, run: &mut StepContext<'_>) -> usize {
+    fn pass_arguments(&self, run: &mut StepContext<'_>) -> usize {
         let from = run.locals.len();
         for term in &self.0 {
             let value = term(run);

@@ -67,7 +67,7 @@ pub enum FaultKind {
     /// A rule value is run with the wrong number of arguments.
     RuleArity {
         /// Number of the rule's parameters.
-        wanted: u32,
+        expected: u32,
         /// Number of arguments given.
         actual: u32,
     },

@@ -30,7 +30,7 @@ impl Machine {
         for &initial in &program.initial_order {
             self.initialise_one(&program, initial, &mut NoInputs, 0)?;
         }
-        self.begin_here(0);
+        self.begin_initial(0);
         self.is_complete = !program.needs_inputs();
         if self.is_complete {
             self.check_initial(&mut NoInputs, 0)
@@ -49,14 +49,14 @@ impl Machine {
         for &initial in &program.initial_inputs {
             self.initialise_one(&program, initial, environment, now_ns)?;
         }
-        self.begin_here(now_ns);
+        self.begin_initial(now_ns);
         self.is_complete = true;
         Ok(())
     }
 
     /// Marks the current state as the initial one: locations accessed later are initialised from
     /// it.
-    fn begin_here(&mut self, now_ns: i64) {
+    fn begin_initial(&mut self, now_ns: i64) {
         self.state.initial.slots = self.state.store.slots.clone();
         self.state.initial.extents = self.state.store.extents.clone();
         self.state.initial.now_ns = now_ns;
@@ -191,7 +191,7 @@ impl Machine {
         let body = program.functions[function.0 as usize].initial?;
         // values that depend on inputs are not known before the first step
         let is_open = |initial| !self.is_complete && program.initial_inputs.contains(&initial);
-        if is_open(Initial::Function(function)) || !state.locations.is_met(slot) {
+        if is_open(Initial::Function(function)) || !state.locations.is_materialised(slot) {
             return None;
         }
         let is_element = |domain: DomainId, value: &Value| {

@@ -6,13 +6,13 @@ use crate::environment::Environment;
 use crate::fault::{FaultKind, StepFault};
 use crate::messages::{MessagesInTransit, SentMessage};
 use crate::naming::Naming;
-use crate::notes::WitnessNotes;
-use crate::plain;
 use crate::record::{StepChoice, StepInput, StepLog};
 use crate::run::code::{CompiledProgram, NativeCompiler, NoNativeCode};
 use crate::run::{RuleStopped, StepContext};
+use crate::scalar_updates;
 use crate::state::MachineState;
 use crate::updates::{Update, Updates};
+use crate::witness_notes::WitnessNotes;
 use asmotion_ir::{DomainId, Origin, Program};
 use asmotion_value::{Atom, Value};
 use std::fmt;
@@ -96,7 +96,7 @@ pub struct Machine {
     pub(crate) state: MachineState,
     pub(crate) scratch: Scratch,
     /// Messages that were sent and not yet consumed.
-    pub(crate) post: MessagesInTransit,
+    pub(crate) messages: MessagesInTransit,
     pub(crate) steps: u64,
     /// Number of steps and evaluations begun, failed ones included. Inputs are valid within one.
     pub(crate) rounds: u64,
@@ -130,8 +130,8 @@ impl Scratch {
     fn begin(&mut self, now_ns: i64) {
         self.record.begin(now_ns);
         if self.is_plain {
-            plain::forget(&mut self.before);
-            plain::forget(&mut self.updates.list);
+            scalar_updates::forget(&mut self.before);
+            scalar_updates::forget(&mut self.updates.list);
         } else {
             self.before.clear();
             self.updates.list.clear();
@@ -155,20 +155,20 @@ impl Machine {
     /// An initial value cannot be computed, or the initial state violates an invariant.
     pub fn new(program: Arc<Program>) -> Result<Self, Box<StepFault>> {
         let code = CompiledProgram::of(&program);
-        let mut machine = Self::blank(program, code);
+        let mut machine = Self::uninitialised(program, code);
         machine.initialise()?;
         Ok(machine)
     }
 
     /// Creates a machine without an initial state.
-    pub(crate) fn blank(program: Arc<Program>, code: CompiledProgram) -> Self {
+    pub(crate) fn uninitialised(program: Arc<Program>, code: CompiledProgram) -> Self {
         let state = MachineState::new(&program);
         Self {
             program,
             code: Arc::new(code),
             state,
             scratch: Scratch::default(),
-            post: MessagesInTransit::default(),
+            messages: MessagesInTransit::default(),
             steps: 0,
             rounds: 0,
             is_complete: false,
@@ -189,7 +189,7 @@ impl Machine {
 
     /// Starts recording the way to this fault; requires recording code.
     pub(crate) fn watch(&mut self, fault: &StepFault) {
-        self.scratch.notes = Some(WitnessNotes::about(fault));
+        self.scratch.notes = Some(WitnessNotes::for_fault(fault));
     }
 
     /// Returns the records and ends recording.
@@ -243,7 +243,7 @@ impl Machine {
         };
         match self.code.native.get_or_init(compile) {
             Ok(_) => Ok(()),
-            Err(why) => Err(*why),
+            Err(reason) => Err(*reason),
         }
     }
 
@@ -291,7 +291,7 @@ impl Machine {
             run.check_invariants(true)
         })?;
         self.steps = number;
-        self.check_again(environment, chooser, now_ns)?;
+        self.recheck(environment, chooser, now_ns)?;
         Ok(self.last_step())
     }
 
@@ -318,13 +318,13 @@ impl Machine {
             self.check_initial(environment, now_ns)?;
         }
         if self.program.messages.is_some() {
-            self.post.begin(now_ns);
+            self.messages.begin_step(now_ns);
         }
         let number = self.steps + 1;
         let evaluated = self.run(environment, chooser, number, now_ns, |run| {
             // a fault was recorded where it occurred
-            if rules(run).is_ok() && !run.record.done.is_empty() {
-                let _ = run.settle_status();
+            if rules(run).is_ok() && !run.record.performed.is_empty() {
+                let _ = run.finish_messages();
             }
             u64::from(run.bindings)
         });
@@ -339,14 +339,15 @@ impl Machine {
         self.state.commit();
         if self.program.messages.is_some() {
             let record = &mut self.scratch.record;
-            self.post.settle(&record.done, now_ns, &mut record.sent);
+            self.messages
+                .finish_step(&record.performed, now_ns, &mut record.sent);
         }
         Ok(())
     }
 
     /// Checks the invariants of the state after the last step once more.
     #[inline(always)]
-    pub(crate) fn check_again(
+    pub(crate) fn recheck(
         &mut self,
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
@@ -406,7 +407,7 @@ impl Machine {
             ..
         } = &mut self.scratch;
         let slots = &mut self.state.store.slots;
-        *is_plain = plain::fire(&updates.list, slots, before);
+        *is_plain = scalar_updates::fire(&updates.list, slots, before);
         for &(domain, atom) in &updates.extended {
             for &domain in &self.code.supers[domain.0 as usize] {
                 Arc::make_mut(&mut self.state.store.extents[domain.0 as usize])
@@ -439,7 +440,7 @@ impl Machine {
             program: &self.program,
             code: &self.code,
             state: &mut self.state,
-            post: &self.post,
+            messages: &self.messages,
             updates,
             environment,
             chooser,

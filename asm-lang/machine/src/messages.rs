@@ -24,7 +24,7 @@ const MILLISECOND: i64 = 1_000_000;
 /// An action on messages performed by an agent in a step.
 #[derive(Debug)]
 pub(crate) struct PerformedAction {
-    pub act: MessageAction,
+    pub action: MessageAction,
     pub arguments: Vec<Value>,
     pub origin: Origin,
 }
@@ -58,7 +58,7 @@ pub(crate) struct MessagesInTransit {
     /// Agents outside this specification; messages to them leave it.
     partners: Vec<Value>,
     /// Messages not received yet, oldest first.
-    arrived: Vec<StoredMessage>,
+    undelivered: Vec<StoredMessage>,
     /// Requests received but not answered, oldest first.
     received: Vec<StoredMessage>,
     /// Replies not received yet, oldest first.
@@ -78,7 +78,7 @@ pub(crate) struct MessagesInTransit {
 /// operation.
 struct MessageRoute<'a> {
     own: &'a Value,
-    other: &'a Value,
+    partner: &'a Value,
     operation: &'a str,
 }
 
@@ -90,19 +90,21 @@ impl<'a> MessageRoute<'a> {
         };
         Some(Self {
             own,
-            other,
+            partner: other,
             operation: name(operation)?,
         })
     }
 
     /// Returns `true` if the partner sent this message about the operation to the agent.
-    fn is_from(&self, letter: &StoredMessage) -> bool {
-        letter.to == *self.own && letter.from == *self.other && self.is_about(&letter.operation)
+    fn is_from(&self, message: &StoredMessage) -> bool {
+        message.to == *self.own
+            && message.from == *self.partner
+            && self.is_about(&message.operation)
     }
 
     /// Returns `true` if the agent made this call of the operation to the partner.
     fn is_of(&self, call: &WaitingCall) -> bool {
-        call.from == *self.own && call.to == *self.other && self.is_about(&call.operation)
+        call.from == *self.own && call.to == *self.partner && self.is_about(&call.operation)
     }
 
     fn is_about(&self, operation: &Value) -> bool {
@@ -125,15 +127,15 @@ fn name(operation: &Value) -> Option<&str> {
 
 impl MessagesInTransit {
     /// Ends the calls whose deadline has passed.
-    pub fn begin(&mut self, now_ns: i64) {
+    pub fn begin_step(&mut self, now_ns: i64) {
         let is_over = |call: &mut WaitingCall| call.deadline_ns.is_some_and(|end| end <= now_ns);
         let over: Vec<WaitingCall> = self.calls.extract_if(.., is_over).collect();
         for call in over {
-            self.fail(call, CallFault::Timeout);
+            self.record_fault(call, CallFault::Timeout);
         }
     }
 
-    fn fail(&mut self, call: WaitingCall, fault: CallFault) {
+    fn record_fault(&mut self, call: WaitingCall, fault: CallFault) {
         if let Some(operation) = name(&call.operation) {
             let concern = (call.from.clone(), operation.to_owned());
             self.faults.insert(concern, fault);
@@ -161,7 +163,7 @@ impl MessagesInTransit {
     /// Answers a query about messages. `None` leaves the answer to the environment.
     pub fn answer(
         &self,
-        mail: MessageQuery,
+        query: MessageQuery,
         arguments: &[Value],
         messages: &Messages,
         now_ns: i64,
@@ -171,20 +173,20 @@ impl MessagesInTransit {
             [agent, operation] => Some((agent.clone(), name(operation)?.to_owned())),
             _ => None,
         };
-        let oldest = |to: &Value| self.arrived.iter().find(|letter| letter.to == *to);
-        match mail {
+        let oldest = |to: &Value| self.undelivered.iter().find(|stored| stored.to == *to);
+        match query {
             MessageQuery::Next => Some(oldest(arguments.first()?)?.operation.clone()),
             MessageQuery::Arrived => {
                 let route = route()?;
-                let mut letters = self.arrived.iter();
-                let letter = letters.find(|letter| route.is_from(letter))?;
-                Some(letter.data.clone())
+                let mut queue = self.undelivered.iter();
+                let stored = queue.find(|stored| route.is_from(stored))?;
+                Some(stored.data.clone())
             }
             MessageQuery::Answered => {
                 let route = route()?;
-                let mut letters = self.answers.iter();
-                let letter = letters.find(|letter| route.is_from(letter))?;
-                Some(letter.data.clone())
+                let mut queue = self.answers.iter();
+                let stored = queue.find(|stored| route.is_from(stored))?;
+                Some(stored.data.clone())
             }
             MessageQuery::Calling => {
                 let route = route()?;
@@ -203,17 +205,17 @@ impl MessagesInTransit {
             MessageQuery::Time => Some(Value::Int(now_ns.div_euclid(MILLISECOND))),
             MessageQuery::Client => {
                 let agent = arguments.first().unwrap_or(&Value::Undef);
-                let received = || self.received.iter().find(|letter| letter.to == *agent);
-                let letter = oldest(agent).or_else(received)?;
-                Some(letter.from.clone())
+                let received = || self.received.iter().find(|stored| stored.to == *agent);
+                let stored = oldest(agent).or_else(received)?;
+                Some(stored.from.clone())
             }
         }
     }
 
     /// Returns the default answer of a query, for the case that neither the queues nor the
     /// environment has one.
-    pub fn silence(mail: MessageQuery, messages: &Messages) -> Value {
-        match mail {
+    pub fn default_answer(query: MessageQuery, messages: &Messages) -> Value {
+        match query {
             MessageQuery::SendFault | MessageQuery::Calling => Value::Bool(false),
             MessageQuery::Channel => messages.available.clone(),
             MessageQuery::Next
@@ -226,28 +228,33 @@ impl MessagesInTransit {
     }
 
     /// Performs the actions of a step's agents and appends the messages sent to `sent`.
-    pub fn settle(&mut self, all: &[PerformedAction], now_ns: i64, sent: &mut Vec<SentMessage>) {
+    pub fn finish_step(
+        &mut self,
+        all: &[PerformedAction],
+        now_ns: i64,
+        sent: &mut Vec<SentMessage>,
+    ) {
         self.unsent.clear();
         sent.append(&mut self.ended);
         for (index, done) in all.iter().enumerate() {
             // the same receive action performed twice in a step receives one message
             let is_again = all[..index]
                 .iter()
-                .any(|other| other.act == done.act && other.arguments == done.arguments);
+                .any(|other| other.action == done.action && other.arguments == done.arguments);
             let Some(route) = MessageRoute::of(&done.arguments) else {
                 continue;
             };
-            match done.act {
+            match done.action {
                 MessageAction::Send | MessageAction::Call | MessageAction::Reply => {
                     if let Some(message) = self.send(done, &route, now_ns) {
                         sent.push(message);
                     }
                 }
                 MessageAction::Take | MessageAction::Answer if is_again => {}
-                MessageAction::Take => self.take(&route),
+                MessageAction::Take => self.receive(&route),
                 MessageAction::Answer => {
-                    let letter = remove_first(&mut self.answers, |letter| route.is_from(letter));
-                    if letter.is_none() {
+                    let stored = remove_first(&mut self.answers, |stored| route.is_from(stored));
+                    if stored.is_none() {
                         // the reply came from the environment, as in a replay, so the call has
                         // ended
                         remove_first(&mut self.calls, |call| route.is_of(call));
@@ -255,7 +262,7 @@ impl MessagesInTransit {
                 }
                 MessageAction::Cancel => {
                     self.faults.remove(&route.concern());
-                    self.answers.retain(|letter| !route.is_from(letter));
+                    self.answers.retain(|stored| !route.is_from(stored));
                     let calls: Vec<WaitingCall> = self
                         .calls
                         .extract_if(.., |call| route.is_of(call))
@@ -270,9 +277,9 @@ impl MessagesInTransit {
         }
     }
 
-    fn take(&mut self, route: &MessageRoute<'_>) {
-        if let Some(letter) = remove_first(&mut self.arrived, |letter| route.is_from(letter)) {
-            push_bounded(&mut self.received, letter, &mut self.dropped);
+    fn receive(&mut self, route: &MessageRoute<'_>) {
+        if let Some(stored) = remove_first(&mut self.undelivered, |stored| route.is_from(stored)) {
+            push_bounded(&mut self.received, stored, &mut self.dropped);
         }
     }
 
@@ -287,7 +294,7 @@ impl MessagesInTransit {
             done.arguments.get(3)?.clone(),
         );
         let id = self.number();
-        let kind = match done.act {
+        let kind = match done.action {
             MessageAction::Call => {
                 let deadline_ns = match done.arguments.get(4) {
                     Some(&Value::Int(ms)) if ms > 0 => {
@@ -298,14 +305,14 @@ impl MessagesInTransit {
                 self.calls.push(WaitingCall {
                     id,
                     from: route.own.clone(),
-                    to: route.other.clone(),
+                    to: route.partner.clone(),
                     operation: operation.clone(),
                     deadline_ns,
                 });
                 SentKind::Call { data, deadline_ns }
             }
             MessageAction::Reply => {
-                let request = remove_first(&mut self.received, |letter| route.is_from(letter));
+                let request = remove_first(&mut self.received, |stored| route.is_from(stored));
                 SentKind::Reply {
                     data,
                     to: request.map(|request| request.id),
@@ -320,36 +327,36 @@ impl MessagesInTransit {
         let message = SentMessage {
             id,
             from: route.own.clone(),
-            to: route.other.clone(),
+            to: route.partner.clone(),
             operation,
             kind,
-            leaves: self.partners.contains(route.other),
+            leaves: self.partners.contains(route.partner),
         };
         if !message.leaves {
-            self.post(&message);
+            self.deliver_local(&message);
         }
         Some(message)
     }
 
     /// Queues a message for an agent of this specification.
-    fn post(&mut self, message: &SentMessage) {
+    fn deliver_local(&mut self, message: &SentMessage) {
         let (data, answers) = match &message.kind {
             SentKind::Message { data } | SentKind::Call { data, .. } => (data, None),
             SentKind::Reply { data, to } => (data, *to),
             SentKind::Cancel { .. } => return,
         };
-        let letter = StoredMessage {
+        let stored = StoredMessage {
             id: message.id,
             from: message.from.clone(),
             to: message.to.clone(),
             operation: message.operation.clone(),
             data: data.clone(),
         };
-        let letters = match remove_first(&mut self.calls, |call| Some(call.id) == answers) {
+        let queue = match remove_first(&mut self.calls, |call| Some(call.id) == answers) {
             Some(_) => &mut self.answers,
-            None => &mut self.arrived,
+            None => &mut self.undelivered,
         };
-        push_bounded(letters, letter, &mut self.dropped);
+        push_bounded(queue, stored, &mut self.dropped);
     }
 
     // ---- interface to the outside --------------------------------------------------------------
@@ -360,14 +367,14 @@ impl MessagesInTransit {
 
     pub fn deliver(&mut self, from: Value, to: Value, operation: Value, data: Value) -> MessageId {
         let id = self.number();
-        let letter = StoredMessage {
+        let stored = StoredMessage {
             id,
             from,
             to,
             operation,
             data,
         };
-        push_bounded(&mut self.arrived, letter, &mut self.dropped);
+        push_bounded(&mut self.undelivered, stored, &mut self.dropped);
         id
     }
 
@@ -377,14 +384,14 @@ impl MessagesInTransit {
         };
         match outcome {
             Ok(data) => {
-                let letter = StoredMessage {
+                let stored = StoredMessage {
                     id,
                     from: call.to,
                     to: call.from,
                     operation: call.operation,
                     data,
                 };
-                push_bounded(&mut self.answers, letter, &mut self.dropped);
+                push_bounded(&mut self.answers, stored, &mut self.dropped);
             }
             Err(fault) => {
                 if let Some(operation) = name(&call.operation) {
@@ -413,10 +420,10 @@ fn remove_first<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool) -> Option<T> {
     Some(list.remove(index))
 }
 
-fn push_bounded(letters: &mut Vec<StoredMessage>, letter: StoredMessage, dropped: &mut u64) {
-    if letters.len() >= MAX_WAITING {
-        letters.remove(0);
+fn push_bounded(queue: &mut Vec<StoredMessage>, message: StoredMessage, dropped: &mut u64) {
+    if queue.len() >= MAX_WAITING {
+        queue.remove(0);
         *dropped += 1;
     }
-    letters.push(letter);
+    queue.push(message);
 }

@@ -58,7 +58,7 @@ impl Machine {
         }
         self.rounds += 1;
         let step = self.steps + 1;
-        self.aside(|machine| {
+        self.outside_step(|machine| {
             machine.run(environment, &mut FirstChoice, step, now_ns, |run| match run
                 .program
                 .added_terms
@@ -81,7 +81,7 @@ impl Machine {
     ) -> Result<(), Box<StepFault>> {
         self.rounds += 1;
         let step = self.steps;
-        self.aside(|machine| {
+        self.outside_step(|machine| {
             machine.run(environment, &mut FirstChoice, step, now_ns, |run| {
                 // a violation is the fault of the run
                 let _ = run.check_invariants(false);
@@ -105,7 +105,7 @@ impl Machine {
             self.program.functions[function.0 as usize].kind,
             FunctionKind::Monitored | FunctionKind::Shared
         );
-        self.aside(|machine| {
+        self.outside_step(|machine| {
             machine.run(&mut NoInputs, &mut FirstChoice, step, 0, |run| {
                 run.stack.extend_from_slice(arguments);
                 let slot = run.slot(function, 0);
@@ -145,8 +145,8 @@ impl Machine {
         for &argument in &assignment.arguments {
             arguments.push(self.evaluate(argument, environment, now_ns)?);
         }
-        let wanted = self.program.functions[function.0 as usize].parameters.len();
-        if let ([Value::Tuple(items)], true) = (arguments.as_slice(), wanted > 1) {
+        let expected = self.program.functions[function.0 as usize].parameters.len();
+        if let ([Value::Tuple(items)], true) = (arguments.as_slice(), expected > 1) {
             arguments = items.to_vec();
         }
         Ok((function, arguments, value))
@@ -155,40 +155,41 @@ impl Machine {
     /// Sets the agents that are outside. Messages to them are marked
     /// [`SentMessage::leaves`](crate::SentMessage::leaves) and not delivered by the machine.
     pub fn set_partners(&mut self, partners: Vec<Value>) {
-        self.post.set_partners(partners);
+        self.messages.set_partners(partners);
     }
 
     /// Queues a message of a partner for an agent. The returned id is the one that a reply refers
     /// to.
     pub fn deliver(&mut self, from: Value, to: Value, operation: &str, data: Value) -> MessageId {
-        self.post.deliver(from, to, Value::text(operation), data)
+        self.messages
+            .deliver(from, to, Value::text(operation), data)
     }
 
     /// Ends a call with a reply or a fault. Does nothing if the call has already ended.
     pub fn end_call(&mut self, call: MessageId, outcome: Result<Value, CallFault>) {
-        self.post.end_call(call, outcome);
+        self.messages.end_call(call, outcome);
     }
 
     /// Reports that the last message of an agent could not be sent.
     pub fn set_unsent(&mut self, from: Value, operation: &str) {
-        self.post.set_unsent(from, operation);
+        self.messages.set_unsent(from, operation);
     }
 
     /// Sets the state of the channel: `true` if it delivers no messages at present.
     pub fn set_channel_down(&mut self, is_down: bool) {
-        self.post.set_down(is_down);
+        self.messages.set_down(is_down);
     }
 
     /// Returns the number of messages dropped from full queues.
     pub fn dropped_messages(&self) -> u64 {
-        self.post.dropped()
+        self.messages.dropped()
     }
 
     /// Replaces the program by one that differs only in its added terms and rules.
     ///
     /// # Errors
     /// The program has other locations; the machine is unchanged.
-    pub fn adopt(&mut self, program: Arc<Program>) -> Result<(), ForeignProgram> {
+    pub fn replace_program(&mut self, program: Arc<Program>) -> Result<(), ForeignProgram> {
         let is_own = self.program.slots == program.slots
             && self.program.functions.len() <= program.functions.len()
             && self.program.domains.len() == program.domains.len()
@@ -203,11 +204,11 @@ impl Machine {
     }
 
     /// Runs `work` outside a step, preserving the record of the last step.
-    fn aside<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        let kept = std::mem::take(&mut self.scratch);
+    fn outside_step<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let scratch = std::mem::take(&mut self.scratch);
         self.scratch.updates.begin(self.state.len());
         let result = work(self);
-        self.scratch = kept;
+        self.scratch = scratch;
         result
     }
 }

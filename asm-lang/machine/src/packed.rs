@@ -55,9 +55,9 @@ impl PackedState {
 struct Met<'a> {
     function: FunctionId,
     arguments: Vec<Value>,
-    now: &'a Value,
+    current: &'a Value,
     initially: &'a Value,
-    was_heard: bool,
+    was_queried: bool,
 }
 
 impl MachineState {
@@ -69,7 +69,7 @@ impl MachineState {
         }
         self.pack_eager(layout, to);
         self.pack_met(program, layout, to, true);
-        for domain in &layout.heard_domains {
+        for domain in &layout.message_domains {
             let extent = self.initial.extents.get(domain.0 as usize);
             to.values(extent.map(|extent| extent.iter()).unwrap_or_default());
         }
@@ -90,7 +90,7 @@ impl MachineState {
                     match field.coding {
                         Coding::Bits { .. } => {
                             let code = field.coding.code(value);
-                            bits.put(field.at(index), field.coding.width(), code);
+                            bits.set(field.at(index), field.coding.width(), code);
                             if code == ELSE {
                                 rest.push(value);
                             }
@@ -133,9 +133,9 @@ impl MachineState {
         for met in met {
             to.count(met.function.0 as usize);
             to.values(met.arguments.iter());
-            to.value(met.now);
+            to.value(met.current);
             to.value(met.initially);
-            to.value(&Value::Bool(met.was_heard));
+            to.value(&Value::Bool(met.was_queried));
         }
     }
 
@@ -152,12 +152,12 @@ impl MachineState {
         let initially = &self.initial.slots[slot as usize];
         let was_heard = self.initial.provided.contains(&slot);
         let (function, arguments) = self.location(program, slot)?;
-        (!layout.is_asked_anew[function.0 as usize]).then_some(Met {
+        (!layout.is_reread[function.0 as usize]).then_some(Met {
             function,
             arguments,
-            now,
+            current: now,
             initially,
-            was_heard,
+            was_queried: was_heard,
         })
     }
 }
@@ -169,7 +169,7 @@ type MetValue = (FunctionId, Vec<Value>, Value, Value, bool);
 /// The contents of a packed state, complete and checked before a machine takes them over.
 pub(crate) struct Unpacked {
     eager: Vec<(Slot, Value)>,
-    met: Vec<MetValue>,
+    interned: Vec<MetValue>,
     reserve: Vec<(DomainId, u32)>,
     extents: Vec<(DomainId, Vec<Value>)>,
     recalled: Option<(Vec<Value>, i64)>,
@@ -193,7 +193,7 @@ impl Unpacked {
         let mut met = Vec::new();
         Self::read_met(program, from, &mut met)?;
         let mut extents = Vec::new();
-        for &domain in &layout.heard_domains {
+        for &domain in &layout.message_domains {
             extents.push((domain, from.values()?));
         }
         let recalled = if layout.recalls {
@@ -207,7 +207,7 @@ impl Unpacked {
         };
         Some(Self {
             eager,
-            met,
+            interned: met,
             reserve,
             extents,
             recalled,
@@ -218,7 +218,7 @@ impl Unpacked {
     /// Reads the output of [`MachineState::pack_history`].
     pub fn read_history(&mut self, program: &Program, from: &mut Reader<'_>) -> Option<()> {
         from.set_atoms(program.atom_domains.len() + self.reserve.len());
-        Self::read_met(program, from, &mut self.met)?;
+        Self::read_met(program, from, &mut self.interned)?;
         if !program.initial_inputs.is_empty() {
             self.initially = from.values()?;
         }
@@ -273,8 +273,8 @@ impl MachineState {
         supers: &[Vec<DomainId>],
         unpacked: Unpacked,
     ) {
-        self.forget_met();
-        for &slot in &layout.asked_anew {
+        self.forget_materialised();
+        for &slot in &layout.reread {
             self.store.slots[slot as usize] = Value::Undef;
         }
         for (slot, value) in unpacked.eager {
@@ -302,10 +302,10 @@ impl MachineState {
             }
         }
         self.store.reserve = unpacked.reserve;
-        for (function, arguments, now, initially, was_heard) in unpacked.met {
+        for (function, arguments, now, initially, was_heard) in unpacked.interned {
             let slot = match dense(program, function, &arguments) {
                 Some(slot) => {
-                    self.meet(slot, initially);
+                    self.materialise(slot, initially);
                     slot
                 }
                 None => {

@@ -33,7 +33,7 @@ pub(crate) struct StepLog {
     pub picked: Vec<(Origin, Value)>,
     pub printed: Vec<String>,
     /// Actions on messages, performed at the end of the step.
-    pub done: Vec<PerformedAction>,
+    pub performed: Vec<PerformedAction>,
     /// Messages sent by these actions.
     pub sent: Vec<SentMessage>,
     pub now_ns: i64,
@@ -63,13 +63,13 @@ impl StepLog {
         let kept = self.inputs.len()
             | self.picked.len()
             | self.printed.len()
-            | self.done.len()
+            | self.performed.len()
             | self.sent.len();
         if kept > 0 {
             self.inputs.clear();
             self.picked.clear();
             self.printed.clear();
-            self.done.clear();
+            self.performed.clear();
             self.sent.clear();
         }
         self.now_ns = now_ns;

@@ -9,11 +9,11 @@ use crate::fault::{FaultKind, StepFault};
 use crate::limits::{MAX_CALLS, MAX_DEPTH, MAX_ITERATIONS};
 use crate::messages::MessagesInTransit;
 use crate::misfit::DomainMisfit;
-use crate::notes::WitnessNotes;
 use crate::record::{StepInput, StepLog};
 use crate::run::code::CompiledProgram;
 use crate::state::{MachineState, dense};
 use crate::updates::{Layer, Updates, WritableState};
+use crate::witness_notes::WitnessNotes;
 use asmotion_ir::{
     BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot,
 };
@@ -100,7 +100,7 @@ pub struct StepContext<'a> {
     pub(crate) state: &'a mut MachineState,
     pub(crate) updates: &'a mut Updates,
     pub(crate) environment: &'a mut dyn Environment,
-    pub(crate) post: &'a MessagesInTransit,
+    pub(crate) messages: &'a MessagesInTransit,
     pub(crate) chooser: &'a mut dyn Chooser,
     pub(crate) record: &'a mut StepLog,
     /// The frames of all active routines and bodies, outermost first.
@@ -190,19 +190,19 @@ impl StepContext<'_> {
         let index = slot as usize;
         // the initial state depends on the inputs of the first step only
         let is_past = self.building && self.step > 1;
-        if is_past || self.state.memo.asked[index] == self.round {
+        if is_past || self.state.memo.read_in[index] == self.round {
             return self.state.store.slots[index].clone();
         }
         let declared = &self.program.functions[function.0 as usize];
         let from = self.stack.len();
         self.state.arguments(self.program, slot, self.stack);
         if let (Some(mail), Some(messages)) = (declared.mail, &self.program.messages) {
-            return self.hear(slot, mail, messages, from);
+            return self.message_query(slot, mail, messages, from);
         }
         let answer = self.answer(slot, function, from);
         self.stack.truncate(from);
         // whatever the answer, the environment is asked only once in a round
-        self.asked(slot);
+        self.record_read(slot);
         let value = match (answer, declared.clock) {
             (Ok(Some(value)), _) => Some(value),
             (Ok(None), Some(unit)) => Some(Value::Int(self.now_ns.div_euclid(unit))),
@@ -222,7 +222,7 @@ impl StepContext<'_> {
         });
         self.state.store.slots[index] = value.clone();
         if self.step <= 1 {
-            self.state.began_with(slot, value.clone());
+            self.state.set_initial(slot, value.clone());
         }
         value
     }
@@ -253,19 +253,19 @@ impl StepContext<'_> {
 
     /// Records that the environment was asked, which happens once in a step. The reference forgets
     /// this together with the intermediate state in which it asked.
-    pub(crate) fn asked(&mut self, slot: Slot) {
-        let before = std::mem::replace(&mut self.state.memo.asked[slot as usize], self.round);
+    pub(crate) fn record_read(&mut self, slot: Slot) {
+        let before = std::mem::replace(&mut self.state.memo.read_in[slot as usize], self.round);
         if self.program.compatible {
-            self.updates.forget_asking(slot, before);
+            self.updates.undo_read(slot, before);
         }
     }
 
     /// Returns the slot of a location whose arguments are on the stack from `arguments` on.
     pub(crate) fn slot(&mut self, function: FunctionId, arguments: usize) -> Slot {
         if let Some(slot) = dense(self.program, function, &self.stack[arguments..]) {
-            if !self.state.locations.is_met(slot) {
+            if !self.state.locations.is_materialised(slot) {
                 let value = self.first_value(function, arguments);
-                self.state.meet(slot, value);
+                self.state.materialise(slot, value);
             }
             return slot;
         }
@@ -468,7 +468,7 @@ impl StepContext<'_> {
         let written = WritableState {
             slots: &mut state.store.slots,
             extents: &mut state.store.extents,
-            asked: &mut state.memo.asked,
+            read_in: &mut state.memo.read_in,
             round: self.round,
             supers: &self.code.supers,
         };
@@ -487,15 +487,15 @@ impl StepContext<'_> {
     }
 
     /// Evaluates a term in the state before the step.
-    pub(crate) fn before(&mut self, term: &dyn Fn(&mut Self) -> Value) -> Value {
+    pub(crate) fn in_previous_state(&mut self, term: &dyn Fn(&mut Self) -> Value) -> Value {
         if std::mem::replace(&mut self.is_before, true) {
             return term(self);
         }
         let (updates, mut written) = self.written();
-        let passed = updates.go_back(&mut written);
+        let passed = updates.rewind(&mut written);
         let value = term(self);
         let (updates, mut written) = self.written();
-        updates.return_from(passed, &mut written);
+        updates.fast_forward(passed, &mut written);
         self.is_before = false;
         value
     }
@@ -522,7 +522,11 @@ impl StepContext<'_> {
             updates.hide(result, Value::Undef, &mut written);
         }
         work(self)?;
-        let value = self.updates.given(result).cloned().unwrap_or_default();
+        let value = self
+            .updates
+            .written_value(result)
+            .cloned()
+            .unwrap_or_default();
         let (updates, mut written) = self.written();
         match updates.close_restoring(layer, &mut written, |slot| slot == result && !leaks) {
             Ok(()) => Ok(value),
@@ -554,7 +558,7 @@ impl StepContext<'_> {
         let mut written = WritableState {
             slots: &mut state.store.slots,
             extents: &mut state.store.extents,
-            asked: &mut state.memo.asked,
+            read_in: &mut state.memo.read_in,
             round: self.round,
             supers: &self.code.supers,
         };

@@ -126,14 +126,14 @@ impl Machine {
         to.number(complete | if has_begun { BEGUN } else { 0 });
         self.state.pack(&self.program, layout, &mut to);
         if self.program.messages.is_some() {
-            self.post.pack(&mut to);
+            self.messages.pack(&mut to);
         }
         let mut history = Writer::default();
         self.state.pack_history(&self.program, layout, &mut history);
         Snapshot {
             state: PackedState::new(to.bytes),
             steps: self.steps,
-            messages: self.post.last(),
+            messages: self.messages.last(),
             history: history.bytes.into_boxed_slice(),
         }
     }
@@ -164,7 +164,7 @@ impl Machine {
         }
         self.state
             .restore(program, &code.layout, &code.supers, unpacked);
-        self.post.replace_messages(post);
+        self.messages.replace_messages(post);
         self.is_complete = phase & COMPLETE != 0;
         self.steps = snapshot.steps;
         self.forget_last_step();

@@ -59,10 +59,10 @@ impl MachineState {
     }
 
     /// Initialises a lazy slot with this value, in the current and in the initial state.
-    pub(crate) fn meet(&mut self, slot: Slot, value: Value) {
+    pub(crate) fn materialise(&mut self, slot: Slot, value: Value) {
         self.store.slots[slot as usize] = value.clone();
         self.initial.slots[slot as usize] = value;
-        self.locations.meet(slot);
+        self.locations.materialise(slot);
     }
 
     /// Returns `true` if an argument of the slot's location was outside its domain on first access.
@@ -82,13 +82,13 @@ impl MachineState {
     ) -> Slot {
         self.store.slots.push(value.clone());
         self.initial.slots.push(value);
-        self.memo.asked.push(0);
+        self.memo.read_in.push(0);
         self.locations.intern(function, arguments, outside)
     }
 
     /// Records a value from the environment in the first step as the initial value of a location.
     #[cold]
-    pub(crate) fn began_with(&mut self, slot: Slot, value: Value) {
+    pub(crate) fn set_initial(&mut self, slot: Slot, value: Value) {
         let initial = &mut self.initial;
         if slot >= self.locations.eager
             && initial.slots[slot as usize] != value
@@ -120,23 +120,23 @@ impl MachineState {
             self.store.slots[slot as usize] = Value::Undef;
             self.initial.slots[slot as usize] = Value::Undef;
             self.initial.provided.retain(|provided| *provided != slot);
-            self.locations.met[(slot - self.locations.eager) as usize] = false;
+            self.locations.is_materialised[(slot - self.locations.eager) as usize] = false;
         }
         let committed = self.locations.committed;
         while self.store.slots.len() > committed {
             self.store.slots.pop();
             self.initial.slots.pop();
-            self.memo.asked.pop();
+            self.memo.read_in.pop();
             self.locations.forget_last();
         }
         self.initial
             .provided
             .retain(|provided| (*provided as usize) < committed);
-        self.memo.near.forget(committed as Slot);
+        self.memo.windows.forget(committed as Slot);
     }
 
     /// Forgets all lazy and interned locations, together with everything cached about them.
-    pub(crate) fn forget_met(&mut self) {
+    pub(crate) fn forget_materialised(&mut self) {
         let fixed = self.locations.fixed as usize;
         let lazy = self.locations.eager as usize..fixed;
         self.store.slots.truncate(fixed);
@@ -144,8 +144,8 @@ impl MachineState {
         self.initial.slots.truncate(fixed);
         self.initial.slots[lazy].fill(Value::Undef);
         self.initial.provided.clear();
-        self.memo.asked.truncate(fixed);
-        self.memo.near.forget(0);
+        self.memo.read_in.truncate(fixed);
+        self.memo.windows.forget(0);
         self.locations.forget_all();
     }
 
@@ -182,7 +182,7 @@ impl MachineState {
         arguments: &[Value],
     ) -> Option<Slot> {
         match dense(program, function, arguments) {
-            Some(slot) => self.locations.is_met(slot).then_some(slot),
+            Some(slot) => self.locations.is_materialised(slot).then_some(slot),
             None => self.locations.find(function, arguments),
         }
     }
@@ -224,8 +224,9 @@ impl MachineState {
     /// their first access, and locations that only a failed step accessed.
     pub fn slots(&self) -> impl Iterator<Item = Slot> {
         let met_in_vain: BTreeSet<Slot> = self.locations.uncommitted.iter().copied().collect();
-        (0..self.locations.committed as Slot)
-            .filter(move |slot| self.locations.is_met(*slot) && !met_in_vain.contains(slot))
+        (0..self.locations.committed as Slot).filter(move |slot| {
+            self.locations.is_materialised(*slot) && !met_in_vain.contains(slot)
+        })
     }
 
     /// Lists the locations of the specification's own functions, sorted by function and arguments.

@@ -68,9 +68,9 @@ pub struct SavedValue {
 #[derive(Debug)]
 enum UndoEntry {
     /// The environment was asked for a slot; the previous round is restored.
-    Asked(Slot, u64),
+    Read(Slot, u64),
     /// An element was appended to the extent of a domain.
-    Joined(DomainId),
+    Extended(DomainId),
 }
 
 /// The intermediate state, while a term is evaluated in the state before the step.
@@ -94,7 +94,7 @@ pub(crate) struct Updates {
     /// The last epoch allocated.
     last_epoch: u32,
     covered: Vec<CoveredMark>,
-    held: Vec<SavedValue>,
+    saved: Vec<SavedValue>,
     undo: Vec<UndoEntry>,
     depth: u32,
     /// Layers opened by native code, innermost last.
@@ -107,7 +107,7 @@ pub(crate) struct Layer {
     start: usize,
     extended: usize,
     covered: usize,
-    held: usize,
+    saved: usize,
     undo: usize,
     epoch: u32,
 }
@@ -117,7 +117,7 @@ pub(crate) struct WritableState<'a> {
     pub slots: &'a mut [Value],
     pub extents: &'a mut [Arc<Vec<Value>>],
     /// Round in which each slot was last asked of the environment.
-    pub asked: &'a mut [u64],
+    pub read_in: &'a mut [u64],
     pub round: u64,
     /// For each domain, the domain itself and all domains it is a subset of.
     pub supers: &'a [Vec<DomainId>],
@@ -134,7 +134,7 @@ pub struct UpdateLists<'a> {
     /// The updates of all sets; those of the innermost set come last.
     pub updates: &'a mut Vec<Update>,
     /// Values of slots before the sequence, in order of change.
-    pub held: &'a mut Vec<SavedValue>,
+    pub saved: &'a mut Vec<SavedValue>,
     /// Overwritten marks of outer sets.
     pub covered: &'a mut Vec<CoveredMark>,
     /// The mark of each slot, indexed by slot.
@@ -217,7 +217,7 @@ impl Updates {
     pub fn lists(&mut self) -> UpdateLists<'_> {
         UpdateLists {
             updates: &mut self.list,
-            held: &mut self.held,
+            saved: &mut self.saved,
             covered: &mut self.covered,
             marks: &mut self.marks,
             epoch: self.epoch,
@@ -230,7 +230,7 @@ impl Updates {
             start: self.list.len(),
             extended: self.extended.len(),
             covered: self.covered.len(),
-            held: self.held.len(),
+            saved: self.saved.len(),
             undo: self.undo.len(),
             epoch: self.epoch,
         };
@@ -247,26 +247,26 @@ impl Updates {
     /// Closes a layer within a sequence: applies its updates to the state, and lets them override
     /// those of the enclosing set.
     pub fn close_applying(&mut self, layer: Layer, written: &mut WritableState<'_>) {
-        self.uncover(&layer);
+        self.restore_marks(&layer);
         for index in layer.start..self.list.len() {
             let update = self.list[index].clone();
             let slot = update.slot as usize;
             let value = std::mem::replace(&mut written.slots[slot], update.value);
-            self.held.push(SavedValue {
+            self.saved.push(SavedValue {
                 value,
                 slot: update.slot,
             });
             // a location written in this step is no longer read from the environment
-            if written.asked[slot] != written.round {
-                let before = std::mem::replace(&mut written.asked[slot], written.round);
-                self.undo.push(UndoEntry::Asked(update.slot, before));
+            if written.read_in[slot] != written.round {
+                let before = std::mem::replace(&mut written.read_in[slot], written.round);
+                self.undo.push(UndoEntry::Read(update.slot, before));
             }
         }
         for index in layer.extended..self.extended.len() {
             let (domain, atom) = self.extended[index];
             for &domain in &written.supers[domain.0 as usize] {
                 let extent = &mut written.extents[domain.0 as usize];
-                self.undo.push(UndoEntry::Joined(domain));
+                self.undo.push(UndoEntry::Extended(domain));
                 Arc::make_mut(extent).push(Value::Atom(atom));
             }
         }
@@ -286,17 +286,17 @@ impl Updates {
         written: &mut WritableState<'_>,
     ) {
         let mark = self.marks[slot as usize];
-        let held = &mut written.slots[slot as usize];
+        let slot_value = &mut written.slots[slot as usize];
         if mark.epoch == self.epoch {
             // the value before the sequence is already saved
-            let known = &mut self.list[mark.index as usize];
-            held.replace_by(value.clone());
-            known.value.replace_by(value);
-            known.origin = origin;
+            let update = &mut self.list[mark.index as usize];
+            slot_value.replace_by(value.clone());
+            update.value.replace_by(value);
+            update.origin = origin;
             return;
         }
-        let before = std::mem::replace(held, value.clone());
-        self.held.push(SavedValue {
+        let before = std::mem::replace(slot_value, value.clone());
+        self.saved.push(SavedValue {
             value: before,
             slot,
         });
@@ -320,7 +320,7 @@ impl Updates {
         }
         // the enclosing set is that of the step and still empty, so the updates can stay where they
         // are
-        self.take_back(layer.held, layer.undo, written);
+        self.restore_saved(layer.saved, layer.undo, written);
         self.covered.clear();
         self.depth = 0;
         Ok(())
@@ -334,8 +334,8 @@ impl Updates {
         written: &mut WritableState<'_>,
         is_local: impl Fn(Slot) -> bool,
     ) -> Result<(), (FaultKind, Origin)> {
-        self.take_back(layer.held, layer.undo, written);
-        self.uncover(&layer);
+        self.restore_saved(layer.saved, layer.undo, written);
+        self.restore_marks(&layer);
         let mut kept = layer.start;
         for index in layer.start..self.list.len() {
             if !is_local(self.list[index].slot) {
@@ -357,18 +357,18 @@ impl Updates {
     /// Sets a slot without an update until the layer is closed.
     pub fn hide(&mut self, slot: Slot, value: Value, written: &mut WritableState<'_>) {
         let value = std::mem::replace(&mut written.slots[slot as usize], value);
-        self.held.push(SavedValue { value, slot });
+        self.saved.push(SavedValue { value, slot });
     }
 
     /// Lets the environment be asked for a slot again once the intermediate state is undone.
-    pub fn forget_asking(&mut self, slot: Slot, before: u64) {
+    pub fn undo_read(&mut self, slot: Slot, before: u64) {
         if self.depth > 0 {
-            self.undo.push(UndoEntry::Asked(slot, before));
+            self.undo.push(UndoEntry::Read(slot, before));
         }
     }
 
     /// Returns the value that the innermost set gives a slot, if any.
-    pub fn given(&self, slot: Slot) -> Option<&Value> {
+    pub fn written_value(&self, slot: Slot) -> Option<&Value> {
         let mark = self.marks[slot as usize];
         (mark.epoch == self.epoch).then(|| &self.list[mark.index as usize].value)
     }
@@ -386,7 +386,7 @@ impl Updates {
         (updates, extended): (usize, usize),
         written: &mut WritableState<'_>,
     ) {
-        self.take_back(0, 0, written);
+        self.restore_saved(0, 0, written);
         self.list.truncate(updates);
         self.extended.truncate(extended);
         self.covered.clear();
@@ -395,13 +395,13 @@ impl Updates {
     }
 
     /// Exchanges the state for the one before all layers, while a term is evaluated.
-    pub fn go_back(&mut self, written: &mut WritableState<'_>) -> LeftState {
-        for SavedValue { value, slot } in self.held.iter_mut().rev() {
+    pub fn rewind(&mut self, written: &mut WritableState<'_>) -> LeftState {
+        for SavedValue { value, slot } in self.saved.iter_mut().rev() {
             std::mem::swap(&mut written.slots[*slot as usize], value);
         }
         let joined = self.undo.iter().rev().filter_map(|undo| match undo {
-            UndoEntry::Asked(..) => None,
-            UndoEntry::Joined(domain) => {
+            UndoEntry::Read(..) => None,
+            UndoEntry::Extended(domain) => {
                 Arc::make_mut(&mut written.extents[domain.0 as usize]).pop()
             }
         });
@@ -411,15 +411,15 @@ impl Updates {
         }
     }
 
-    /// Returns to the state left by [`Self::go_back`].
-    pub fn return_from(&mut self, mut passed: LeftState, written: &mut WritableState<'_>) {
-        for SavedValue { value, slot } in &mut self.held {
+    /// Returns to the state left by [`Self::rewind`].
+    pub fn fast_forward(&mut self, mut passed: LeftState, written: &mut WritableState<'_>) {
+        for SavedValue { value, slot } in &mut self.saved {
             std::mem::swap(&mut written.slots[*slot as usize], value);
         }
         for undo in self.undo.iter().take(passed.undo) {
             match undo {
-                UndoEntry::Asked(..) => {}
-                UndoEntry::Joined(domain) => {
+                UndoEntry::Read(..) => {}
+                UndoEntry::Extended(domain) => {
                     let extent = Arc::make_mut(&mut written.extents[domain.0 as usize]);
                     extent.extend(passed.joined.pop());
                 }
@@ -427,14 +427,14 @@ impl Updates {
         }
     }
 
-    fn take_back(&mut self, held: usize, undo: usize, written: &mut WritableState<'_>) {
-        for SavedValue { value, slot } in self.held.drain(held..).rev() {
+    fn restore_saved(&mut self, held: usize, undo: usize, written: &mut WritableState<'_>) {
+        for SavedValue { value, slot } in self.saved.drain(held..).rev() {
             written.slots[slot as usize].replace_by(value);
         }
         for undo in self.undo.drain(undo..).rev() {
             match undo {
-                UndoEntry::Asked(slot, before) => written.asked[slot as usize] = before,
-                UndoEntry::Joined(domain) => {
+                UndoEntry::Read(slot, before) => written.read_in[slot as usize] = before,
+                UndoEntry::Extended(domain) => {
                     Arc::make_mut(&mut written.extents[domain.0 as usize]).pop();
                 }
             }
@@ -442,7 +442,7 @@ impl Updates {
     }
 
     /// Restores the marks that the layer has overwritten.
-    fn uncover(&mut self, layer: &Layer) {
+    fn restore_marks(&mut self, layer: &Layer) {
         for CoveredMark { slot, mark } in self.covered.drain(layer.covered..).rev() {
             self.marks[slot as usize] = mark;
         }

@@ -111,9 +111,9 @@ impl Near {
         if self.greatest < Some(from) {
             return;
         }
-        for known in self.slots.iter_mut().flatten() {
-            if known.is_some_and(|slot| slot >= from) {
-                *known = None;
+        for slot in self.slots.iter_mut().flatten() {
+            if slot.is_some_and(|slot| slot >= from) {
+                *slot = None;
             }
         }
         self.greatest = from.checked_sub(1);

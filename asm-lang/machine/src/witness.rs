@@ -8,9 +8,9 @@ use crate::choose::Chooser;
 use crate::environment::Environment;
 use crate::fault::{FaultKind, StepFault};
 use crate::machine::Machine;
-use crate::notes::Witness;
 use crate::record::StepChoice;
 use crate::run::code::CompiledProgram;
+use crate::witness_notes::Witness;
 use asmotion_ir::{FunctionId, Origin, Program};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
@@ -19,10 +19,10 @@ use std::sync::Arc;
 impl Witness {
     /// Explains why the initial state of a program could not be computed.
     pub fn initially(program: &Arc<Program>, fault: &StepFault) -> Option<Self> {
-        let mut again = Machine::blank(program.clone(), CompiledProgram::watched(program));
+        let mut again = Machine::uninitialised(program.clone(), CompiledProgram::watched(program));
         again.watch(fault);
         let failed = again.initialise().err();
-        again.told(fault, failed)
+        again.take_witness(fault, failed)
     }
 }
 
@@ -58,7 +58,7 @@ impl Machine {
             inputs.source.clone_from(source);
         }
         let mut choices = ReplayChoices {
-            made: last.choices(),
+            choices: last.choices(),
             picked: self.picked(),
             next: 0,
         };
@@ -68,17 +68,21 @@ impl Machine {
         let failed = if done {
             // the step itself succeeded, but its new state violates an invariant
             again
-                .check_again(&mut inputs, &mut choices, last.now_ns())
+                .recheck(&mut inputs, &mut choices, last.now_ns())
                 .err()
         } else {
             again.step(&mut inputs, &mut choices, last.now_ns()).err()
         };
-        again.told(fault, failed)
+        again.take_witness(fault, failed)
     }
 
     /// Returns the records if the repetition ended with the same fault, or in the same endless
     /// loop.
-    fn told(&mut self, fault: &StepFault, again: Option<Box<StepFault>>) -> Option<Witness> {
+    fn take_witness(
+        &mut self,
+        fault: &StepFault,
+        again: Option<Box<StepFault>>,
+    ) -> Option<Witness> {
         let (notes, again) = (self.notes()?, again?);
         let is_it = match (&again.kind, &fault.kind) {
             (FaultKind::Endless(_), FaultKind::Endless(_)) => again.origin == fault.origin,
@@ -113,20 +117,20 @@ impl Environment for ReplayInputs {
 
 /// Replays the recorded choices.
 struct ReplayChoices<'a> {
-    made: &'a [StepChoice],
+    choices: &'a [StepChoice],
     picked: &'a [(Origin, Value)],
     next: usize,
 }
 
 impl Chooser for ReplayChoices<'_> {
     fn choose(&mut self, _count: usize) -> usize {
-        let choice = self.made.get(self.next);
+        let choice = self.choices.get(self.next);
         self.next += 1;
         choice.map_or(0, |choice| choice.index)
     }
 
     fn takes_first(&self) -> bool {
-        self.made.is_empty()
+        self.choices.is_empty()
     }
 
     fn picked(&self, range: Origin) -> Option<Value> {

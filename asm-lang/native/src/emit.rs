@@ -1,7 +1,7 @@
 //! The function under construction: blocks, memory accesses and exits.
 
 use crate::detour::Detour;
-use crate::frame::{at, out, place};
+use crate::frame::{at, out, pack_call_position};
 use asmotion_ir::{IntegerInterval, Local, Program, RoutineId, Rule, Term, ValueKind};
 use asmotion_machine::back_end::Compiler;
 use asmotion_value::layout;
@@ -436,8 +436,8 @@ impl<'a> Emitter<'a> {
     }
 
     /// Returns the frame and call depth for a host function, as an argument.
-    pub fn place(&mut self) -> Ssa {
-        let place = place(self.scope.base, self.scope.depth);
+    pub fn call_position(&mut self) -> Ssa {
+        let place = pack_call_position(self.scope.base, self.scope.depth);
         self.number(I64, place)
     }
 
@@ -445,7 +445,7 @@ impl<'a> Emitter<'a> {
     fn spill(&mut self) {
         for local in 0..self.scope.locals.len() {
             let known = self.scope.locals[local];
-            if let Some((tag, payload)) = self.word(known) {
+            if let Some((tag, payload)) = self.tag_and_payload(known) {
                 let local = self.number(I32, i64::from(self.scope.base) + local as i64);
                 let tag = self.number(I32, i64::from(tag));
                 self.call(self.calls.spill, &[local, tag, payload]);
@@ -454,7 +454,7 @@ impl<'a> Emitter<'a> {
     }
 
     /// Returns a scalar as its tag and its 64-bit payload.
-    pub fn word(&mut self, known: KnownValue) -> Option<(u8, Ssa)> {
+    pub fn tag_and_payload(&mut self, known: KnownValue) -> Option<(u8, Ssa)> {
         match known {
             KnownValue::Nothing | KnownValue::Memory(_) => None,
             KnownValue::Int(int) => Some((layout::INT, int.value)),
@@ -469,7 +469,7 @@ impl<'a> Emitter<'a> {
         self.spill();
         self.detours.push(detour);
         let index = self.number(I32, self.detours.len() as i64 - 1);
-        [index, self.place()]
+        [index, self.call_position()]
     }
 
     /// Generates a call to the closure of a rule.

@@ -3,7 +3,7 @@
 //! Native code gets a single pointer, to a [`NativeFrame`], which contains the raw parts of the
 //! vectors that it accesses and a pointer to the step context. For everything else it calls one of
 //! the functions in [`out`]. Before each call the lengths of the vectors are set according to the
-//! work of native code (`settle`); after each call the frame is updated, because the vectors may
+//! work of native code (`set_lengths`); after each call the frame is updated, because the vectors may
 //! have been reallocated (`refresh`). The README of this crate gives the whole safety argument.
 
 #![expect(
@@ -146,7 +146,7 @@ impl NativeFrame {
                 Ok(())
             }
             _ => {
-                frame.settle();
+                frame.set_lengths();
                 Err(RuleStopped)
             }
         };
@@ -163,11 +163,11 @@ impl NativeFrame {
     }
 
     /// Sets the lengths of the vectors to what native code has written.
-    fn settle(&mut self) {
+    fn set_lengths(&mut self) {
         self.settle_list();
         let (held, covered) = (self.held_length, self.covered_length);
         let UpdateLists {
-            held: held_list,
+            saved: held_list,
             covered: covered_list,
             ..
         } = self.run().update_lists();
@@ -192,7 +192,7 @@ impl NativeFrame {
         self.refresh_list();
         let UpdateLists {
             updates,
-            held,
+            saved: held,
             covered,
             ..
         } = self.run().update_lists();
@@ -228,7 +228,7 @@ impl NativeFrame {
         place: u64,
         work: impl FnOnce(&mut StepContext<'static>, &mut Value) -> T,
     ) -> T {
-        self.settle();
+        self.set_lengths();
         let (base, depth) = (place as u32 as usize, (place >> 32) as u32 + self.depth);
         // SAFETY: as in `run`; the step context does not overlap the frame, whose `answer` is
         // borrowed.
@@ -246,7 +246,7 @@ impl NativeFrame {
 }
 
 /// Packs the position of a call to the host: the first local of its frame, and its call depth.
-pub(crate) fn place(base: u32, depth: u32) -> i64 {
+pub(crate) fn pack_call_position(base: u32, depth: u32) -> i64 {
     i64::from(base) | i64::from(depth) << 32
 }
 
@@ -413,7 +413,7 @@ pub(crate) mod out {
     impl NativeFrame {
         /// Runs `work` that executes no code of the program and needs no frame of locals.
         fn outside_here<T>(&mut self, work: impl FnOnce(&mut StepContext<'static>) -> T) -> T {
-            self.settle();
+            self.set_lengths();
             let result = work(self.run());
             self.refresh();
             result

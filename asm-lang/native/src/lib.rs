@@ -12,11 +12,11 @@ mod compile;
 mod detour;
 mod emit;
 mod frame;
-mod known;
 mod location;
 mod memory;
 mod rule;
 mod sequence;
+mod static_analysis;
 mod term;
 mod truth;
 

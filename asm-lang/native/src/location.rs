@@ -2,7 +2,7 @@
 
 use crate::emit::{Emitter, KnownValue, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
-use crate::known::is_repeatable;
+use crate::static_analysis::is_repeatable;
 use asmotion_ir::{
     AssignTarget, AxisRange, DomainElements, DomainId, FunctionId, Origin, Slot, Storage, Term,
     TermNode, ValueKind,
@@ -75,12 +75,12 @@ impl Emitter<'_> {
         };
         axes.len() == arguments.len()
             && axes.iter().zip(arguments).all(|(axis, argument)| {
-                let wanted = match axis.over {
+                let expected = match axis.over {
                     AxisRange::Bool => ValueKind::Bool,
                     AxisRange::Ints { .. } => ValueKind::Int,
                     AxisRange::Atoms { .. } => ValueKind::Atom,
                 };
-                self.kind(argument) == wanted && is_repeatable(self.program, argument)
+                self.kind(argument) == expected && is_repeatable(self.program, argument)
             })
     }
 
@@ -104,7 +104,7 @@ impl Emitter<'_> {
                 }
                 AxisRange::Ints { low, count } => {
                     let number = self.integer(argument);
-                    self.along(number, low, count)
+                    self.axis_offset(number, low, count)
                 }
                 AxisRange::Atoms { first, count } => {
                     let atom = self.atom(argument);
@@ -148,7 +148,7 @@ impl Emitter<'_> {
     }
 
     /// Returns the position of a number on an axis as a sum of a value and a constant.
-    fn along(&mut self, number: NativeInt, low: i64, count: u32) -> (Ssa, i64) {
+    fn axis_offset(&mut self, number: NativeInt, low: i64, count: u32) -> (Ssa, i64) {
         let high = low.saturating_add(i64::from(count) - 1);
         let (root, offset) = number.root;
         if number.interval.within(low, high)
@@ -189,7 +189,7 @@ impl Emitter<'_> {
     }
 
     /// Returns the domain to which values of a location are restricted.
-    fn within(&self, place: &AssignTarget) -> Option<DomainId> {
+    fn restricting_domain(&self, place: &AssignTarget) -> Option<DomainId> {
         match place {
             AssignTarget::Slot(function, _) | AssignTarget::Location(function, _) => {
                 self.program.functions[function.0 as usize].within
@@ -200,7 +200,7 @@ impl Emitter<'_> {
 
     /// Returns `true` if native code can check a value of this kind against the location's domain.
     pub fn is_accepted(&self, place: &AssignTarget, kind: ValueKind) -> bool {
-        let Some(domain) = self.within(place) else {
+        let Some(domain) = self.restricting_domain(place) else {
             return true;
         };
         match self.program.domains[domain.0 as usize].elements {
@@ -212,8 +212,8 @@ impl Emitter<'_> {
     }
 
     /// Leaves for the detour if the value is not in the location's domain.
-    pub fn accept(&mut self, place: &AssignTarget, value: KnownValue) {
-        let Some(domain) = self.within(place) else {
+    pub fn check_domain(&mut self, place: &AssignTarget, value: KnownValue) {
+        let Some(domain) = self.restricting_domain(place) else {
             return;
         };
         match (&self.program.domains[domain.0 as usize].elements, value) {
@@ -293,7 +293,7 @@ impl Emitter<'_> {
         let index = self.builder.ins().uextend(I64, index);
         let update = self.entry(index);
         self.put_update(update, value, origin);
-        self.put(self.memory.slots, located.pointer, located.offset, value);
+        self.store_scalar(self.memory.slots, located.pointer, located.offset, value);
         self.jump(done);
         self.begin(first);
         let room = self.load(self.memory.length, I64, self.frame, at::SEQUENCE_ROOM);
@@ -305,7 +305,7 @@ impl Emitter<'_> {
         self.hold(located, slot_number);
         self.cover(mark, slot_number);
         self.add(slot_number, mark, value, origin);
-        self.put(self.memory.slots, located.pointer, located.offset, value);
+        self.store_scalar(self.memory.slots, located.pointer, located.offset, value);
         self.jump(done);
         self.begin(outside);
         self.write_outside(self.calls.write_through, slot, value, origin);
@@ -364,7 +364,7 @@ impl Emitter<'_> {
         value: KnownValue,
         origin: Origin,
     ) {
-        self.put(self.memory.frame, self.frame, at::GIVEN, value);
+        self.store_scalar(self.memory.frame, self.frame, at::GIVEN, value);
         let slot = self.builder.ins().ireduce(I32, slot);
         let origin = self.number(I32, i64::from(origin.0));
         self.call(call, &[slot, origin]);
@@ -385,18 +385,18 @@ impl Emitter<'_> {
     fn put_update(&mut self, update: Ssa, value: KnownValue, origin: Origin) {
         let origin = self.number(I32, i64::from(origin.0));
         self.store(self.memory.updates, origin, update, at::UPDATE_ORIGIN);
-        self.put(self.memory.updates, update, at::UPDATE_VALUE, value);
+        self.store_scalar(self.memory.updates, update, at::UPDATE_VALUE, value);
     }
 
     /// Stores a scalar in memory that is uninitialised or holds a scalar.
-    pub fn put(
+    pub fn store_scalar(
         &mut self,
         memory: cranelift_codegen::ir::MemFlagsData,
         pointer: Ssa,
         offset: i32,
         value: KnownValue,
     ) {
-        let Some((tag, payload)) = self.word(value) else {
+        let Some((tag, payload)) = self.tag_and_payload(value) else {
             return;
         };
         // a single store, because a wider load of two recent narrow stores would stall (no store

@@ -2,7 +2,7 @@
 
 use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, Loops, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
-use crate::known::{StaticRange, counts, is_repeatable, rule_counts};
+use crate::static_analysis::{StaticRange, counts, is_repeatable, rule_counts};
 use asmotion_ir::{
     AssignTarget, Binder, IntegerInterval, Local, Origin, RoutineId, Rule, RuleNode, Term, TermNode,
 };
@@ -100,7 +100,7 @@ impl Emitter<'_> {
         let native = |this: &mut Self| {
             let value = this.scalar(value);
             if let Some(target) = this.target(place) {
-                this.accept(place, value);
+                this.check_domain(place, value);
                 this.write(&target, value, rule.origin);
             }
         };
@@ -277,7 +277,7 @@ impl Emitter<'_> {
             // the previous agent is an atom or undef, so it can be saved and restored as raw words
             let before = [0, at::PAYLOAD]
                 .map(|offset| this.load(this.memory.run, I64, run, at::AGENT + offset));
-            this.put(this.memory.run, run, at::AGENT, KnownValue::Atom(agent));
+            this.store_scalar(this.memory.run, run, at::AGENT, KnownValue::Atom(agent));
             let outer = this.enter(routine, Vec::new());
             this.scope.agent = Some(agent);
             this.rule(&called.code);
@@ -374,7 +374,7 @@ impl Emitter<'_> {
                 let before = this.bindings();
                 this.bail_if_many(before, 2 * total);
             }
-            let wanted = this.wanted(&spans, counting, guard, rule.origin);
+            let chosen = this.chosen_index(&spans, counting, guard, rule.origin);
             let seen = this.builder.declare_var(I64);
             let none = this.number(I64, 0);
             this.builder.def_var(seen, none);
@@ -385,7 +385,7 @@ impl Emitter<'_> {
                 let earlier = this
                     .builder
                     .ins()
-                    .icmp(IntCC::UnsignedLessThan, so_far, wanted);
+                    .icmp(IntCC::UnsignedLessThan, so_far, chosen);
                 this.branch(earlier, skip, found);
                 this.begin(skip);
                 let one_more = this.builder.ins().iadd_imm_s(so_far, 1);
@@ -402,7 +402,7 @@ impl Emitter<'_> {
     }
 
     /// Generates the index of the chosen candidate.
-    fn wanted(
+    fn chosen_index(
         &mut self,
         spans: &[BoundRange],
         counting: Counting,
@@ -410,7 +410,7 @@ impl Emitter<'_> {
         origin: Origin,
     ) -> Ssa {
         let (count_all, ask, known) = (self.block(), self.block(), self.block());
-        let wanted = self.builder.append_block_param(known, I64);
+        let chosen = self.builder.append_block_param(known, I64);
         let none = self.number(I64, 0);
         let mut takes_first = self.number(I8, 0);
         for (_, _, range) in spans {
@@ -444,7 +444,7 @@ impl Emitter<'_> {
             self.jump_with(known, chosen);
         }
         self.begin(known);
-        wanted
+        chosen
     }
 
     /// Returns the ranges of variables if native code can enumerate all of them.
@@ -582,7 +582,7 @@ impl Emitter<'_> {
         self.begin(many);
         let most = self.number(I32, i64::from(most));
         let origin = self.number(I32, i64::from(origin.0));
-        let place = self.place();
+        let place = self.call_position();
         self.call(self.calls.endless, &[most, origin, place]);
         self.jump(self.exit);
         self.begin(next);

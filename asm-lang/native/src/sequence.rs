@@ -48,7 +48,7 @@ impl Emitter<'_> {
     }
 
     pub fn par_in_sequence(&mut self, rule: &Rule, rules: &[Rule]) {
-        let Some(updates) = self.apart(rules) else {
+        let Some(updates) = self.disjoint_updates(rules) else {
             self.layer(|this| rules.iter().for_each(|rule| this.rule(rule)));
             return;
         };
@@ -58,7 +58,7 @@ impl Emitter<'_> {
             let mut values: Vec<KnownValue> = Vec::new();
             for (place, value, _) in &updates {
                 let value = this.scalar(value);
-                this.accept(place, value);
+                this.check_domain(place, value);
                 values.push(value);
             }
             for ((place, _, rule), value) in updates.iter().zip(values) {
@@ -71,7 +71,10 @@ impl Emitter<'_> {
     }
 
     /// Returns the updates that the rules consist of, if their slots are distinct.
-    fn apart<'r>(&self, rules: &'r [Rule]) -> Option<Vec<(&'r AssignTarget, &'r Term, &'r Rule)>> {
+    fn disjoint_updates<'r>(
+        &self,
+        rules: &'r [Rule],
+    ) -> Option<Vec<(&'r AssignTarget, &'r Term, &'r Rule)>> {
         let mut slots: Vec<Slot> = Vec::new();
         let mut updates = Vec::new();
         for rule in rules {

@@ -1,7 +1,7 @@
 //! Generates code for terms whose values are integers or atoms.
 
 use crate::emit::{AtomCode, Emitter, KnownValue, NativeInt};
-use crate::known::counts;
+use crate::static_analysis::counts;
 use asmotion_ir::{Arithmetic, IntegerInterval, Term, TermNode, ValueKind};
 use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::InstBuilder;

@@ -1,8 +1,8 @@
 //! Generates code for Boolean terms, mostly as branches.
 
 use crate::emit::{Emitter, KnownValue, Ssa};
-use crate::known::counts;
 use crate::rule::Counting;
+use crate::static_analysis::counts;
 use asmotion_ir::{Binder, Comparison, Connective, Quantifier, Term, TermNode, ValueKind};
 use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::condcodes::IntCC;

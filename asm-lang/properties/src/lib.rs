@@ -64,8 +64,8 @@ fn run(specification: &Specification) -> String {
     let mut run = Simulation::new(machine, Causes::Random(Box::new(inputs)), 0).traced("");
     for _ in 0..STEPS {
         if let Err(SimulationError::Fault(fault)) = run.step() {
-            let told = specification.explain_in(&fault, run.machine()).message;
-            return told + &run.into_trace(Some(&fault)).unwrap_or_default();
+            let message = specification.explain_in(&fault, run.machine()).message;
+            return message + &run.into_trace(Some(&fault)).unwrap_or_default();
         }
     }
     run.into_trace(None).unwrap_or_default()

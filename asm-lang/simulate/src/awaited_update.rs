@@ -27,12 +27,12 @@ pub enum AwaitError {
         similar: Option<Arc<str>>,
     },
     /// No overload of the function takes this number of arguments.
-    #[error("`{name}` takes {wanted} argument{}, not {found}", if *wanted == 1 { "" } else { "s" })]
+    #[error("`{name}` takes {expected} argument{}, not {found}", if *expected == 1 { "" } else { "s" })]
     Arity {
         /// Name of the function.
         name: String,
         /// Number of its parameters.
-        wanted: usize,
+        expected: usize,
         /// Number of arguments given.
         found: usize,
     },
@@ -99,7 +99,7 @@ fn written<'p>(program: &'p Program, name: &str, arity: usize) -> Result<&'p Fun
         wanted if wanted == arity => Ok(function),
         wanted => Err(AwaitError::Arity {
             name,
-            wanted,
+            expected: wanted,
             found: arity,
         }),
     }

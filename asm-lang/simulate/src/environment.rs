@@ -307,7 +307,7 @@ impl ScriptReader<'_> {
         let names = self.literals().names(shape).unwrap_or_default();
         let finding = WrongInputValue {
             what: what.to_owned(),
-            wanted: self.describe(shape),
+            expected: self.describe(shape),
             at,
             similar: similar(text, names).cloned(),
             elements: names.to_vec(),

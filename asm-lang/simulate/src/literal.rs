@@ -104,7 +104,7 @@ impl<'a> Literals<'a> {
                 let found =
                     declared.find(|&atom| &*self.program.symbols.atoms[atom as usize] == word);
                 found
-                    .or_else(|| self.taken(word))
+                    .or_else(|| self.reserve_index(word))
                     .map(|atom| Value::Atom(Atom(atom)))
             }
             DomainElements::Computed(_) | DomainElements::Undefined | DomainElements::Open => {
@@ -115,7 +115,7 @@ impl<'a> Literals<'a> {
 
     /// Resolves `domain!number`, the name of an element created by `extend`; returns its index in
     /// the reserve.
-    fn taken(self, word: &str) -> Option<u32> {
+    fn reserve_index(self, word: &str) -> Option<u32> {
         let (name, number) = word.split_once('!')?;
         let number: u32 = number.parse().ok()?;
         let at = self.reserve.iter().position(|(domain, count)| {
@@ -147,7 +147,7 @@ impl<'a> Literals<'a> {
             .position(|name| &**name == word);
         let atom = declared
             .map(|atom| atom as u32)
-            .or_else(|| self.taken(word));
+            .or_else(|| self.reserve_index(word));
         atom.map(|atom| Value::Atom(Atom(atom)))
     }
 }

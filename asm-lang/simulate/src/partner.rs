@@ -28,7 +28,7 @@ struct DueAnswer {
     step: u64,
     /// Index into the list of scripted replies.
     answer: usize,
-    asked: MessageId,
+    request: MessageId,
     by: Value,
     /// `true` if the request is a call, `false` if it is a one-way message.
     waits: bool,
@@ -46,12 +46,12 @@ impl ScriptedPartners {
     }
 
     /// Delivers the replies that are due in the next step.
-    pub fn answer(&mut self, machine: &mut Machine) {
+    pub fn deliver_replies(&mut self, machine: &mut Machine) {
         let step = machine.steps() + 1;
         for due in self.due.extract_if(.., |due| due.step <= step) {
             let answer = &self.answers[due.answer];
             match &answer.outcome {
-                outcome if due.waits => machine.end_call(due.asked, outcome.clone()),
+                outcome if due.waits => machine.end_call(due.request, outcome.clone()),
                 Ok(data) => {
                     let (from, data) = (answer.partner.clone(), data.clone());
                     machine.deliver(from, due.by, &answer.operation, data);
@@ -62,13 +62,13 @@ impl ScriptedPartners {
     }
 
     /// Schedules the replies to the messages sent in the last step.
-    pub fn hear(&mut self, machine: &Machine) {
+    pub fn schedule_replies(&mut self, machine: &Machine) {
         for sent in machine.last_step().sent() {
             let waits = match sent.kind {
                 SentKind::Call { .. } => true,
                 SentKind::Message { .. } => false,
                 SentKind::Cancel { call } => {
-                    self.due.retain(|due| due.asked != call);
+                    self.due.retain(|due| due.request != call);
                     continue;
                 }
                 SentKind::Reply { .. } => continue,
@@ -84,7 +84,7 @@ impl ScriptedPartners {
                 self.due.push(DueAnswer {
                     step: machine.steps() + self.answers[answer].after,
                     answer,
-                    asked: sent.id,
+                    request: sent.id,
                     by: sent.from.clone(),
                     waits,
                 });

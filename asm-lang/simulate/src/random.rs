@@ -82,11 +82,11 @@ impl Random {
                 let items: Vec<Value> = items.iter().map(|item| self.value(item)).collect();
                 Value::tuple(items)
             }
-            ValueShape::Seq(item) => Value::seq(self.several(item)),
-            ValueShape::Set(item) => Value::set(self.several(item)),
-            ValueShape::Bag(item) => Value::bag(self.several(item)),
+            ValueShape::Seq(item) => Value::seq(self.random_values(item)),
+            ValueShape::Set(item) => Value::set(self.random_values(item)),
+            ValueShape::Bag(item) => Value::bag(self.random_values(item)),
             ValueShape::Map(key, value) => {
-                let keys = self.several(key);
+                let keys = self.random_values(key);
                 let pairs: Vec<(Value, Value)> = keys
                     .into_iter()
                     .map(|key| (key, self.value(value)))
@@ -110,7 +110,7 @@ impl Random {
         elements[self.random.random_range(0..elements.len())].clone()
     }
 
-    fn several(&mut self, item: &ValueShape) -> Vec<Value> {
+    fn random_values(&mut self, item: &ValueShape) -> Vec<Value> {
         let count = self.random.random_range(0..=3);
         (0..count).map(|_| self.value(item)).collect()
     }

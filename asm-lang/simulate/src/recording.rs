@@ -155,7 +155,7 @@ pub struct Ticks {
 
 impl Ticks {
     /// Returns the time in units of `unit_ns` nanoseconds.
-    fn tell(&mut self, unit_ns: i64) -> i64 {
+    fn time_in(&mut self, unit_ns: i64) -> i64 {
         if !std::mem::replace(&mut self.has_ticked, true) {
             self.passed_ns = self.passed_ns.saturating_add(unit_ns);
         }
@@ -192,7 +192,7 @@ impl Environment for RecordedInputs {
         });
         match (known, self.unread, declared.clock) {
             (None, UnreadInput::Silent | UnreadInput::Undefined, Some(unit_ns)) => {
-                Ok(Some(Value::Int(self.ticks.tell(unit_ns))))
+                Ok(Some(Value::Int(self.ticks.time_in(unit_ns))))
             }
             (None, UnreadInput::Astray, _) if is_owed => {
                 Err("the recorded step did not read it".to_owned())

@@ -144,9 +144,9 @@ impl Simulation {
         let now_ns = self.clock.now(machine.steps() + 1);
         match &mut self.causes {
             Causes::Script(script) => {
-                self.partners.answer(machine);
+                self.partners.deliver_replies(machine);
                 step(machine, script, choices, now_ns)?;
-                self.partners.hear(machine);
+                self.partners.schedule_replies(machine);
                 script.advance();
             }
             Causes::Random(random) => step(machine, &mut **random, choices, now_ns)?,

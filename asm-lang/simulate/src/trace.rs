@@ -47,7 +47,7 @@ impl Trace {
     }
 
     /// Returns the trace of a run that failed in the initial state.
-    pub fn stillborn(program: &Program, fault: &StepFault, comment: &str) -> String {
+    pub fn failed_initial_state(program: &Program, fault: &StepFault, comment: &str) -> String {
         let mut trace = Self::default();
         trace.head(comment);
         let naming = Naming {

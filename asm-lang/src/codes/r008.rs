@@ -33,9 +33,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R008, error)]
-#[error("the rule takes {wanted} argument{}, not {actual}, {when}", if *wanted == 1 { "" } else { "s" })]
+#[error("the rule takes {expected} argument{}, not {actual}, {when}", if *expected == 1 { "" } else { "s" })]
 pub(crate) struct WrongRuleArity {
-    pub wanted: u32,
+    pub expected: u32,
     pub actual: u32,
     pub when: String,
     pub at: Span,

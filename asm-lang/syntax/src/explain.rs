@@ -112,7 +112,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
             ParseError::User { error } => match *error {},
         };
         let at = self.findings.span(from, to);
-        self.findings.caught(at);
+        self.findings.count_error(at);
         self.advance(if from < to { from } else { self.text.len() });
         let error = match self.found {
             Some(found) => self.at_token(found, &expected),
@@ -155,10 +155,10 @@ impl<'input, 'run> Explainer<'input, 'run> {
             return false;
         };
         let [third_last, ..] = self.recent;
-        let near = third_last <= last.resumed || line <= last.resumed;
+        let is_near = third_last <= last.resumed || line <= last.resumed;
         let around = start <= last.at;
         let lost = error.is_any(&[ClosesNothing::CODE, MissingRule::CODE]);
-        near || around || lost
+        is_near || around || lost
     }
 
     /// Returns the offset from which errors belong to the current declaration. An error at its

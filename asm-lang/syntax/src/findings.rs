@@ -79,7 +79,7 @@ impl SyntaxFindings {
     }
 
     /// Counts an error caught by the parser, reported or not.
-    pub(crate) fn caught(&self, at: Span) {
+    pub(crate) fn count_error(&self, at: Span) {
         let full = self.is_full();
         self.caught.update(|caught| caught + 1);
         if self.is_full() && !full {

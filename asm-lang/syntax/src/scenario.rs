@@ -53,14 +53,16 @@ pub fn parse_scenario(file: FileId, text: &str) -> (Scenario, Report) {
 impl ScenarioReader<'_, '_> {
     fn scenario(&mut self) -> Scenario {
         let mut scenario = Scenario::default();
-        match self.takes("scenario") {
-            Some(at) => scenario.name = self.wanted_name("scenario", "a name", "scenario name", at),
+        match self.accept_word("scenario") {
+            Some(at) => {
+                scenario.name = self.expected_name("scenario", "a name", "scenario name", at)
+            }
             None => {
                 self.error(NoScenarioHeading { at: self.here() });
                 self.skip_command();
             }
         }
-        match self.takes("load") {
+        match self.accept_word("load") {
             Some(at) => scenario.load = self.path(at),
             None => self.error(NoLoadCommand { at: self.here() }),
         }
@@ -70,10 +72,10 @@ impl ScenarioReader<'_, '_> {
     }
 
     fn invariants(&mut self, scenario: &mut Scenario) {
-        while let Some(at) = self.takes("invariant") {
-            let name = self.wanted_name("invariant", "a name", "invariant name : term;", at);
-            self.takes_sign(":");
-            let part = self.part(at);
+        while let Some(at) = self.accept_word("invariant") {
+            let name = self.expected_name("invariant", "a name", "invariant name : term;", at);
+            self.accept_sign(":");
+            let part = self.command_range(at);
             if let (Some(name), Some(condition)) = (name, self.term(part)) {
                 scenario
                     .invariants
@@ -118,13 +120,13 @@ impl ScenarioReader<'_, '_> {
         if length == 0 {
             self.error(IncompleteCommand {
                 command: "load",
-                wanted: "a path",
+                expected: "a path",
                 form: "load specification.asm",
                 at,
             });
             return None;
         }
-        self.takes_sign(";");
+        self.accept_sign(";");
         Some(NameText {
             text: Arc::from(&self.text[from..from + length]),
             span: self.span(from..from + length),

@@ -15,8 +15,8 @@ pub(crate) fn nearest<'a>(
     let written = written.to_lowercase();
     let slips = |word: &str| {
         let word = word.to_lowercase();
-        let begun = written.len() >= 3 && word.starts_with(&written);
-        if begun {
+        let is_prefix = written.len() >= 3 && word.starts_with(&written);
+        if is_prefix {
             1
         } else {
             strsim::damerau_levenshtein(&written, &word)

@@ -52,11 +52,11 @@ fn nesting_is_bounded() {
         for depth in [1_000, 100_000] {
             let (opened, closed) = (open.repeat(depth), close.repeat(depth));
             let report = read(&format!("{before}{opened}{inside}{closed}"));
-            let told = report
+            let refused = report
                 .diagnostics
                 .iter()
                 .any(|finding| finding.code == "L039");
-            assert!(told, "`{open}` {depth} times: {report:?}");
+            assert!(refused, "`{open}` {depth} times: {report:?}");
             assert!(read(&format!("{before}{opened}")).has_errors());
         }
         let rule = format!("{before}{}{inside}{}", open.repeat(100), close.repeat(100));

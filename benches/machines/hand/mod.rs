@@ -116,9 +116,9 @@ fn philosophers(count: usize, steps: u64, show: bool) -> Vec<String> {
             candidates += u32::from(may(&eating, who));
         }
         let chosen = (candidates > 0).then(|| {
-            let wanted = shifts.below(candidates) as usize;
+            let index = shifts.below(candidates) as usize;
             let mut all = (0..count).filter(|&who| may(&eating, who));
-            all.nth(wanted).unwrap_or(0)
+            all.nth(index).unwrap_or(0)
         });
         for who in 0..count {
             meals[who] += i64::from(eating[who]);

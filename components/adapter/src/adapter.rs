@@ -14,7 +14,7 @@ use asmotion_messages::{
 use crate::advice::{Advice, Adviser, BlockedCause, Patience};
 use crate::bend_limits::BendLimits;
 use crate::memory::ScanMemory;
-use crate::news::{Blockers, everything, on_the_path};
+use crate::obstacle_reports::{Blockers, all_obstacles, obstacles_on_path};
 use crate::trail::Trail;
 
 /// `nav::TrajectoryAdapter`: passes the path on, bent around obstacles seen by the laser; publishes `BLOCKED` once for
@@ -102,7 +102,7 @@ impl TrajectoryAdapter {
     }
 
     /// Reads odometry, map and scan.
-    fn perceive(&mut self, cycle: &Cycle<'_>, now: Time) -> Result<(), Fault> {
+    fn process_scan(&mut self, cycle: &Cycle<'_>, now: Time) -> Result<(), Fault> {
         for odometry in cycle.all(self.ports.odom) {
             let pose = message::pose(&odometry.pose.pose);
             self.trail.add(odometry.header.stamp.as_nanos(), pose);
@@ -123,8 +123,8 @@ impl TrajectoryAdapter {
                 let laser = robot * heading(Point::new(x, y), yaw);
                 let known = self.known.as_ref();
                 let is_news =
-                    |point| !known.is_some_and(|known| shows(known, point, map_tolerance_m));
-                self.memory.look(scan, &laser, nanos, sight_m, is_news);
+                    |point| !known.is_some_and(|known| is_mapped(known, point, map_tolerance_m));
+                self.memory.update(scan, &laser, nanos, sight_m, is_news);
                 self.seen = Some(now);
             }
         }
@@ -136,7 +136,7 @@ impl TrajectoryAdapter {
     /// Decides on the path.
     fn advise(&mut self, cycle: &Cycle<'_>, now: Time) -> Advice {
         if let Flow::NewData(path) = cycle.read(self.ports.path) {
-            let advice = self.adviser.order(path);
+            let advice = self.adviser.set_path(path);
             if advice.path.is_some() {
                 return advice;
             }
@@ -150,33 +150,34 @@ impl TrajectoryAdapter {
                     .any()
                     .is_some_and(|permit| !permit.data)
                 {
-                    self.adviser.wait();
+                    self.adviser.reset_progress();
                 }
                 let AdapterProperties {
                     limits, patience, ..
                 } = &*self.properties;
                 let (points, known) = (self.memory.points(), self.known.as_ref());
                 self.adviser
-                    .look(now, robot, points, known, limits, patience)
+                    .advise(now, robot, points, known, limits, patience)
             }
-            _ => self.adviser.blind(self.seen.is_some()),
+            _ => self.adviser.advise_without_scan(self.seen.is_some()),
         }
     }
 
     /// Publishes obstacles for the planner. With a map: everything that the map does not show, every
     /// `obstacles_period_s`, at once when the path is blocked, and once when nothing is left. Without a map: the
     /// obstacles that have blocked a path.
-    fn tell(&mut self, cycle: &mut Cycle<'_>, now: Time, blocked: bool) {
+    fn report_obstacles(&mut self, cycle: &mut Cycle<'_>, now: Time, blocked: bool) {
         let discs = match &self.known {
-            Some(_) => self.due(now, blocked).then(|| {
+            Some(_) => self.is_report_due(now, blocked).then(|| {
                 let points: Vec<Point> = self.memory.points().collect();
-                everything(&points)
+                all_obstacles(&points)
             }),
             None => {
                 let since = now - self.properties.memory_s;
                 let forgot = self.blockers.forget_before(since.nanos());
                 if let (Some(route), true) = (self.adviser.route(), blocked) {
-                    let on_it = on_the_path(self.memory.points(), route, &self.properties.limits);
+                    let on_it =
+                        obstacles_on_path(self.memory.points(), route, &self.properties.limits);
                     self.blockers.add(&on_it, now.nanos());
                 }
                 (blocked || forgot).then(|| self.blockers.discs())
@@ -193,7 +194,7 @@ impl TrajectoryAdapter {
     }
 
     /// Returns whether obstacles must be published in this cycle.
-    fn due(&self, now: Time, blocked: bool) -> bool {
+    fn is_report_due(&self, now: Time, blocked: bool) -> bool {
         let period = self.properties.obstacles_period_s;
         blocked
             || self
@@ -218,12 +219,12 @@ impl Component for TrajectoryAdapter {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let now = cycle.now();
         self.properties.refresh(cycle);
-        self.perceive(cycle, now)?;
+        self.process_scan(cycle, now)?;
         let advice = self.advise(cycle, now);
         if let Some(path) = advice.path {
             cycle.write(self.ports.adapted, path);
         }
-        self.tell(cycle, now, advice.blocked.is_some());
+        self.report_obstacles(cycle, now, advice.blocked.is_some());
         if let Some(cause) = advice.blocked {
             cycle.write(self.ports.event, blocked(now, cause));
         }
@@ -232,7 +233,7 @@ impl Component for TrajectoryAdapter {
 }
 
 /// Returns whether the map shows an obstacle within `tolerance` metres of a point.
-fn shows(known: &Distances, point: Point, tolerance: f64) -> bool {
+fn is_mapped(known: &Distances, point: Point, tolerance: f64) -> bool {
     let cell = known.layout().cell(point);
     let distance = cell.and_then(|cell| known.metres(cell));
     distance.is_some_and(|distance| distance <= tolerance)

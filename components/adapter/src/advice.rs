@@ -106,7 +106,7 @@ impl Default for Adviser {
 
 impl Adviser {
     /// Accepts a new path. The advice passes an empty path on.
-    pub fn order(&mut self, path: &Path) -> Advice {
+    pub fn set_path(&mut self, path: &Path) -> Advice {
         self.route = BendableRoute::new(path.clone());
         self.last_advice = LastAdvice::Nothing;
         self.fruitless = 0;
@@ -125,18 +125,18 @@ impl Adviser {
 
     /// Decides without a scan: passes a path on as planned if there never was a scan, and stops if the laser has
     /// failed.
-    pub fn blind(&mut self, has_seen: bool) -> Advice {
+    pub fn advise_without_scan(&mut self, has_scanned: bool) -> Advice {
         let Some(route) = &self.route else {
             return Advice::default();
         };
         match self.last_advice {
-            LastAdvice::Nothing | LastAdvice::Planned | LastAdvice::Bent if has_seen => {
+            LastAdvice::Nothing | LastAdvice::Planned | LastAdvice::Bent if has_scanned => {
                 self.last_advice = LastAdvice::Hold;
-                say(empty(route.planned()))
+                advise_path(empty(route.planned()))
             }
             LastAdvice::Nothing => {
                 self.last_advice = LastAdvice::Planned;
-                say(route.planned().clone())
+                advise_path(route.planned().clone())
             }
             LastAdvice::Planned | LastAdvice::Bent | LastAdvice::Hold | LastAdvice::Blocked => {
                 Advice::default()
@@ -145,12 +145,12 @@ impl Adviser {
     }
 
     /// Restarts the measurement of progress, because the robot is not permitted to drive.
-    pub fn wait(&mut self) {
+    pub fn reset_progress(&mut self) {
         self.milestone = None;
     }
 
     /// Checks the path ahead of the robot.
-    pub fn look(
+    pub fn advise(
         &mut self,
         now: Time,
         robot: &Pose,
@@ -168,7 +168,7 @@ impl Adviser {
         let (from, offset) = route.locate(robot);
         let place = Point::from(robot.translation.vector);
         if self.is_stuck(now, patience) {
-            return self.give_up(BlockedCause::Stuck(place));
+            return self.block(BlockedCause::Stuck(place));
         }
         let Some(route) = &self.route else {
             return Advice::default();
@@ -188,32 +188,32 @@ impl Adviser {
         });
         if driven && (self.returns || !route.is_bent(from)) {
             self.fruitless = 0;
-            return self.go_on();
+            return self.resume();
         }
         if let Some(back) = window.back(limits, &obstacles, FREED) {
             self.fruitless = 0;
             self.returns = true;
-            return self.take(from, &back);
+            return self.apply_offsets(from, &back);
         }
         if driven {
             self.fruitless = 0;
-            return self.go_on();
+            return self.resume();
         }
         self.returns = false;
         match self.bender.bend(&window, limits, &obstacles) {
             Ok(offsets) => {
                 self.fruitless = 0;
-                self.take(from, &offsets)
+                self.apply_offsets(from, &offsets)
             }
             Err(barrier) => {
                 self.fruitless += 1;
-                self.resist(barrier, patience)
+                self.handle_barrier(barrier, patience)
             }
         }
     }
 
     /// Called if the way is free: sends the path if the follower has no order or holds.
-    fn go_on(&mut self) -> Advice {
+    fn resume(&mut self) -> Advice {
         match (&self.route, self.last_advice) {
             (Some(route), LastAdvice::Nothing | LastAdvice::Hold) => {
                 let (last_advice, path) = if route.is_bent(0) {
@@ -222,7 +222,7 @@ impl Adviser {
                     (LastAdvice::Planned, route.planned().clone())
                 };
                 self.last_advice = last_advice;
-                say(path)
+                advise_path(path)
             }
             (Some(_), LastAdvice::Planned | LastAdvice::Bent | LastAdvice::Blocked) | (None, _) => {
                 Advice::default()
@@ -231,7 +231,7 @@ impl Adviser {
     }
 
     /// Called if there is a detour: sends it if it differs from the previous one.
-    fn take(&mut self, from: usize, offsets: &[f64]) -> Advice {
+    fn apply_offsets(&mut self, from: usize, offsets: &[f64]) -> Advice {
         let Some(route) = &mut self.route else {
             return Advice::default();
         };
@@ -240,21 +240,21 @@ impl Adviser {
         if before != route.offsets() && self.last_advice != LastAdvice::Nothing {
             self.last_advice = LastAdvice::Hold; // the new order must be sent even if the follower has one
         }
-        self.go_on()
+        self.resume()
     }
 
     /// Called if there is no detour: holds before a near barrier, and gives up after `looks` attempts.
-    fn resist(&mut self, barrier: Barrier, patience: &Patience) -> Advice {
+    fn handle_barrier(&mut self, barrier: Barrier, patience: &Patience) -> Advice {
         let Some(route) = &self.route else {
             return Advice::default();
         };
         let stop = empty(route.planned());
         if self.fruitless >= patience.looks {
-            return self.give_up(BlockedCause::Barrier(barrier));
+            return self.block(BlockedCause::Barrier(barrier));
         }
         if barrier.ahead <= patience.hold_m && self.last_advice != LastAdvice::Hold {
             self.last_advice = LastAdvice::Hold;
-            return say(stop);
+            return advise_path(stop);
         }
         Advice::default()
     }
@@ -281,7 +281,7 @@ impl Adviser {
     }
 
     /// Stops the robot until the next path, and gives the reason.
-    fn give_up(&mut self, cause: BlockedCause) -> Advice {
+    fn block(&mut self, cause: BlockedCause) -> Advice {
         let stop = self.route.as_ref().map(|route| empty(route.planned()));
         let stands = self.last_advice == LastAdvice::Hold;
         self.last_advice = LastAdvice::Blocked;
@@ -297,7 +297,7 @@ impl Adviser {
     }
 }
 
-fn say(path: Path) -> Advice {
+fn advise_path(path: Path) -> Advice {
     Advice {
         path: Some(path),
         blocked: None,
@@ -330,17 +330,21 @@ mod tests {
             PoseMessage::planar(0.0, 0.0, 0.0),
             PoseMessage::planar(8.0, 0.0, 0.0),
         ];
-        Path::through(5, "map", ends)
+        Path::from_poses(5, "map", ends)
     }
 
     fn ordered() -> Adviser {
         let mut adviser = Adviser::default();
-        assert_eq!(adviser.order(&path()), Advice::default(), "it looks first");
+        assert_eq!(
+            adviser.set_path(&path()),
+            Advice::default(),
+            "it looks first"
+        );
         adviser
     }
 
     fn look(adviser: &mut Adviser, x: f64, seen: &[Point]) -> Advice {
-        adviser.look(
+        adviser.advise(
             Time::ZERO,
             &heading(Point::new(x, 0.0), 0.0),
             seen.iter().copied(),
@@ -377,7 +381,7 @@ mod tests {
     fn a_stop_is_passed_on_at_once() {
         let mut adviser = ordered();
         let stop = Path::stop(9, "map");
-        assert_eq!(adviser.order(&stop).path, Some(stop));
+        assert_eq!(adviser.set_path(&stop).path, Some(stop));
         assert!(!adviser.is_busy());
         assert_eq!(look(&mut adviser, 0.0, &wall(0.5)), Advice::default());
     }
@@ -423,7 +427,7 @@ mod tests {
                 "blocked is blocked"
             );
         }
-        adviser.order(&path());
+        adviser.set_path(&path());
         assert!(
             look(&mut adviser, 0.0, &[]).path.is_some(),
             "until the next path"
@@ -436,7 +440,7 @@ mod tests {
         let mut look_at = |now: i64, x: f64| {
             let robot = heading(Point::new(x, 0.0), 0.0);
             let seen = std::iter::empty();
-            adviser.look(
+            adviser.advise(
                 Time::from_nanos(now),
                 &robot,
                 seen,
@@ -471,7 +475,7 @@ mod tests {
             let robot = heading(Point::new(7.96, 0.0), 0.0);
             let seen = std::iter::empty();
             let now = Time::from_nanos(now * 50);
-            let advice = adviser.look(now, &robot, seen, None, &LIMITS, &PATIENCE);
+            let advice = adviser.advise(now, &robot, seen, None, &LIMITS, &PATIENCE);
             assert_eq!(advice.blocked, None);
         }
     }
@@ -514,10 +518,10 @@ mod tests {
     #[test]
     fn without_eyes_it_trusts_the_planner_and_when_it_loses_them_it_stops() {
         let mut adviser = ordered();
-        assert_eq!(adviser.blind(false).path, Some(path()));
-        assert_eq!(adviser.blind(false), Advice::default());
-        assert!(is_stop(&adviser.blind(true)));
-        assert_eq!(adviser.blind(true), Advice::default());
+        assert_eq!(adviser.advise_without_scan(false).path, Some(path()));
+        assert_eq!(adviser.advise_without_scan(false), Advice::default());
+        assert!(is_stop(&adviser.advise_without_scan(true)));
+        assert_eq!(adviser.advise_without_scan(true), Advice::default());
         assert_eq!(look(&mut adviser, 0.0, &[]).path, Some(path()));
     }
 }

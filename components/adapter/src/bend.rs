@@ -22,7 +22,7 @@ pub struct Barrier {
 #[derive(Debug, Clone, Copy)]
 pub struct BendObstacles<'a> {
     /// Points seen by the laser, map frame, ordered by x.
-    seen: &'a [Point],
+    scanned: &'a [Point],
     /// Distances to the map's obstacles, if there is a map.
     mapped: Option<&'a Distances>,
     /// Distance in m beyond which obstacles are ignored.
@@ -66,22 +66,27 @@ const SLACK: f64 = 0.02;
 impl<'a> BendObstacles<'a> {
     /// Creates the obstacles for queries within these limits from points seen by the laser, which are sorted here, and
     /// those of the map.
-    pub fn new(seen: &'a mut [Point], mapped: Option<&'a Distances>, limits: &BendLimits) -> Self {
-        seen.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    pub fn new(
+        scanned: &'a mut [Point],
+        mapped: Option<&'a Distances>,
+        limits: &BendLimits,
+    ) -> Self {
+        scanned.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         Self {
-            seen,
+            scanned,
             mapped,
             within: limits.comfort().max(limits.clearance()) + FARTHER,
         }
     }
 
     /// Distance in m from `point` to the nearest point seen by the laser; infinite beyond `within`.
-    fn seen_distance(&self, point: Point) -> f64 {
+    fn scanned_distance(&self, point: Point) -> f64 {
         let first = self
-            .seen
+            .scanned
             .partition_point(|seen| seen.x < point.x - self.within);
-        let near = self.seen[first..].iter();
-        near.take_while(|seen| seen.x <= point.x + self.within)
+        let nearby = self.scanned[first..].iter();
+        nearby
+            .take_while(|seen| seen.x <= point.x + self.within)
             .map(|seen| (seen - point).norm_squared())
             .fold(f64::INFINITY, f64::min)
             .sqrt()
@@ -97,9 +102,9 @@ impl<'a> BendObstacles<'a> {
     }
 
     /// Distances in m from a robot at `point` to obstacles.
-    fn room(&self, point: Point) -> Clearance {
+    fn clearance(&self, point: Point) -> Clearance {
         Clearance {
-            seen: self.seen_distance(point),
+            scanned: self.scanned_distance(point),
             mapped: self.mapped_distance(point),
         }
     }
@@ -107,7 +112,7 @@ impl<'a> BendObstacles<'a> {
     /// The point seen by the laser that is nearest to `point`.
     fn nearest(&self, point: Point) -> Option<Point> {
         let squared = |seen: &Point| (seen - point).norm_squared();
-        let seen = self.seen.iter().copied();
+        let seen = self.scanned.iter().copied();
         seen.min_by(|a, b| squared(a).total_cmp(&squared(b)))
     }
 }
@@ -117,7 +122,7 @@ impl<'a> BendObstacles<'a> {
 /// instead.
 #[derive(Debug, Clone, Copy)]
 struct Clearance {
-    seen: f64,
+    scanned: f64,
     mapped: f64,
 }
 
@@ -125,11 +130,11 @@ impl Clearance {
     /// Returns whether both distances are at least `needed` plus `spare` metres. A positive `spare` does not apply to
     /// the map's obstacles, which the planner has taken into account.
     fn suffices(&self, needed: &Self, spare: f64) -> bool {
-        self.seen >= needed.seen + spare && self.mapped >= needed.mapped + spare.min(0.0)
+        self.scanned >= needed.scanned + spare && self.mapped >= needed.mapped + spare.min(0.0)
     }
 
     fn nearest(&self) -> f64 {
-        self.seen.min(self.mapped)
+        self.scanned.min(self.mapped)
     }
 }
 
@@ -161,17 +166,17 @@ impl Window<'_> {
         spare: f64,
         offset: impl Fn(usize) -> f64,
     ) -> bool {
-        let here = obstacles.room(self.robot);
+        let clearance = obstacles.clearance(self.robot);
         let point = |at: usize| self.route.point(self.from + at, offset(self.from + at));
         (1..self.len(limits)).all(|at| {
             let (from, to) = (point(at - 1), point(at));
             let pieces = ((to - from).norm() / LANE).ceil().max(1.0) as u32;
-            let needed = self.needed(limits, obstacles, &here, at);
+            let needed = self.needed(limits, obstacles, &clearance, at);
             // the first piece begins behind the robot
             let first = if at == 1 { pieces } else { 1 };
             (first..=pieces)
                 .map(|piece| from + (to - from) * (f64::from(piece) / f64::from(pieces)))
-                .all(|between| obstacles.room(between).suffices(&needed, spare))
+                .all(|between| obstacles.clearance(between).suffices(&needed, spare))
         })
     }
 
@@ -207,7 +212,7 @@ impl Window<'_> {
         let planned = self.route.point(self.from + at, 0.0);
         let mapped = obstacles.mapped_distance(planned).min(here.mapped + gained);
         Clearance {
-            seen: limits.clearance().min(here.seen + gained),
+            scanned: limits.clearance().min(here.scanned + gained),
             mapped: limits.clearance().min(mapped),
         }
     }
@@ -220,7 +225,7 @@ pub struct Bender {
     cost: Vec<f64>,
     next: Vec<f64>,
     /// The preceding lane, for each station and lane.
-    before: Vec<u16>,
+    predecessors: Vec<u16>,
 }
 
 impl Bender {
@@ -233,12 +238,12 @@ impl Bender {
     ) -> Result<Vec<f64>, Barrier> {
         let lanes = Lanes::new(limits.reach_m);
         let stations = window.len(limits);
-        let here = obstacles.room(window.robot);
-        self.start(&lanes, window.offset, stations);
+        let here = obstacles.clearance(window.robot);
+        self.initialise(&lanes, window.offset, stations);
         for at in 1..stations {
             self.advance(&lanes, window.route.step(), at);
             let needed = window.needed(limits, obstacles, &here, at);
-            if !self.charge(&lanes, window, limits, obstacles, at, &needed) {
+            if !self.add_obstacle_costs(&lanes, window, limits, obstacles, at, &needed) {
                 let middle = window.route.stations()[window.from + at].point;
                 return Err(Barrier {
                     point: obstacles.nearest(middle).unwrap_or(middle),
@@ -246,28 +251,28 @@ impl Bender {
                 });
             }
         }
-        let mut offsets = self.trace(&lanes, stations);
+        let mut offsets = self.back_trace(&lanes, stations);
         for _ in 0..ROUNDINGS {
-            round(&mut offsets, window, limits, obstacles);
+            smooth(&mut offsets, window, limits, obstacles);
         }
         Ok(offsets)
     }
 
     /// Resets the tables; all paths start at the robot's own lane.
-    fn start(&mut self, lanes: &Lanes, offset: f64, stations: usize) {
+    fn initialise(&mut self, lanes: &Lanes, offset: f64, stations: usize) {
         self.cost.clear();
         self.cost.resize(lanes.count, f64::INFINITY);
         self.next.clear();
         self.next.resize(lanes.count, f64::INFINITY);
-        self.before.clear();
-        self.before.resize(lanes.count * stations, 0);
+        self.predecessors.clear();
+        self.predecessors.resize(lanes.count * stations, 0);
         self.cost[lanes.nearest(offset)] = 0.0;
     }
 
     /// Extends the paths from each lane to the reachable lanes of the next station.
     fn advance(&mut self, lanes: &Lanes, step: f64, at: usize) {
         self.next.fill(f64::INFINITY);
-        let before = &mut self.before[at * lanes.count..][..lanes.count];
+        let before = &mut self.predecessors[at * lanes.count..][..lanes.count];
         let reachable = self
             .cost
             .iter()
@@ -289,7 +294,7 @@ impl Bender {
     }
 
     /// Adds the cost of each lane at a station, and closes the lanes that are not free. Returns whether one is left.
-    fn charge(
+    fn add_obstacle_costs(
         &mut self,
         lanes: &Lanes,
         window: &Window<'_>,
@@ -309,7 +314,7 @@ impl Bender {
             .filter(|(_, cost)| cost.is_finite());
         for (lane, cost) in reachable {
             let offset = lanes.offset(lane);
-            let room = obstacles.room(window.route.point(station, offset));
+            let room = obstacles.clearance(window.route.point(station, offset));
             if !room.suffices(needed, 0.0) || (is_goal && lane != lanes.middle) {
                 *cost = f64::INFINITY;
                 continue;
@@ -324,14 +329,14 @@ impl Bender {
     }
 
     /// Reconstructs the cheapest path from its end.
-    fn trace(&self, lanes: &Lanes, stations: usize) -> Vec<f64> {
+    fn back_trace(&self, lanes: &Lanes, stations: usize) -> Vec<f64> {
         let ends = self.cost.iter().enumerate();
         let end = ends.min_by(|(_, a), (_, b)| a.total_cmp(b));
         let mut lane = end.map_or(lanes.middle, |(lane, _)| lane);
         let mut offsets = vec![0.0; stations];
         for at in (0..stations).rev() {
             offsets[at] = lanes.offset(lane);
-            lane = usize::from(self.before[at * lanes.count + lane]);
+            lane = usize::from(self.predecessors[at * lanes.count + lane]);
         }
         offsets
     }
@@ -344,7 +349,7 @@ fn smooth_step_down(share: f64) -> f64 {
 }
 
 /// Rounds the corners of a lattice path where this keeps the clearance.
-fn round(
+fn smooth(
     offsets: &mut [f64],
     window: &Window<'_>,
     limits: &BendLimits,
@@ -354,7 +359,7 @@ fn round(
         let rounded = (offsets[at - 1] + 2.0 * offsets[at] + offsets[at + 1]) / 4.0;
         let nearest = |offset| {
             obstacles
-                .room(window.route.point(window.from + at, offset))
+                .clearance(window.route.point(window.from + at, offset))
                 .nearest()
         };
         let enough = nearest(offsets[at]).min(limits.comfort());
@@ -407,7 +412,7 @@ pub(crate) mod tests {
 
     fn road() -> BendableRoute {
         let ends = [Pose::planar(0.0, 0.0, 0.0), Pose::planar(6.0, 0.0, 0.0)];
-        BendableRoute::new(Path::through(1, "map", ends)).unwrap()
+        BendableRoute::new(Path::from_poses(1, "map", ends)).unwrap()
     }
 
     fn window(route: &BendableRoute) -> Window<'_> {

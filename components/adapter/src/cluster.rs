@@ -11,14 +11,14 @@ const SKIN: f64 = 0.02;
 /// Groups points that are connected by steps of less than [`GAP`]. Groups and points keep their order.
 pub fn clusters(points: &[Point]) -> Vec<Vec<Point>> {
     let mut groups = Vec::new();
-    let mut left: Vec<Point> = points.to_vec();
-    while !left.is_empty() {
-        let mut group = vec![left.remove(0)];
+    let mut remaining: Vec<Point> = points.to_vec();
+    while !remaining.is_empty() {
+        let mut group = vec![remaining.remove(0)];
         let mut grown = 0;
         while grown < group.len() {
-            let near = group[grown];
-            left.retain(|point| {
-                let joins = (point - near).norm_squared() < GAP * GAP;
+            let member = group[grown];
+            remaining.retain(|point| {
+                let joins = (point - member).norm_squared() < GAP * GAP;
                 if joins {
                     group.push(*point);
                 }

@@ -9,7 +9,7 @@ mod bend;
 mod bend_limits;
 mod cluster;
 mod memory;
-mod news;
+mod obstacle_reports;
 mod route;
 mod trail;
 

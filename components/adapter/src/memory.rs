@@ -46,7 +46,7 @@ impl From<ScanMemory> for Vec<RememberedPoint> {
 impl ScanMemory {
     /// Adds a scan taken from `laser` (map frame) at `nanos`: forgets points that beams passed through, and remembers
     /// the hits within `sight` metres that `counts` accepts.
-    pub fn look(
+    pub fn update(
         &mut self,
         scan: &LaserScan,
         laser: &Pose,
@@ -129,7 +129,7 @@ mod tests {
     fn remembered(scans: &[LaserScan]) -> ScanMemory {
         let mut memory = ScanMemory::default();
         for (at, scan) in (0..).zip(scans) {
-            memory.look(scan, &Pose::identity(), at, 6.0, |_| true);
+            memory.update(scan, &Pose::identity(), at, 6.0, |_| true);
         }
         memory
     }
@@ -196,8 +196,8 @@ mod tests {
                     ..round(1.0)
                 };
                 let mut memory = remembered(&[round(1.0)]);
-                memory.look(&scan, &nowhere, 1, 6.0, |_| true);
-                memory.look(&scan, &Pose::identity(), 2, 6.0, |_| true);
+                memory.update(&scan, &nowhere, 1, 6.0, |_| true);
+                memory.update(&scan, &Pose::identity(), 2, 6.0, |_| true);
             }
         }
     }
@@ -209,8 +209,8 @@ mod tests {
         assert!(memory.points().count() > 0);
         memory.forget_before(1);
         assert_eq!(memory.points().count(), 0);
-        memory.look(&round(7.0), &Pose::identity(), 2, 6.0, |_| true);
-        memory.look(&round(3.0), &Pose::identity(), 2, 6.0, |_| false);
+        memory.update(&round(7.0), &Pose::identity(), 2, 6.0, |_| true);
+        memory.update(&round(3.0), &Pose::identity(), 2, 6.0, |_| false);
         assert_eq!(memory.points().count(), 0);
     }
 }

@@ -244,7 +244,7 @@ mod tests {
         let poses = points
             .iter()
             .map(|(x, y)| asmotion_messages::Pose::planar(*x, *y, 0.5));
-        Path::through(7, "map", poses)
+        Path::from_poses(7, "map", poses)
     }
 
     #[test]

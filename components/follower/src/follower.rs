@@ -27,7 +27,7 @@ pub struct TrajectoryFollower {
     /// The cycle that received the newest odometry.
     located: Option<Time>,
     /// The reason that the robot must not drive in spite of an order; reported when it changes.
-    hindered: Option<Hindrance>,
+    hindrance: Option<Hindrance>,
     /// `true` if the last cycle had an order, so that one final zero must be sent.
     commanding: bool,
 }
@@ -40,18 +40,18 @@ enum Hindrance {
     NoNumbers,
     NoPermission,
     StaleOdometry,
-    OtherFrame,
+    FrameMismatch,
 }
 
 impl Hindrance {
     /// Returns the text for the report.
-    fn words(self) -> &'static str {
+    fn description(self) -> &'static str {
         match self {
             Self::NoOdometry => "no odometry",
             Self::NoNumbers => "odometry without numbers",
             Self::NoPermission => "no permission to drive",
             Self::StaleOdometry => "stale odometry",
-            Self::OtherFrame => "odometry in another frame",
+            Self::FrameMismatch => "odometry in another frame",
         }
     }
 }
@@ -91,7 +91,7 @@ impl TrajectoryFollower {
             task: FollowTask::default(),
             frame: String::new(),
             located: None,
-            hindered: None,
+            hindrance: None,
             commanding: false,
         }
     }
@@ -99,15 +99,17 @@ impl TrajectoryFollower {
     /// The reason that the robot must not drive in this cycle; `None` if it may.
     fn hindrance(&self, cycle: &Cycle<'_>, odometry: Option<&Odometry>) -> Option<Hindrance> {
         let (now, timeout) = (cycle.now(), self.properties.odom_timeout_s);
-        let fresh = self.located.is_some_and(|at| now.since(at) <= timeout);
+        let is_fresh = self.located.is_some_and(|at| now.since(at) <= timeout);
         let frame = |odometry: &Odometry| odometry.header.frame_id == self.frame;
         match odometry {
             None => Some(Hindrance::NoOdometry),
             Some(odometry) if !motion(odometry).is_finite() => Some(Hindrance::NoNumbers),
             Some(_) if !self.is_permitted(cycle) => Some(Hindrance::NoPermission),
-            Some(_) if !fresh || cycle.is_stale(self.ports.odom) => Some(Hindrance::StaleOdometry),
+            Some(_) if !is_fresh || cycle.is_stale(self.ports.odom) => {
+                Some(Hindrance::StaleOdometry)
+            }
             Some(odometry) if !self.frame.is_empty() && !frame(odometry) => {
-                Some(Hindrance::OtherFrame)
+                Some(Hindrance::FrameMismatch)
             }
             Some(_) => None,
         }
@@ -151,9 +153,9 @@ impl Component for TrajectoryFollower {
             .hindrance(cycle, odometry)
             .filter(|_| self.task.is_busy());
         let motion = odometry.filter(|_| hindrance.is_none()).map(motion);
-        if hindrance != self.hindered {
-            self.hindered = hindrance;
-            let words = hindrance.map_or("no more", Hindrance::words);
+        if hindrance != self.hindrance {
+            self.hindrance = hindrance;
+            let words = hindrance.map_or("no more", Hindrance::description);
             cycle.report("hindered", words.into());
         }
         let busy = self.task.is_busy();
@@ -186,8 +188,8 @@ fn motion(odometry: &Odometry) -> MeasuredMotion {
     }
 }
 
-fn event(now: Time, news: FollowerEvent, motion: &MeasuredMotion) -> Event {
-    let code = match news {
+fn event(now: Time, event: FollowerEvent, motion: &MeasuredMotion) -> Event {
+    let code = match event {
         FollowerEvent::Reached => Event::REACHED,
         FollowerEvent::Halted => Event::HALTED,
     };

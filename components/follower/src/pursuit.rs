@@ -74,8 +74,8 @@ impl Pursuit {
     pub fn carrot(&self, line: &Polyline, from: Point, along: f64, speed: f64) -> Option<Point> {
         let mut ahead = self.lookahead(speed);
         loop {
-            let carrot = place(line, along + ahead)?;
-            if ahead <= self.lookahead_min_m || self.keeps_to(line, from, carrot, along, ahead) {
+            let carrot = point_at(line, along + ahead)?;
+            if ahead <= self.lookahead_min_m || self.stays_close(line, from, carrot, along, ahead) {
                 return Some(carrot);
             }
             ahead = (ahead * 0.8).max(self.lookahead_min_m);
@@ -85,7 +85,7 @@ impl Pursuit {
     /// Returns whether the chord from `from` to the carrot stays within `corner_cut_m` of the line. A robot off the
     /// line must return to it first, so its distance from the line is allowed in addition, decreasing to zero at the
     /// carrot.
-    fn keeps_to(
+    fn stays_close(
         &self,
         line: &Polyline,
         from: Point,
@@ -93,12 +93,17 @@ impl Pursuit {
         along: f64,
         ahead: f64,
     ) -> bool {
-        let off = place(line, along).map_or(0.0, |here| (here - from).norm());
+        let off = point_at(line, along).map_or(0.0, |here| (here - from).norm());
         let chord = Polyline::new([from, carrot]);
         let samples = (ahead / self.corner_cut_m.max(0.01)).ceil().min(64.0) as u32;
         (1..samples)
             .map(|sample| f64::from(sample) / f64::from(samples))
-            .filter_map(|share| Some((share, chord.nearest(place(line, along + ahead * share)?)?)))
+            .filter_map(|share| {
+                Some((
+                    share,
+                    chord.nearest(point_at(line, along + ahead * share)?)?,
+                ))
+            })
             .all(|(share, nearest)| nearest.distance <= self.corner_cut_m + off * (1.0 - share))
     }
 
@@ -145,7 +150,7 @@ impl Pursuit {
     }
 }
 
-fn place(line: &Polyline, along: f64) -> Option<Point> {
+fn point_at(line: &Polyline, along: f64) -> Option<Point> {
     line.at(along)
         .map(|pose: Pose| pose.translation.vector.into())
 }
@@ -241,10 +246,10 @@ pub(crate) mod tests {
             .carrot(&corner, Point::new(0.5, 0.0), 0.5, 0.5)
             .unwrap();
         assert!((far - Point::new(1.1, 0.0)).norm() < 1e-9);
-        let near = PURSUIT
+        let nearby = PURSUIT
             .carrot(&corner, Point::new(1.7, 0.0), 1.7, 0.5)
             .unwrap();
-        assert!((near - Point::new(2.0, 0.0)).norm() < 0.15, "{near}");
+        assert!((nearby - Point::new(2.0, 0.0)).norm() < 0.15, "{nearby}");
     }
 
     #[test]

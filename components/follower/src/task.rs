@@ -193,8 +193,8 @@ impl FollowedPath {
         let here = Point::from(motion.pose.translation.vector);
         let from_goal = (Point::from(self.goal.translation.vector) - here).norm();
         // once at the goal, a small drift while turning does not make the robot drive again
-        let near = if self.there { 2.0 } else { 1.0 } * tolerance.goal_tolerance_m;
-        self.there = from_goal <= near;
+        let tolerance_m = if self.there { 2.0 } else { 1.0 } * tolerance.goal_tolerance_m;
+        self.there = from_goal <= tolerance_m;
         if self.there {
             return self.align(pursuit, tolerance, motion);
         }
@@ -249,7 +249,7 @@ mod tests {
     };
 
     fn path(nanos: i64, goal_yaw: f64) -> Path {
-        Path::through(
+        Path::from_poses(
             nanos,
             "map",
             [
@@ -375,7 +375,7 @@ mod tests {
         let points = [(0.0, 0.0), (4.0, 0.0), (4.0, 0.1), (0.0, 0.1)];
         let poses = points.map(|(x, y)| asmotion_messages::Pose::planar(x, y, 0.0));
         let mut task = FollowTask::default();
-        task.order(&Path::through(1, "map", poses));
+        task.order(&Path::from_poses(1, "map", poses));
         let mut drifting = motion(0.5, 0.0, 0.5);
         for step_on in 0..20 {
             drifting.pose = heading(Point::new(0.5 + 0.1 * f64::from(step_on), 0.08), 0.0);
@@ -388,7 +388,7 @@ mod tests {
     fn a_path_to_nowhere_is_a_stop() {
         for goal in [f64::NAN, f64::INFINITY] {
             let mut task = FollowTask::default();
-            task.order(&Path::through(
+            task.order(&Path::from_poses(
                 1,
                 "map",
                 [asmotion_messages::Pose::planar(goal, 0.0, 0.0)],

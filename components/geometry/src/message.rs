@@ -69,7 +69,7 @@ pub fn path<'a>(
     nanos: i64,
     frame_id: &str,
 ) -> asmotion_messages::Path {
-    asmotion_messages::Path::through(nanos, frame_id, poses.into_iter().map(pose_message))
+    asmotion_messages::Path::from_poses(nanos, frame_id, poses.into_iter().map(pose_message))
 }
 
 /// Converts a planar pose to a stamped message.
@@ -148,8 +148,8 @@ fn vertex_message(point: &Point) -> asmotion_messages::Vertex {
 /// Converts the resolution from ROS's 32-bit float through its shortest decimal, which is the intended value: 0.05, not
 /// 0.05000000074505806.
 fn widen(resolution: f32) -> f64 {
-    let meant = resolution.to_string().parse();
-    meant.unwrap_or(f64::from(resolution))
+    let rounded = resolution.to_string().parse();
+    rounded.unwrap_or(f64::from(resolution))
 }
 
 #[cfg(test)]

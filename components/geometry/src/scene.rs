@@ -107,8 +107,8 @@ impl ObstacleScene {
         self.clearance_within(point, f64::INFINITY)
     }
 
-    /// Like [`ObstacleScene::clearance`], but infinite if there is no obstacle within `max` metres; cheaper, for collision
-    /// tests.
+    /// Like [`ObstacleScene::clearance`], but infinite if there is no obstacle within `max` metres; cheaper, for
+    /// collision tests.
     pub fn clearance_within(&self, point: Point, max: f64) -> f64 {
         let at = glam(&point);
         if !finite(&point) {
@@ -170,8 +170,8 @@ impl SceneIndex {
 
     fn inside(&self, at: Glam) -> bool {
         let spot = Aabb::new(at, at);
-        let mut near = self.areas.intersect_aabb(&spot);
-        near.any(|solid| {
+        let mut nearby = self.areas.intersect_aabb(&spot);
+        nearby.any(|solid| {
             let corners = self.solids.get(solid as usize);
             corners.is_some_and(|corners| point_in_poly2d(at, corners))
         })

@@ -179,8 +179,10 @@ impl RosMapFile {
 /// Reduces the grid's resolution to that of the settings, and checks its size.
 fn fit(grid: Grid, settings: &MapSettings) -> Result<Grid, MapFault> {
     let fine = *grid.layout();
-    let wanted = settings.resolution.unwrap_or(0.0);
-    let factor = (wanted / fine.resolution() - 1e-6).ceil().clamp(1.0, 1e6) as u32;
+    let requested = settings.resolution.unwrap_or(0.0);
+    let factor = (requested / fine.resolution() - 1e-6)
+        .ceil()
+        .clamp(1.0, 1e6) as u32;
     let grid = if factor > 1 {
         grid.coarsened(factor)?
     } else {

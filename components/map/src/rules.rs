@@ -122,7 +122,7 @@ impl Rules {
     }
 
     /// These rules, followed by `others`.
-    pub fn before(mut self, others: Self) -> Self {
+    pub fn followed_by(mut self, others: Self) -> Self {
         self.0.extend(others.0);
         self
     }
@@ -133,7 +133,7 @@ impl Rules {
     }
 
     /// Returns whether any rule uses this key.
-    pub fn know(&self, key: &str) -> bool {
+    pub fn uses_key(&self, key: &str) -> bool {
         self.0.iter().any(|rule| rule.key == key)
     }
 }
@@ -202,19 +202,19 @@ impl FeatureRule {
 
     /// Width of a line with these tags, m: its tag `width_m` or `width`, otherwise the rule's width.
     pub fn width_of(&self, tags: &Tags) -> f64 {
-        told(tags, ["width_m", "width"]).unwrap_or(self.width)
+        tagged_length(tags, ["width_m", "width"]).unwrap_or(self.width)
     }
 
     /// Diameter of a point with these tags, m: its tag `diameter_m` or `diameter`, otherwise the rule's; `None` if
     /// points are not drawn.
     pub fn spot_of(&self, tags: &Tags) -> Option<f64> {
         let spot = self.spot?;
-        Some(told(tags, ["diameter_m", "diameter"]).unwrap_or(spot))
+        Some(tagged_length(tags, ["diameter_m", "diameter"]).unwrap_or(spot))
     }
 }
 
 /// The value of the first tag of two that is present, if it is a length between 0 and 200 m.
-fn told(tags: &Tags, keys: [&str; 2]) -> Option<f64> {
+fn tagged_length(tags: &Tags, keys: [&str; 2]) -> Option<f64> {
     let text = keys.iter().find_map(|key| tags.get(*key))?;
     let metres = text.trim_end_matches(['m', ' ']).parse().ok();
     metres.filter(|metres| (0.0..=200.0).contains(metres))
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn a_rule_in_front_wins() {
         let ours = Rules::parse("highway=motorway occupied width=12; # comment").unwrap();
-        let rules = ours.before(Rules::default());
+        let rules = ours.followed_by(Rules::default());
         let rule = rules.of(&tags(&[("highway", "motorway")])).unwrap();
         assert_eq!(
             (rule.occupancy, rule.width),

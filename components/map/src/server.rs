@@ -94,7 +94,7 @@ impl MapServerProperties {
             max_cells: self.max_cells,
             max_bytes: self.max_bytes,
             ground: None,
-            rules: Rules::parse(&self.rules)?.before(Rules::default()),
+            rules: Rules::parse(&self.rules)?.followed_by(Rules::default()),
             frame: self.frame.clone(),
         })
     }
@@ -120,7 +120,7 @@ impl MapServer {
     }
 
     /// Replies to a request, at once or when the map has been loaded.
-    fn answer(&mut self, cycle: &mut Cycle<'_>, request: RequestId, name: &str) {
+    fn reply_to(&mut self, cycle: &mut Cycle<'_>, request: RequestId, name: &str) {
         let place = match name {
             "" => &self.properties.place,
             name => name,
@@ -178,7 +178,7 @@ impl MapServer {
             let MapLoading {
                 requests, is_first, ..
             } = self.loading.remove(index);
-            let answer = self.keep(cycle, loaded?);
+            let answer = self.store(cycle, loaded?);
             if let (true, Err(error)) = (is_first, &answer) {
                 return Err(Fault::new(error));
             }
@@ -190,7 +190,7 @@ impl MapServer {
     }
 
     /// Stores a map and publishes it.
-    fn keep(
+    fn store(
         &mut self,
         cycle: &mut Cycle<'_>,
         loaded: LoadedPlace,
@@ -223,7 +223,7 @@ impl MapServer {
         };
         for loaded in changed? {
             let place = loaded.place.clone();
-            if let Err(error) = self.keep(cycle, loaded) {
+            if let Err(error) = self.store(cycle, loaded) {
                 let what = format!("{place} stays as it was: {}", error.detail);
                 cycle.report("map", what.into());
             }
@@ -328,7 +328,7 @@ impl Component for MapServer {
         }
         self.finish(cycle)?;
         for request in cycle.requests(self.ports.maps) {
-            self.answer(cycle, request.id, &request.argument.name);
+            self.reply_to(cycle, request.id, &request.argument.name);
             self.finish(cycle)?;
         }
         if self.properties.watch {

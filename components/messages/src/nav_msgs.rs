@@ -52,7 +52,7 @@ asmotion_datum::message! {
 
 impl Path {
     /// A path through `poses`, all with the same stamp (nanoseconds) and frame.
-    pub fn through(nanos: i64, frame_id: &str, poses: impl IntoIterator<Item = Pose>) -> Self {
+    pub fn from_poses(nanos: i64, frame_id: &str, poses: impl IntoIterator<Item = Pose>) -> Self {
         let header = Header::new(nanos, frame_id);
         let stamped = |pose| PoseStamped {
             header: header.clone(),
@@ -66,6 +66,6 @@ impl Path {
 
     /// A path without poses, which is an order to stop.
     pub fn stop(nanos: i64, frame_id: &str) -> Self {
-        Self::through(nanos, frame_id, [])
+        Self::from_poses(nanos, frame_id, [])
     }
 }

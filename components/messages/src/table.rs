@@ -167,7 +167,7 @@ mod tests {
         };
         odometry.pose.covariance[35] = 1.0 / 3.0;
         survives(odometry);
-        survives(Path::through(5, "map", [pose, Pose::default()]));
+        survives(Path::from_poses(5, "map", [pose, Pose::default()]));
         survives(PlanRequest {
             map: grid.clone(),
             start: stamped.clone(),

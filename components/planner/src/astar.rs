@@ -63,7 +63,7 @@ impl AStar {
     }
 
     /// Collects the points of the path: the requested ends, and the centres of the cells between them.
-    fn tie(&mut self, grid: &Grid, start: Point, goal: Point) {
+    fn collect_points(&mut self, grid: &Grid, start: Point, goal: Point) {
         let layout = grid.layout();
         let centres = self.way.iter().map(|(cell, cost)| Knot {
             point: layout.centre(self.costs.cell(*cell)),
@@ -85,7 +85,7 @@ impl AStar {
 impl Planner for AStar {
     fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<PlannedPath, NoPath> {
         self.costs.update(grid, &self.settings);
-        let (from, to) = (place(start), place(goal));
+        let (from, to) = (position(start), position(goal));
         let first = self.end(grid, PathEnd::Start, from)?;
         let last = self.end(grid, PathEnd::Goal, to)?;
         let (first, last) = (self.costs.index(first), self.costs.index(last));
@@ -94,8 +94,8 @@ impl Planner for AStar {
         if !found.reached {
             return Err(NoPath::Unreachable { explored });
         }
-        self.search.way(&self.costs, last, &mut self.way);
-        self.tie(grid, from, to);
+        self.search.collect_path(&self.costs, last, &mut self.way);
+        self.collect_points(grid, from, to);
         smooth(grid.layout(), &self.costs, &mut self.knots);
         let line = Polyline::new(self.knots.iter().map(|knot| knot.point));
         let mut poses = line.resampled(self.settings.step_m);
@@ -110,6 +110,6 @@ impl Planner for AStar {
     }
 }
 
-fn place(pose: &Pose) -> Point {
+fn position(pose: &Pose) -> Point {
     Point::from(pose.translation.vector)
 }

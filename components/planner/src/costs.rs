@@ -97,8 +97,9 @@ impl Costs {
         for (row, costs) in inner.take(height).enumerate() {
             let known = row * width..(row + 1) * width;
             let values = grid.cells()[known.clone()].iter();
-            let near = distances.squared()[known].iter();
-            for (cost, (value, squared)) in costs[1..].iter_mut().zip(values.zip(near)) {
+            let distances_squared = distances.squared()[known].iter();
+            for (cost, (value, squared)) in costs[1..].iter_mut().zip(values.zip(distances_squared))
+            {
                 *cost = price.of(*value, *squared) as u16;
             }
         }

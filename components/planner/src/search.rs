@@ -104,18 +104,18 @@ impl GridSearch {
     }
 
     /// Collects the cells of the path found, from the start to `goal`, each with its cost from the start.
-    pub fn way(&self, costs: &Costs, goal: usize, way: &mut Vec<(usize, u32)>) {
+    pub fn collect_path(&self, costs: &Costs, goal: usize, path: &mut Vec<(usize, u32)>) {
         let directions = Directions::new(costs.stride());
-        way.clear();
+        path.clear();
         let mut index = goal;
         loop {
-            way.push((index, self.costs[index]));
+            path.push((index, self.costs[index]));
             let Some((step, _)) = directions.0.get((self.from[index] & !SETTLED) as usize) else {
                 break;
             };
             index = index.wrapping_add_signed(-step);
         }
-        way.reverse();
+        path.reverse();
     }
 
     fn reset(&mut self, cells: usize) {

@@ -103,8 +103,8 @@ fn wire_maps(system: &mut System) {
 
 /// Distance of a path above the middle where it passes the wall, m; negative below.
 fn side(path: &Path) -> f64 {
-    let there = path.poses.iter().map(|stamped| &stamped.pose.position);
-    let nearest = there.min_by(|one, other| (one.x - 3.0).abs().total_cmp(&(other.x - 3.0).abs()));
+    let points = path.poses.iter().map(|stamped| &stamped.pose.position);
+    let nearest = points.min_by(|one, other| (one.x - 3.0).abs().total_cmp(&(other.x - 3.0).abs()));
     nearest.unwrap().y - 2.0
 }
 
@@ -161,11 +161,11 @@ fn it_goes_round_what_the_robot_saw() {
 
 #[test]
 fn it_answers_with_the_fault_codes_of_the_service() {
-    let there = (1.0, 2.0);
+    let goal = (1.0, 2.0);
     let (system, answers, log) = system(vec![
-        request(hall(), there, (3.0, 2.0)),
-        request(hall(), (3.0, 2.0), there),
-        request(hall(), there, (9.0, 2.0)),
+        request(hall(), goal, (3.0, 2.0)),
+        request(hall(), (3.0, 2.0), goal),
+        request(hall(), goal, (9.0, 2.0)),
     ]);
     system.simulate().run_for(1.s());
     let answers = answers.lock().unwrap();

@@ -65,7 +65,7 @@ impl DifferentialDrive {
 }
 
 impl DriveLimits {
-    /// The velocity to drive for the next `dt` seconds on the way from `current` to `wanted`.
+    /// The velocity to drive for the next `dt` seconds on the way from `current` to `target`.
     ///
     /// A command beyond the speed limits is scaled as a whole, so that the robot follows the commanded curve more
     /// slowly instead of another curve.
@@ -73,24 +73,24 @@ impl DriveLimits {
         &self,
         drive: &DifferentialDrive,
         current: Velocity,
-        wanted: Velocity,
+        target: Velocity,
         dt: f64,
     ) -> Velocity {
-        let wanted = self.on_the_same_curve(drive, wanted);
+        let target = self.limit_wheel_speeds(drive, target);
         Velocity {
-            speed: step(current.speed, wanted.speed, self.max_acceleration * dt),
-            turn: step(current.turn, wanted.turn, self.max_turn_acceleration * dt),
+            speed: step(current.speed, target.speed, self.max_acceleration * dt),
+            turn: step(current.turn, target.turn, self.max_turn_acceleration * dt),
         }
     }
 
-    fn on_the_same_curve(&self, drive: &DifferentialDrive, wanted: Velocity) -> Velocity {
-        if !(wanted.speed.is_finite() && wanted.turn.is_finite()) {
+    fn limit_wheel_speeds(&self, drive: &DifferentialDrive, target: Velocity) -> Velocity {
+        if !(target.speed.is_finite() && target.turn.is_finite()) {
             return Velocity::default(); // ignores a command that is not finite
         }
-        let wheels = drive.wheels(wanted);
+        let wheels = drive.wheels(target);
         let scale = [
-            (wanted.speed, self.max_speed),
-            (wanted.turn, self.max_turn),
+            (target.speed, self.max_speed),
+            (target.turn, self.max_turn),
             (wheels.left, self.max_wheel_speed),
             (wheels.right, self.max_wheel_speed),
         ]
@@ -99,13 +99,13 @@ impl DriveLimits {
         .map(|(value, limit)| limit / value.abs())
         .fold(1.0, f64::min);
         Velocity {
-            speed: wanted.speed * scale,
-            turn: wanted.turn * scale,
+            speed: target.speed * scale,
+            turn: target.turn * scale,
         }
     }
 }
 
-/// Moves `current` towards `wanted` by at most `most`.
+/// Moves `current` towards `target` by at most `most`.
 fn step(current: f64, wanted: f64, most: f64) -> f64 {
     current + (wanted - current).max(-most).min(most)
 }
@@ -147,8 +147,8 @@ mod tests {
 
     #[test]
     fn it_stops_for_a_command_that_is_no_number() {
-        for wanted in [velocity(f64::NAN, 0.0), velocity(0.1, f64::INFINITY)] {
-            let next = LIMITS.toward(&DRIVE, velocity(0.01, 0.0), wanted, 0.02);
+        for target in [velocity(f64::NAN, 0.0), velocity(0.1, f64::INFINITY)] {
+            let next = LIMITS.toward(&DRIVE, velocity(0.01, 0.0), target, 0.02);
             assert_eq!(next, Velocity::default());
         }
     }

@@ -24,7 +24,7 @@ pub struct RoverDriver {
     /// Velocity of the last command to the wheels.
     velocity: Velocity,
     /// Velocity of the newest twist, and the cycle that received it.
-    wanted: Option<(Velocity, Time)>,
+    target: Option<(Velocity, Time)>,
     /// Time of the last cycle.
     last: Option<Time>,
 }
@@ -68,7 +68,7 @@ impl RoverDriver {
             properties: interface.properties(),
             odometer: Odometer::new(Pose::identity()),
             velocity: Velocity::default(),
-            wanted: None,
+            target: None,
             last: None,
         }
     }
@@ -79,11 +79,11 @@ impl RoverDriver {
         let now = cycle.now();
         let RoverProperties { drive, limits, .. } = &*self.properties;
         if let Flow::NewData(twist) = cycle.read(self.ports.twist) {
-            let wanted = Velocity {
+            let target = Velocity {
                 speed: twist.linear.x,
                 turn: twist.angular.z,
             };
-            self.wanted = Some((wanted, now));
+            self.target = Some((target, now));
         }
         let dt = self
             .last
@@ -91,12 +91,12 @@ impl RoverDriver {
         self.last = Some(now);
         let timeout = self.properties.command_timeout_s;
         let stale = cycle.is_stale(self.ports.twist);
-        self.velocity = match self.wanted {
+        self.velocity = match self.target {
             Some((wanted, at)) if now.since(at) < timeout && !stale => {
                 limits.toward(drive, self.velocity, wanted, dt)
             }
             _ => {
-                self.wanted = None;
+                self.target = None;
                 Velocity::default()
             }
         };
@@ -135,7 +135,7 @@ impl Component for RoverDriver {
 
     fn start(&mut self) -> Result<(), Fault> {
         self.velocity = Velocity::default();
-        self.wanted = None;
+        self.target = None;
         self.last = None;
         Ok(())
     }

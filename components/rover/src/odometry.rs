@@ -84,7 +84,7 @@ mod tests {
         track_m: 0.3,
     };
 
-    fn near(pose: &Pose, x: f64, y: f64, angle: f64) -> bool {
+    fn is_near(pose: &Pose, x: f64, y: f64, angle: f64) -> bool {
         let place = Point::from(pose.translation.vector);
         (place - Point::new(x, y)).norm() < 1e-9 && turn(yaw(pose), angle).abs() < 1e-9
     }
@@ -92,18 +92,18 @@ mod tests {
     #[test]
     fn it_rolls_along_arcs_exactly() {
         let start = heading(Point::new(1.0, 2.0), 0.0);
-        assert!(near(&roll(&start, 2.0, 0.0), 3.0, 2.0, 0.0));
-        assert!(near(&roll(&start, 0.0, 1.0), 1.0, 2.0, 1.0));
+        assert!(is_near(&roll(&start, 2.0, 0.0), 3.0, 2.0, 0.0));
+        assert!(is_near(&roll(&start, 0.0, 1.0), 1.0, 2.0, 1.0));
         // a quarter and a half of a circle of radius 1 m to the left
-        assert!(near(
+        assert!(is_near(
             &roll(&start, FRAC_PI_2, FRAC_PI_2),
             2.0,
             3.0,
             FRAC_PI_2
         ));
-        assert!(near(&roll(&start, PI, PI), 1.0, 4.0, PI));
+        assert!(is_near(&roll(&start, PI, PI), 1.0, 4.0, PI));
         // and backwards to the right
-        assert!(near(
+        assert!(is_near(
             &roll(&start, -FRAC_PI_2, -FRAC_PI_2),
             0.0,
             3.0,
@@ -120,9 +120,9 @@ mod tests {
             right: angle,
         };
         odometer.update(&DRIVE, &reading(5.0, 1000.0));
-        assert!(near(odometer.pose(), 1.0, 1.0, FRAC_PI_2));
+        assert!(is_near(odometer.pose(), 1.0, 1.0, FRAC_PI_2));
         odometer.update(&DRIVE, &reading(5.5, 1004.0));
-        assert!(near(odometer.pose(), 1.0, 1.2, FRAC_PI_2));
+        assert!(is_near(odometer.pose(), 1.0, 1.2, FRAC_PI_2));
         assert!((odometer.velocity().speed - 0.4).abs() < 1e-9);
     }
 
@@ -133,7 +133,7 @@ mod tests {
             let whole = roll(&start, distance, angle);
             let share = 1.0 / f64::from(pieces);
             let sum = (0..pieces).fold(start, |pose, _| roll(&pose, distance * share, angle * share));
-            prop_assert!(near(&sum, whole.translation.x, whole.translation.y, yaw(&whole)));
+            prop_assert!(is_near(&sum, whole.translation.x, whole.translation.y, yaw(&whole)));
         }
     }
 }

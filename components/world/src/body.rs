@@ -66,7 +66,7 @@ impl Body {
 
     /// Distance in m between the body and the nearest obstacle; 0 if they touch or overlap.
     pub fn clearance(&self, scene: &ObstacleScene) -> f64 {
-        (scene.clearance(place(&self.pose)) - self.radius).max(0.0)
+        (scene.clearance(position(&self.pose)) - self.radius).max(0.0)
     }
 
     fn moved(&self, left: f64, right: f64, slip: Slip) -> Pose {
@@ -78,8 +78,9 @@ impl Body {
 
     /// Returns whether the body may be at a pose. A body that overlaps an obstacle may leave, but not move deeper.
     fn may_stand(&self, pose: &Pose, scene: &ObstacleScene) -> bool {
-        let there = scene.clearance_within(place(pose), self.radius);
-        there >= self.radius || there >= scene.clearance_within(place(&self.pose), self.radius)
+        let clearance = scene.clearance_within(position(pose), self.radius);
+        clearance >= self.radius
+            || clearance >= scene.clearance_within(position(&self.pose), self.radius)
     }
 
     fn take(&mut self, pose: Pose, left: f64, right: f64) {
@@ -89,7 +90,7 @@ impl Body {
     }
 }
 
-fn place(pose: &Pose) -> Point {
+fn position(pose: &Pose) -> Point {
     pose.translation.vector.into()
 }
 
@@ -187,7 +188,7 @@ mod tests {
             body.pose = heading(Point::new(x, y), angle);
             for (left, right) in drives {
                 body.step(wheels(left, right), Slip::default(), &room, 0.02);
-                prop_assert!(room.clearance(place(&body.pose)) >= body.radius - 1e-6);
+                prop_assert!(room.clearance(position(&body.pose)) >= body.radius - 1e-6);
             }
         }
     }

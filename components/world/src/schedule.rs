@@ -117,7 +117,7 @@ impl Schedule {
                     ScheduleState::Gone
                 }
                 ScheduleState::Waiting if seconds >= entry.from => {
-                    let solid = entry.put(robot);
+                    let solid = entry.solid_at(robot);
                     if solid.distance(robot.translation.vector.into()) <= radius {
                         continue;
                     }
@@ -132,7 +132,7 @@ impl Schedule {
     }
 
     /// The obstacles that are present.
-    pub fn there(&self) -> impl Iterator<Item = &Solid> {
+    pub fn present(&self) -> impl Iterator<Item = &Solid> {
         self.entries.iter().filter_map(|entry| match &entry.state {
             ScheduleState::There(solid) => Some(solid),
             ScheduleState::Waiting | ScheduleState::Gone => None,
@@ -193,7 +193,7 @@ impl ScheduleEntry {
     }
 
     /// The obstacle's shape in the map frame, for a robot at this pose.
-    fn put(&self, robot: &Pose) -> Solid {
+    fn solid_at(&self, robot: &Pose) -> Solid {
         match (self.frame, &self.solid) {
             (ScheduleFrame::Map, solid) => solid.clone(),
             (ScheduleFrame::Robot, Solid::Disc(disc)) => Solid::Disc(RoundObstacle {
@@ -233,8 +233,8 @@ mod tests {
         }
     }
 
-    fn there(schedule: &Schedule) -> Vec<Solid> {
-        schedule.there().cloned().collect()
+    fn present(schedule: &Schedule) -> Vec<Solid> {
+        schedule.present().cloned().collect()
     }
 
     #[test]
@@ -251,7 +251,7 @@ mod tests {
             assert_eq!(
                 (
                     schedule.advance(seconds, &robot, 0.2),
-                    there(&schedule).len()
+                    present(&schedule).len()
                 ),
                 (changes, count),
                 "at {seconds}"
@@ -278,7 +278,7 @@ mod tests {
             0.2,
         );
         schedule.advance(3.0, &Pose::identity(), 0.2);
-        let Solid::Disc(disc) = &there(&schedule)[0] else {
+        let Solid::Disc(disc) = &present(&schedule)[0] else {
             panic!("a disc was put");
         };
         assert!((disc.centre - Point::new(3.0, 5.0)).norm() < 1e-12);
@@ -304,7 +304,7 @@ mod tests {
         };
         let mut schedule = Schedule::new(vec![turned]).unwrap();
         schedule.advance(2.0, &Pose::identity(), 0.2);
-        let Solid::Polygon(corners) = &there(&schedule)[0] else {
+        let Solid::Polygon(corners) = &present(&schedule)[0] else {
             panic!("a block was put");
         };
         assert!((corners[0] - Point::new(0.9, 2.0)).norm() < 1e-12);

@@ -73,7 +73,7 @@ impl From<FrozenTruth> for Truth {
             touches,
         } = frozen;
         let mut truth = Self::new(body, walls, schedule);
-        truth.see();
+        truth.update_scene();
         Self {
             revision,
             touches,
@@ -286,16 +286,16 @@ impl Truth {
             .advance(seconds, &self.body.pose, self.body.radius);
         if changed {
             self.revision += 1;
-            self.see();
+            self.update_scene();
         }
         changed
     }
 
     /// Builds the scene from the walls and the obstacles currently present.
-    fn see(&mut self) {
+    fn update_scene(&mut self) {
         let mut polygons = self.walls.polygons().to_vec();
         let mut discs = self.walls.discs().to_vec();
-        for solid in self.schedule.there() {
+        for solid in self.schedule.present() {
             match solid {
                 Solid::Disc(disc) => discs.push(*disc),
                 Solid::Polygon(corners) => polygons.push(corners.clone()),

@@ -95,9 +95,9 @@ impl Component for DummyDriver {
 
 /// Sets the period (s) from the next cycle on. Returns whether it is between 0.001 s and 10 s.
 fn follow(period: f64, cycle: &mut Cycle<'_>) -> bool {
-    let lawful = (0.001..=10.0).contains(&period);
-    if lawful {
+    let is_valid = (0.001..=10.0).contains(&period);
+    if is_valid {
         cycle.set_period(Duration::from_secs_f64(period));
     }
-    lawful
+    is_valid
 }

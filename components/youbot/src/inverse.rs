@@ -29,7 +29,7 @@ struct Planar {
 }
 
 impl Arm {
-    /// The posture in which the hand reaches a goal; of several, the one nearest to `near`.
+    /// The posture in which the hand reaches a goal; of several, the one nearest to `reason`.
     ///
     /// # Errors
     /// The reason that the goal cannot be reached, for the posture that comes closest with the arm turned to the goal.
@@ -50,7 +50,11 @@ impl Arm {
         let mut reason: Option<Unreachable> = None;
         for turn in turns(goal, near) {
             match self.turned(goal, turn, near) {
-                Ok(posture) if best.is_none_or(|best| far(&posture, near) < far(&best, near)) => {
+                Ok(posture)
+                    if best.is_none_or(|best| {
+                        largest_rotation(&posture, near) < largest_rotation(&best, near)
+                    }) =>
+                {
                     best = Some(posture);
                 }
                 Ok(_) => {}
@@ -60,7 +64,7 @@ impl Arm {
         best.ok_or_else(|| reason.unwrap_or(Unreachable::BadPose))
     }
 
-    /// The posture with joint 1 at this angle; of several, the one nearest to `near`.
+    /// The posture with joint 1 at this angle; of several, the one nearest to `reason`.
     fn turned(
         &self,
         goal: &Isometry3<f64>,
@@ -68,8 +72,10 @@ impl Arm {
         near: &ArmJoints,
     ) -> Result<ArmJoints, Unreachable> {
         let [one, other] = self.postures(&self.planar(goal, turn)?)?;
-        match (self.beyond(&one), self.beyond(&other)) {
-            (None, None) if far(&other, near) < far(&one, near) => Ok(other),
+        match (self.worst_violation(&one), self.worst_violation(&other)) {
+            (None, None) if largest_rotation(&other, near) < largest_rotation(&one, near) => {
+                Ok(other)
+            }
             (None, _) => Ok(one),
             (Some(_), None) => Ok(other),
             (Some((excess, why)), Some((more, _))) if excess <= more => Err(why),
@@ -131,7 +137,7 @@ impl Arm {
     }
 
     /// The joint that would exceed its range by most, and by how much.
-    fn beyond(&self, posture: &ArmJoints) -> Option<(f64, Unreachable)> {
+    fn worst_violation(&self, posture: &ArmJoints) -> Option<(f64, Unreachable)> {
         let limits = posture.iter().zip(&self.ranges).enumerate();
         let beyond = limits.map(|(index, (&position, &(least, greatest)))| {
             let excess = (least - position).max(position - greatest);
@@ -164,7 +170,7 @@ fn turns(goal: &Isometry3<f64>, near: &ArmJoints) -> [f64; 2] {
 }
 
 /// The largest rotation of a joint from one posture to the other.
-fn far(one: &ArmJoints, other: &ArmJoints) -> f64 {
+fn largest_rotation(one: &ArmJoints, other: &ArmJoints) -> f64 {
     let turns = one
         .iter()
         .zip(other)
@@ -209,9 +215,9 @@ mod tests {
             far.to_string(),
             "the wrist would be 0.765 m from the shoulder, and the arm is 0.290 m long"
         );
-        let near = why(&pose([0.033 + 0.2175, 0.0, 0.147], 0.0, PI / 2.0, 0.0));
+        let reason = why(&pose([0.033 + 0.2175, 0.0, 0.147], 0.0, PI / 2.0, 0.0));
         assert_eq!(
-            near.to_string(),
+            reason.to_string(),
             "the wrist would be 0.000 m from the shoulder, and the arm folds to 0.020 m only"
         );
         let behind = why(&pose([0.033, 0.0, -0.3], 0.0, PI, 0.0));
@@ -224,7 +230,7 @@ mod tests {
         let elbow_up = [0.3, 0.2, 1.1, 0.4, -0.2];
         let hand = arm.forward(elbow_up);
         let same = arm.inverse(&hand, &elbow_up).unwrap();
-        assert!(far(&same, &elbow_up) < 1e-9);
+        assert!(largest_rotation(&same, &elbow_up) < 1e-9);
         let elbow_down = arm.inverse(&hand, &[0.3, 1.2, -1.1, 1.4, -0.2]).unwrap();
         assert!(elbow_down[2] < 0.0, "{elbow_down:?}");
     }
@@ -249,7 +255,7 @@ mod tests {
             let distance = (hand.translation.vector - goal.translation.vector).norm();
             prop_assert!(distance < 1e-6, "{distance} m from the goal");
             prop_assert!(hand.rotation.angle_to(&goal.rotation) < 2e-3);
-            prop_assert!(arm.beyond(&found).is_none());
+            prop_assert!(arm.worst_violation(&found).is_none());
         }
 
         #[test]

@@ -77,15 +77,15 @@ impl YoubotOperator {
         let arrived = notices.iter().any(|it| it.argument.event == "idle");
         self.state = match self.state {
             OperatorState::Waits if arrived => OperatorState::Done,
-            OperatorState::Again => self.take_back(),
-            OperatorState::Waits if was_silent => self.take_back(),
+            OperatorState::Again => self.repeat_last_goal(),
+            OperatorState::Waits if was_silent => self.repeat_last_goal(),
             OperatorState::Waits => OperatorState::Waits,
             OperatorState::Done => OperatorState::Done,
         };
     }
 
     /// Makes the last goal the next one again.
-    fn take_back(&mut self) -> OperatorState {
+    fn repeat_last_goal(&mut self) -> OperatorState {
         self.next = self.next.saturating_sub(1);
         OperatorState::Done
     }

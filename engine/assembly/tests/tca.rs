@@ -205,7 +205,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
     let steps: Arc<Mutex<Vec<StepRecord>>> = Arc::default();
     let seen = Arc::clone(&steps);
     system.observe(move |_: Time, event: &Event<'_>| {
-        if let Event::Report { what, .. } = event {
+        if let Event::Report { data: what, .. } = event {
             let record = what.to().expect("a record");
             seen.lock().expect("no poison").push(record);
         }

@@ -48,10 +48,10 @@ const RELATIONS: [(&str, ConditionRelation); 6] = [
 pub enum ConditionError {
     /// The text does not begin with a port and a part of its messages.
     #[error("`{0}` does not start with `port.field`")]
-    NoField(String),
+    InvalidField(String),
     /// The text after the field is not a comparison.
     #[error("`{0}` is not a comparison with a number, a Boolean or a quoted string")]
-    NoComparison(String),
+    InvalidComparison(String),
 }
 
 impl FromStr for MessageCondition {
@@ -63,7 +63,7 @@ impl FromStr for MessageCondition {
         let text = text.trim();
         let end = text.find(|letter| !belongs(letter)).unwrap_or(text.len());
         let (place, rest) = text.split_at(end);
-        let no_field = || ConditionError::NoField(text.to_owned());
+        let no_field = || ConditionError::InvalidField(text.to_owned());
         let (port, path) = place.split_once('.').ok_or_else(no_field)?;
         if port.is_empty() || path.split('.').any(str::is_empty) {
             return Err(no_field());
@@ -71,9 +71,8 @@ impl FromStr for MessageCondition {
         let test = match (rest.trim(), path) {
             ("", "new") => ConditionTest::New,
             ("", _) => ConditionTest::Compare(ConditionRelation::Equal, Datum::Bool(true)),
-            (rest, _) => {
-                comparison(rest).ok_or_else(|| ConditionError::NoComparison(rest.to_owned()))?
-            }
+            (rest, _) => comparison(rest)
+                .ok_or_else(|| ConditionError::InvalidComparison(rest.to_owned()))?,
         };
         let path = if test == ConditionTest::New { "" } else { path };
         let (port, path) = (port.to_owned(), path.to_owned());
@@ -98,13 +97,13 @@ fn comparison(text: &str) -> Option<ConditionTest> {
         relation,
         ConditionRelation::Equal | ConditionRelation::Unequal
     );
-    let lawful = !ordered || matches!(constant, Datum::Float(_));
-    lawful.then_some(ConditionTest::Compare(*relation, constant))
+    let is_comparable = !ordered || matches!(constant, Datum::Float(_));
+    is_comparable.then_some(ConditionTest::Compare(*relation, constant))
 }
 
 impl MessageCondition {
     /// Returns whether the condition can be applied to a part of this schema.
-    pub fn suits(&self, part: &Schema) -> bool {
+    pub fn applies_to(&self, part: &Schema) -> bool {
         let ConditionTest::Compare(_, constant) = &self.test else {
             return true;
         };
@@ -112,7 +111,7 @@ impl MessageCondition {
             Shape::Any => true,
             Shape::Bool => matches!(constant, Datum::Bool(_)),
             Shape::Text => matches!(constant, Datum::Text(_)),
-            Shape::List(element) | Shape::Array(element, _) => self.suits(element),
+            Shape::List(element) | Shape::Array(element, _) => self.applies_to(element),
             Shape::Option(_) | Shape::Record(_) => false,
             Shape::I8
             | Shape::I16
@@ -128,7 +127,7 @@ impl MessageCondition {
     }
 
     /// Returns whether the condition holds for a message.
-    pub fn holds(&self, message: &Datum) -> bool {
+    pub fn is_met_by(&self, message: &Datum) -> bool {
         match &self.test {
             ConditionTest::New => true,
             ConditionTest::Compare(relation, constant) => message
@@ -139,20 +138,20 @@ impl MessageCondition {
 }
 
 /// Returns whether a value or one of its elements satisfies the test.
-fn any(value: &Datum, passes: &dyn Fn(&Datum) -> bool) -> bool {
+fn any(value: &Datum, predicate: &dyn Fn(&Datum) -> bool) -> bool {
     match value {
         Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => (0..value.count().unwrap_or(0))
             .any(|index| {
                 value
                     .element(index)
-                    .is_some_and(|element| any(&element, passes))
+                    .is_some_and(|element| any(&element, predicate))
             }),
         Datum::Null
         | Datum::Bool(_)
         | Datum::Int(_)
         | Datum::Float(_)
         | Datum::Text(_)
-        | Datum::Record(_) => passes(value),
+        | Datum::Record(_) => predicate(value),
     }
 }
 
@@ -185,7 +184,7 @@ mod tests {
         condition
             .parse::<MessageCondition>()
             .unwrap()
-            .holds(message)
+            .is_met_by(message)
     }
 
     #[test]

@@ -32,14 +32,14 @@ pub enum Use {
 
 impl Conversion {
     /// Finds the conversion between two schemas. Returns `None` if there is none, or if it is ambiguous.
-    pub fn between(from: &Schema, to: &Schema, how: Use) -> Option<Self> {
+    pub fn between(from: &Schema, to: &Schema, usage: Use) -> Option<Self> {
         match (&from.shape, &to.shape) {
             (Shape::Any, _) | (_, Shape::Any) => Some(Self::Same),
-            (Shape::Record(source), Shape::Record(target)) => by_name(source, target, how)
-                .or_else(|| out_of(source, to, how))
-                .or_else(|| into(from, target, how)),
-            (Shape::Record(source), _) => out_of(source, to, how),
-            (_, Shape::Record(target)) => into(from, target, how),
+            (Shape::Record(source), Shape::Record(target)) => by_name(source, target, usage)
+                .or_else(|| out_of(source, to, usage))
+                .or_else(|| into(from, target, usage)),
+            (Shape::Record(source), _) => out_of(source, to, usage),
+            (_, Shape::Record(target)) => into(from, target, usage),
             (
                 Shape::List(source) | Shape::Array(source, _),
                 Shape::List(target) | Shape::Array(target, _),
@@ -48,10 +48,10 @@ impl Conversion {
                 if matches!(counts, (Some(here), Some(there)) if here != there) {
                     return None;
                 }
-                Self::between(source, target, how).map(Self::each)
+                Self::between(source, target, usage).map(Self::each)
             }
             (Shape::Option(source), Shape::Option(target)) => {
-                Self::between(source, target, how).filter(|inner| *inner == Self::Same)
+                Self::between(source, target, usage).filter(|inner| *inner == Self::Same)
             }
             (source, target) => widens(source, target).then_some(Self::Same),
         }
@@ -75,9 +75,9 @@ impl Conversion {
     }
 
     /// Restricts a conversion to a part of the message: its source for `Use::Fill`, its target for `Use::All`.
-    pub fn at(path: Option<&str>, conversion: Self, way: Use) -> Self {
+    pub fn at_path(path: Option<&str>, conversion: Self, usage: Use) -> Self {
         let steps = path.into_iter().flat_map(|path| path.rsplit('.'));
-        steps.fold(conversion, |inner, step| match way {
+        steps.fold(conversion, |inner, step| match usage {
             Use::Fill => Self::OutOf(step.to_owned(), Box::new(inner)),
             Use::All => Self::Into(step.to_owned(), Box::new(inner)),
         })
@@ -112,17 +112,17 @@ impl Conversion {
 }
 
 /// The schema of a part of a message; `None` if there is no such part.
-pub fn inside(schema: &Schema, path: &str) -> Option<Schema> {
-    let mut here = schema;
+pub fn field_schema(schema: &Schema, path: &str) -> Option<Schema> {
+    let mut current = schema;
     for step in path.split('.').filter(|step| !step.is_empty()) {
-        here = match &here.shape {
+        current = match &current.shape {
             Shape::Record(fields) => &fields.iter().find(|field| field.name == step)?.schema,
             Shape::List(element) | Shape::Array(element, _) => {
                 step.parse::<usize>().ok()?;
                 element
             }
             Shape::Option(some) => some,
-            Shape::Any => return Some(here.clone()),
+            Shape::Any => return Some(current.clone()),
             Shape::Bool
             | Shape::I8
             | Shape::I16
@@ -137,11 +137,11 @@ pub fn inside(schema: &Schema, path: &str) -> Option<Schema> {
             | Shape::Text => return None,
         };
     }
-    Some(here.clone())
+    Some(current.clone())
 }
 
-fn by_name(source: &[OutlineKey], target: &[OutlineKey], how: Use) -> Option<Conversion> {
-    let wanted = match how {
+fn by_name(source: &[OutlineKey], target: &[OutlineKey], usage: Use) -> Option<Conversion> {
+    let required = match usage {
         Use::All => source,
         Use::Fill => target,
     };
@@ -149,32 +149,32 @@ fn by_name(source: &[OutlineKey], target: &[OutlineKey], how: Use) -> Option<Con
         let field = fields.iter().find(|field| field.name == name)?;
         Some(field.schema.clone())
     };
-    let fields = wanted.iter().map(|field| {
+    let fields = required.iter().map(|field| {
         let name = &*field.name;
-        let inner = Conversion::between(&find(source, name)?, &find(target, name)?, how)?;
+        let inner = Conversion::between(&find(source, name)?, &find(target, name)?, usage)?;
         Some((name.to_owned(), inner))
     });
     fields.collect::<Option<_>>().map(Conversion::Fields)
 }
 
 /// Uses the only field of a record in its place.
-fn out_of(source: &[OutlineKey], to: &Schema, how: Use) -> Option<Conversion> {
+fn out_of(source: &[OutlineKey], to: &Schema, usage: Use) -> Option<Conversion> {
     let [only] = source else { return None };
-    let inner = Conversion::between(&only.schema, to, how)?;
+    let inner = Conversion::between(&only.schema, to, usage)?;
     Some(Conversion::OutOf(only.name.to_string(), Box::new(inner)))
 }
 
 /// The only field of a record that accepts the data.
-fn into(from: &Schema, target: &[OutlineKey], how: Use) -> Option<Conversion> {
-    if how == Use::Fill && target.len() > 1 {
+fn into(from: &Schema, target: &[OutlineKey], usage: Use) -> Option<Conversion> {
+    if usage == Use::Fill && target.len() > 1 {
         return None;
     }
-    let taken = target.iter().filter_map(|field| {
-        let inner = Conversion::between(from, &field.schema, how)?;
+    let candidates = target.iter().filter_map(|field| {
+        let inner = Conversion::between(from, &field.schema, usage)?;
         // a field within a field would be too surprising
         (!matches!(inner, Conversion::Into(..))).then_some((field, inner))
     });
-    let mut taken = taken.collect::<Vec<_>>().into_iter();
+    let mut taken = candidates.collect::<Vec<_>>().into_iter();
     let (Some((field, inner)), None) = (taken.next(), taken.next()) else {
         return None;
     };
@@ -306,7 +306,7 @@ mod tests {
     fn a_run_is_converted_element_by_element() {
         let status = record(&[("position", plain(Shape::F64)), ("load", plain(Shape::F64))]);
         let wanted = record(&[("all", floats(None))]);
-        let part = Conversion::at(Some("position"), Conversion::Same, Use::Fill);
+        let part = Conversion::at_path(Some("position"), Conversion::Same, Use::Fill);
         let all = Conversion::between(&floats(None), &wanted, Use::Fill);
         let data = |position| Datum::record([("position", Datum::Float(position))]);
         let data = Datum::List(vec![data(1.0), data(2.0)]);
@@ -321,10 +321,10 @@ mod tests {
 
     #[test]
     fn a_path_leads_into_a_message_and_out_of_it() {
-        let out = Conversion::at(Some("pose.x"), Conversion::Same, Use::Fill);
+        let out = Conversion::at_path(Some("pose.x"), Conversion::Same, Use::Fill);
         let data = Datum::record([("pose", Datum::record([("x", Datum::Int(3))]))]);
         assert_eq!(out.apply(&data), Datum::Int(3));
-        let into = Conversion::at(Some("pose.x"), Conversion::Same, Use::All);
+        let into = Conversion::at_path(Some("pose.x"), Conversion::Same, Use::All);
         assert_eq!(into.apply(&Datum::Int(3)), data);
     }
 }

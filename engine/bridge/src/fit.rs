@@ -4,14 +4,14 @@ use asmotion_datum::{Datum, Schema, Shape};
 
 /// The first place where data do not fit a schema.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}expected {wanted}, found {found}", place(.path))]
+#[error("{}expected {expected}, found {found}", location(.path))]
 pub struct SchemaMisfit {
     path: String,
-    wanted: String,
+    expected: String,
     found: String,
 }
 
-fn place(path: &str) -> String {
+fn location(path: &str) -> String {
     if path.is_empty() {
         return String::new();
     }
@@ -22,22 +22,22 @@ fn place(path: &str) -> String {
 ///
 /// # Errors
 /// The first place where they do not fit.
-pub fn fit(data: &Datum, schema: &Schema) -> Result<(), SchemaMisfit> {
+pub fn check_fit(data: &Datum, schema: &Schema) -> Result<(), SchemaMisfit> {
     let fits = match &schema.shape {
         Shape::Any => true,
         Shape::Bool => data.as_bool().is_some(),
         Shape::Text => data.as_text().is_some(),
         Shape::F32 | Shape::F64 => data.as_float().is_some(),
-        Shape::I8 => whole::<i8>(data),
-        Shape::I16 => whole::<i16>(data),
-        Shape::I32 => whole::<i32>(data),
-        Shape::I64 => whole::<i64>(data),
-        Shape::U8 => whole::<u8>(data),
-        Shape::U16 => whole::<u16>(data),
-        Shape::U32 => whole::<u32>(data),
-        Shape::U64 => whole::<u64>(data),
+        Shape::I8 => is_integer::<i8>(data),
+        Shape::I16 => is_integer::<i16>(data),
+        Shape::I32 => is_integer::<i32>(data),
+        Shape::I64 => is_integer::<i64>(data),
+        Shape::U8 => is_integer::<u8>(data),
+        Shape::U16 => is_integer::<u16>(data),
+        Shape::U32 => is_integer::<u32>(data),
+        Shape::U64 => is_integer::<u64>(data),
         Shape::Option(_) if *data == Datum::Null => true,
-        Shape::Option(some) => return fit(data, some),
+        Shape::Option(some) => return check_fit(data, some),
         Shape::List(element) => return elements(data, element, None, schema),
         Shape::Array(element, count) => return elements(data, element, Some(*count), schema),
         Shape::Record(fields) => return record(data, fields, schema),
@@ -48,7 +48,7 @@ pub fn fit(data: &Datum, schema: &Schema) -> Result<(), SchemaMisfit> {
     Err(misfit(schema, data))
 }
 
-fn whole<T: TryFrom<i64>>(data: &Datum) -> bool {
+fn is_integer<T: TryFrom<i64>>(data: &Datum) -> bool {
     data.as_int()
         .is_some_and(|value| T::try_from(value).is_ok())
 }
@@ -68,22 +68,22 @@ fn elements(
         | Datum::Text(_)
         | Datum::Record(_) => return Err(misfit(schema, data)),
     };
-    if let Some(wanted) = count.filter(|wanted| *wanted != found) {
-        return Err(wrong_count(wanted, found));
+    if let Some(expected) = count.filter(|wanted| *wanted != found) {
+        return Err(wrong_count(expected, found));
     }
     for index in 0..found {
         if let Some(item) = data.element(index) {
-            fit(&item, element).map_err(|misfit| misfit.within(&index.to_string()))?;
+            check_fit(&item, element).map_err(|misfit| misfit.in_field(&index.to_string()))?;
         }
     }
     Ok(())
 }
 
 /// The error for a list with the wrong number of elements.
-pub(crate) fn wrong_count(wanted: usize, found: usize) -> SchemaMisfit {
+pub(crate) fn wrong_count(expected: usize, found: usize) -> SchemaMisfit {
     SchemaMisfit {
         path: String::new(),
-        wanted: format!("a list of {wanted}"),
+        expected: format!("a list of {expected}"),
         found: format!("one of {found}"),
     }
 }
@@ -99,12 +99,12 @@ fn record(
     for (name, value) in entries {
         match fields.iter().find(|field| field.name == *name) {
             Some(field) => {
-                fit(value, &field.schema).map_err(|misfit| misfit.within(name))?;
+                check_fit(value, &field.schema).map_err(|misfit| misfit.in_field(name))?;
             }
             None => {
                 return Err(SchemaMisfit {
                     path: String::new(),
-                    wanted: format!("`{schema}`"),
+                    expected: format!("`{schema}`"),
                     found: format!("a record with `{name}`"),
                 });
             }
@@ -116,13 +116,13 @@ fn record(
 fn misfit(schema: &Schema, data: &Datum) -> SchemaMisfit {
     SchemaMisfit {
         path: String::new(),
-        wanted: format!("`{schema}`"),
+        expected: format!("`{schema}`"),
         found: data.kind().to_owned(),
     }
 }
 
 impl SchemaMisfit {
-    pub(crate) fn within(mut self, step: &str) -> Self {
+    pub(crate) fn in_field(mut self, step: &str) -> Self {
         self.path = match self.path.as_str() {
             "" => step.to_owned(),
             inner => format!("{step}.{inner}"),
@@ -136,8 +136,8 @@ mod tests {
     use super::*;
     use asmotion_datum::OutlineKey;
 
-    fn said(data: &Datum, schema: &Schema) -> String {
-        fit(data, schema).unwrap_err().to_string()
+    fn description(data: &Datum, schema: &Schema) -> String {
+        check_fit(data, schema).unwrap_err().to_string()
     }
 
     #[test]
@@ -153,22 +153,22 @@ mod tests {
         let command = Schema::record("arm/Command", vec![field("goal", floats), field("n", byte)]);
         let goal = |goal| Datum::record([("goal", goal)]);
         let pair = |second| goal(Datum::List(vec![Datum::Float(0.5), second]));
-        assert_eq!(fit(&pair(Datum::Int(1)), &command), Ok(()));
-        assert_eq!(fit(&Datum::record::<String>([]), &command), Ok(()));
+        assert_eq!(check_fit(&pair(Datum::Int(1)), &command), Ok(()));
+        assert_eq!(check_fit(&Datum::record::<String>([]), &command), Ok(()));
         assert_eq!(
-            said(&pair(Datum::text("far")), &command),
+            description(&pair(Datum::text("far")), &command),
             "`goal.1`: expected `float64`, found a string"
         );
         assert_eq!(
-            said(&goal(Datum::List(Vec::new())), &command),
+            description(&goal(Datum::List(Vec::new())), &command),
             "`goal`: expected a list of 2, found one of 0"
         );
         assert_eq!(
-            said(&Datum::record([("n", Datum::Int(256))]), &command),
+            description(&Datum::record([("n", Datum::Int(256))]), &command),
             "`n`: expected `uint8`, found an integer"
         );
         assert_eq!(
-            said(&Datum::record([("speed", Datum::Int(1))]), &command),
+            description(&Datum::record([("speed", Datum::Int(1))]), &command),
             "expected `arm/Command`, found a record with `speed`"
         );
     }

@@ -8,8 +8,8 @@ mod fit;
 mod proxy;
 
 pub use condition::{ConditionError, MessageCondition};
-pub use conversion::{Conversion, Use, inside};
-pub use fit::{SchemaMisfit, fit};
+pub use conversion::{Conversion, Use, field_schema};
+pub use fit::{SchemaMisfit, check_fit};
 pub use proxy::{
     IdleCriterion, Mapped, PortProxy, ProxyNotification, ProxyPort, ProxySettings, ReplyMode,
 };

@@ -93,12 +93,12 @@ impl Component for PortProxy {
     /// Handles samples of the target before requests, so that a sample is never taken for the reply to a later command.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         for operation in &mut self.operations {
-            operation.settle(cycle);
+            operation.set_sent_times(cycle);
         }
-        self.listen(cycle);
-        self.watch(cycle);
+        self.read_inputs(cycle);
+        self.check_staleness(cycle);
         for index in 0..self.operations.len() {
-            self.serve(index, cycle);
+            self.serve_requests(index, cycle);
         }
         Ok(())
     }
@@ -106,7 +106,7 @@ impl Component for PortProxy {
 
 impl PortProxy {
     /// Handles the samples of the target.
-    fn listen(&mut self, cycle: &mut Cycle<'_>) {
+    fn read_inputs(&mut self, cycle: &mut Cycle<'_>) {
         for ProxyInput { name, port } in self.inputs.clone() {
             let samples = cycle.all(port).to_vec();
             let Some(written) = cycle.written_at(port).filter(|_| !samples.is_empty()) else {
@@ -114,26 +114,26 @@ impl PortProxy {
             };
             self.received_at = Some(cycle.now());
             for operation in &mut self.operations {
-                operation.taken(written, cycle);
+                operation.reply_to_sent(written, cycle);
             }
             for sample in samples {
-                self.sample(&name, &sample, cycle);
+                self.handle_sample(&name, &sample, cycle);
             }
         }
     }
 
-    fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) {
+    fn handle_sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) {
         for operation in &mut self.operations {
-            operation.keep(port, sample);
+            operation.store_sample(port, sample);
         }
         let arrived = self
             .motion
             .as_mut()
             .and_then(|motion| motion.measure(port, sample, cycle.now()));
         let faulty = self.events.as_mut().is_some_and(|events| {
-            let faulty = events.sample(port, sample, cycle);
+            let faulty = events.notify_sample(port, sample, cycle);
             if let Some(error) = arrived {
-                events.idle(error, cycle);
+                events.notify_idle(error, cycle);
             }
             faulty
         });
@@ -142,18 +142,18 @@ impl PortProxy {
                 operation.refuse_waiting("FAULT", "the target reports a fault", cycle);
             }
             if arrived.is_some() {
-                operation.done(cycle);
+                operation.reply_to_finished(cycle);
             }
         }
     }
 
     /// Reports once that samples have stopped, and ends the wait of callers for the end of a motion.
-    fn watch(&mut self, cycle: &mut Cycle<'_>) {
+    fn check_staleness(&mut self, cycle: &mut Cycle<'_>) {
         let received_at = *self.received_at.get_or_insert(cycle.now());
         let Some(events) = &mut self.events else {
             return;
         };
-        if let Some(age) = events.watch(cycle.now().since(received_at), cycle) {
+        if let Some(age) = events.notify_stale(cycle.now().since(received_at), cycle) {
             for operation in &mut self.operations {
                 operation.refuse_waiting("STALE", &format!("no data for {age:?}"), cycle);
             }
@@ -161,7 +161,7 @@ impl PortProxy {
     }
 
     /// Handles the requests of one operation.
-    fn serve(&mut self, index: usize, cycle: &mut Cycle<'_>) {
+    fn serve_requests(&mut self, index: usize, cycle: &mut Cycle<'_>) {
         let Some(served) = self.operations.get(index).map(ProxiedOperation::handle) else {
             return;
         };
@@ -211,8 +211,12 @@ impl PortProxy {
         let output = output.ok_or_else(missing)?;
         let message = operation.conversion.apply(argument);
         let unfit = |misfit: crate::fit::SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
-        crate::fit(&message, &output.message).map_err(unfit)?;
-        if let Some(motion) = self.motion.as_mut().filter(|it| it.obeys(&output.name)) {
+        crate::check_fit(&message, &output.message).map_err(unfit)?;
+        if let Some(motion) = self
+            .motion
+            .as_mut()
+            .filter(|it| it.is_commanded_by(&output.name))
+        {
             motion.command(&message).map_err(unfit)?;
             for operation in &mut self.operations {
                 operation.refuse_waiting("SUPERSEDED", TAKEN_BACK, cycle);
@@ -222,9 +226,9 @@ impl PortProxy {
             let moves = self
                 .motion
                 .as_ref()
-                .is_none_or(|motion| motion.obeys(&output.name));
+                .is_none_or(|motion| motion.is_commanded_by(&output.name));
             if moves {
-                events.busy(cycle);
+                events.notify_busy(cycle);
             }
         }
         cycle.write(output.port, message);

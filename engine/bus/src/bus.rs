@@ -24,7 +24,7 @@ pub trait Bus: Send + Sync {
     /// publishers of a topic should use the same type.
     ///
     /// # Errors
-    /// [`BusError::BadName`] if the transport cannot use the topic as a name.
+    /// [`BusError::InvalidName`] if the transport cannot use the topic as a name.
     fn publisher(
         &self,
         topic: &str,
@@ -37,7 +37,7 @@ pub trait Bus: Send + Sync {
     /// notified of every message.
     ///
     /// # Errors
-    /// [`BusError::BadName`] if the transport cannot express the pattern; [`BusError::Refused`] if the user may not
+    /// [`BusError::InvalidName`] if the transport cannot express the pattern; [`BusError::Refused`] if the user may not
     /// read these topics.
     fn subscribe(
         &self,
@@ -50,8 +50,8 @@ pub trait Bus: Send + Sync {
     /// Provides a service at an address, which can have one provider at a time. At most `size` requests wait.
     ///
     /// # Errors
-    /// [`BusError::Served`] if the address has a provider, [`BusError::BadName`] if the transport cannot use it as a
-    /// name, [`BusError::Refused`] if the user may not provide it.
+    /// [`BusError::Served`] if the address has a provider, [`BusError::InvalidName`] if the transport cannot use it as
+    /// a name, [`BusError::Refused`] if the user may not provide it.
     fn serve(
         &self,
         address: &str,
@@ -63,7 +63,7 @@ pub trait Bus: Send + Sync {
     /// there is no provider, and at the deadline at the latest.
     ///
     /// # Errors
-    /// [`BusError::BadName`] if the transport cannot carry the address; failures of the call itself arrive in the
+    /// [`BusError::InvalidName`] if the transport cannot carry the address; failures of the call itself arrive in the
     /// [`PendingCall`].
     fn call(
         &self,
@@ -77,7 +77,7 @@ pub trait Bus: Send + Sync {
     ///
     /// # Errors
     /// As [`call`](Self::call).
-    fn tell(
+    fn call_one_way(
         &self,
         address: &str,
         request: Request,
@@ -86,17 +86,17 @@ pub trait Bus: Send + Sync {
 
     /// Sends again the last message of each publisher that [retains it](PublishOptions::init), with its original
     /// number: late subscribers receive it, all others discard it as a duplicate.
-    fn repeat(&self);
+    fn republish_retained(&self);
 
     /// Returns the state of the transport.
     fn health(&self) -> Health;
 
     /// Notifies `notifier` of every change of [`health`](Self::health) until all other references to it have been
     /// dropped.
-    fn watch(&self, notifier: &Arc<Notifier>);
+    fn notify_on_change(&self, notifier: &Arc<Notifier>);
 
-    /// Waits until all messages have been sent and, if requested, confirmed. Returns `false` if `at_most` passes first.
-    fn drain(&self, at_most: Duration) -> bool;
+    /// Waits until all messages have been sent and, if requested, confirmed. Returns `false` if `timeout` passes first.
+    fn drain(&self, timeout: Duration) -> bool;
 }
 
 /// Publishes on one topic, and numbers the messages from 1.
@@ -104,16 +104,16 @@ pub trait Publisher: Send {
     /// Publishes a message. `stamp` is the time of sending, in nanoseconds of the sender's clock. Never blocks.
     ///
     /// # Errors
-    /// As [`publish_within`](Self::publish_within).
+    /// As [`publish_traced`](Self::publish_traced).
     fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
-        self.publish_within(stamp, payload, None)
+        self.publish_traced(stamp, payload, None)
     }
 
     /// Publishes a message that continues the trace of its cause. Without a cause, it begins a trace.
     ///
     /// # Errors
     /// [`BusError::Disconnected`] if the message is dropped because the outbox is full while the link is down or slow.
-    fn publish_within(
+    fn publish_traced(
         &mut self,
         stamp: i64,
         payload: Payload,
@@ -121,7 +121,7 @@ pub trait Publisher: Send {
     ) -> Result<(), BusError>;
 
     /// Returns the counts of messages by outcome.
-    fn sent(&self) -> PublisherCounts;
+    fn counts(&self) -> PublisherCounts;
 }
 
 /// Error of a bus operation.
@@ -147,7 +147,7 @@ pub enum BusError {
     },
     /// A name that the transport cannot represent.
     #[error("invalid topic or address `{name}`: {reason}")]
-    BadName {
+    InvalidName {
         /// Rejected name.
         name: String,
         /// Limit that the name exceeds.

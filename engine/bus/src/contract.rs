@@ -13,14 +13,14 @@ pub struct Violation {
     /// The case: the behaviour required.
     pub case: &'static str,
     /// Behaviour observed instead.
-    pub found: String,
+    pub observed: String,
 }
 
 /// Runs the suite; a bus keeps the contract if this is empty. `prefix` keeps runs on a shared broker apart.
 pub fn violations(bus: &dyn Bus, prefix: &str) -> Vec<Violation> {
     let run = |(case, check): &(&'static str, cases::ContractCase)| {
-        let found = check(bus, &format!("{prefix}.{}", case.replace(' ', "-"))).err()?;
-        Some(Violation { case, found })
+        let observed = check(bus, &format!("{prefix}.{}", case.replace(' ', "-"))).err()?;
+        Some(Violation { case, observed })
     };
     cases::CASES.iter().filter_map(run).collect()
 }

@@ -93,12 +93,12 @@ impl Payload {
     ///
     /// # Errors
     /// The content does not follow the schema, or the codec cannot carry it.
-    pub fn encode(&self, wanted: Codec, schema: &Schema) -> Result<Arc<[u8]>, DatumError> {
+    pub fn encode(&self, target: Codec, schema: &Schema) -> Result<Arc<[u8]>, DatumError> {
         match self {
-            Self::Bytes { codec, bytes } if *codec == wanted => Ok(Arc::clone(bytes)),
+            Self::Bytes { codec, bytes } if *codec == target => Ok(Arc::clone(bytes)),
             Self::Sample(_) | Self::Bytes { .. } => {
                 let datum = self.to_datum_of(schema)?;
-                Ok(wanted.encode(&datum, schema)?.into())
+                Ok(target.encode(&datum, schema)?.into())
             }
         }
     }
@@ -127,11 +127,11 @@ impl Envelope {
 
 /// Returns whether two type names match. `type_name` may also have the form of ROS 2, `geometry_msgs/msg/Twist`. An
 /// empty name matches everything.
-fn is_named(type_name: &str, wanted: &str) -> bool {
-    let anonymous = type_name.is_empty() || wanted.is_empty();
+fn is_named(type_name: &str, expected: &str) -> bool {
+    let anonymous = type_name.is_empty() || expected.is_empty();
     let in_ros_2 = || type_name.split_once("/msg/");
-    let same = |(package, name)| wanted.split_once('/') == Some((package, name));
-    anonymous || type_name == wanted || in_ros_2().is_some_and(same)
+    let same = |(package, name)| expected.split_once('/') == Some((package, name));
+    anonymous || type_name == expected || in_ros_2().is_some_and(same)
 }
 
 impl fmt::Debug for Payload {

@@ -19,7 +19,7 @@ mod trace_context;
 
 pub use asmotion_connection::Notifier;
 pub use bus::{Bus, BusError, Publisher};
-pub use deadline::later;
+pub use deadline::deadline_after;
 pub use envelope::{Envelope, Payload};
 pub use health::{Health, LinkState};
 pub use local::LocalBus;

@@ -30,9 +30,9 @@ struct LocalBusState {
     routes: Mutex<Vec<LocalRoute>>,
     /// Incremented by every change of the routes, so that publishers look them up only then.
     generation: AtomicU64,
-    desks: Mutex<BTreeMap<String, Arc<AddressQueue>>>,
+    addresses: Mutex<BTreeMap<String, Arc<AddressQueue>>>,
     /// Last messages of the publishers that retain one.
-    lasts: Mutex<Vec<Weak<Mutex<RetainedMessage>>>>,
+    retained: Mutex<Vec<Weak<Mutex<RetainedMessage>>>>,
     /// Always up.
     health: Health,
 }
@@ -42,8 +42,8 @@ impl Default for LocalBusState {
         Self {
             routes: Mutex::default(),
             generation: AtomicU64::new(0),
-            desks: Mutex::default(),
-            lasts: Mutex::default(),
+            addresses: Mutex::default(),
+            retained: Mutex::default(),
             health: Health::now(LinkState::Up),
         }
     }
@@ -51,9 +51,9 @@ impl Default for LocalBusState {
 
 struct LocalRoute {
     pattern: Pattern,
-    inlet: SubscriptionSender,
+    sender: SubscriptionSender,
     /// Generation in which this route was added.
-    since: u64,
+    added_in: u64,
 }
 
 /// Last message of a publisher, and the routes that have received it.
@@ -82,12 +82,14 @@ impl LocalBusState {
         self.routes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn desks(&self) -> MutexGuard<'_, BTreeMap<String, Arc<AddressQueue>>> {
-        self.desks.lock().unwrap_or_else(PoisonError::into_inner)
+    fn addresses(&self) -> MutexGuard<'_, BTreeMap<String, Arc<AddressQueue>>> {
+        self.addresses
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn lasts(&self) -> MutexGuard<'_, Vec<Weak<Mutex<RetainedMessage>>>> {
-        self.lasts.lock().unwrap_or_else(PoisonError::into_inner)
+    fn retained(&self) -> MutexGuard<'_, Vec<Weak<Mutex<RetainedMessage>>>> {
+        self.retained.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn change_routes(&self, change: impl FnOnce(&mut Vec<LocalRoute>, u64)) {
@@ -107,10 +109,10 @@ impl Bus for LocalBus {
         sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError> {
         let last = sending.init.then(Arc::<Mutex<RetainedMessage>>::default);
-        let mut lasts = self.shared.lasts();
-        lasts.retain(|last| last.strong_count() > 0);
-        lasts.extend(last.as_ref().map(Arc::downgrade));
-        drop(lasts);
+        let mut retained = self.shared.retained();
+        retained.retain(|last| last.strong_count() > 0);
+        retained.extend(last.as_ref().map(Arc::downgrade));
+        drop(retained);
         Ok(Box::new(LocalPublisher {
             shared: Arc::clone(&self.shared),
             topic: topic.into(),
@@ -121,8 +123,8 @@ impl Bus for LocalBus {
             unheard: 0,
             clock: "".into(),
             generation: u64::MAX,
-            inlets: Vec::new(),
-            last,
+            senders: Vec::new(),
+            retained: last,
         }))
     }
 
@@ -133,17 +135,17 @@ impl Bus for LocalBus {
         queue: QueuePolicy,
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
-        let inlet = SubscriptionSender::new(queue, notifier);
+        let sender = SubscriptionSender::new(queue, notifier);
         self.shared.change_routes(|routes, since| {
             routes.push(LocalRoute {
                 pattern: pattern.clone(),
-                inlet: inlet.clone(),
-                since,
+                sender: sender.clone(),
+                added_in: since,
             });
         });
-        let (shared, own) = (Arc::clone(&self.shared), inlet.clone());
-        Ok(inlet.subscription(move || {
-            shared.change_routes(|routes, _| routes.retain(|route| !route.inlet.is_same(&own)));
+        let (shared, own) = (Arc::clone(&self.shared), sender.clone());
+        Ok(sender.subscription(move || {
+            shared.change_routes(|routes, _| routes.retain(|route| !route.sender.is_same(&own)));
         }))
     }
 
@@ -153,17 +155,17 @@ impl Bus for LocalBus {
         size: usize,
         notifier: Arc<Notifier>,
     ) -> Result<ServedAddress, BusError> {
-        let mut desks = self.shared.desks();
+        let mut desks = self.shared.addresses();
         if desks.contains_key(address) {
             return Err(BusError::Served {
                 address: address.to_owned(),
             });
         }
-        let desk = AddressQueue::new(size, notifier);
-        desks.insert(address.to_owned(), Arc::clone(&desk));
+        let queue = AddressQueue::new(size, notifier);
+        desks.insert(address.to_owned(), Arc::clone(&queue));
         let (shared, address) = (Arc::clone(&self.shared), address.to_owned());
-        Ok(ServedAddress::new(desk, move || {
-            shared.desks().remove(&address);
+        Ok(ServedAddress::new(queue, move || {
+            shared.addresses().remove(&address);
         }))
     }
 
@@ -173,43 +175,43 @@ impl Bus for LocalBus {
         request: Request,
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, BusError> {
-        let desk = self.shared.desks().get(address).cloned();
+        let queue = self.shared.addresses().get(address).cloned();
         let (pending, call) = PendingCall::new(request, notifier);
-        match desk {
+        match queue {
             // if the queue rejects the call, it also ends it
-            Some(desk) => drop(desk.put(call)),
-            None => call.end(Err(CallFailure::Unavailable)),
+            Some(desk) => drop(desk.push(call)),
+            None => call.complete(Err(CallFailure::Unavailable)),
         }
         Ok(pending)
     }
 
-    fn tell(
+    fn call_one_way(
         &self,
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, BusError> {
-        let desk = self.shared.desks().get(address).cloned();
+        let queue = self.shared.addresses().get(address).cloned();
         let (pending, call, delivered) = PendingCall::one_way(request, notifier);
-        delivered.end(match desk {
-            Some(desk) => desk.put(call),
+        delivered.complete(match queue {
+            Some(desk) => desk.push(call),
             None => Err(CallFailure::Unavailable),
         });
         Ok(pending)
     }
 
-    fn repeat(&self) {
+    fn republish_retained(&self) {
         let routes = self.shared.routes();
         let now = self.shared.generation.load(Ordering::Acquire);
-        for last in self.shared.lasts().iter().filter_map(Weak::upgrade) {
+        for last in self.shared.retained().iter().filter_map(Weak::upgrade) {
             let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
             let had = std::mem::replace(&mut last.had, now);
             let Some(envelope) = &last.envelope else {
                 continue;
             };
-            for route in routes.iter().filter(|route| route.since > had) {
+            for route in routes.iter().filter(|route| route.added_in > had) {
                 if route.pattern.matches(&envelope.topic) {
-                    route.inlet.push(envelope.clone());
+                    route.sender.push(envelope.clone());
                 }
             }
         }
@@ -220,7 +222,7 @@ impl Bus for LocalBus {
     }
 
     /// Does nothing: the health of a local bus never changes.
-    fn watch(&self, _: &Arc<Notifier>) {}
+    fn notify_on_change(&self, _: &Arc<Notifier>) {}
 
     /// Returns `true` at once: local messages are delivered when they are published.
     fn drain(&self, _: Duration) -> bool {
@@ -240,16 +242,16 @@ struct LocalPublisher {
     unheard: u64,
     /// Empty: the reader's own clock.
     clock: Arc<str>,
-    /// Generation of the routes at which `inlets` was looked up.
+    /// Generation of the routes at which `senders` was looked up.
     generation: u64,
     /// Matching subscriptions.
-    inlets: Vec<SubscriptionSender>,
+    senders: Vec<SubscriptionSender>,
     /// The last message, if it is retained.
-    last: Option<Arc<Mutex<RetainedMessage>>>,
+    retained: Option<Arc<Mutex<RetainedMessage>>>,
 }
 
 impl Publisher for LocalPublisher {
-    fn publish_within(
+    fn publish_traced(
         &mut self,
         stamp: i64,
         payload: Payload,
@@ -261,11 +263,11 @@ impl Publisher for LocalPublisher {
             let matching = routes
                 .iter()
                 .filter(|route| route.pattern.matches(&self.topic));
-            self.inlets = matching.map(|route| route.inlet.clone()).collect();
+            self.senders = matching.map(|route| route.sender.clone()).collect();
             self.generation = generation;
         }
         self.sequence += 1;
-        self.unheard += u64::from(self.inlets.is_empty());
+        self.unheard += u64::from(self.senders.is_empty());
         let trace = self.spans.of(self.sequence, cause);
         let envelope = Envelope {
             topic: Arc::clone(&self.topic),
@@ -278,10 +280,10 @@ impl Publisher for LocalPublisher {
             type_name: Arc::clone(&self.type_name),
             payload,
         };
-        for inlet in &self.inlets {
-            inlet.push(envelope.clone());
+        for sender in &self.senders {
+            sender.push(envelope.clone());
         }
-        if let Some(last) = &self.last {
+        if let Some(last) = &self.retained {
             *last.lock().unwrap_or_else(PoisonError::into_inner) = RetainedMessage {
                 envelope: Some(envelope),
                 had: self.generation,
@@ -290,11 +292,11 @@ impl Publisher for LocalPublisher {
         Ok(())
     }
 
-    fn sent(&self) -> PublisherCounts {
+    fn counts(&self) -> PublisherCounts {
         PublisherCounts {
             published: self.sequence,
-            arrived: self.sequence,
-            unheard: self.unheard,
+            accepted: self.sequence,
+            unrouted: self.unheard,
             ..PublisherCounts::default()
         }
     }

@@ -69,7 +69,7 @@ impl PublishOptions {
 
     /// Sets the encoding.
     #[must_use]
-    pub fn by(mut self, codec: Codec) -> Self {
+    pub fn with_codec(mut self, codec: Codec) -> Self {
         self.codec = codec;
         self
     }
@@ -81,7 +81,7 @@ pub struct PublisherCounts {
     /// Accepted from the publisher.
     pub published: u64,
     /// Known to have reached the transport.
-    pub arrived: u64,
+    pub accepted: u64,
     /// Dropped by the outage policy, or because they could not be encoded.
     pub dropped: u64,
     /// In flight when the transport broke; may or may not have arrived.
@@ -89,13 +89,13 @@ pub struct PublisherCounts {
     /// Refused by the transport: a full queue, a missing permission.
     pub refused: u64,
     /// Delivered to the transport, but matched by no subscription.
-    pub unheard: u64,
+    pub unrouted: u64,
 }
 
 impl PublisherCounts {
     /// Returns how many messages are still queued or in flight.
-    pub fn open(&self) -> u64 {
-        let done = self.arrived + self.dropped + self.lost + self.refused;
-        self.published.saturating_sub(done)
+    pub fn pending(&self) -> u64 {
+        let finished = self.accepted + self.dropped + self.lost + self.refused;
+        self.published.saturating_sub(finished)
     }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
 
-use crate::deadline::later;
+use crate::deadline::deadline_after;
 use crate::envelope::Envelope;
 use asmotion_connection::Notifier;
 
@@ -59,7 +59,7 @@ struct AtomicSubscriptionCounts {
 /// The sending end of a subscription's queue, for back ends.
 #[derive(Clone)]
 pub struct SubscriptionSender {
-    kept: Arc<SubscriptionQueue>,
+    shared: Arc<SubscriptionQueue>,
 }
 
 struct SubscriptionQueue {
@@ -77,7 +77,7 @@ impl SubscriptionSender {
             QueuePolicy::All { size, .. } => size.max(1),
         };
         Self {
-            kept: Arc::new(SubscriptionQueue {
+            shared: Arc::new(SubscriptionQueue {
                 queue: ArrayQueue::new(size),
                 policy,
                 counts: AtomicSubscriptionCounts::default(),
@@ -88,91 +88,97 @@ impl SubscriptionSender {
 
     /// Appends a message; never blocks.
     pub fn push(&self, envelope: Envelope) {
-        let kept = &self.kept;
-        let dropped = match kept.policy {
+        let shared = &self.shared;
+        let dropped = match shared.policy {
             QueuePolicy::Latest => {
-                kept.queue.force_push(envelope);
+                shared.queue.force_push(envelope);
                 false
             }
             QueuePolicy::All {
                 overflow: Overflow::DropOldest,
                 ..
-            } => kept.queue.force_push(envelope).is_some(),
+            } => shared.queue.force_push(envelope).is_some(),
             QueuePolicy::All {
                 overflow: Overflow::DropNewest,
                 ..
-            } => kept.queue.push(envelope).is_err(),
+            } => shared.queue.push(envelope).is_err(),
         };
         if dropped {
-            kept.counts.dropped.fetch_add(1, Ordering::Relaxed);
+            shared.counts.dropped.fetch_add(1, Ordering::Relaxed);
         }
-        kept.notifier.notify();
+        shared.notifier.notify();
     }
 
     /// Sets the total number of messages that never arrived.
     pub fn set_missed(&self, missed: u64) {
-        self.kept.counts.missed.store(missed, Ordering::Relaxed);
+        self.shared.counts.missed.store(missed, Ordering::Relaxed);
     }
 
     /// Counts a message that arrived again.
     pub fn count_duplicate(&self) {
-        self.kept.counts.duplicates.fetch_add(1, Ordering::Relaxed);
+        self.shared
+            .counts
+            .duplicates
+            .fetch_add(1, Ordering::Relaxed);
     }
 
     /// Counts a message that could not be decoded.
     pub fn count_unreadable(&self) {
-        self.kept.counts.unreadable.fetch_add(1, Ordering::Relaxed);
+        self.shared
+            .counts
+            .unreadable
+            .fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Creates the reading end, which calls `leave` on drop.
-    pub fn subscription(&self, leave: impl FnOnce() + Send + 'static) -> Subscription {
+    /// Creates the reading end, which calls `on_drop` on drop.
+    pub fn subscription(&self, on_drop: impl FnOnce() + Send + 'static) -> Subscription {
         Subscription {
-            kept: Arc::clone(&self.kept),
-            leave: Some(Box::new(leave)),
+            shared: Arc::clone(&self.shared),
+            on_drop: Some(Box::new(on_drop)),
         }
     }
 
     /// Returns whether both are senders of the same queue.
     pub fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.kept, &other.kept)
+        Arc::ptr_eq(&self.shared, &other.shared)
     }
 }
 
 /// The reading end of a subscription. Dropping it unsubscribes.
 pub struct Subscription {
-    kept: Arc<SubscriptionQueue>,
-    leave: Option<Box<dyn FnOnce() + Send>>,
+    shared: Arc<SubscriptionQueue>,
+    on_drop: Option<Box<dyn FnOnce() + Send>>,
 }
 
 impl Subscription {
     /// Removes and returns the next message, if there is one.
     pub fn try_next(&self) -> Option<Envelope> {
-        self.kept.queue.pop()
+        self.shared.queue.pop()
     }
 
-    /// Removes and returns the next message, waiting at most for `at_most`.
-    pub fn next_within(&self, at_most: Duration) -> Option<Envelope> {
-        let until = later(at_most);
+    /// Removes and returns the next message, waiting at most for `timeout`.
+    pub fn next_within(&self, timeout: Duration) -> Option<Envelope> {
+        let until = deadline_after(timeout);
         loop {
             if let Some(envelope) = self.try_next() {
                 return Some(envelope);
             }
-            let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            let remaining = until.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
                 return None;
             }
-            self.kept.notifier.wait(left);
+            self.shared.notifier.wait(remaining);
         }
     }
 
     /// Returns how many messages were dropped because the queue was full.
     pub fn dropped(&self) -> u64 {
-        self.kept.counts.dropped.load(Ordering::Relaxed)
+        self.shared.counts.dropped.load(Ordering::Relaxed)
     }
 
     /// Returns the counts of messages that were not passed on.
-    pub fn received(&self) -> SubscriptionCounts {
-        let counts = &self.kept.counts;
+    pub fn counts(&self) -> SubscriptionCounts {
+        let counts = &self.shared.counts;
         SubscriptionCounts {
             dropped: counts.dropped.load(Ordering::Relaxed),
             missed: counts.missed.load(Ordering::Relaxed),
@@ -184,7 +190,7 @@ impl Subscription {
 
 impl Drop for Subscription {
     fn drop(&mut self) {
-        if let Some(leave) = self.leave.take() {
+        if let Some(leave) = self.on_drop.take() {
             leave();
         }
     }
@@ -193,8 +199,8 @@ impl Drop for Subscription {
 impl fmt::Debug for Subscription {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Subscription")
-            .field("policy", &self.kept.policy)
-            .field("waiting", &self.kept.queue.len())
+            .field("policy", &self.shared.policy)
+            .field("waiting", &self.shared.queue.len())
             .field("dropped", &self.dropped())
             .finish()
     }

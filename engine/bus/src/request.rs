@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
 
-use crate::deadline::later;
+use crate::deadline::deadline_after;
 use crate::envelope::Payload;
 use crate::sender_id::SenderId;
 use crate::trace_context::TraceContext;
@@ -42,7 +42,7 @@ impl Request {
 
     /// Sets the trace that the request belongs to.
     #[must_use]
-    pub fn within(mut self, trace: TraceContext) -> Self {
+    pub fn with_trace(mut self, trace: TraceContext) -> Self {
         self.trace = Some(trace);
         self
     }
@@ -86,26 +86,26 @@ type CallResult = Result<Payload, CallFailure>;
 
 /// Receives the reply to one call.
 struct ReplySlot {
-    answer: Mutex<Option<CallResult>>,
-    answered: AtomicBool,
+    reply: Mutex<Option<CallResult>>,
+    is_replied: AtomicBool,
     notifier: Arc<Notifier>,
 }
 
 impl ReplySlot {
     fn new(notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
-            answer: Mutex::new(None),
-            answered: AtomicBool::new(false),
+            reply: Mutex::new(None),
+            is_replied: AtomicBool::new(false),
             notifier,
         })
     }
 
     /// Stores a reply, unless there is one already.
-    fn put(&self, answer: CallResult) {
-        if self.answered.swap(true, Ordering::AcqRel) {
+    fn set(&self, reply: CallResult) {
+        if self.is_replied.swap(true, Ordering::AcqRel) {
             return;
         }
-        *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
+        *self.reply.lock().unwrap_or_else(PoisonError::into_inner) = Some(reply);
         self.notifier.notify();
     }
 }
@@ -140,22 +140,22 @@ impl PendingCall {
     /// Cancels the call: it ends with [`CallFailure::Cancelled`] unless it has already ended. A provider that has not
     /// started on the request never does.
     pub fn cancel(&self) {
-        self.slot.put(Err(CallFailure::Cancelled));
+        self.slot.set(Err(CallFailure::Cancelled));
     }
 
     /// Returns whether the deadline has passed.
-    pub fn is_over(&self) -> bool {
+    pub fn is_expired(&self) -> bool {
         Instant::now() >= self.deadline
     }
 
     /// Takes the result, if the call has ended. Returns it once.
     pub fn try_take(&self) -> Option<CallResult> {
-        if self.is_over() {
-            self.slot.put(Err(CallFailure::Timeout));
+        if self.is_expired() {
+            self.slot.set(Err(CallFailure::Timeout));
         }
         let mut answer = self
             .slot
-            .answer
+            .reply
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
         answer.take()
@@ -200,14 +200,14 @@ pub struct DeliveryReceipt(Arc<ReplySlot>);
 
 impl DeliveryReceipt {
     /// Reports whether the provider's queue has the request.
-    pub fn end(self, end: Result<(), CallFailure>) {
+    pub fn complete(self, result: Result<(), CallFailure>) {
         self.0
-            .put(end.map(|()| Payload::of(asmotion_datum::Datum::Null)));
+            .set(result.map(|()| Payload::of(asmotion_datum::Datum::Null)));
     }
 
     /// Returns whether the sender still waits for the receipt.
     pub fn is_awaited(&self) -> bool {
-        Arc::strong_count(&self.0) > 1 && !self.0.answered.load(Ordering::Acquire)
+        Arc::strong_count(&self.0) > 1 && !self.0.is_replied.load(Ordering::Acquire)
     }
 }
 
@@ -216,7 +216,7 @@ impl IncomingCall {
         Self {
             origin: request.origin,
             argument: request.argument,
-            deadline: later(request.timeout),
+            deadline: deadline_after(request.timeout),
             callback: request.callback,
             trace: request.trace,
             slot,
@@ -231,19 +231,19 @@ impl IncomingCall {
 
     /// Replies to the request. A reply that is no longer awaited is discarded.
     pub fn reply(self, result: Result<Payload, Refusal>) {
-        self.end(result.map_err(CallFailure::Refused));
+        self.complete(result.map_err(CallFailure::Refused));
     }
 
     /// Ends the call, for back ends.
-    pub fn end(self, answer: Result<Payload, CallFailure>) {
-        self.slot.put(answer);
+    pub fn complete(self, result: Result<Payload, CallFailure>) {
+        self.slot.set(result);
     }
 
     /// Returns whether the caller still waits for a reply.
     pub fn is_awaited(&self) -> bool {
-        let wanted = self.one_way
-            || Arc::strong_count(&self.slot) > 1 && !self.slot.answered.load(Ordering::Acquire);
-        wanted && Instant::now() < self.deadline
+        let has_waiting_caller = self.one_way
+            || Arc::strong_count(&self.slot) > 1 && !self.slot.is_replied.load(Ordering::Acquire);
+        has_waiting_caller && Instant::now() < self.deadline
     }
 }
 
@@ -268,72 +268,72 @@ impl AddressQueue {
     ///
     /// # Errors
     /// [`CallFailure::Unavailable`] if the queue is full or its provider has left. The call ends with the same failure.
-    pub fn put(&self, call: IncomingCall) -> Result<(), CallFailure> {
+    pub fn push(&self, call: IncomingCall) -> Result<(), CallFailure> {
         if !self.open.load(Ordering::Acquire) {
-            call.end(Err(CallFailure::Unavailable));
+            call.complete(Err(CallFailure::Unavailable));
             return Err(CallFailure::Unavailable);
         }
-        let taken = self.waiting.push(call).map_err(|call| {
-            call.end(Err(CallFailure::Unavailable));
+        let pushed = self.waiting.push(call).map_err(|call| {
+            call.complete(Err(CallFailure::Unavailable));
             CallFailure::Unavailable
         });
-        if taken.is_ok() {
+        if pushed.is_ok() {
             self.notifier.notify();
         }
         if !self.open.load(Ordering::Acquire) {
             self.refuse_all();
         }
-        taken
+        pushed
     }
 
     fn refuse_all(&self) {
         while let Some(call) = self.waiting.pop() {
-            call.end(Err(CallFailure::Unavailable));
+            call.complete(Err(CallFailure::Unavailable));
         }
     }
 }
 
 /// The provider's end of an address. Dropping it ends the service and fails the waiting calls.
 pub struct ServedAddress {
-    desk: Arc<AddressQueue>,
-    leave: Option<Box<dyn FnOnce() + Send>>,
+    queue: Arc<AddressQueue>,
+    on_drop: Option<Box<dyn FnOnce() + Send>>,
 }
 
 impl ServedAddress {
-    /// Creates the provider's end of a queue. `leave` is called on drop, after the waiting calls have failed.
-    pub fn new(desk: Arc<AddressQueue>, leave: impl FnOnce() + Send + 'static) -> Self {
+    /// Creates the provider's end of a queue. `on_drop` is called on drop, after the waiting calls have failed.
+    pub fn new(queue: Arc<AddressQueue>, on_drop: impl FnOnce() + Send + 'static) -> Self {
         Self {
-            desk,
-            leave: Some(Box::new(leave)),
+            queue: queue,
+            on_drop: Some(Box::new(on_drop)),
         }
     }
 
     /// Removes and returns the next request that is still awaited.
     pub fn try_next(&self) -> Option<IncomingCall> {
-        std::iter::from_fn(|| self.desk.waiting.pop()).find(IncomingCall::is_awaited)
+        std::iter::from_fn(|| self.queue.waiting.pop()).find(IncomingCall::is_awaited)
     }
 
-    /// Removes and returns the next request that is still awaited, waiting at most for `at_most`.
-    pub fn next_within(&self, at_most: Duration) -> Option<IncomingCall> {
-        let until = later(at_most);
+    /// Removes and returns the next request that is still awaited, waiting at most for `timeout`.
+    pub fn next_within(&self, timeout: Duration) -> Option<IncomingCall> {
+        let until = deadline_after(timeout);
         loop {
             if let Some(call) = self.try_next() {
                 return Some(call);
             }
-            let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            let remaining = until.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
                 return None;
             }
-            self.desk.notifier.wait(left);
+            self.queue.notifier.wait(remaining);
         }
     }
 }
 
 impl Drop for ServedAddress {
     fn drop(&mut self) {
-        self.desk.open.store(false, Ordering::Release);
-        self.desk.refuse_all();
-        if let Some(leave) = self.leave.take() {
+        self.queue.open.store(false, Ordering::Release);
+        self.queue.refuse_all();
+        if let Some(leave) = self.on_drop.take() {
             leave();
         }
     }
@@ -342,7 +342,7 @@ impl Drop for ServedAddress {
 /// Ends the call if there was no reply.
 impl Drop for IncomingCall {
     fn drop(&mut self) {
-        self.slot.put(Err(if Instant::now() < self.deadline {
+        self.slot.set(Err(if Instant::now() < self.deadline {
             CallFailure::Unavailable
         } else {
             CallFailure::Timeout
@@ -364,6 +364,6 @@ impl fmt::Debug for IncomingCall {
 
 impl fmt::Debug for ServedAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Serving, {} waiting", self.desk.waiting.len())
+        write!(f, "Serving, {} waiting", self.queue.waiting.len())
     }
 }

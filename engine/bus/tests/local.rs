@@ -22,7 +22,7 @@ struct Forgetful(LocalBus);
 struct ForgetfulPublisher(Box<dyn Publisher>, u64);
 
 impl Publisher for ForgetfulPublisher {
-    fn publish_within(
+    fn publish_traced(
         &mut self,
         stamp: i64,
         payload: Payload,
@@ -39,8 +39,8 @@ impl Publisher for ForgetfulPublisher {
         }
     }
 
-    fn sent(&self) -> PublisherCounts {
-        self.0.sent()
+    fn counts(&self) -> PublisherCounts {
+        self.0.counts()
     }
 }
 
@@ -85,7 +85,7 @@ impl Bus for Forgetful {
         self.0.call(address, request, notifier)
     }
 
-    fn tell(
+    fn call_one_way(
         &self,
         address: &str,
         request: Request,
@@ -98,12 +98,12 @@ impl Bus for Forgetful {
         self.0.health()
     }
 
-    fn watch(&self, notifier: &Arc<Notifier>) {
-        self.0.watch(notifier);
+    fn notify_on_change(&self, notifier: &Arc<Notifier>) {
+        self.0.notify_on_change(notifier);
     }
 
-    fn repeat(&self) {
-        self.0.repeat();
+    fn republish_retained(&self) {
+        self.0.republish_retained();
     }
 
     fn drain(&self, at_most: Duration) -> bool {

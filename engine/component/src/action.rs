@@ -38,5 +38,5 @@ pub enum CycleAction {
     /// Changes the component's period; zero makes it event-driven.
     SetPeriod(Duration),
     /// Triggers the component itself, if it is event-driven.
-    Again,
+    CycleAgain,
 }

@@ -53,10 +53,10 @@ pub enum Scheduler {
 
 /// A scheduling setting that the operating system refused; the component runs without it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{wish} is not permitted: {reason}; {help}")]
+#[error("{setting} is not permitted: {reason}; {help}")]
 pub struct Denied {
     /// The refused setting, for example `FIFO 80`.
-    pub wish: String,
+    pub setting: String,
     /// The operating system's reason.
     pub reason: String,
     /// A remedy.
@@ -86,7 +86,7 @@ pub enum Drive {
     Event,
     /// An explicit request (`Run::trigger`).
     Manual,
-    /// The end of the master's cycle (`System::slave`).
+    /// The end of the master's cycle (`System::add_slave`).
     Slave,
 }
 

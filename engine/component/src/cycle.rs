@@ -88,7 +88,7 @@ impl<'a> Cycle<'a> {
                 output.write(sample);
                 self.host.record(CycleAction::Write(index));
             }
-            None => self.refuse("output"),
+            None => self.record_foreign_handle("output"),
         }
     }
 
@@ -109,7 +109,7 @@ impl<'a> Cycle<'a> {
                     deadline: request.deadline,
                 }),
                 Err(error) => {
-                    self.answer(slot, request.id, Err(unreadable("BAD_ARGUMENT", &error)));
+                    self.record_answer(slot, request.id, Err(unreadable("BAD_ARGUMENT", &error)));
                 }
             }
         }
@@ -134,7 +134,7 @@ impl<'a> Cycle<'a> {
     ) {
         if let Some(slot) = self.provided(served) {
             let result = result.map(|response| Arc::new(response) as Arc<dyn Sample>);
-            self.answer(slot, to, result);
+            self.record_answer(slot, to, result);
         }
     }
 
@@ -160,8 +160,8 @@ impl<'a> Cycle<'a> {
         let Some(slot) = self.required(reference) else {
             return Vec::new();
         };
-        let ended = self.host.take_replies(slot);
-        ended
+        let replies = self.host.take_replies(slot);
+        replies
             .into_iter()
             .map(|reply| Reply {
                 call: reply.call,
@@ -196,14 +196,14 @@ impl<'a> Cycle<'a> {
     /// [`Component::configure`](crate::Component::configure).
     pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
         value_of(&*self.host, property).unwrap_or_else(|| {
-            self.refuse("property");
+            self.record_foreign_handle("property");
             T::initial()
         })
     }
 
     /// Reports data to the observers if the cycle succeeds. Components do not receive reports.
-    pub fn report(&mut self, kind: &'static str, what: Datum) {
-        self.host.record(CycleAction::Report(kind, what));
+    pub fn report(&mut self, kind: &'static str, data: Datum) {
+        self.host.record(CycleAction::Report(kind, data));
     }
 
     /// Sets the total number of messages that the component has lost so far.
@@ -213,14 +213,14 @@ impl<'a> Cycle<'a> {
 
     /// Requests another cycle at once, if the component is event-driven. For components that cannot handle all of their
     /// input in one cycle.
-    pub fn again(&mut self) {
-        self.host.record(CycleAction::Again);
+    pub fn request_cycle(&mut self) {
+        self.host.record(CycleAction::CycleAgain);
     }
 
     /// Moves the component to [`State::RunTimeError`](crate::State::RunTimeError) after this cycle, which succeeds
     /// otherwise (RTT `error`).
-    pub fn error(&mut self, why: Fault) {
-        self.error = Some(why);
+    pub fn error(&mut self, fault: Fault) {
+        self.error = Some(fault);
     }
 
     /// Changes the component's own period, from the next cycle on; zero makes it event-driven.
@@ -230,8 +230,8 @@ impl<'a> Cycle<'a> {
 
     /// Sets the duration of this cycle in simulated time, which is compared with the deadline. Simulated time is
     /// constant during a cycle, so it cannot be measured; a live run measures the duration and ignores this.
-    pub fn lasts(&mut self, how_long: Duration) {
-        self.host.set_duration(how_long);
+    pub fn set_duration(&mut self, duration: Duration) {
+        self.host.set_duration(duration);
     }
 
     /// Starts work that takes too long for a cycle, such as reading a file, and returns at once. Check for the result
@@ -271,7 +271,7 @@ impl<'a> Cycle<'a> {
         let input = self.any_input(port);
         let input = input.and_then(|input| (input as &dyn Any).downcast_ref());
         if input.is_none() {
-            self.refuse("input");
+            self.record_foreign_handle("input");
         }
         input
     }
@@ -279,7 +279,7 @@ impl<'a> Cycle<'a> {
     fn provided<O: Operation>(&self, served: Provided<O>) -> Option<OperationSlot> {
         let slot = self.host.provided(served.position(self.host.owner()));
         if slot.is_none() {
-            self.refuse("service");
+            self.record_foreign_handle("service");
         }
         slot
     }
@@ -287,7 +287,7 @@ impl<'a> Cycle<'a> {
     fn required<O: Operation>(&self, reference: Required<O>) -> Option<OperationSlot> {
         let slot = self.host.required(reference.position(self.host.owner()));
         if slot.is_none() {
-            self.refuse("reference");
+            self.record_foreign_handle("reference");
         }
         slot
     }
@@ -310,7 +310,7 @@ impl<'a> Cycle<'a> {
         call
     }
 
-    fn answer(
+    fn record_answer(
         &mut self,
         slot: OperationSlot,
         to: RequestId,
@@ -323,7 +323,7 @@ impl<'a> Cycle<'a> {
         });
     }
 
-    fn refuse(&self, kind: Foreign) {
+    fn record_foreign_handle(&self, kind: Foreign) {
         self.foreign.set(Some(kind));
     }
 }

@@ -122,16 +122,16 @@ impl Declaration {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DeclarationError {
     /// Two declarations of the same kind with the same name.
-    #[error("duplicate {what} `{name}`")]
-    Twice {
+    #[error("duplicate {kind} `{name}`")]
+    Duplicate {
         /// The kind: input, output, property or operation.
-        what: &'static str,
+        kind: &'static str,
         /// The name in question.
         name: String,
     },
     /// Operations of two interfaces under one name.
     #[error("`{name}` is declared for interface `{first}` and for `{second}`")]
-    TwoInterfaces {
+    ConflictingInterfaces {
         /// Name of the service or reference.
         name: String,
         /// The interface declared first.
@@ -141,7 +141,7 @@ pub enum DeclarationError {
     },
     /// A default that is not among the allowed values.
     #[error("invalid default of property `{name}`: {reason}")]
-    BadDefault {
+    InvalidDefault {
         /// Name of the property.
         name: String,
         /// The violated limit.

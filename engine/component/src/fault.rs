@@ -52,8 +52,8 @@ pub enum Fault {
 
 impl Fault {
     /// A fault with a message: lower case, no full stop.
-    pub fn new(what: impl fmt::Display) -> Self {
-        Self::Failed(what.to_string())
+    pub fn new(message: impl fmt::Display) -> Self {
+        Self::Failed(message.to_string())
     }
 
     /// The fault of a caught panic, with the panic's message if it is text.

@@ -1,14 +1,14 @@
 //! Frozen states: the state of a component between two cycles as data.
 //!
 //! A model checker stores many states, compares them and continues from each; a recording starts with one and is
-//! replayed from there. Both need the state of a component as plain bytes. `#[derive(Freeze)]` on the component's struct
-//! generates the conversion: each field becomes an entry of a CBOR record, unless it is marked
+//! replayed from there. Both need the state of a component as plain bytes. `#[derive(Freeze)]` on the component's
+//! struct generates the conversion: each field becomes an entry of a CBOR record, unless it is marked
 //! - `#[freeze(skip)]`: part of the environment, such as a port or a file source; left unchanged by thawing, or
 //! - `#[freeze(reset)]`: irrelevant for later cycles, such as a cache or working memory; set to its [`Default`].
 //!
-//! Fields are serialised with serde, [`PropertySet`]s by their last values. Since frozen bytes may come from an untrusted
-//! source, a type with invariants should validate them with `#[serde(try_from = "…")]`. The serialisation must be
-//! deterministic: use a `BTreeMap`, not a `HashMap`.
+//! Fields are serialised with serde, [`PropertySet`]s by their last values. Since frozen bytes may come from an
+//! untrusted source, a type with invariants should validate them with `#[serde(try_from = "…")]`. The serialisation
+//! must be deterministic: use a `BTreeMap`, not a `HashMap`.
 
 use std::fmt;
 
@@ -96,7 +96,7 @@ impl FrozenState {
     ///
     /// An error if the bytes are malformed.
     pub fn to_datum(&self) -> Result<Datum, ThawError> {
-        cbor::decode(&self.fields).map_err(|error| self.refused(ThawProblem::Malformed(error)))
+        cbor::decode(&self.fields).map_err(|error| self.error(ThawProblem::Malformed(error)))
     }
 
     /// Decodes the state after checking the component type and the layout version.
@@ -106,11 +106,11 @@ impl FrozenState {
     /// An error if the type or version differs, or if the bytes are malformed.
     pub fn read<T: DeserializeOwned>(&self, component: &str, version: u32) -> Result<T, ThawError> {
         let problem = if self.component != component {
-            ThawProblem::OtherComponent(self.component.clone())
+            ThawProblem::ComponentMismatch(self.component.clone())
         } else if self.version != version {
-            ThawProblem::OtherVersion {
+            ThawProblem::VersionMismatch {
                 frozen: self.version,
-                present: version,
+                current: version,
             }
         } else {
             match cbor::decode(&self.fields) {
@@ -124,7 +124,7 @@ impl FrozenState {
         })
     }
 
-    fn refused(&self, problem: ThawProblem) -> ThawError {
+    fn error(&self, problem: ThawProblem) -> ThawError {
         ThawError {
             component: self.component.clone(),
             problem,
@@ -188,14 +188,14 @@ pub enum ThawProblem {
     NotImplemented,
     /// The state has another component type, contained here.
     #[error("it is the state of a `{0}`")]
-    OtherComponent(String),
+    ComponentMismatch(String),
     /// The state was frozen by another version of the component.
-    #[error("it has layout {frozen}, and this build has layout {present}")]
-    OtherVersion {
+    #[error("it has layout {frozen}, and this build has layout {current}")]
+    VersionMismatch {
         /// Version of the state.
         frozen: u32,
         /// Version of the component.
-        present: u32,
+        current: u32,
     },
     /// The bytes are malformed.
     #[error(transparent)]
@@ -248,7 +248,7 @@ pub fn freeze_fields<C: Freeze>(component: &C) -> Result<FrozenState, CannotFree
 pub fn thaw_fields<C: Freeze>(component: &mut C, state: &FrozenState) -> Result<(), ThawError> {
     let record: Datum = state.read(C::COMPONENT, C::VERSION)?;
     let set = entries(&record).and_then(|fields| component.set_fields(fields));
-    set.map_err(|error| state.refused(ThawProblem::Malformed(error)))
+    set.map_err(|error| state.error(ThawProblem::Malformed(error)))
 }
 
 /// Implements the two methods of a [`Component`](crate::Component) that derives [`Freeze`]; used in its
@@ -383,7 +383,7 @@ pub fn field<F: StateField>(
     fields: &[(FieldName, Datum)],
     name: &str,
 ) -> Result<F::Read, DatumError> {
-    F::read(one(fields, name)?).map_err(|error| error.within(name))
+    F::read(only_value(fields, name)?).map_err(|error| error.within(name))
 }
 
 /// Decodes a field that is itself a struct of properties. Used by the derive macros.
@@ -392,7 +392,7 @@ pub fn field<F: StateField>(
 ///
 /// An error if the field is missing or has another type.
 pub fn nested<P: Properties>(fields: &[(FieldName, Datum)], name: &str) -> Result<P, DatumError> {
-    P::of_datum(one(fields, name)?).map_err(|error| error.within(name))
+    P::of_datum(only_value(fields, name)?).map_err(|error| error.within(name))
 }
 
 /// Decodes a field that is a word. Used by the derive macros.
@@ -401,13 +401,13 @@ pub fn nested<P: Properties>(fields: &[(FieldName, Datum)], name: &str) -> Resul
 ///
 /// An error if the field is missing or its word is unknown.
 pub fn word<W: Word>(fields: &[(FieldName, Datum)], name: &str) -> Result<W, DatumError> {
-    let word = one(fields, name)?.as_text().and_then(W::of_word);
+    let word = only_value(fields, name)?.as_text().and_then(W::of_word);
     word.ok_or_else(|| mismatch("expected a word of the type".to_owned()).within(name))
 }
 
-fn one<'a>(fields: &'a [(FieldName, Datum)], name: &str) -> Result<&'a Datum, DatumError> {
-    let mut found = fields.iter().filter(|(known, _)| known == name);
-    match (found.next(), found.next()) {
+fn only_value<'a>(fields: &'a [(FieldName, Datum)], name: &str) -> Result<&'a Datum, DatumError> {
+    let mut matching = fields.iter().filter(|(known, _)| known == name);
+    match (matching.next(), matching.next()) {
         (Some((_, datum)), None) => Ok(datum),
         (Some(_), Some(_)) | (None, _) => {
             Err(mismatch(format!("expected the field `{name}` once")))

@@ -185,7 +185,7 @@ impl Interface {
 
     fn add_input<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> In<T> {
         let known = self.declaration.input(name).is_some();
-        self.refuse_twice(known, "input", name);
+        self.check_unique(known, "input", name);
         self.inputs
             .push(Box::new(InputPort::<T>::new(schema.clone())));
         self.declaration.inputs.push(port(name, schema, doc));
@@ -194,7 +194,7 @@ impl Interface {
 
     fn add_output<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> Out<T> {
         let known = self.declaration.output(name).is_some();
-        self.refuse_twice(known, "output", name);
+        self.check_unique(known, "output", name);
         self.outputs
             .push(Box::new(OutputPort::<T>::new(schema.clone())));
         self.declaration.outputs.push(port(name, schema, doc));
@@ -223,7 +223,7 @@ impl Interface {
         }
         self.handlers[port].push(handler);
         let service = &mut services[port];
-        let problem = join(
+        let problem = add_operation(
             name,
             &service.interface,
             interface,
@@ -259,7 +259,7 @@ impl Interface {
         }
         let reference = &mut references[port];
         let operations = &mut reference.operations;
-        let problem = join(name, &reference.interface, interface, operations, operation);
+        let problem = add_operation(name, &reference.interface, interface, operations, operation);
         self.problems.extend(problem);
         let operation = reference.operations.len() - 1;
         self.required.push(OperationSlot { port, operation });
@@ -272,9 +272,9 @@ impl Interface {
     ) -> Property<T> {
         let declaration = slot.declaration().clone();
         let known = self.declaration.property(&declaration.name).is_some();
-        self.refuse_twice(known, "property", &declaration.name);
+        self.check_unique(known, "property", &declaration.name);
         if let Err(error) = slot.check(&declaration.default) {
-            self.problems.push(DeclarationError::BadDefault {
+            self.problems.push(DeclarationError::InvalidDefault {
                 name: declaration.name.clone(),
                 reason: error.to_string(),
             });
@@ -287,7 +287,7 @@ impl Interface {
     /// Converts a property's value to a datum. A value that cannot be represented is recorded as a problem.
     pub(crate) fn datum_of<T: PropertyValue>(&mut self, property: &str, value: &T) -> Datum {
         Datum::of(value).unwrap_or_else(|error| {
-            self.problems.push(DeclarationError::BadDefault {
+            self.problems.push(DeclarationError::InvalidDefault {
                 name: property.to_owned(),
                 reason: error.to_string(),
             });
@@ -295,10 +295,11 @@ impl Interface {
         })
     }
 
-    fn refuse_twice(&mut self, known: bool, what: &'static str, name: &str) {
-        if known {
+    fn check_unique(&mut self, is_declared: bool, kind: &'static str, name: &str) {
+        if is_declared {
             let name = name.to_owned();
-            self.problems.push(DeclarationError::Twice { what, name });
+            self.problems
+                .push(DeclarationError::Duplicate { kind, name });
         }
     }
 }
@@ -329,7 +330,7 @@ fn operation_of(name: &str) -> OperationDeclaration {
 
 /// Adds an operation to a service or reference. Returns the contradiction if the interface differs or the name is
 /// taken.
-fn join(
+fn add_operation(
     name: &str,
     first: &str,
     second: &str,
@@ -338,14 +339,14 @@ fn join(
 ) -> Option<DeclarationError> {
     let known = operations.iter().any(|known| known.name == operation.name);
     let problem = if first != second {
-        Some(DeclarationError::TwoInterfaces {
+        Some(DeclarationError::ConflictingInterfaces {
             name: name.to_owned(),
             first: first.to_owned(),
             second: second.to_owned(),
         })
     } else if known {
-        Some(DeclarationError::Twice {
-            what: "operation",
+        Some(DeclarationError::Duplicate {
+            kind: "operation",
             name: format!("{name}.{}", operation.name),
         })
     } else {

@@ -54,23 +54,20 @@ pub enum PropertyProblem {
         source: DatumError,
     },
     /// The value is outside the range.
-    #[error(
-        "must be between {least} and {greatest}{}{unit}, not {value}",
-        space(unit)
-    )]
+    #[error("must be between {min} and {max}{}{unit}, not {value}", space(unit))]
     OutOfRange {
         /// The rejected value.
         value: Datum,
         /// The least allowed value.
-        least: Datum,
+        min: Datum,
         /// The greatest allowed value.
-        greatest: Datum,
+        max: Datum,
         /// Unit of the three values; empty without one.
         unit: String,
     },
     /// The value is none of the choices.
     #[error("must be one of {}, not {value}", list(choices))]
-    NoChoice {
+    NotAChoice {
         /// The rejected value.
         value: Datum,
         /// The allowed values.
@@ -100,7 +97,7 @@ pub(crate) struct Slot<T> {
     pub declaration: PropertyDeclaration,
     pub value: T,
     /// The staged value, which `apply` puts into effect.
-    pub next: Option<T>,
+    pub staged: Option<T>,
     pub check: Check<T>,
     /// Number of changes of all properties of the component.
     pub revision: Arc<AtomicU64>,
@@ -124,14 +121,14 @@ pub trait AnyProperty: Any + Send {
     fn check(&self, value: &Datum) -> Result<(), PropertyProblem>;
 
     /// Stages an allowed value; [`AnyProperty::apply`] puts it into effect.
-    fn prepare(&mut self, value: &Datum);
+    fn stage(&mut self, value: &Datum);
 
     /// Returns the staged value; `None` if there is none.
     ///
     /// # Errors
     ///
     /// An error if the value cannot be represented as a datum.
-    fn prepared(&self) -> Result<Option<Datum>, DatumError>;
+    fn staged(&self) -> Result<Option<Datum>, DatumError>;
 
     /// Puts the staged value into effect. Returns whether there was one.
     fn apply(&mut self) -> bool;
@@ -158,13 +155,13 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
         {
             return Err(PropertyProblem::OutOfRange {
                 value: value.clone(),
-                least: least.clone(),
-                greatest: greatest.clone(),
+                min: least.clone(),
+                max: greatest.clone(),
                 unit: declaration.unit.clone(),
             });
         }
         if !declaration.choices.is_empty() && !declaration.choices.contains(value) {
-            return Err(PropertyProblem::NoChoice {
+            return Err(PropertyProblem::NotAChoice {
                 value: value.clone(),
                 choices: declaration.choices.clone(),
             });
@@ -172,16 +169,16 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
         Ok(())
     }
 
-    fn prepare(&mut self, value: &Datum) {
-        self.next = value.to().ok();
+    fn stage(&mut self, value: &Datum) {
+        self.staged = value.to().ok();
     }
 
-    fn prepared(&self) -> Result<Option<Datum>, DatumError> {
-        self.next.as_ref().map(Datum::of).transpose()
+    fn staged(&self) -> Result<Option<Datum>, DatumError> {
+        self.staged.as_ref().map(Datum::of).transpose()
     }
 
     fn apply(&mut self) -> bool {
-        let Some(next) = self.next.take() else {
+        let Some(next) = self.staged.take() else {
             return false;
         };
         self.value = next;

@@ -72,7 +72,7 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
         let slot = Slot {
             declaration: self.declaration,
             value: self.value,
-            next: None,
+            staged: None,
             check: self.check,
             revision: Arc::clone(self.interface.revision()),
         };

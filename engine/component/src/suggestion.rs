@@ -1,8 +1,11 @@
 //! Suggestions for a name that does not exist.
 
 /// The known name with the smallest edit distance; `None` if even that exceeds a third of the length.
-pub fn suggestion_among<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
-    known
+pub fn suggestion_among<'a>(
+    name: &str,
+    candidates: impl Iterator<Item = &'a str>,
+) -> Option<String> {
+    candidates
         .map(|known| (strsim::damerau_levenshtein(name, known), known))
         .filter(|(distance, known)| *distance <= known.len().max(name.len()) / 3)
         .min()

@@ -56,7 +56,7 @@ impl Wire {
     }
 
     /// The pause after this many attempts.
-    pub fn rest_after(&self, attempts: u32) -> Duration {
+    pub fn retry_delay(&self, attempts: u32) -> Duration {
         let doublings = attempts.saturating_sub(1);
         self.backoff.saturating_mul(2_u32.saturating_pow(doublings))
     }

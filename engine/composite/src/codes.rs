@@ -137,7 +137,7 @@ pub const CODES: &[&Code] = &[
     c032::ReferenceWiredTwice::CODE,
     c033::NoTimeout::CODE,
     c034::AwaitsSeveral::CODE,
-    c035::OwnMaster::CODE,
+    c035::MasterCycle::CODE,
     c040::WrongDirection::CODE,
     c041::NoComponentJoined::CODE,
     c042::ConnectionMismatch::CODE,

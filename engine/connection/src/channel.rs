@@ -93,7 +93,7 @@ impl<T> Receiver<T> {
         match &self.0 {
             ReceiverKind::Newest(reader) => reader.is_abandoned(),
             ReceiverKind::Buffer(reader) => reader.is_abandoned(),
-            ReceiverKind::Shared(shared) => shared.is_last(),
+            ReceiverKind::Shared(shared) => shared.is_sole_owner(),
         }
     }
 
@@ -106,30 +106,30 @@ impl<T> Receiver<T> {
         }
     }
 
-    /// Passes all samples that are there at the time of the call to `give`, so that a writer faster than the reader
+    /// Passes all samples that are there at the time of the call to `f`, so that a writer faster than the reader
     /// cannot keep it here forever.
-    pub fn drain(&mut self, mut give: impl FnMut(T)) {
+    pub fn drain(&mut self, mut f: impl FnMut(T)) {
         for _ in 0..self.len() {
             let Some(sample) = self.take() else { return };
-            give(sample);
+            f(sample);
         }
     }
 }
 
 impl<T> Receiver<T> {
-    /// Passes the unread values to `see`, in order, without consuming them. Intended for connections whose ends are
+    /// Passes the unread values to `f`, in order, without consuming them. Intended for connections whose ends are
     /// idle.
     ///
     /// A value sent concurrently is not lost, but in a queue shared by several writers the order may change.
-    pub fn look(&mut self, mut see: impl FnMut(&T)) {
+    pub fn peek_each(&mut self, mut f: impl FnMut(&T)) {
         match &mut self.0 {
-            ReceiverKind::Newest(reader) => reader.look(see),
-            ReceiverKind::Buffer(reader) => reader.look(see),
+            ReceiverKind::Newest(reader) => reader.peek_each(f),
+            ReceiverKind::Buffer(reader) => reader.peek_each(f),
             // rotates the queue once
             ReceiverKind::Shared(shared) => {
                 for _ in 0..shared.len() {
                     let Some(sample) = shared.pop() else { return };
-                    see(&sample);
+                    f(&sample);
                     shared.push(sample);
                 }
             }
@@ -143,7 +143,7 @@ mod tests {
     use crate::pool::Pool;
 
     /// All implementations for a kind of buffer, each with one writer and one reader.
-    fn every_way(kind: BufferKind) -> [(Sender<u64>, Receiver<u64>); 4] {
+    fn all_channels(kind: BufferKind) -> [(Sender<u64>, Receiver<u64>); 4] {
         let ends = |pool: Pool<u64>| (pool.sender(), pool.receiver());
         [
             channel(kind),
@@ -154,7 +154,7 @@ mod tests {
     }
 
     fn send_and_drain(kind: BufferKind, count: u64, kept: &[u64], dropped: usize) {
-        for (mut sender, mut receiver) in every_way(kind) {
+        for (mut sender, mut receiver) in all_channels(kind) {
             let deliveries = (0..count).map(|n| sender.send(n));
             let lost = deliveries.filter(|delivery| *delivery != PushOutcome::Stored);
             assert_eq!(lost.count(), dropped, "{kind:?}");
@@ -172,12 +172,12 @@ mod tests {
             BufferKind::Buffer(3),
             BufferKind::Circular(3),
         ] {
-            for (mut sender, mut receiver) in every_way(kind) {
+            for (mut sender, mut receiver) in all_channels(kind) {
                 for n in 0..4 {
                     sender.send(n);
                 }
                 let mut seen = Vec::new();
-                receiver.look(|sample| seen.push(*sample));
+                receiver.peek_each(|sample| seen.push(*sample));
                 let mut got = Vec::new();
                 receiver.drain(|sample| got.push(sample));
                 assert_eq!((seen.len(), seen), (kind.size(), got), "{kind:?}");

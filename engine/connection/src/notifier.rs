@@ -56,11 +56,11 @@ impl Notifier {
 
     /// Waits for a notification, at most this long. Returns whether there was one since the last wait. Only one thread
     /// may wait at a time: the wait of a second thread may last its full time.
-    pub fn wait(&self, at_most: Duration) -> bool {
+    pub fn wait(&self, timeout: Duration) -> bool {
         *self.thread.lock().unwrap_or_else(PoisonError::into_inner) = Some(std::thread::current());
         self.waiting.store(true, Ordering::SeqCst);
         if !self.notified.load(Ordering::SeqCst) {
-            std::thread::park_timeout(at_most);
+            std::thread::park_timeout(timeout);
         }
         self.waiting.store(false, Ordering::SeqCst);
         self.notified.swap(false, Ordering::SeqCst)

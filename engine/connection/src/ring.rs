@@ -21,16 +21,16 @@ struct Ring<T> {
     /// Capacity in values.
     size: usize,
     /// Number of values written since the beginning; stored by the writer.
-    written: Padded<AtomicUsize>,
+    write_index: Padded<AtomicUsize>,
     /// Number of values taken since the beginning; stored by the reader.
-    taken: Padded<AtomicUsize>,
+    read_index: Padded<AtomicUsize>,
 }
 
-// SAFETY: a slot is reached by one end at a time. The writer accesses slot `written` only while fewer than `size`
+// SAFETY: a slot is reached by one end at a time. The writer accesses slot `write_index` only while fewer than `size`
 // values are in the ring, so the reader has taken the slot's previous value; it passes the slot to the reader by a
-// release store of `written`. The reader accesses slot `taken` only after an acquire load has shown that `written` is
-// beyond it, and returns it by a release store of `taken`, which the writer loads with acquire before it writes there
-// again. Values are moved between threads, never shared: `T: Send` suffices.
+// release store of `write_index`. The reader accesses slot `read_index` only after an acquire load has shown that
+// `write_index` is beyond it, and returns it by a release store of `read_index`, which the writer loads with acquire
+// before it writes there again. Values are moved between threads, never shared: `T: Send` suffices.
 unsafe impl<T: Send> Sync for Ring<T> {}
 // SAFETY: as above; the ring owns its values.
 unsafe impl<T: Send> Send for Ring<T> {}
@@ -38,17 +38,17 @@ unsafe impl<T: Send> Send for Ring<T> {}
 /// Writing end of the ring.
 pub(crate) struct RingWriter<T> {
     ring: Arc<Ring<T>>,
-    written: usize,
+    write_index: usize,
     /// Lower bound of the values taken: the last number read from the reader.
-    taken: usize,
+    read_index: usize,
 }
 
 /// Reading end of the ring.
 pub(crate) struct RingReader<T> {
     ring: Arc<Ring<T>>,
-    taken: usize,
+    read_index: usize,
     /// Lower bound of the values written: the last number read from the writer.
-    written: usize,
+    write_index: usize,
 }
 
 /// Creates an empty ring for `size` values.
@@ -58,18 +58,18 @@ pub(crate) fn ring<T>(size: usize) -> (RingWriter<T>, RingReader<T>) {
     let ring = Arc::new(Ring {
         slots: slots.collect(),
         size,
-        written: Padded(AtomicUsize::new(0)),
-        taken: Padded(AtomicUsize::new(0)),
+        write_index: Padded(AtomicUsize::new(0)),
+        read_index: Padded(AtomicUsize::new(0)),
     });
     let reader = RingReader {
         ring: Arc::clone(&ring),
-        taken: 0,
-        written: 0,
+        read_index: 0,
+        write_index: 0,
     };
     let writer = RingWriter {
         ring,
-        written: 0,
-        taken: 0,
+        write_index: 0,
+        read_index: 0,
     };
     (writer, reader)
 }
@@ -88,18 +88,20 @@ impl<T> RingWriter<T> {
     #[inline(always)]
     pub(crate) fn push(&mut self, value: T) -> bool {
         let ring = &*self.ring;
-        if self.written.wrapping_sub(self.taken) == ring.size {
-            self.taken = ring.taken.0.load(Ordering::Acquire);
-            if self.written.wrapping_sub(self.taken) == ring.size {
+        if self.write_index.wrapping_sub(self.read_index) == ring.size {
+            self.read_index = ring.read_index.0.load(Ordering::Acquire);
+            if self.write_index.wrapping_sub(self.read_index) == ring.size {
                 return false;
             }
         }
-        ring.slot(self.written).with_mut(|slot| {
+        ring.slot(self.write_index).with_mut(|slot| {
             // SAFETY: there is room, so the slot belongs to the writer; `&mut self` excludes other writers
             unsafe { (*slot).write(value) };
         });
-        self.written = self.written.wrapping_add(1);
-        ring.written.0.store(self.written, Ordering::Release);
+        self.write_index = self.write_index.wrapping_add(1);
+        ring.write_index
+            .0
+            .store(self.write_index, Ordering::Release);
         true
     }
 }
@@ -109,31 +111,31 @@ impl<T> RingReader<T> {
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> Option<T> {
         let ring = &*self.ring;
-        if self.taken == self.written {
-            self.written = ring.written.0.load(Ordering::Acquire);
-            if self.taken == self.written {
+        if self.read_index == self.write_index {
+            self.write_index = ring.write_index.0.load(Ordering::Acquire);
+            if self.read_index == self.write_index {
                 return None;
             }
         }
-        let slot = ring.slot(self.taken);
-        self.taken = self.taken.wrapping_add(1);
+        let slot = ring.slot(self.read_index);
+        self.read_index = self.read_index.wrapping_add(1);
         slot.with(|slot| {
             // SAFETY: the value has been written and not taken, so the slot belongs to the reader and is initialised.
-            // It is moved out once, because `taken` is incremented before; `&mut self` excludes other readers.
+            // It is moved out once, because `read_index` is incremented before; `&mut self` excludes other readers.
             let value = Some(unsafe { (*slot).assume_init_read() });
-            ring.taken.0.store(self.taken, Ordering::Release);
+            ring.read_index.0.store(self.read_index, Ordering::Release);
             value
         })
     }
 
-    /// Passes every unread value to `see` without consuming it.
-    pub(crate) fn look(&mut self, mut see: impl FnMut(&T)) {
+    /// Passes every unread value to `f` without consuming it.
+    pub(crate) fn peek_each(&mut self, mut f: impl FnMut(&T)) {
         for ahead in 0..self.len() {
-            let slot = self.ring.slot(self.taken.wrapping_add(ahead));
+            let slot = self.ring.slot(self.read_index.wrapping_add(ahead));
             slot.with(|slot| {
                 // SAFETY: the slot has been written and not been consumed, so it belongs to the reader and is
-                // initialised; the writer cannot reuse it before `taken` grows, which requires `&mut self`.
-                see(unsafe { (*slot).assume_init_ref() });
+                // initialised; the writer cannot reuse it before `read_index` grows, which requires `&mut self`.
+                f(unsafe { (*slot).assume_init_ref() });
             });
         }
     }
@@ -145,15 +147,15 @@ impl<T> RingReader<T> {
 
     /// Returns the number of values that can be taken now.
     pub(crate) fn len(&mut self) -> usize {
-        self.written = self.ring.written.0.load(Ordering::Acquire);
-        self.written.wrapping_sub(self.taken)
+        self.write_index = self.ring.write_index.0.load(Ordering::Acquire);
+        self.write_index.wrapping_sub(self.read_index)
     }
 }
 
 impl<T> Drop for Ring<T> {
     fn drop(&mut self) {
-        let written = self.written.0.load(Ordering::Relaxed);
-        let mut number = self.taken.0.load(Ordering::Relaxed);
+        let written = self.write_index.0.load(Ordering::Relaxed);
+        let mut number = self.read_index.0.load(Ordering::Relaxed);
         while number != written {
             self.slot(number).with_mut(|slot| {
                 // SAFETY: both ends have been dropped, and the values written and not taken are still initialised

@@ -65,13 +65,13 @@ impl<T> SharedBuffer<T> {
         }
     }
 
-    pub(crate) fn is_last(&self) -> bool {
+    pub(crate) fn is_sole_owner(&self) -> bool {
         let shares = match self {
             Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => {
                 Arc::strong_count(queue)
             }
             Self::Locked(store) => Arc::strong_count(store),
-            Self::Unsync(store) => store.shares(),
+            Self::Unsync(store) => store.strong_count(),
         };
         shares == 1
     }

@@ -33,9 +33,9 @@ impl<T> Store<T> {
                 (PushOutcome::DroppedOldest, oldest)
             }
             BufferKind::Data => {
-                let before = self.queue.pop_front();
+                let oldest = self.queue.pop_front();
                 self.queue.push_back(value);
-                (PushOutcome::Stored, before)
+                (PushOutcome::Stored, oldest)
             }
         }
     }

@@ -23,12 +23,12 @@ impl<T> UnsafeCell<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn with<R>(&self, act: impl FnOnce(*const T) -> R) -> R {
-        act(self.0.get())
+    pub(crate) fn with<R>(&self, f: impl FnOnce(*const T) -> R) -> R {
+        f(self.0.get())
     }
 
     #[inline(always)]
-    pub(crate) fn with_mut<R>(&self, act: impl FnOnce(*mut T) -> R) -> R {
-        act(self.0.get())
+    pub(crate) fn with_mut<R>(&self, f: impl FnOnce(*mut T) -> R) -> R {
+        f(self.0.get())
     }
 }

@@ -54,14 +54,14 @@ pub(crate) fn triple<T>() -> (TripleWriter<T>, TripleReader<T>) {
 }
 
 impl<T> Slots<T> {
-    /// Calls `act` with the content of a slot.
+    /// Calls `f` with the content of a slot.
     ///
     /// # Safety
     /// The slot must be the caller's own; see the argument at `Sync`.
-    unsafe fn with<R>(&self, slot: u8, act: impl FnOnce(&mut Option<T>) -> R) -> R {
+    unsafe fn with<R>(&self, slot: u8, f: impl FnOnce(&mut Option<T>) -> R) -> R {
         self.slots[usize::from(slot)].with_mut(|content| {
             // SAFETY: the caller owns the slot, so no other reference to its content exists.
-            act(unsafe { &mut *content })
+            f(unsafe { &mut *content })
         })
     }
 }
@@ -74,9 +74,9 @@ impl<T> TripleWriter<T> {
             self.shared
                 .with(self.slot, |content| *content = Some(value))
         };
-        let before = self.shared.middle.swap(self.slot | FRESH, Ordering::AcqRel);
-        self.slot = before & SLOT;
-        before & FRESH != 0
+        let previous = self.shared.middle.swap(self.slot | FRESH, Ordering::AcqRel);
+        self.slot = previous & SLOT;
+        previous & FRESH != 0
     }
 }
 
@@ -86,13 +86,13 @@ impl<T> TripleReader<T> {
         Arc::strong_count(&self.shared) == 1
     }
 
-    /// Passes the newest value to `see` without consuming it, unless it has been consumed before. A value published
+    /// Passes the newest value to `f` without consuming it, unless it has been consumed before. A value published
     /// concurrently is kept instead.
-    pub(crate) fn look(&mut self, mut see: impl FnMut(&T)) {
+    pub(crate) fn peek_each(&mut self, mut f: impl FnMut(&T)) {
         let Some(value) = self.take() else {
             return;
         };
-        see(&value);
+        f(&value);
         // SAFETY: `self.slot` belongs to the reader, and `&mut self` excludes other readers.
         unsafe {
             self.shared
@@ -125,8 +125,8 @@ impl<T> TripleReader<T> {
         if self.shared.middle.load(Ordering::Relaxed) & FRESH == 0 {
             return None;
         }
-        let before = self.shared.middle.swap(self.slot, Ordering::AcqRel);
-        self.slot = before & SLOT;
+        let previous = self.shared.middle.swap(self.slot, Ordering::AcqRel);
+        self.slot = previous & SLOT;
         // SAFETY: `self.slot` is the reader's own; `&mut self` excludes other readers
         unsafe { self.shared.with(self.slot, Option::take) }
     }
@@ -151,11 +151,11 @@ mod tests {
     #[test]
     fn a_value_that_was_looked_at_is_still_there() {
         let (mut writer, mut reader) = triple();
-        reader.look(|_: &i32| unreachable!());
+        reader.peek_each(|_: &i32| unreachable!());
         writer.write(1);
         for _ in 0..3 {
             let mut seen = None;
-            reader.look(|value| seen = Some(*value));
+            reader.peek_each(|value| seen = Some(*value));
             assert_eq!(seen, Some(1));
         }
         writer.write(2);
@@ -199,7 +199,7 @@ mod exhaustively {
                 writer.write([2, 2]);
                 writer.write([3, 3]);
             });
-            reader.look(|[a, b]| assert_eq!(a, b, "torn"));
+            reader.peek_each(|[a, b]| assert_eq!(a, b, "torn"));
             assert!(writing.join().is_ok());
             assert_eq!(reader.take(), Some([3, 3]));
         });

@@ -26,18 +26,18 @@ impl<T> Unsync<T> {
         Self(Arc::new(UnsyncCell(UnsafeCell::new(content))))
     }
 
-    /// Calls `act` with the content. `act` must not access this cell again: it moves values in and out, and drops none.
+    /// Calls `f` with the content. `f` must not access this cell again: it moves values in and out, and drops none.
     #[inline]
-    pub(crate) fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R {
+    pub(crate) fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> R {
         // SAFETY: no other thread is here, by the contract of `new`. This call is not nested, because all callers are
         // in `shared_buffer` and only move values in and out of a `Store`, which calls no foreign code.
-        act(unsafe { &mut *self.0.0.get() })
+        f(unsafe { &mut *self.0.0.get() })
     }
 }
 
 impl<T> Unsync<T> {
     /// Returns the number of shares.
-    pub(crate) fn shares(&self) -> usize {
+    pub(crate) fn strong_count(&self) -> usize {
         Arc::strong_count(&self.0)
     }
 }

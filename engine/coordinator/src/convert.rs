@@ -23,7 +23,7 @@ pub(crate) fn value_of(datum: &Datum, shape: &ValueShape, program: &Program) -> 
         (Datum::Int(number), ValueShape::Domain(domain)) => integer_of(*number, *domain, program),
         (Datum::Float(number), ValueShape::Real | ValueShape::Any) => Some(Value::real(*number)),
         (Datum::Text(text), ValueShape::Text | ValueShape::Any) => Some(Value::text(text.as_str())),
-        (Datum::Text(text), ValueShape::Domain(domain)) => literal_of(text, *domain, program),
+        (Datum::Text(text), ValueShape::Domain(domain)) => literal_value(text, *domain, program),
         (Datum::List(items), ValueShape::Seq(item)) => each(items, item).map(Value::seq),
         (Datum::List(items), ValueShape::Set(item)) => each(items, item).map(Value::set),
         (Datum::List(items), ValueShape::Bag(item)) => each(items, item).map(Value::bag),
@@ -90,7 +90,7 @@ fn integer_of(number: i64, domain: DomainId, program: &Program) -> Option<Value>
 }
 
 /// The enum literal or constant with this name in a domain.
-pub(crate) fn literal_of(name: &str, domain: DomainId, program: &Program) -> Option<Value> {
+pub(crate) fn literal_value(name: &str, domain: DomainId, program: &Program) -> Option<Value> {
     let DomainElements::Atoms { first, count } = program.domains.get(domain.0 as usize)?.elements
     else {
         return None;

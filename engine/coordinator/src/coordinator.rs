@@ -115,7 +115,7 @@ impl Component for Coordinator {
             .receive(cycle, &self.requests, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
         self.inbox.losses.misfits += self.partners.receive(cycle, &mut self.machine);
-        self.follow_health(cycle);
+        self.update_bus_health(cycle);
         self.inbox.freeze(cycle.now(), &mut self.frame);
         let stepped = self
             .machine
@@ -137,11 +137,11 @@ impl Component for Coordinator {
         let (inbox, requests) = (&mut self.inbox, &mut self.requests);
         self.outbox
             .send(&self.machine, &step, cycle, inbox, requests);
-        self.requests.settle(cycle);
+        self.requests.reply_to_open(cycle);
         self.partners.send(&self.machine, cycle);
-        self.tell_losses(cycle)?;
-        if self.inbox.has_more() {
-            cycle.again();
+        self.report_losses(cycle)?;
+        if self.inbox.has_waiting_events() {
+            cycle.request_cycle();
         }
         Ok(())
     }
@@ -155,7 +155,7 @@ impl Component for Coordinator {
 
 impl Coordinator {
     /// Reports the losses if they have increased.
-    fn tell_losses(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+    fn report_losses(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let losses = self.inbox.losses;
         if losses != self.reported {
             self.reported = losses;
@@ -166,7 +166,7 @@ impl Coordinator {
     }
 
     /// Marks the machine's channels as down while the bus is not up, so that messages are not sent.
-    fn follow_health(&mut self, cycle: &Cycle<'_>) {
+    fn update_bus_health(&mut self, cycle: &Cycle<'_>) {
         let Some(port) = self.health else { return };
         if let Flow::NewData(health) = cycle.read(port)
             && let Some(state) = health.get("state")

@@ -2,9 +2,9 @@
 
 use crate::bind_error::BindError;
 use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
-use crate::convert::{datum_of, literal_of};
+use crate::convert::{datum_of, literal_value};
 use crate::inputs::MessageInputs;
-use crate::requests::{Requests, WaitingCaller, superseded};
+use crate::requests::{Requests, WaitingCaller, superseded_fault};
 use asmotion_component::{
     CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault,
 };
@@ -27,7 +27,7 @@ pub(crate) struct EffectHandles {
 
 /// The bound out functions of a specification, and their calls under way.
 pub(crate) struct EffectOutbox {
-    outs: Vec<BoundOutput>,
+    outputs: Vec<BoundOutput>,
     /// Responses by the names under which they are kept.
     pub kept: BTreeMap<String, Datum>,
     pub pending: Vec<PendingOutcome>,
@@ -140,7 +140,7 @@ impl EffectOutbox {
             .map(|(_, operation)| *operation)
             .collect();
         Ok(Self {
-            outs,
+            outputs: outs,
             kept: BTreeMap::new(),
             pending: Vec::new(),
             ports: handles.inputs,
@@ -160,7 +160,7 @@ impl EffectOutbox {
                     outcome, caller, ..
                 } = self.pending.remove(index);
                 if let Some(caller) = caller {
-                    cycle.reply(caller.handle, caller.request, forwarded(&result));
+                    cycle.reply(caller.handle, caller.request, forwarded_result(&result));
                 }
                 let event = match result {
                     Ok(reply) => {
@@ -198,7 +198,7 @@ impl EffectOutbox {
         inbox: &mut MessageInputs,
         requests: &mut Requests,
     ) {
-        for out in &self.outs {
+        for out in &self.outputs {
             let slot = machine.state().slot(machine.program(), out.function, &[]);
             let update = step
                 .updates()
@@ -207,12 +207,12 @@ impl EffectOutbox {
                 .find(|(update, _)| Some(update.slot) == slot);
             match &out.effect {
                 BoundEffect::Publish { port, field, when } => {
-                    let due = match (when, &update) {
+                    let is_due = match (when, &update) {
                         (PublishWhen::EveryStep, _) | (PublishWhen::OnUpdate, Some(_)) => true,
                         (PublishWhen::OnChange, Some((update, before))) => update.value != **before,
                         (PublishWhen::OnUpdate | PublishWhen::OnChange, None) => false,
                     };
-                    if let (true, Some(slot)) = (due, slot) {
+                    if let (true, Some(slot)) = (is_due, slot) {
                         let value = datum_of(machine.state().get(slot), &machine.naming());
                         let message = match field {
                             Some(field) => Datum::record([(field.clone(), value)]),
@@ -228,28 +228,28 @@ impl EffectOutbox {
                     for pending in self.pending.extract_if(.., is_answered) {
                         cycle.cancel(pending.call);
                         if let Some(caller) = pending.caller {
-                            cycle.reply(caller.handle, caller.request, Err(superseded()));
+                            cycle.reply(caller.handle, caller.request, Err(superseded_fault()));
                         }
                     }
-                    inbox.withdraw(out.function);
+                    inbox.remove_outcomes(out.function);
                     let case = cases.iter().find(|(literal, _)| *literal == update.value);
                     for action in case.into_iter().flat_map(|(_, actions)| actions) {
                         match action {
                             BoundAction::Publish { port, value } => {
-                                match compose(value, &self.known(requests), cycle) {
+                                match evaluate(value, &self.context(requests), cycle) {
                                     Ok(message) => cycle.write(*port, message),
-                                    Err(missing) => unsent(&missing, cycle),
+                                    Err(missing) => report_unsent(&missing, cycle),
                                 }
                             }
                             BoundAction::Call {
                                 operation,
                                 with,
                                 outcome,
-                            } => match compose(with, &self.known(requests), cycle) {
+                            } => match evaluate(with, &self.context(requests), cycle) {
                                 Ok(argument) => {
                                     let service = outcome.reply.as_ref();
                                     let caller =
-                                        service.and_then(|name| requests.claim(name, cycle));
+                                        service.and_then(|name| requests.take_newest(name, cycle));
                                     self.pending.push(PendingOutcome {
                                         call: cycle.call(*operation, argument),
                                         outcome: outcome.clone(),
@@ -257,7 +257,7 @@ impl EffectOutbox {
                                     });
                                 }
                                 Err(missing) => {
-                                    unsent(&missing, cycle);
+                                    report_unsent(&missing, cycle);
                                     outcome.fail(inbox);
                                 }
                             },
@@ -270,8 +270,8 @@ impl EffectOutbox {
 }
 
 /// Iterates over the outcome effects of the calls in a binding.
-fn outcomes(outs: &mut [BoundOutput]) -> impl Iterator<Item = &mut OutcomeEffect> {
-    let cases = outs.iter_mut().flat_map(|out| match &mut out.effect {
+fn outcomes(outputs: &mut [BoundOutput]) -> impl Iterator<Item = &mut OutcomeEffect> {
+    let cases = outputs.iter_mut().flat_map(|out| match &mut out.effect {
         BoundEffect::Literals(cases) => cases.as_mut_slice(),
         BoundEffect::Publish { .. } => &mut [],
     });
@@ -286,10 +286,10 @@ fn outcomes(outs: &mut [BoundOutput]) -> impl Iterator<Item = &mut OutcomeEffect
 impl EffectOutbox {
     /// Returns the outcome effect of the call at this position.
     pub fn outcome(&mut self, number: usize) -> Option<OutcomeEffect> {
-        outcomes(&mut self.outs).nth(number).cloned()
+        outcomes(&mut self.outputs).nth(number).cloned()
     }
 
-    fn known<'k>(&'k self, requests: &'k Requests) -> EffectContext<'k> {
+    fn context<'k>(&'k self, requests: &'k Requests) -> EffectContext<'k> {
         EffectContext {
             kept: &self.kept,
             ports: &self.ports,
@@ -377,7 +377,7 @@ fn literal(
         .get(function.0 as usize)
         .map(|function| &function.codomain)
     {
-        Some(ValueShape::Domain(domain)) => literal_of(literal, *domain, program),
+        Some(ValueShape::Domain(domain)) => literal_value(literal, *domain, program),
         Some(ValueShape::Bool) => literal.parse().ok().map(Value::Bool),
         Some(ValueShape::Int | ValueShape::Natural) => literal.parse().ok().map(Value::Int),
         Some(ValueShape::Text) => Some(Value::text(literal)),
@@ -392,16 +392,16 @@ fn literal(
 /// Kind of the report that an action was skipped, with the name of the missing message.
 pub const UNSENT_REPORT: &str = "asm/Unsent";
 
-fn unsent(missing: &str, cycle: &mut Cycle<'_>) {
+fn report_unsent(missing: &str, cycle: &mut Cycle<'_>) {
     cycle.report(UNSENT_REPORT, Datum::text(missing));
 }
 
 /// The reply to the caller on whose behalf a call was made.
-fn forwarded(result: &Result<Datum, CallError>) -> Result<Datum, ServiceFault> {
+fn forwarded_result(result: &Result<Datum, CallError>) -> Result<Datum, ServiceFault> {
     let fault = match result {
         Ok(_) => return Ok(Datum::Record(Vec::new())),
         Err(CallError::Fault(fault)) => return Err(fault.clone()),
-        Err(CallError::Cancelled) => return Err(superseded()),
+        Err(CallError::Cancelled) => return Err(superseded_fault()),
         Err(error @ CallError::Timeout) => ("TIMEOUT", error),
         Err(error @ CallError::Unavailable) => ("UNAVAILABLE", error),
     };
@@ -418,7 +418,7 @@ struct EffectContext<'k> {
 
 impl EffectContext<'_> {
     /// The kept response, the newest message or the newest request with this name.
-    fn get<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<&'k Datum> {
+    fn datum<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<&'k Datum> {
         let received = || {
             let (_, port) = self.ports.iter().find(|(port, _)| port == name)?;
             cycle.read(*port).any()
@@ -432,9 +432,9 @@ impl EffectContext<'_> {
 ///
 /// # Errors
 /// The name of a response, port or service without data yet. Zeros in their place would look like real data.
-fn compose(
+fn evaluate(
     argument: &Argument,
-    known: &EffectContext<'_>,
+    context: &EffectContext<'_>,
     cycle: &Cycle<'_>,
 ) -> Result<Datum, String> {
     match argument {
@@ -442,7 +442,7 @@ fn compose(
         Argument::Value(value) => Ok(value.datum.clone()),
         Argument::Record(fields) => {
             let compose_field = |(name, field): &(String, Argument)| {
-                Ok((name.clone(), compose(field, known, cycle)?))
+                Ok((name.clone(), evaluate(field, context, cycle)?))
             };
             let fields = fields
                 .iter()
@@ -451,10 +451,10 @@ fn compose(
             Ok(Datum::record(fields))
         }
         Argument::Kept { name, path } => {
-            let whole = known.get(name, cycle);
+            let datum = context.datum(name, cycle);
             let part = match path {
-                Some(path) => whole.and_then(|whole| whole.get(path)),
-                None => whole.map(Cow::Borrowed),
+                Some(path) => datum.and_then(|whole| whole.get(path)),
+                None => datum.map(Cow::Borrowed),
             };
             part.map(Cow::into_owned).ok_or_else(|| match path {
                 Some(path) => format!("{name}.{path}"),

@@ -92,12 +92,12 @@ fn packed(value: &Value) -> PackedValue {
     PackedValue::from(pack_value(value))
 }
 
-fn foreign(what: impl Into<String>) -> ThawProblem {
+fn foreign_state(what: impl Into<String>) -> ThawProblem {
     ThawProblem::Foreign(what.into())
 }
 
-fn another_program(_: ForeignSnapshot) -> ThawProblem {
-    foreign("its machine ran another specification")
+fn foreign_program(_: ForeignSnapshot) -> ThawProblem {
+    foreign_state("its machine ran another specification")
 }
 
 impl FrozenInput {
@@ -150,8 +150,8 @@ impl Coordinator {
             call: *call,
             message: made.message.0,
             from: packed(&made.from),
-            waits: made.waits,
-            asked: made.asked,
+            waits: made.is_synchronous,
+            asked: made.operation_index,
         });
         let requests = self.partners.requests.iter();
         let state = FrozenCoordinator {
@@ -176,34 +176,34 @@ impl Coordinator {
     /// Restores a state; on error the coordinator is unchanged.
     pub(crate) fn thawed(&mut self, state: &FrozenState) -> Result<(), ThawError> {
         let frozen = state.read(COMPONENT, VERSION)?;
-        self.take_over(frozen).map_err(|problem| ThawError {
+        self.restore(frozen).map_err(|problem| ThawError {
             component: COMPONENT.to_owned(),
             problem,
         })
     }
 
-    fn take_over(&mut self, frozen: FrozenCoordinator) -> Result<(), ThawProblem> {
+    fn restore(&mut self, frozen: FrozenCoordinator) -> Result<(), ThawProblem> {
         if frozen.fingerprint != self.fingerprint {
             let (was, is) = (&frozen.specification, &self.specification.model.name);
-            return Err(foreign(format!(
+            return Err(foreign_state(format!(
                 "it ran `{was}` with another text or binding than this coordinator of `{is}`"
             )));
         }
-        let snapshot = Snapshot::from_bytes(&frozen.machine).map_err(another_program)?;
+        let snapshot = Snapshot::from_bytes(&frozen.machine).map_err(foreign_program)?;
         let mut machine = self.machine.clone();
-        machine.restore(&snapshot).map_err(another_program)?;
+        machine.restore(&snapshot).map_err(foreign_program)?;
         let inputs = frozen.inputs.iter();
         let inputs = inputs.map(|input| ThawedInput::read(input, &machine));
-        let inputs: Vec<_> = inputs.collect::<Result<_, _>>().map_err(another_program)?;
+        let inputs: Vec<_> = inputs.collect::<Result<_, _>>().map_err(foreign_program)?;
         let outcomes = self.outcomes(&frozen.outcomes)?;
         let calls = self.calls(&frozen.calls, &machine)?;
-        let served = self.partners.served.len();
+        let served = self.partners.own_operations.len();
         let fits = inputs.len() == self.inbox.inputs.len()
             && frozen.heard.len() == self.requests.served.len()
             && frozen.heard.iter().all(|heard| heard.last.len() <= 1)
             && frozen.requests.iter().all(|(_, of, _)| *of < served);
         if !fits {
-            return Err(foreign("it has other inputs or operations"));
+            return Err(foreign_state("it has other inputs or operations"));
         }
         for (input, thawed) in self.inbox.inputs.iter_mut().zip(inputs) {
             input.newest = thawed.newest;
@@ -245,7 +245,7 @@ impl Coordinator {
             })
         };
         let outcomes: Option<Vec<_>> = frozen.iter().map(thaw).collect();
-        outcomes.ok_or_else(|| foreign("a call is under way that the binding does not make"))
+        outcomes.ok_or_else(|| foreign_state("a call is under way that the binding does not make"))
     }
 
     fn calls(
@@ -254,16 +254,16 @@ impl Coordinator {
         machine: &Machine,
     ) -> Result<Vec<(CallId, PartnerCall)>, ThawProblem> {
         let thaw = |frozen: &FrozenCall| {
-            if frozen.asked >= self.partners.asked.len() {
-                return Err(foreign("a call is under way to an unknown partner"));
+            if frozen.asked >= self.partners.partner_operations.len() {
+                return Err(foreign_state("a call is under way to an unknown partner"));
             }
             let made = PartnerCall {
                 message: MessageId(frozen.message),
                 from: machine
                     .unpack_value(&frozen.from)
-                    .map_err(another_program)?,
-                waits: frozen.waits,
-                asked: frozen.asked,
+                    .map_err(foreign_program)?,
+                is_synchronous: frozen.waits,
+                operation_index: frozen.asked,
             };
             Ok((frozen.call, made))
         };

@@ -5,7 +5,7 @@
 
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Constant, Monitored, Receive, Source};
-use crate::convert::{literal_of, value_of};
+use crate::convert::{literal_value, value_of};
 use crate::frame::InputFrame;
 use crate::requests::Requests;
 use asmotion_component::{Cycle, In, Losses, Time};
@@ -61,7 +61,7 @@ impl MessageInputs {
     ) -> Result<Self, BindError> {
         let mut inputs = Vec::new();
         for monitored in &binding.monitored {
-            let from = from(&monitored.from, ports, requests)?;
+            let from = origin(&monitored.from, ports, requests)?;
             inputs.push(BoundInput::new(monitored, from, specification)?);
         }
         Ok(Self {
@@ -111,25 +111,25 @@ impl MessageInputs {
         let ValueShape::Domain(domain) = shape else {
             return None;
         };
-        literal_of(name, *domain, program)
+        literal_value(name, *domain, program)
     }
 
     /// Queues the outcome of a call that an update of `answers` made.
     pub fn push(&mut self, input: usize, value: Value, answers: FunctionId) {
         if let Some(input) = self.inputs.get_mut(input) {
-            self.losses.dropped += input.wait(Some(answers), value);
+            self.losses.dropped += input.enqueue(Some(answers), value);
         }
     }
 
     /// Removes waiting outcomes of calls that updates of this out function made.
-    pub fn withdraw(&mut self, answers: FunctionId) {
+    pub fn remove_outcomes(&mut self, answers: FunctionId) {
         for input in &mut self.inputs {
             input.waiting.retain(|(to, _)| *to != Some(answers));
         }
     }
 
     /// Returns whether an event waits for a following step.
-    pub fn has_more(&self) -> bool {
+    pub fn has_waiting_events(&self) -> bool {
         self.inputs.iter().any(|input| !input.waiting.is_empty())
     }
 
@@ -140,8 +140,8 @@ impl MessageInputs {
                 MessageOrigin::Calls => continue,
                 MessageOrigin::Port(port) => (cycle.all(port), cycle.read(port).new()),
                 MessageOrigin::Requests(position) => {
-                    let came = requests.came(position);
-                    (came, came.last())
+                    let received = requests.received(position);
+                    (received, received.last())
                 }
             };
             match input.receive {
@@ -173,7 +173,7 @@ impl MessageInputs {
                 Receive::All => {
                     for message in messages {
                         match input.value(message, program) {
-                            Some(value) => self.losses.dropped += input.wait(None, value),
+                            Some(value) => self.losses.dropped += input.enqueue(None, value),
                             None => self.losses.misfits += 1,
                         }
                     }
@@ -190,7 +190,7 @@ impl MessageInputs {
             let value = match input.receive {
                 Receive::Edge => Value::Bool(input.last.take().is_some()),
                 Receive::All => event.unwrap_or_else(|| input.none.clone()),
-                Receive::Last => event.unwrap_or_else(|| input.latest(now)),
+                Receive::Last => event.unwrap_or_else(|| input.current_value(now)),
             };
             frame.set(input.function, value);
         }
@@ -246,7 +246,7 @@ impl BoundInput {
     }
 
     /// Queues an event. Returns how many events were dropped for it.
-    fn wait(&mut self, answers: Option<FunctionId>, value: Value) -> u64 {
+    fn enqueue(&mut self, answers: Option<FunctionId>, value: Value) -> u64 {
         self.waiting.push_back((answers, value));
         if self.waiting.len() > MAX_WAITING {
             self.waiting.pop_front();
@@ -256,7 +256,7 @@ impl BoundInput {
         }
     }
 
-    fn latest(&self, now: Time) -> Value {
+    fn current_value(&self, now: Time) -> Value {
         if let Some((age, value)) = &self.stale
             && self.newest.is_none_or(|newest| now.since(newest) > *age)
         {
@@ -266,7 +266,7 @@ impl BoundInput {
     }
 }
 
-fn from(
+fn origin(
     source: &Source,
     ports: &[(String, In<Datum>)],
     requests: &Requests,

@@ -17,8 +17,8 @@ use asmotion_lang::value::{Atom, Value};
 /// The services that a specification exchanges messages with.
 #[derive(Default)]
 pub(crate) struct MessagePartners {
-    pub asked: Vec<PartnerOperation>,
-    pub served: Vec<OwnOperation>,
+    pub partner_operations: Vec<PartnerOperation>,
+    pub own_operations: Vec<OwnOperation>,
     /// Calls under way, with the messages that made them.
     pub calls: Vec<(CallId, PartnerCall)>,
     /// Open requests: the message, the position of the operation, and the request.
@@ -31,9 +31,9 @@ pub(crate) struct PartnerOperation {
     operation: String,
     handle: Required<Dynamic>,
     /// Expected shape of responses.
-    answer: ValueShape,
+    response: ValueShape,
     /// Whether the specification expects replies to messages of this operation; calls always have them.
-    replies: bool,
+    expects_replies: bool,
 }
 
 /// An operation that the component provides.
@@ -48,8 +48,8 @@ pub(crate) struct PartnerCall {
     pub message: MessageId,
     pub from: Value,
     /// `true` if the specification waits for the reply, `false` if it receives it as a message.
-    pub waits: bool,
-    pub asked: usize,
+    pub is_synchronous: bool,
+    pub operation_index: usize,
 }
 
 impl MessagePartners {
@@ -75,7 +75,7 @@ impl MessagePartners {
                     else {
                         continue;
                     };
-                    partners.ask(
+                    partners.declare_partner_operation(
                         partner,
                         reference,
                         service,
@@ -84,13 +84,15 @@ impl MessagePartners {
                         interface,
                     );
                 }
-                MessageRole::Serve => partners.serve(services, operation, specification, interface),
+                MessageRole::Serve => {
+                    partners.declare_own_operation(services, operation, specification, interface)
+                }
             }
         }
         partners
     }
 
-    fn ask(
+    fn declare_partner_operation(
         &mut self,
         partner: Value,
         reference: &str,
@@ -101,22 +103,22 @@ impl MessagePartners {
     ) {
         let is_known =
             |asked: &PartnerOperation| asked.partner == partner && asked.operation == operation;
-        if self.asked.iter().any(is_known) {
+        if self.partner_operations.iter().any(is_known) {
             return;
         }
         let handle =
             interface.require_of(reference, service, operation, "called by the specification");
         let known = specification.program.operation(operation);
-        self.asked.push(PartnerOperation {
+        self.partner_operations.push(PartnerOperation {
             partner,
             operation: operation.to_owned(),
             handle,
-            answer: known.gives,
-            replies: known.replies,
+            response: known.gives,
+            expects_replies: known.replies,
         });
     }
 
-    fn serve(
+    fn declare_own_operation(
         &mut self,
         services: &[(String, String)],
         operation: &str,
@@ -124,7 +126,7 @@ impl MessagePartners {
         interface: &mut Interface,
     ) {
         if self
-            .served
+            .own_operations
             .iter()
             .any(|served| served.operation == operation)
         {
@@ -134,7 +136,7 @@ impl MessagePartners {
         for (name, service) in services {
             let handle =
                 interface.serve_of(name, service, operation, "served by the specification");
-            self.served.push(OwnOperation {
+            self.own_operations.push(OwnOperation {
                 operation: operation.to_owned(),
                 handle,
                 argument: argument.clone(),
@@ -145,11 +147,11 @@ impl MessagePartners {
     /// The agents that represent services; messages to them leave the specification.
     pub fn agents(&self) -> Vec<Value> {
         let mut agents: Vec<Value> = self
-            .asked
+            .partner_operations
             .iter()
             .map(|asked| asked.partner.clone())
             .collect();
-        if !self.served.is_empty() {
+        if !self.own_operations.is_empty() {
             agents.push(Value::Undef);
         }
         agents
@@ -158,7 +160,7 @@ impl MessagePartners {
     /// Delivers the messages of this cycle to the agents. Returns how many did not fit.
     pub fn receive(&mut self, cycle: &mut Cycle<'_>, machine: &mut Machine) -> u64 {
         let mut misfits = 0;
-        for (index, served) in self.served.iter().enumerate() {
+        for (index, served) in self.own_operations.iter().enumerate() {
             for request in cycle.requests(served.handle) {
                 let program = machine.program().clone();
                 let Some(data) = content(&request.argument, &served.argument, &program) else {
@@ -179,32 +181,32 @@ impl MessagePartners {
             self.requests
                 .retain(|(_, of, request)| *of != index || !cancelled.contains(request));
         }
-        let mut ended = Vec::new();
-        for asked in &self.asked {
-            ended.extend(cycle.replies(asked.handle));
+        let mut ended_calls = Vec::new();
+        for operation in &self.partner_operations {
+            ended_calls.extend(cycle.replies(operation.handle));
         }
-        for reply in ended {
+        for reply in ended_calls {
             let Some(at) = self.calls.iter().position(|(call, _)| *call == reply.call) else {
                 continue;
             };
             let (_, call) = self.calls.swap_remove(at);
-            misfits += u64::from(!self.end(&call, reply.result, machine));
+            misfits += u64::from(!self.complete(&call, reply.result, machine));
         }
         misfits
     }
 
     /// Delivers the outcome of a call. Returns whether the response fits.
-    fn end(
+    fn complete(
         &self,
         call: &PartnerCall,
         result: Result<Datum, CallError>,
         machine: &mut Machine,
     ) -> bool {
-        let asked = &self.asked[call.asked];
+        let operation = &self.partner_operations[call.operation_index];
         let outcome = match &result {
             Ok(answer) => {
                 let program = machine.program().clone();
-                content(answer, &asked.answer, &program).ok_or(CallFault::Failed)
+                content(answer, &operation.response, &program).ok_or(CallFault::Failed)
             }
             Err(CallError::Timeout) => Err(CallFault::Timeout),
             Err(CallError::Unavailable) => Err(CallFault::Unavailable),
@@ -213,16 +215,16 @@ impl MessagePartners {
         };
         let fits = result.is_err() || outcome.is_ok();
         match outcome {
-            _ if call.waits => machine.end_call(call.message, outcome),
+            _ if call.is_synchronous => machine.end_call(call.message, outcome),
             Ok(data) => {
                 machine.deliver(
-                    asked.partner.clone(),
+                    operation.partner.clone(),
                     call.from.clone(),
-                    &asked.operation,
+                    &operation.operation,
                     data,
                 );
             }
-            Err(_) => machine.set_unsent(call.from.clone(), &asked.operation),
+            Err(_) => machine.set_unsent(call.from.clone(), &operation.operation),
         }
         fits
     }
@@ -230,7 +232,7 @@ impl MessagePartners {
     /// Ends all calls as cancelled, because the component stops.
     pub fn stop(&mut self, machine: &mut Machine) {
         for (_, call) in std::mem::take(&mut self.calls) {
-            self.end(&call, Err(CallError::Cancelled), machine);
+            self.complete(&call, Err(CallError::Cancelled), machine);
         }
         // their callers are notified when the runtime closes the services
         self.requests.clear();
@@ -248,7 +250,7 @@ impl MessagePartners {
                     if let Some(known) = known {
                         let (_, served, request) = self.requests.remove(known);
                         let answer = datum_of(data, &machine.naming());
-                        cycle.reply(self.served[served].handle, request, Ok(answer));
+                        cycle.reply(self.own_operations[served].handle, request, Ok(answer));
                     }
                 }
                 SentKind::Cancel { call } => {
@@ -274,26 +276,26 @@ impl MessagePartners {
             return;
         };
         let operation = operation_name(operation);
-        let mut asked = self.asked.iter();
+        let mut asked = self.partner_operations.iter();
         let Some(index) =
             asked.position(|asked| asked.partner == sent.to && asked.operation == operation)
         else {
             return;
         };
         let argument = datum_of(data, &machine.naming());
-        let asked = &self.asked[index];
-        if !waits && !asked.replies {
+        let asked = &self.partner_operations[index];
+        if !waits && !asked.expects_replies {
             cycle.call_one_way(asked.handle, argument);
             return;
         }
         let call = cycle.call(asked.handle, argument);
-        let made = PartnerCall {
+        let partner_call = PartnerCall {
             message: sent.id,
             from: sent.from.clone(),
-            waits,
-            asked: index,
+            is_synchronous: waits,
+            operation_index: index,
         };
-        self.calls.push((call, made));
+        self.calls.push((call, partner_call));
     }
 }
 

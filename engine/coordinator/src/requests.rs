@@ -19,9 +19,9 @@ pub(crate) struct RequestInput {
     operation: String,
     pub handle: Provided<Dynamic>,
     /// A call made on the request's behalf supplies the reply.
-    forwards: bool,
+    is_forwarded: bool,
     /// Requests of this cycle.
-    came: Vec<Datum>,
+    received: Vec<Datum>,
     /// The newest request so far.
     pub last: Option<Datum>,
     /// Requests without a reply.
@@ -63,8 +63,8 @@ impl Requests {
                 service: service.clone(),
                 operation: operation.clone(),
                 handle: interface.serve_of(service, kind, operation, doc),
-                forwards: calls(binding).any(|call| call.reply.as_ref() == Some(service)),
-                came: Vec::new(),
+                is_forwarded: calls(binding).any(|call| call.reply.as_ref() == Some(service)),
+                received: Vec::new(),
                 last: None,
                 open: Vec::new(),
             });
@@ -79,8 +79,10 @@ impl Requests {
     }
 
     /// The requests of this cycle for an operation.
-    pub fn came(&self, position: usize) -> &[Datum] {
-        self.served.get(position).map_or(&[], |served| &served.came)
+    pub fn received(&self, position: usize) -> &[Datum] {
+        self.served
+            .get(position)
+            .map_or(&[], |served| &served.received)
     }
 
     /// The newest request of a service.
@@ -95,10 +97,10 @@ impl Requests {
     /// Receives the requests of the cycle.
     pub fn receive(&mut self, cycle: &mut Cycle<'_>) {
         for served in &mut self.served {
-            served.came.clear();
+            served.received.clear();
             for request in cycle.requests(served.handle) {
                 served.last = Some(request.argument.clone());
-                served.came.push(request.argument);
+                served.received.push(request.argument);
                 if request.deadline.is_some() {
                     served.open.push(request.id);
                 }
@@ -108,12 +110,12 @@ impl Requests {
 
     /// Takes the newest open request of a service, to reply to it when a call ends. The other open requests are
     /// superseded: a step makes one call, with the newest request's content.
-    pub fn claim(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<WaitingCaller> {
+    pub fn take_newest(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<WaitingCaller> {
         let mut served = self.served.iter_mut().enumerate();
         let (position, served) = served.find(|(_, served)| served.service == service)?;
         let last = served.open.pop()?;
         for request in served.open.drain(..) {
-            cycle.reply(served.handle, request, Err(superseded()));
+            cycle.reply(served.handle, request, Err(superseded_fault()));
         }
         Some(WaitingCaller {
             handle: served.handle,
@@ -123,10 +125,10 @@ impl Requests {
     }
 
     /// Replies to all requests that no call is made for. If a call was expected, the reply is a fault.
-    pub fn settle(&mut self, cycle: &mut Cycle<'_>) {
+    pub fn reply_to_open(&mut self, cycle: &mut Cycle<'_>) {
         for served in &mut self.served {
             for request in served.open.drain(..) {
-                let answer = if served.forwards {
+                let answer = if served.is_forwarded {
                     Err(ServiceFault::new(
                         "NOT_NOW",
                         "the specification does not take it in its present state",
@@ -141,7 +143,7 @@ impl Requests {
 }
 
 /// The fault for a request that was replaced by another one.
-pub(crate) fn superseded() -> ServiceFault {
+pub(crate) fn superseded_fault() -> ServiceFault {
     ServiceFault::new(
         "SUPERSEDED",
         "another request came before this one was done",

@@ -133,7 +133,10 @@ fn simulate(activity: Activity) -> (Simulation, Told) {
     let told = Told::default();
     let teller = Arc::clone(&told);
     system.observe(move |_: Time, event: &Event<'_>| {
-        if let Event::Report { kind, what, .. } = event {
+        if let Event::Report {
+            kind, data: what, ..
+        } = event
+        {
             let report = ((*kind).to_owned(), (*what).clone());
             teller.lock().unwrap().push(report);
         }

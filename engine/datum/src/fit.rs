@@ -14,26 +14,26 @@ impl Schema {
     pub fn accepts(&self, datum: &Datum) -> Result<(), DatumError> {
         match &self.shape {
             Shape::Any => Ok(()),
-            Shape::Bool => self.if_fits(datum.as_bool().is_some(), datum),
-            Shape::I8 => self.whole(i8::MIN, i8::MAX, datum),
-            Shape::I16 => self.whole(i16::MIN, i16::MAX, datum),
-            Shape::I32 => self.whole(i32::MIN, i32::MAX, datum),
-            Shape::I64 => self.whole(i64::MIN, i64::MAX, datum),
-            Shape::U8 => self.whole(u8::MIN, u8::MAX, datum),
-            Shape::U16 => self.whole(u16::MIN, u16::MAX, datum),
-            Shape::U32 => self.whole(u32::MIN, u32::MAX, datum),
+            Shape::Bool => self.check(datum.as_bool().is_some(), datum),
+            Shape::I8 => self.check_integer(i8::MIN, i8::MAX, datum),
+            Shape::I16 => self.check_integer(i16::MIN, i16::MAX, datum),
+            Shape::I32 => self.check_integer(i32::MIN, i32::MAX, datum),
+            Shape::I64 => self.check_integer(i64::MIN, i64::MAX, datum),
+            Shape::U8 => self.check_integer(u8::MIN, u8::MAX, datum),
+            Shape::U16 => self.check_integer(u16::MIN, u16::MAX, datum),
+            Shape::U32 => self.check_integer(u32::MIN, u32::MAX, datum),
             // a datum's integers are signed
-            Shape::U64 => self.whole(0, i64::MAX, datum),
+            Shape::U64 => self.check_integer(0, i64::MAX, datum),
             Shape::F32 | Shape::F64 => {
                 let special = || datum.as_text().and_then(special_float);
-                self.if_fits(datum.as_float().or_else(special).is_some(), datum)
+                self.check(datum.as_float().or_else(special).is_some(), datum)
             }
-            Shape::Text => self.if_fits(datum.as_text().is_some(), datum),
+            Shape::Text => self.check(datum.as_text().is_some(), datum),
             Shape::Option(_) if datum.is_null() => Ok(()),
             Shape::Option(some) => some.accepts(datum),
-            Shape::List(element) => self.all(element, datum).map(drop),
+            Shape::List(element) => self.check_elements(element, datum).map(drop),
             Shape::Array(element, count) => {
-                let found = self.all(element, datum)?;
+                let found = self.check_elements(element, datum)?;
                 let reason = || format!("expected `{self}`, found {found} elements");
                 (found == *count)
                     .then_some(())
@@ -41,7 +41,7 @@ impl Schema {
             }
             Shape::Record(fields) => {
                 let Datum::Record(entries) = datum else {
-                    return Err(self.wanted(datum));
+                    return Err(self.mismatch_with(datum));
                 };
                 entries
                     .iter()
@@ -50,14 +50,14 @@ impl Schema {
         }
     }
 
-    fn whole<N: Into<i64>>(&self, least: N, greatest: N, datum: &Datum) -> Result<(), DatumError> {
-        let (least, greatest) = (least.into(), greatest.into());
+    fn check_integer<N: Into<i64>>(&self, min: N, max: N, datum: &Datum) -> Result<(), DatumError> {
+        let (least, greatest) = (min.into(), max.into());
         match datum.as_int() {
             Some(value) if (least..=greatest).contains(&value) => Ok(()),
             Some(value) => Err(mismatch(format!(
                 "{value} is not between {least} and {greatest}"
             ))),
-            None => Err(self.wanted(datum)),
+            None => Err(self.mismatch_with(datum)),
         }
     }
 
@@ -78,9 +78,9 @@ impl Schema {
     }
 
     /// Checks each element of a list and returns their number.
-    fn all(&self, element: &Self, datum: &Datum) -> Result<usize, DatumError> {
+    fn check_elements(&self, element: &Self, datum: &Datum) -> Result<usize, DatumError> {
         let Some(count) = datum.count().filter(|_| !matches!(datum, Datum::Record(_))) else {
-            return Err(self.wanted(datum));
+            return Err(self.mismatch_with(datum));
         };
         for index in 0..count {
             if let Some(datum) = datum.element(index) {
@@ -92,11 +92,11 @@ impl Schema {
         Ok(count)
     }
 
-    fn if_fits(&self, fits: bool, datum: &Datum) -> Result<(), DatumError> {
-        fits.then_some(()).ok_or_else(|| self.wanted(datum))
+    fn check(&self, fits: bool, datum: &Datum) -> Result<(), DatumError> {
+        fits.then_some(()).ok_or_else(|| self.mismatch_with(datum))
     }
 
-    fn wanted(&self, found: &Datum) -> DatumError {
+    fn mismatch_with(&self, found: &Datum) -> DatumError {
         mismatch(format!("expected `{self}`, found {}", found.kind()))
     }
 }

@@ -9,15 +9,15 @@ use crate::schema::{OutlineKey, Schema, Shape};
 /// Collects the definitions of named types.
 pub struct SchemaDefinitions {
     /// JSON pointer to the definitions in the document, for example `#/$defs`.
-    place: &'static str,
+    prefix: &'static str,
     known: BTreeMap<String, Value>,
 }
 
 impl SchemaDefinitions {
     /// Creates an empty collection for a document with its definitions at this place, for example `#/$defs`.
-    pub fn at(place: &'static str) -> Self {
+    pub fn at(prefix: &'static str) -> Self {
         Self {
-            place,
+            prefix,
             known: BTreeMap::new(),
         }
     }
@@ -87,7 +87,7 @@ impl SchemaDefinitions {
     }
 
     fn reference(&self, key: &str) -> Value {
-        json!({ "$ref": format!("{}/{key}", self.place) })
+        json!({ "$ref": format!("{}/{key}", self.prefix) })
     }
 
     /// All definitions, by key.

@@ -23,7 +23,7 @@ pub trait Message:
     fn schema() -> &'static Schema;
 
     /// The message that this one points to; `None` unless it is a pointer.
-    fn behind(&self) -> Option<Arc<dyn Sample>> {
+    fn pointee(&self) -> Option<Arc<dyn Sample>> {
         None
     }
 
@@ -46,8 +46,8 @@ impl<T: Message> Sample for T {
         Arc::new(self.clone())
     }
 
-    fn behind(&self) -> Option<Arc<dyn Sample>> {
-        Message::behind(self)
+    fn pointee(&self) -> Option<Arc<dyn Sample>> {
+        Message::pointee(self)
     }
 }
 
@@ -62,7 +62,7 @@ impl dyn Sample {
     /// # Errors
     /// The message has another type, and its datum does not fit `T`; the error names the place.
     pub fn read<T: Message>(self: Arc<Self>) -> Result<T, DatumError> {
-        let sample = Sample::behind(&*self).unwrap_or(self);
+        let sample = Sample::pointee(&*self).unwrap_or(self);
         if let Some(pointer) = T::pointing_to(&sample) {
             return Ok(pointer);
         }
@@ -88,7 +88,7 @@ impl<T: Message> Message for Arc<T> {
         T::schema()
     }
 
-    fn behind(&self) -> Option<Arc<dyn Sample>> {
+    fn pointee(&self) -> Option<Arc<dyn Sample>> {
         Some(Arc::clone(self) as Arc<dyn Sample>)
     }
 

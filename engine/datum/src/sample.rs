@@ -23,5 +23,5 @@ pub trait Sample: Any + Debug + Send + Sync {
     fn to_shared(&self) -> Arc<dyn Sample>;
 
     /// The message that this one points to; `None` unless it is a pointer.
-    fn behind(&self) -> Option<Arc<dyn Sample>>;
+    fn pointee(&self) -> Option<Arc<dyn Sample>>;
 }

@@ -42,7 +42,7 @@ fn frame(picture: &Picture, index: usize, depth: usize, out: &mut String) {
     );
     for (number, node) in picture.nodes.iter().enumerate() {
         if node.frame == index {
-            let _ = writeln!(out, "{space}  n{number} [{}];", look(node));
+            let _ = writeln!(out, "{space}  n{number} [{}];", style(node));
         }
     }
     for (inner, frame) in picture.frames.iter().enumerate() {
@@ -53,7 +53,7 @@ fn frame(picture: &Picture, index: usize, depth: usize, out: &mut String) {
     let _ = writeln!(out, "{space}}}");
 }
 
-fn look(node: &PictureNode) -> String {
+fn style(node: &PictureNode) -> String {
     let name = quoted(&node.name);
     match node.kind {
         PictureNodeKind::Component => {

@@ -174,7 +174,7 @@ fn frame(picture: &Picture, index: usize) -> FrameLayout {
     }
     let sizes: Vec<(f64, f64)> = things.iter().map(|thing| extent(picture, thing)).collect();
     let layered = Layered::new(&sizes, links, &left, &right);
-    let placed = place::place(&layered);
+    let placed = place::assign_coordinates(&layered);
     assemble(picture, index, things, &sizes, &layered, &placed)
 }
 

@@ -46,7 +46,7 @@ fn frame(picture: &Picture, index: usize, depth: usize, out: &mut String) {
     let _ = writeln!(out, "{space}subgraph f{index} [\"{}\"]", quoted(&this.name));
     for (number, node) in picture.nodes.iter().enumerate() {
         if node.frame == index {
-            let _ = writeln!(out, "{space}  n{number}{}", look(node));
+            let _ = writeln!(out, "{space}  n{number}{}", style(node));
         }
     }
     for (inner, frame) in picture.frames.iter().enumerate() {
@@ -57,7 +57,7 @@ fn frame(picture: &Picture, index: usize, depth: usize, out: &mut String) {
     let _ = writeln!(out, "{space}end");
 }
 
-fn look(node: &PictureNode) -> String {
+fn style(node: &PictureNode) -> String {
     let name = quoted(&node.name);
     match node.kind {
         PictureNodeKind::Component => {

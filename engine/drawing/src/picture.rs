@@ -143,7 +143,7 @@ impl<'d> PictureBuilder<'d> {
     fn nodes(&mut self) {
         let plan = self.plan;
         for component in &plan.components {
-            let (frame, name) = self.within(&component.name);
+            let (frame, name) = self.frame_of_component(&component.name);
             let mut processes = plan.processes.iter().filter(|_| plan.processes.len() > 1);
             let process = processes.position(|it| it.components.contains(&component.name));
             let port = |name: &String, service: bool| PicturePort {
@@ -180,7 +180,7 @@ impl<'d> PictureBuilder<'d> {
             });
         }
         for topic in &plan.topics {
-            let (frame, name) = self.known(&topic.name);
+            let (frame, name) = self.frame_of_topic(&topic.name);
             let kind = if topic.promoted {
                 PictureNodeKind::OpenTopic
             } else {
@@ -192,7 +192,7 @@ impl<'d> PictureBuilder<'d> {
     }
 
     /// The frame of a component, and the component's name within it.
-    fn within(&mut self, name: &str) -> (usize, String) {
+    fn frame_of_component(&mut self, name: &str) -> (usize, String) {
         let mut frame = 0;
         let mut start = 0;
         while let Some(slash) = name.get(start..).and_then(|rest| rest.find('/')) {
@@ -213,7 +213,7 @@ impl<'d> PictureBuilder<'d> {
     }
 
     /// The frame of a topic, and its name within it, which may contain slashes.
-    fn known(&self, name: &str) -> (usize, String) {
+    fn frame_of_topic(&self, name: &str) -> (usize, String) {
         let slashes = name.match_indices('/').map(|(at, _)| at);
         let mut inner = slashes.filter_map(|at| Some((at, self.frames.get(&name[..at])?)));
         match inner.next_back() {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asmotion_bus::{Bus, CallFailure, Notifier, Payload, Request, later};
+use asmotion_bus::{Bus, CallFailure, Notifier, Payload, Request, deadline_after};
 use tokio::sync::Notify;
 use tokio::time::timeout_at;
 
@@ -13,21 +13,21 @@ pub(crate) async fn call(
     request: Request,
     one_way: bool,
 ) -> Result<Payload, CallFailure> {
-    let news = Arc::new(Notify::new());
-    let ring = Arc::clone(&news);
+    let completion = Arc::new(Notify::new());
+    let ring = Arc::clone(&completion);
     let notifier = Arc::new(Notifier::calling(move || ring.notify_one()));
-    let until = later(request.timeout).into();
-    let begun = if one_way {
-        bus.tell(address, request, notifier)
+    let until = deadline_after(request.timeout).into();
+    let pending = if one_way {
+        bus.call_one_way(address, request, notifier)
     } else {
         bus.call(address, request, notifier)
     };
-    let pending = begun.map_err(|_| CallFailure::Unavailable)?;
+    let pending = pending.map_err(|_| CallFailure::Unavailable)?;
     loop {
         if let Some(end) = pending.try_take() {
             return end;
         }
         // the call itself tells a reply from a timeout
-        let _ = timeout_at(until, news.notified()).await;
+        let _ = timeout_at(until, completion.notified()).await;
     }
 }

@@ -30,10 +30,10 @@ const REST: Duration = Duration::from_millis(50);
 #[derive(Debug, thiserror::Error)]
 pub enum GatewayCheckError {
     /// The address cannot be listened at.
-    #[error("cannot listen at {at}: {reason}")]
+    #[error("cannot listen at {address}: {reason}")]
     Listen {
         /// The address.
-        at: SocketAddr,
+        address: SocketAddr,
         /// The operating system's reason.
         reason: std::io::Error,
     },
@@ -46,7 +46,7 @@ pub enum GatewayCheckError {
 #[derive(Debug)]
 pub struct Gateway {
     address: SocketAddr,
-    end: watch::Sender<bool>,
+    shutdown: watch::Sender<bool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -61,7 +61,10 @@ impl Gateway {
         bus: Arc<dyn Bus>,
     ) -> Result<Self, GatewayCheckError> {
         let at = settings.listen;
-        let listen = |reason| GatewayCheckError::Listen { at, reason };
+        let listen = |reason| GatewayCheckError::Listen {
+            address: at,
+            reason,
+        };
         let listener = std::net::TcpListener::bind(at).map_err(listen)?;
         listener.set_nonblocking(true).map_err(listen)?;
         let address = listener.local_addr().map_err(listen)?;
@@ -85,7 +88,7 @@ impl Gateway {
             .map_err(GatewayCheckError::Thread)?;
         Ok(Self {
             address,
-            end,
+            shutdown: end,
             thread: Some(thread),
         })
     }
@@ -98,7 +101,7 @@ impl Gateway {
 
 impl Drop for Gateway {
     fn drop(&mut self) {
-        self.end.send_replace(true);
+        self.shutdown.send_replace(true);
         if let Some(thread) = self.thread.take() {
             // ends without panicking: it runs only our own code
             let _ = thread.join();
@@ -106,24 +109,24 @@ impl Drop for Gateway {
     }
 }
 
-/// Accepts connections until `ended` is set, then lets them finish their requests.
+/// Accepts connections until `shutdown` is set, then lets them finish their requests.
 async fn listen_until(
-    mut ended: watch::Receiver<bool>,
+    mut shutdown: watch::Receiver<bool>,
     listener: TcpListener,
-    reception: Arc<RequestHandler>,
+    handler: Arc<RequestHandler>,
 ) {
-    let places = Arc::new(Semaphore::new(reception.settings.max_connections.max(1)));
+    let connection_permits = Arc::new(Semaphore::new(handler.settings.max_connections.max(1)));
     let mut callers = JoinSet::new();
     loop {
         tokio::select! {
-            () = end(&mut ended) => break,
+            () = shutdown_requested(&mut shutdown) => break,
             Some(_) = callers.join_next() => {}
-            caller = next(&listener, &places) => {
+            caller = accept(&listener, &connection_permits) => {
                 let Some(caller) = caller else {
                     sleep(REST).await;
                     continue;
                 };
-                callers.spawn(serve(caller, Arc::clone(&reception), ended.clone()));
+                callers.spawn(serve(caller, Arc::clone(&handler), shutdown.clone()));
             }
         }
     }
@@ -139,47 +142,50 @@ async fn listen_until(
 struct HttpConnection {
     stream: TcpStream,
     from: SocketAddr,
-    _place: OwnedSemaphorePermit,
+    _permit: OwnedSemaphorePermit,
 }
 
-async fn next(listener: &TcpListener, places: &Arc<Semaphore>) -> Option<HttpConnection> {
-    let place = Arc::clone(places).acquire_owned().await.ok()?;
+async fn accept(
+    listener: &TcpListener,
+    connection_permits: &Arc<Semaphore>,
+) -> Option<HttpConnection> {
+    let permit = Arc::clone(connection_permits).acquire_owned().await.ok()?;
     let (stream, from) = listener.accept().await.ok()?;
     Some(HttpConnection {
         stream,
         from,
-        _place: place,
+        _permit: permit,
     })
 }
 
 /// Serves a connection until the client closes it. This drops the future of a request under way, which cancels its
 /// call.
 async fn serve(
-    caller: HttpConnection,
-    reception: Arc<RequestHandler>,
-    mut ended: watch::Receiver<bool>,
+    connection: HttpConnection,
+    handler: Arc<RequestHandler>,
+    mut shutdown: watch::Receiver<bool>,
 ) {
-    let (from, patience) = (caller.from, reception.settings.patience);
+    let (from, patience) = (connection.from, handler.settings.request_timeout);
     let service = service_fn(|asked| {
-        let reception = Arc::clone(&reception);
-        async move { Ok::<_, Infallible>(reception.answer(asked, from).await) }
+        let reception = Arc::clone(&handler);
+        async move { Ok::<_, Infallible>(reception.respond(asked, from).await) }
     });
     // not essential: without it responses arrive a little later
-    let _ = caller.stream.set_nodelay(true);
+    let _ = connection.stream.set_nodelay(true);
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(patience)
-        .serve_connection(TokioIo::new(caller.stream), service);
+        .serve_connection(TokioIo::new(connection.stream), service);
     let mut connection = pin!(connection);
     tokio::select! {
         // connection errors concern the client only
         _ = connection.as_mut() => return,
-        () = end(&mut ended) => connection.as_mut().graceful_shutdown(),
+        () = shutdown_requested(&mut shutdown) => connection.as_mut().graceful_shutdown(),
     }
     let _ = connection.await;
 }
 
-/// Waits for `ended`; a dropped sender counts as the end.
-async fn end(ended: &mut watch::Receiver<bool>) {
+/// Waits for `shutdown`; a dropped sender counts as the end.
+async fn shutdown_requested(ended: &mut watch::Receiver<bool>) {
     let _ = ended.wait_for(|ended| *ended).await;
 }

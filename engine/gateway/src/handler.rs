@@ -31,32 +31,32 @@ pub(crate) struct RequestHandler {
 
 impl RequestHandler {
     /// Handles a request.
-    pub(crate) async fn answer(&self, asked: HttpRequest, from: SocketAddr) -> HttpResponse {
-        let answer = self.route(asked, from).await;
+    pub(crate) async fn respond(&self, request: HttpRequest, from: SocketAddr) -> HttpResponse {
+        let answer = self.route(request, from).await;
         answer.unwrap_or_else(|problem| problem.response())
     }
 
-    async fn route(&self, asked: HttpRequest, from: SocketAddr) -> Result<HttpResponse, Problem> {
+    async fn route(&self, request: HttpRequest, from: SocketAddr) -> Result<HttpResponse, Problem> {
         // only browsers send this header; web pages of other origins must not control a robot
-        if asked.headers().contains_key(header::ORIGIN) {
+        if request.headers().contains_key(header::ORIGIN) {
             return Err(Problem::WebPage);
         }
-        let path = asked.uri().path().to_owned();
+        let path = request.uri().path().to_owned();
         let parts: Vec<&str> = path.trim_matches('/').split('/').collect();
-        match (parts.as_slice(), asked.method()) {
+        match (parts.as_slice(), request.method()) {
             (["health"], &Method::GET) => Ok(self.health()),
             (["services"], &Method::GET) => Ok(listing::all(&self.services)),
             (["services", name], &Method::GET) => Ok(listing::one(self.service(name)?)),
             (["services", name, operation], &Method::POST) => {
                 let service = self.service(name)?;
                 let operation = self::operation(service, operation)?;
-                self.call(service, operation, asked, from).await
+                self.call(service, operation, request, from).await
             }
             (["health"] | ["services"] | ["services", _], _) => {
                 Err(Problem::Method { allowed: "GET" })
             }
             (["services", _, _], _) => Err(Problem::Method { allowed: "POST" }),
-            _ => Err(Problem::NoPath { path }),
+            _ => Err(Problem::UnknownPath { path }),
         }
     }
 
@@ -78,9 +78,9 @@ impl RequestHandler {
 
     fn service(&self, name: &str) -> Result<&GatewayService, Problem> {
         let found = self.services.iter().find(|service| service.name == name);
-        found.ok_or_else(|| Problem::NoService {
+        found.ok_or_else(|| Problem::UnknownService {
             name: name.to_owned(),
-            known: self.services.iter().map(|it| it.name.clone()).collect(),
+            available: self.services.iter().map(|it| it.name.clone()).collect(),
         })
     }
 
@@ -88,15 +88,15 @@ impl RequestHandler {
         &self,
         service: &GatewayService,
         operation: &GatewayOperation,
-        asked: HttpRequest,
+        request: HttpRequest,
         from: SocketAddr,
     ) -> Result<HttpResponse, Problem> {
-        let question = CallParameters::of(asked.uri().query())?;
+        let question = CallParameters::of(request.uri().query())?;
         let one_way = question.one_way || operation.one_way;
         let time = question.timeout.unwrap_or(service.timeout);
-        let trace = asked.headers().get("traceparent");
+        let trace = request.headers().get("traceparent");
         let trace = trace.and_then(|trace| trace.to_str().ok()?.parse().ok());
-        let argument = self.argument(service, operation, asked).await?;
+        let argument = self.argument(service, operation, request).await?;
         // the sender is no process of the system, so the incarnation is 0
         let origin = SenderId::new(format!("http {from}"), 0);
         let mut request = Request::new(origin, Payload::of(argument), time);
@@ -121,30 +121,32 @@ impl RequestHandler {
         &self,
         service: &GatewayService,
         operation: &GatewayOperation,
-        asked: HttpRequest,
+        request: HttpRequest,
     ) -> Result<Datum, Problem> {
-        let kind = asked.headers().get(header::CONTENT_TYPE).cloned();
+        let kind = request.headers().get(header::CONTENT_TYPE).cloned();
         let limit = self.settings.max_body;
-        let body = Limited::new(asked.into_body(), limit).collect();
-        let within = self.settings.patience;
+        let body = Limited::new(request.into_body(), limit).collect();
+        let within = self.settings.request_timeout;
         let body = timeout(within, body).await;
-        let body = body.map_err(|_| Problem::Slow { within })?;
+        let body = body.map_err(|_| Problem::RequestTimeout { within })?;
         let body = body.map_err(|error| {
             if error.is::<LengthLimitError>() {
                 Problem::TooLarge { limit }
             } else {
-                Problem::Broken
+                Problem::IncompleteBody
             }
         })?;
         let bytes = body.to_bytes();
         if bytes.is_empty() {
-            return Ok(nothing(operation));
+            return Ok(empty_argument(operation));
         }
         let kind = kind.as_ref().map_or("", |kind| kind.to_str().unwrap_or(""));
         let essence = kind.split(';').next().unwrap_or(kind).trim();
         if Codec::of_content_type(essence) != Some(Codec::Json) {
-            let found = kind.to_owned();
-            return Err(Problem::ContentType { found });
+            let content_type = kind.to_owned();
+            return Err(Problem::ContentType {
+                found: content_type,
+            });
         }
         read(&bytes, &operation.request).map_err(|error| Problem::Argument {
             error,
@@ -167,10 +169,10 @@ fn schema_at(service: &GatewayService) -> String {
 
 fn operation<'s>(service: &'s GatewayService, name: &str) -> Result<&'s GatewayOperation, Problem> {
     let found = service.operations.iter().find(|it| it.name == name);
-    found.ok_or_else(|| Problem::NoOperation {
+    found.ok_or_else(|| Problem::UnknownOperation {
         service: service.name.clone(),
         name: name.to_owned(),
-        known: service
+        available: service
             .operations
             .iter()
             .map(|it| it.name.clone())
@@ -180,7 +182,7 @@ fn operation<'s>(service: &'s GatewayService, name: &str) -> Result<&'s GatewayO
 
 /// The value of an empty body: a record without fields, which all have their initial values, or null for any other
 /// type.
-fn nothing(operation: &GatewayOperation) -> Datum {
+fn empty_argument(operation: &GatewayOperation) -> Datum {
     if matches!(operation.request.shape, Shape::Record(_)) {
         Datum::Record(Vec::new())
     } else {

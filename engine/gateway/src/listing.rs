@@ -17,16 +17,16 @@ pub(crate) fn all(services: &[GatewayService]) -> HttpResponse {
         .iter()
         .map(|it| service(it, &mut definitions))
         .collect();
-    let shown = json!({ "services": services, "$defs": definitions.into_value() });
-    response::json(StatusCode::OK, shown.to_string())
+    let listing = json!({ "services": services, "$defs": definitions.into_value() });
+    response::json(StatusCode::OK, listing.to_string())
 }
 
 /// The listing of one service.
 pub(crate) fn one(of: &GatewayService) -> HttpResponse {
     let mut definitions = SchemaDefinitions::at(SCHEMAS);
-    let mut shown = service(of, &mut definitions);
-    shown["$defs"] = definitions.into_value();
-    response::json(StatusCode::OK, shown.to_string())
+    let mut listing = service(of, &mut definitions);
+    listing["$defs"] = definitions.into_value();
+    response::json(StatusCode::OK, listing.to_string())
 }
 
 fn service(service: &GatewayService, definitions: &mut SchemaDefinitions) -> Value {
@@ -45,14 +45,14 @@ fn operation(
     operation: &GatewayOperation,
     definitions: &mut SchemaDefinitions,
 ) -> Value {
-    let mut shown = json!({
+    let mut description = json!({
         "name": operation.name,
         "call": format!("POST /services/{}/{}", service.name, operation.name),
         "oneway": operation.one_way,
         "argument": definitions.schema(&operation.request),
     });
     if !operation.one_way {
-        shown["result"] = definitions.schema(&operation.response);
+        description["result"] = definitions.schema(&operation.response);
     }
-    shown
+    description
 }

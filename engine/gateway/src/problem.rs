@@ -13,14 +13,17 @@ use crate::response::{self, HttpResponse};
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(crate) enum Problem {
     #[error("unknown path `{path}`")]
-    NoPath { path: String },
+    UnknownPath { path: String },
     #[error("unknown service `{name}`")]
-    NoService { name: String, known: Vec<String> },
+    UnknownService {
+        name: String,
+        available: Vec<String>,
+    },
     #[error("unknown operation `{name}` of `{service}`")]
-    NoOperation {
+    UnknownOperation {
         service: String,
         name: String,
-        known: Vec<String>,
+        available: Vec<String>,
     },
     #[error("expected method {allowed}")]
     Method { allowed: &'static str },
@@ -31,9 +34,9 @@ pub(crate) enum Problem {
     #[error("the argument is longer than {limit} bytes")]
     TooLarge { limit: usize },
     #[error("the argument did not arrive within {} s", within.as_secs())]
-    Slow { within: Duration },
+    RequestTimeout { within: Duration },
     #[error("incomplete argument")]
-    Broken,
+    IncompleteBody,
     #[error("invalid parameter `{part}`")]
     Query { part: String },
     #[error("{error}")]
@@ -54,15 +57,17 @@ const BAD_REQUEST: &str = "BAD_REQUEST";
 impl Problem {
     fn status(&self) -> StatusCode {
         match self {
-            Self::NoPath { .. } | Self::NoService { .. } | Self::NoOperation { .. } => {
-                StatusCode::NOT_FOUND
-            }
+            Self::UnknownPath { .. }
+            | Self::UnknownService { .. }
+            | Self::UnknownOperation { .. } => StatusCode::NOT_FOUND,
             Self::Method { .. } => StatusCode::METHOD_NOT_ALLOWED,
             Self::WebPage => StatusCode::FORBIDDEN,
             Self::ContentType { .. } => StatusCode::UNSUPPORTED_MEDIA_TYPE,
             Self::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
-            Self::Slow { .. } => StatusCode::REQUEST_TIMEOUT,
-            Self::Broken | Self::Query { .. } | Self::Argument { .. } => StatusCode::BAD_REQUEST,
+            Self::RequestTimeout { .. } => StatusCode::REQUEST_TIMEOUT,
+            Self::IncompleteBody | Self::Query { .. } | Self::Argument { .. } => {
+                StatusCode::BAD_REQUEST
+            }
             Self::Fault { refusal, .. } if refusal.code == BAD_REQUEST => StatusCode::BAD_REQUEST,
             Self::Fault { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             Self::Timeout { .. } => StatusCode::GATEWAY_TIMEOUT,
@@ -74,15 +79,15 @@ impl Problem {
     /// The code for programs; for a fault, the operation's own code.
     fn code(&self) -> &str {
         match self {
-            Self::NoPath { .. } => "NO_PATH_HERE",
-            Self::NoService { .. } => "NO_SERVICE",
-            Self::NoOperation { .. } => "NO_OPERATION",
+            Self::UnknownPath { .. } => "NO_PATH_HERE",
+            Self::UnknownService { .. } => "NO_SERVICE",
+            Self::UnknownOperation { .. } => "NO_OPERATION",
             Self::Method { .. } => "OTHER_METHOD",
             Self::WebPage => "WEB_PAGE",
             Self::ContentType { .. } => "OTHER_CONTENT_TYPE",
             Self::TooLarge { .. } => "TOO_LARGE",
-            Self::Slow { .. } => "SLOW",
-            Self::Broken => "BROKEN",
+            Self::RequestTimeout { .. } => "SLOW",
+            Self::IncompleteBody => "BROKEN",
             Self::Query { .. } => "BAD_QUERY",
             Self::Argument { .. } => BAD_REQUEST,
             Self::Fault { refusal, .. } => &refusal.code,
@@ -95,12 +100,12 @@ impl Problem {
     /// A remedy; `None` for faults of an operation.
     fn help(&self) -> Option<String> {
         Some(match self {
-            Self::NoPath { .. } => {
+            Self::UnknownPath { .. } => {
                 "`GET /services` lists the services; call one with `POST /services/NAME/OPERATION`"
                     .to_owned()
             }
-            Self::NoService { name, known } => among("services", name, known),
-            Self::NoOperation { name, known, .. } => among("operations", name, known),
+            Self::UnknownService { name, available: known } => suggest_among("services", name, known),
+            Self::UnknownOperation { name, available: known, .. } => suggest_among("operations", name, known),
             Self::Method { allowed } => format!("use `curl -X {allowed}`"),
             Self::WebPage => "to allow requests from web pages, put a proxy before the gateway that authenticates the user and removes the header `Origin`"
                 .to_owned(),
@@ -108,7 +113,7 @@ impl Problem {
                 "add `-H 'Content-Type: application/json'`, or use `curl --json`".to_owned()
             }
             Self::TooLarge { .. } => "send less, or raise `max_body_kb` of the gateway".to_owned(),
-            Self::Slow { .. } | Self::Broken => "send it again".to_owned(),
+            Self::RequestTimeout { .. } | Self::IncompleteBody => "send it again".to_owned(),
             Self::Query { .. } => {
                 "use `timeout_ms=500`, from 1 to 86400000, or `oneway=true`".to_owned()
             }
@@ -149,14 +154,14 @@ impl Problem {
 }
 
 /// A suggestion if a similar name exists, otherwise the list of known names.
-fn among(what: &str, name: &str, known: &[String]) -> String {
+fn suggest_among(what: &str, name: &str, available: &[String]) -> String {
     let distance = |known: &String| strsim::osa_distance(name, known);
-    let nearest = known.iter().min_by_key(|known| distance(known));
-    let meant =
+    let nearest = available.iter().min_by_key(|known| distance(known));
+    let suggestion =
         nearest.filter(|it| distance(it) * 3 <= it.chars().count().max(name.chars().count()));
-    match (meant, known.is_empty()) {
+    match (suggestion, available.is_empty()) {
         (Some(meant), _) => format!("did you mean `{meant}`?"),
         (None, true) => format!("it has no {what}"),
-        (None, false) => format!("the {what} are {}", known.join(", ")),
+        (None, false) => format!("the {what} are {}", available.join(", ")),
     }
 }

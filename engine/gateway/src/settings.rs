@@ -13,7 +13,7 @@ pub struct GatewaySettings {
     /// Limit on the size of a request's body, in bytes (default: 1 MiB).
     pub max_body: usize,
     /// Limit on the time in which a request's header must arrive, and on the idle time of a connection (default: 10 s).
-    pub patience: Duration,
+    pub request_timeout: Duration,
 }
 
 impl GatewaySettings {
@@ -23,7 +23,7 @@ impl GatewaySettings {
             listen,
             max_connections: 64,
             max_body: 1 << 20,
-            patience: Duration::from_secs(10),
+            request_timeout: Duration::from_secs(10),
         }
     }
 }

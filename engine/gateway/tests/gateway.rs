@@ -377,7 +377,7 @@ fn it_bears_no_more_than_it_was_told_to() {
     let limits = |settings: &mut GatewaySettings| {
         settings.max_body = 100;
         settings.max_connections = 1;
-        settings.patience = Duration::from_millis(300);
+        settings.request_timeout = Duration::from_millis(300);
     };
     let open = Open::new(limits, echo);
     let client = open.client();

@@ -42,37 +42,37 @@ pub enum QueueCheckError {
     },
     /// The queue would hold more messages than the system allows.
     #[error(
-        "{queue} needs {asked} messages, but this system allows {limit}; reduce the connection's `size`, or raise the limit: `sysctl fs.mqueue.msg_max={asked}`"
+        "{queue} needs {requested} messages, but this system allows {limit}; reduce the connection's `size`, or raise the limit: `sysctl fs.mqueue.msg_max={requested}`"
     )]
     TooMany {
         /// Name of the queue.
         queue: String,
         /// Requested number of messages.
-        asked: usize,
+        requested: usize,
         /// The system's limit.
         limit: usize,
     },
     /// The messages would be larger than the system allows.
     #[error(
-        "messages of {queue} need {asked} bytes, but this system allows {limit}; raise the limit: `sysctl fs.mqueue.msgsize_max={asked}`"
+        "messages of {queue} need {requested} bytes, but this system allows {limit}; raise the limit: `sysctl fs.mqueue.msgsize_max={requested}`"
     )]
     TooLarge {
         /// Name of the queue.
         queue: String,
         /// Requested size of a message, in bytes.
-        asked: usize,
+        requested: usize,
         /// The system's limit, in bytes.
         limit: usize,
     },
     /// The queues of this user would exceed their limit on memory.
     #[error(
-        "{queue} needs {asked} bytes, but all queues of this user together may have {limit}; raise the limit with `ulimit -q`, or remove unused queues: `ls /dev/mqueue`"
+        "{queue} needs {requested} bytes, but all queues of this user together may have {limit}; raise the limit with `ulimit -q`, or remove unused queues: `ls /dev/mqueue`"
     )]
     NoRoom {
         /// Name of the queue.
         queue: String,
         /// Bytes requested for this queue.
-        asked: usize,
+        requested: usize,
         /// Limit on the sum over all queues, in bytes.
         limit: u64,
     },
@@ -92,14 +92,14 @@ pub enum QueueCheckError {
     },
     /// A queue with this name exists, for smaller messages.
     #[error(
-        "{queue} has messages of {takes} bytes, but these have {size}; use the same type and `data_size` on both sides, and remove the queue if it is unused: `rm /dev/mqueue{}`",
+        "{queue} has messages of {required} bytes, but these have {size}; use the same type and `data_size` on both sides, and remove the queue if it is unused: `rm /dev/mqueue{}`",
         queue.trim_start_matches("mqueue:")
     )]
     Smaller {
         /// Name of the queue.
         queue: String,
         /// Message size of the existing queue, in bytes.
-        takes: usize,
+        required: usize,
         /// Message size needed, in bytes.
         size: usize,
     },

@@ -11,7 +11,7 @@ use crate::error::UnsupportedTypeError;
 pub struct QueueLayout {
     schema: Schema,
     /// Size in bytes if all lists are empty.
-    least: usize,
+    min_size: usize,
     has_lists: bool,
 }
 
@@ -21,9 +21,9 @@ impl QueueLayout {
     /// # Errors
     /// An error if the type has no layout: text, options and unknown types cannot be sent.
     pub fn of(schema: &Schema) -> Result<Self, UnsupportedTypeError> {
-        examine(schema, "")?;
+        check(schema, "")?;
         Ok(Self {
-            least: least(&schema.shape),
+            min_size: min_size(&schema.shape),
             has_lists: has_lists(&schema.shape),
             schema: schema.clone(),
         })
@@ -31,12 +31,12 @@ impl QueueLayout {
 
     /// Size of a message in bytes; `None` if it depends on the lengths of lists.
     pub fn size(&self) -> Option<usize> {
-        (!self.has_lists).then_some(self.least)
+        (!self.has_lists).then_some(self.min_size)
     }
 
-    /// Size of a message in bytes, or `given` if it depends on the lengths of lists.
-    pub fn size_or(&self, given: usize) -> usize {
-        self.size().unwrap_or(given)
+    /// Size of a message in bytes, or `default` if it depends on the lengths of lists.
+    pub fn size_or(&self, default: usize) -> usize {
+        self.size().unwrap_or(default)
     }
 
     /// Schema of the message type.
@@ -46,15 +46,15 @@ impl QueueLayout {
 }
 
 /// Checks that all parts of a type have a layout.
-fn examine(schema: &Schema, path: &str) -> Result<(), UnsupportedTypeError> {
+fn check(schema: &Schema, path: &str) -> Result<(), UnsupportedTypeError> {
     match &schema.shape {
         Shape::Any | Shape::Text | Shape::Option(_) => Err(UnsupportedTypeError::NoForm {
             path: path.to_owned(),
             what: schema.to_string(),
         }),
         Shape::List(element) | Shape::Array(element, _) => {
-            examine(element, path)?;
-            match least(&element.shape) {
+            check(element, path)?;
+            match min_size(&element.shape) {
                 0 => Err(UnsupportedTypeError::Nothing {
                     path: path.to_owned(),
                     what: element.to_string(),
@@ -67,7 +67,7 @@ fn examine(schema: &Schema, path: &str) -> Result<(), UnsupportedTypeError> {
                 "" => field.name.to_string(),
                 path => format!("{path}.{}", field.name),
             };
-            examine(&field.schema, &path)
+            check(&field.schema, &path)
         }),
         Shape::Bool
         | Shape::I8
@@ -105,16 +105,16 @@ fn has_lists(shape: &Shape) -> bool {
 }
 
 /// Minimum size of a value in bytes; 0 for types without a layout.
-pub(crate) fn least(shape: &Shape) -> usize {
+pub(crate) fn min_size(shape: &Shape) -> usize {
     match shape {
         Shape::Any | Shape::Text | Shape::Option(_) => 0,
         Shape::Bool | Shape::I8 | Shape::U8 => 1,
         Shape::I16 | Shape::U16 => 2,
         Shape::I32 | Shape::U32 | Shape::F32 => 4,
         Shape::I64 | Shape::U64 | Shape::F64 | Shape::List(_) => 8,
-        Shape::Array(element, count) => least(&element.shape).saturating_mul(*count),
+        Shape::Array(element, count) => min_size(&element.shape).saturating_mul(*count),
         Shape::Record(fields) => {
-            let sizes = fields.iter().map(|field| least(&field.schema.shape));
+            let sizes = fields.iter().map(|field| min_size(&field.schema.shape));
             sizes.fold(0, usize::saturating_add)
         }
     }

@@ -13,8 +13,8 @@
 //! }
 //!
 //! let layout = QueueLayout::of(<Command as asmotion_datum::Message>::schema())?;
-//! let room = QueueCapacity { messages: 10, size: layout.size_or(0) };
-//! let mut writer = QueueWriter::open(QueueName::new("/commands")?, layout, room, FullQueuePolicy::Oldest)?;
+//! let capacity = QueueCapacity { messages: 10, size: layout.size_or(0) };
+//! let mut writer = QueueWriter::open(QueueName::new("/commands")?, layout, capacity, FullQueuePolicy::Oldest)?;
 //! writer.send(&Command::default())?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

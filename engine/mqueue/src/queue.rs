@@ -54,11 +54,11 @@ impl KernelQueue {
     /// can remove the oldest message.
     pub(crate) fn create(
         name: &QueueName,
-        room: QueueCapacity,
+        capacity: QueueCapacity,
     ) -> Result<(Self, QueueOrigin), QueueCheckError> {
         let member =
             |number: usize| mq_attr_member_t::try_from(number).unwrap_or(mq_attr_member_t::MAX);
-        let attributes = MqAttr::new(0, member(room.messages), member(room.size), 0);
+        let attributes = MqAttr::new(0, member(capacity.messages), member(capacity.size), 0);
         let new = MQ_OFlag::O_CREAT | MQ_OFlag::O_EXCL | MQ_OFlag::O_RDWR;
         let mut problem = Errno::ENOENT;
         // between the two attempts, another process may create or remove the queue
@@ -66,7 +66,7 @@ impl KernelQueue {
             match Self::open(name, new, Some(&attributes)) {
                 Ok(queue) => return Ok((queue, QueueOrigin::Created)),
                 Err(Errno::EEXIST) => {}
-                Err(errno) => return Err(refusal(name, room, errno)),
+                Err(errno) => return Err(refusal(name, capacity, errno)),
             }
             match Self::open(name, MQ_OFlag::O_RDWR, None) {
                 Ok(queue) => return Ok((queue, QueueOrigin::Found)),
@@ -76,11 +76,11 @@ impl KernelQueue {
                 break;
             }
         }
-        Err(refusal(name, room, problem))
+        Err(refusal(name, capacity, problem))
     }
 
     /// Opens a queue for reading. Returns `None` if it does not exist.
-    pub(crate) fn find(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
+    pub(crate) fn open_existing(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
         match Self::open(name, MQ_OFlag::O_RDONLY, None) {
             Ok(queue) => Ok(Some(queue)),
             Err(Errno::ENOENT) => Ok(None),
@@ -141,7 +141,7 @@ impl KernelQueue {
             Err(Errno::EAGAIN) => Ok(SendOutcome::Full),
             Err(Errno::EMSGSIZE) => Err(QueueCheckError::Smaller {
                 queue: self.name.to_string(),
-                takes: self.size,
+                required: self.size,
                 size: message.len(),
             }),
             Err(errno) => Err(system(&self.name, errno)),
@@ -165,16 +165,16 @@ impl KernelQueue {
     }
 
     /// Waits until there is a message, at most this long.
-    pub(crate) fn wait(&self, at_most: Duration) {
+    pub(crate) fn wait(&self, timeout: Duration) {
         let Ok(open) = self.descriptor() else { return };
-        let milliseconds = u16::try_from(at_most.as_millis()).unwrap_or(u16::MAX);
+        let milliseconds = u16::try_from(timeout.as_millis()).unwrap_or(u16::MAX);
         let mut polled = [PollFd::new(open.as_fd(), PollFlags::POLLIN)];
         // after an interruption too, the caller checks the queue itself
         let _ = poll(&mut polled, PollTimeout::from(milliseconds));
     }
 
     /// Returns whether the queue's name has been removed, so that new messages under this name go to another queue.
-    pub(crate) fn is_gone(&self) -> bool {
+    pub(crate) fn is_unlinked(&self) -> bool {
         let status = self.descriptor().and_then(|open| fstat(open.as_fd()));
         status.is_ok_and(|status| status.st_nlink == 0)
     }
@@ -204,7 +204,7 @@ fn system(name: &QueueName, errno: Errno) -> QueueCheckError {
 
 /// Explains why a queue was not created. The kernel's error code is not specific, so this compares the request with the
 /// limits.
-fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckError {
+fn refusal(name: &QueueName, capacity: QueueCapacity, errno: Errno) -> QueueCheckError {
     let queue = name.to_string();
     let limit = |which: &str| -> Option<usize> {
         let text = std::fs::read_to_string(format!("/proc/sys/fs/mqueue/{which}")).ok()?;
@@ -219,14 +219,14 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
         Errno::ENOSPC => QueueCheckError::NoMore { queue },
         Errno::EINVAL | Errno::ENOMEM | Errno::EOVERFLOW => {
             match (limit("msg_max"), limit("msgsize_max")) {
-                (Some(limit), _) if room.messages > limit => QueueCheckError::TooMany {
+                (Some(limit), _) if capacity.messages > limit => QueueCheckError::TooMany {
                     queue,
-                    asked: room.messages,
+                    requested: capacity.messages,
                     limit,
                 },
-                (_, Some(limit)) if room.size > limit => QueueCheckError::TooLarge {
+                (_, Some(limit)) if capacity.size > limit => QueueCheckError::TooLarge {
                     queue,
-                    asked: room.size,
+                    requested: capacity.size,
                     limit,
                 },
                 _ => system(name, errno),
@@ -234,10 +234,12 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
         }
         // the kernel's code for queues that are too large for the user's limit
         Errno::EMFILE => match getrlimit(Resource::RLIMIT_MSGQUEUE) {
-            Ok((limit, _)) if room.messages.saturating_mul(room.size) as u64 > limit / 2 => {
+            Ok((limit, _))
+                if capacity.messages.saturating_mul(capacity.size) as u64 > limit / 2 =>
+            {
                 QueueCheckError::NoRoom {
                     queue,
-                    asked: room.messages.saturating_mul(room.size),
+                    requested: capacity.messages.saturating_mul(capacity.size),
                     limit,
                 }
             }

@@ -112,22 +112,22 @@ impl QueueReader {
         Self { max_age, ..self }
     }
 
-    /// Waits up to `at_most` for the next event. Returns `None` if there is none.
-    pub fn next(&mut self, at_most: Duration) -> Option<QueueEvent> {
+    /// Waits up to `timeout` for the next event. Returns `None` if there is none.
+    pub fn next(&mut self, timeout: Duration) -> Option<QueueEvent> {
         let Some(open) = &mut self.queue else {
-            return self.search(at_most);
+            return self.open_queue(timeout);
         };
         open.watch_writers();
         let mut read = open.read();
         if read == Ok(None) {
-            open.queue.wait(at_most);
+            open.queue.wait(timeout);
             open.watch_writers();
             read = open.read();
         }
         match read {
             Ok(Some((bytes, priority))) => open.interpret(&self.layout, bytes, priority),
             Ok(None) => {
-                if open.queue.is_gone() {
+                if open.queue.is_unlinked() {
                     self.queue = None;
                     // the next queue of this name is a new one
                     self.search = QueueSearch::new(true);
@@ -143,21 +143,21 @@ impl QueueReader {
     }
 
     /// Searches for the queue.
-    fn search(&mut self, at_most: Duration) -> Option<QueueEvent> {
-        match KernelQueue::find(&self.name) {
+    fn open_queue(&mut self, timeout: Duration) -> Option<QueueEvent> {
+        match KernelQueue::open_existing(&self.name) {
             Ok(Some(queue)) => self.found(queue),
             Ok(None) => {
                 self.search.was_absent = true;
-                thread::sleep(at_most.min(SEARCH));
+                thread::sleep(timeout.min(SEARCH));
                 let is_long = self.search.since.elapsed() >= REPORTED_AFTER;
                 let is_first = is_long && !std::mem::replace(&mut self.search.is_reported, is_long);
                 is_first.then_some(QueueEvent::Waiting)
             }
             Err(problem) => {
-                thread::sleep(at_most.min(SEARCH));
+                thread::sleep(timeout.min(SEARCH));
                 let reason = to_datum_error(problem);
-                let known = self.search.problem.replace(reason.clone());
-                let is_new = known.as_ref() != Some(&reason);
+                let previous = self.search.problem.replace(reason.clone());
+                let is_new = previous.as_ref() != Some(&reason);
                 is_new.then_some(QueueEvent::Discarded { count: 0, reason })
             }
         }
@@ -294,7 +294,7 @@ impl Drop for OpenQueue {
     fn drop(&mut self) {
         let others = self.queue.find_holders(HolderAccess::Any);
         let nobody = others.found.is_empty() && (others.complete || self.writers.is_known);
-        if nobody && !self.queue.is_gone() {
+        if nobody && !self.queue.is_unlinked() {
             self.queue.unlink();
         }
     }
@@ -305,8 +305,8 @@ impl Source for QueueReader {
         self.name.to_string()
     }
 
-    fn next(&mut self, at_most: Duration) -> Option<SourceEvent> {
-        Some(match QueueReader::next(self, at_most)? {
+    fn next(&mut self, timeout: Duration) -> Option<SourceEvent> {
+        Some(match QueueReader::next(self, timeout)? {
             QueueEvent::Message(datum) => SourceEvent::Sample(Arc::new(datum) as Arc<dyn Sample>),
             QueueEvent::Discarded { count, reason } => SourceEvent::Discarded { count, reason },
             QueueEvent::Waiting => SourceEvent::Waiting,

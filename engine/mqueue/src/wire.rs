@@ -2,7 +2,7 @@
 
 use asmotion_datum::{Datum, DatumError, DatumProblem, Numbers, Schema, Shape};
 
-use crate::layout::{QueueLayout, least};
+use crate::layout::{QueueLayout, min_size};
 
 impl QueueLayout {
     /// Appends an encoded message to `out`. Omitted fields are zero, false or empty.
@@ -10,12 +10,12 @@ impl QueueLayout {
     /// # Errors
     /// The first difference from the layout's type, with its place.
     pub fn encode(&self, datum: &Datum, out: &mut Vec<u8>) -> Result<(), DatumError> {
-        put(self.schema(), Some(datum), out)
+        encode_value(self.schema(), Some(datum), out)
     }
 
     /// Appends a message of zeros.
     pub(crate) fn encode_zeros(&self, out: &mut Vec<u8>) -> Result<(), DatumError> {
-        put(self.schema(), None, out)
+        encode_value(self.schema(), None, out)
     }
 
     /// Decodes a message, which must occupy all bytes.
@@ -23,9 +23,9 @@ impl QueueLayout {
     /// # Errors
     /// An error if there are too many or too few bytes, or if a value is invalid, with its place.
     pub fn decode(&self, bytes: &[u8]) -> Result<Datum, DatumError> {
-        let mut rest = bytes;
-        let datum = take(self.schema(), &mut rest)?;
-        match rest.len() {
+        let mut remaining = bytes;
+        let datum = decode_value(self.schema(), &mut remaining)?;
+        match remaining.len() {
             0 => Ok(datum),
             left => Err(malformed(format!(
                 "{} has {} bytes, not {}",
@@ -47,7 +47,11 @@ fn mismatch(schema: &Schema, datum: &Datum) -> DatumError {
     DatumError::new(DatumProblem::Mismatch(problem))
 }
 
-fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), DatumError> {
+fn encode_value(
+    schema: &Schema,
+    datum: Option<&Datum>,
+    out: &mut Vec<u8>,
+) -> Result<(), DatumError> {
     macro_rules! whole {
         ($type:ty) => {{
             let value = match datum {
@@ -95,13 +99,13 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
             };
             let count = elements(datum).ok_or_else(|| mismatch(schema, datum))?;
             out.extend((count as u64).to_ne_bytes());
-            put_all(element, datum, count, out)?;
+            encode_elements(element, datum, count, out)?;
         }
         Shape::Array(element, count) => match datum {
-            None => (0..*count).try_for_each(|_| put(element, None, out))?,
+            None => (0..*count).try_for_each(|_| encode_value(element, None, out))?,
             Some(datum) => match elements(datum) {
                 None => return Err(mismatch(schema, datum)),
-                Some(given) if given == *count => put_all(element, datum, given, out)?,
+                Some(given) if given == *count => encode_elements(element, datum, given, out)?,
                 Some(given) => {
                     let problem = format!("expected {schema}, found {given} elements");
                     return Err(DatumError::new(DatumProblem::Mismatch(problem)));
@@ -116,7 +120,7 @@ fn put(schema: &Schema, datum: Option<&Datum>, out: &mut Vec<u8>) -> Result<(), 
             };
             for field in fields {
                 let entry = entries.iter().find(|(name, _)| *name == field.name);
-                put(&field.schema, entry.map(|(_, value)| value), out)
+                encode_value(&field.schema, entry.map(|(_, value)| value), out)
                     .map_err(|error| error.within(&field.name))?;
             }
         }
@@ -139,7 +143,7 @@ fn elements(datum: &Datum) -> Option<usize> {
     }
 }
 
-fn put_all(
+fn encode_elements(
     element: &Schema,
     datum: &Datum,
     count: usize,
@@ -157,13 +161,14 @@ fn put_all(
         _ => {}
     }
     for index in 0..count {
-        put(element, datum.element(index).as_deref(), out).map_err(|error| error.within(index))?;
+        encode_value(element, datum.element(index).as_deref(), out)
+            .map_err(|error| error.within(index))?;
     }
     Ok(())
 }
 
 /// Removes the first `N` bytes.
-fn chunk<const N: usize>(schema: &Schema, rest: &mut &[u8]) -> Result<[u8; N], DatumError> {
+fn take_bytes<const N: usize>(schema: &Schema, rest: &mut &[u8]) -> Result<[u8; N], DatumError> {
     match rest.split_first_chunk() {
         Some((chunk, left)) => {
             *rest = left;
@@ -176,10 +181,10 @@ fn chunk<const N: usize>(schema: &Schema, rest: &mut &[u8]) -> Result<[u8; N], D
     }
 }
 
-fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
+fn decode_value(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
     macro_rules! whole {
         ($type:ty) => {{
-            let value = <$type>::from_ne_bytes(chunk(schema, rest)?);
+            let value = <$type>::from_ne_bytes(take_bytes(schema, rest)?);
             i64::try_from(value)
                 .map(Datum::Int)
                 .map_err(|_| DatumError::new(DatumProblem::IntegerTooBig(value.to_string())))
@@ -188,7 +193,7 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
     match &schema.shape {
         // cannot occur: the layout has refused these types
         Shape::Any | Shape::Text | Shape::Option(_) => Err(mismatch(schema, &Datum::Null)),
-        Shape::Bool => match chunk::<1>(schema, rest)? {
+        Shape::Bool => match take_bytes::<1>(schema, rest)? {
             [0] => Ok(Datum::Bool(false)),
             [1] => Ok(Datum::Bool(true)),
             [other] => Err(malformed(format!(
@@ -204,17 +209,18 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
         Shape::U32 => whole!(u32),
         Shape::U64 => whole!(u64),
         Shape::F32 => Ok(Datum::Float(
-            f32::from_ne_bytes(chunk(schema, rest)?).into(),
+            f32::from_ne_bytes(take_bytes(schema, rest)?).into(),
         )),
-        Shape::F64 => Ok(Datum::Float(f64::from_ne_bytes(chunk(schema, rest)?))),
+        Shape::F64 => Ok(Datum::Float(f64::from_ne_bytes(take_bytes(schema, rest)?))),
         Shape::List(element) => {
-            let count = u64::from_ne_bytes(chunk(schema, rest)?);
-            take_all(element, usize::try_from(count).unwrap_or(usize::MAX), rest)
+            let count = u64::from_ne_bytes(take_bytes(schema, rest)?);
+            decode_elements(element, usize::try_from(count).unwrap_or(usize::MAX), rest)
         }
-        Shape::Array(element, count) => take_all(element, *count, rest),
+        Shape::Array(element, count) => decode_elements(element, *count, rest),
         Shape::Record(fields) => {
             let entries = fields.iter().map(|field| {
-                let value = take(&field.schema, rest).map_err(|error| error.within(&field.name))?;
+                let value =
+                    decode_value(&field.schema, rest).map_err(|error| error.within(&field.name))?;
                 Ok((field.name.clone(), value))
             });
             entries.collect::<Result<_, _>>().map(Datum::Record)
@@ -223,8 +229,8 @@ fn take(schema: &Schema, rest: &mut &[u8]) -> Result<Datum, DatumError> {
 }
 
 /// Reads `count` elements. Fails before allocation if there cannot be enough bytes.
-fn take_all(element: &Schema, count: usize, rest: &mut &[u8]) -> Result<Datum, DatumError> {
-    if least(&element.shape).saturating_mul(count) > rest.len() {
+fn decode_elements(element: &Schema, count: usize, rest: &mut &[u8]) -> Result<Datum, DatumError> {
+    if min_size(&element.shape).saturating_mul(count) > rest.len() {
         return Err(malformed(format!(
             "expected {count} elements of {element}, but {} bytes are left",
             rest.len()
@@ -241,7 +247,8 @@ fn take_all(element: &Schema, count: usize, rest: &mut &[u8]) -> Result<Datum, D
         *rest = left;
         Ok(Datum::Bytes(bytes.into()))
     } else {
-        let all = (0..count).map(|index| take(element, rest).map_err(|error| error.within(index)));
+        let all = (0..count)
+            .map(|index| decode_value(element, rest).map_err(|error| error.within(index)));
         all.collect::<Result<_, _>>().map(Datum::List)
     }
 }

@@ -43,7 +43,7 @@ struct WriterState {
     name: QueueName,
     layout: QueueLayout,
     keep: FullQueuePolicy,
-    room: QueueCapacity,
+    capacity: QueueCapacity,
     /// Age at which a message in the queue is discarded.
     max_age: Option<Duration>,
     queue: Arc<KernelQueue>,
@@ -62,7 +62,7 @@ struct WriterState {
     /// The last message; empty before the first one.
     last: Vec<u8>,
     /// Buffer for a message that is removed.
-    old: Vec<u8>,
+    removed: Vec<u8>,
     discarded: DiscardedMessages,
 }
 
@@ -87,51 +87,51 @@ impl QueueWriter {
     pub fn open(
         name: QueueName,
         layout: QueueLayout,
-        room: QueueCapacity,
+        capacity: QueueCapacity,
         keep: FullQueuePolicy,
     ) -> Result<Self, QueueCheckError> {
-        if room.size == 0 {
+        if capacity.size == 0 {
             return Err(QueueCheckError::NoSize {
                 queue: name.to_string(),
                 kind: layout.schema().to_string(),
             });
         }
-        let (mut queue, mut origin) = KernelQueue::create(&name, room)?;
+        let (mut queue, mut origin) = KernelQueue::create(&name, capacity)?;
         let mut left = 0;
         if origin == QueueOrigin::Found {
             let others = queue.find_holders(HolderAccess::Any);
             if others.found.is_empty() && others.complete {
                 left = queue.count();
                 queue.unlink();
-                (queue, origin) = KernelQueue::create(&name, room)?;
+                (queue, origin) = KernelQueue::create(&name, capacity)?;
             }
         }
-        if queue.size() < room.size {
+        if queue.size() < capacity.size {
             return Err(QueueCheckError::Smaller {
                 queue: name.to_string(),
-                takes: queue.size(),
-                size: room.size,
+                required: queue.size(),
+                size: capacity.size,
             });
         }
-        let mut old = vec![0; queue.size()];
-        while queue.pop(&mut old)?.is_some() {
+        let mut removed = vec![0; queue.size()];
+        while queue.pop(&mut removed)?.is_some() {
             left += 1;
         }
         let mut state = WriterState {
             name: name.clone(),
             layout,
             keep,
-            room,
+            capacity,
             max_age: None,
             queue: Arc::new(queue),
             origin,
-            waiting: VecDeque::with_capacity(room.messages),
+            waiting: VecDeque::with_capacity(capacity.messages),
             sent: 0,
             taken: 0,
             holder_seen: false,
-            message: Vec::with_capacity(room.size),
-            last: Vec::with_capacity(room.size),
-            old,
+            message: Vec::with_capacity(capacity.size),
+            last: Vec::with_capacity(capacity.size),
+            removed,
             discarded: DiscardedMessages {
                 left: left as u64,
                 expired: 0,
@@ -176,7 +176,7 @@ impl WriterState {
 
     fn store(&mut self, now: Instant) -> Result<PushOutcome, QueueCheckError> {
         // a queue that was found may have room for more messages than this connection wants
-        if self.queue.count() < self.room.messages && self.push(now)? == SendOutcome::Stored {
+        if self.queue.count() < self.capacity.messages && self.push(now)? == SendOutcome::Stored {
             return Ok(PushOutcome::Stored);
         }
         if self.keep == FullQueuePolicy::Oldest {
@@ -225,7 +225,7 @@ impl WriterState {
 
     /// Removes the oldest message. Returns its priority.
     fn remove_oldest(&mut self) -> Result<Option<QueuePriority>, QueueCheckError> {
-        let removed = self.queue.pop(&mut self.old)?;
+        let removed = self.queue.pop(&mut self.removed)?;
         if removed.is_some() {
             self.waiting.pop_front();
         }
@@ -275,7 +275,8 @@ impl Drop for QueueWriter {
         let mut state = lock(&self.state);
         let others = state.queue.find_holders(HolderAccess::Any);
         state.update_taken();
-        if others.found.is_empty() && state.is_unread(others.complete) && !state.queue.is_gone() {
+        if others.found.is_empty() && state.is_unread(others.complete) && !state.queue.is_unlinked()
+        {
             state.queue.unlink();
         }
     }

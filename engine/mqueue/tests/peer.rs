@@ -478,7 +478,7 @@ fn what_a_writer_before_has_left_is_no_data() {
         refused,
         QueueCheckError::Smaller {
             queue: name.to_string(),
-            takes: SIZE,
+            required: SIZE,
             size: 2 * SIZE
         }
     );

@@ -12,28 +12,28 @@ use asmotion_runtime::{
     Adapter, Effects, InjectionPorts, LiveContext, System, SystemTopic, publish_without_bus,
 };
 
-use crate::attachment::{Attachment, is_here};
-use crate::ends::{OfferedService, RemoteEnds};
+use crate::attachment::{Attachment, is_component_on};
 use crate::identity::BusIdentity;
 use crate::offered::OfferedOperations;
+use crate::remote_ends::{OfferedService, RemoteEnds};
 
 /// Connects the remote ends of a system to its buses.
 pub(crate) struct BusAdapter {
     attachments: Vec<Attachment>,
     /// The topics of components that use no bus, until the state of the bus has been published to them once.
-    inside: Option<(Vec<SystemTopic>, InjectionPorts)>,
+    internal_topics: Option<(Vec<SystemTopic>, InjectionPorts)>,
 }
 
 impl BusAdapter {
     /// Connects the collected ends to the buses; a bus without a name gets all of them.
     pub(crate) fn new(
         system: &mut System,
-        mut ends: RemoteEnds,
+        mut remote_ends: RemoteEnds,
         buses: Vec<(Option<String>, Arc<dyn Bus>)>,
         incarnation: u64,
     ) -> Result<Self, BusError> {
-        let named = |(name, _): &(Option<String>, _)| name.clone();
-        let names: Vec<Option<String>> = buses.iter().map(named).collect();
+        let name_of = |(name, _): &(Option<String>, _)| name.clone();
+        let names: Vec<Option<String>> = buses.iter().map(name_of).collect();
         let mut attachments = Vec::new();
         for (name, bus) in buses {
             let identity = Arc::new(BusIdentity {
@@ -41,34 +41,34 @@ impl BusAdapter {
                 incarnation,
                 notifier: Arc::clone(system.notifier()),
             });
-            let attachment = Attachment::new(system, &mut ends, name.as_deref(), identity)?;
+            let attachment = Attachment::new(system, &mut remote_ends, name.as_deref(), identity)?;
             attachments.push(attachment);
         }
-        let homes = &ends.homes;
+        let homes = &remote_ends.component_buses;
         let is_inside = |component| {
             !names
                 .iter()
-                .any(|name| is_here(homes, component, name.as_deref()))
+                .any(|name| is_component_on(homes, component, name.as_deref()))
         };
         let topics = system.topics().iter();
         let inside: Vec<SystemTopic> = topics.map(|topic| topic.filtered(is_inside)).collect();
         let ports = system.injection_topics(&inside);
         Ok(Self {
             attachments,
-            inside: Some((inside, ports)),
+            internal_topics: Some((inside, ports)),
         })
     }
 }
 
 impl Adapter for BusAdapter {
-    fn go_live(&mut self, context: &LiveContext) {
+    fn start_live(&mut self, context: &LiveContext) {
         for attachment in &self.attachments {
-            attachment.go_live(context);
+            attachment.start_live(context);
         }
     }
 
     fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
-        if let Some((topics, mut ports)) = self.inside.take() {
+        if let Some((topics, mut ports)) = self.internal_topics.take() {
             publish_without_bus(&topics, &mut ports, now, effects);
         }
         for attachment in &mut self.attachments {

@@ -7,10 +7,10 @@ use asmotion_bus::BusError;
 use asmotion_port::Time;
 use asmotion_runtime::{Effects, LiveContext, System, SystemTopic};
 
-use crate::ends::{RemoteEnds, is_on};
 use crate::identity::BusIdentity;
 use crate::offered::OfferedOperations;
 use crate::remote::RemoteService;
+use crate::remote_ends::{RemoteEnds, is_on};
 use crate::topics::BusTopics;
 
 /// The ends of a system that use one bus.
@@ -21,35 +21,42 @@ pub(crate) struct Attachment {
 }
 
 /// Returns whether a component uses this bus.
-pub(crate) fn is_here(
-    homes: &BTreeMap<usize, String>,
+pub(crate) fn is_component_on(
+    buses: &BTreeMap<usize, String>,
     component: usize,
     bus: Option<&str>,
 ) -> bool {
-    is_on(homes.get(&component).map(String::as_str), bus)
+    is_on(buses.get(&component).map(String::as_str), bus)
 }
 
 impl Attachment {
     /// Connects the ends that use the bus with this name, or all ends if it has no name. Removes the remote references
-    /// of this bus from `ends`.
+    /// of this bus from `remote_ends`.
     pub(crate) fn new(
         system: &mut System,
-        ends: &mut RemoteEnds,
+        remote_ends: &mut RemoteEnds,
         name: Option<&str>,
         identity: Arc<BusIdentity>,
     ) -> Result<Self, BusError> {
-        identity.bus.watch(&identity.notifier);
-        let homes = &ends.homes;
-        let of_bus = |topic: &SystemTopic| topic.filtered(|unit| is_here(homes, unit, name));
+        identity.bus.notify_on_change(&identity.notifier);
+        let homes = &remote_ends.component_buses;
+        let of_bus =
+            |topic: &SystemTopic| topic.filtered(|unit| is_component_on(homes, unit, name));
         let of_bus: Vec<SystemTopic> = system.topics().iter().map(of_bus).collect();
-        let exposed = ends.exposed.iter();
-        let exposed = exposed.filter(|(end, _)| is_here(homes, end.component(), name));
-        let topics = BusTopics::new(system, &of_bus, &ends.sending, exposed, &identity)?;
-        let offered = ends.offered.iter();
+        let exposed = remote_ends.exposed.iter();
+        let exposed = exposed.filter(|(end, _)| is_component_on(homes, end.component(), name));
+        let topics = BusTopics::new(
+            system,
+            &of_bus,
+            &remote_ends.publish_options,
+            exposed,
+            &identity,
+        )?;
+        let offered = remote_ends.offered.iter();
         let offered = offered.filter(|offered| is_on(offered.bus.as_deref(), name));
         let offered = OfferedOperations::new(system, offered, &identity)?;
-        let reached = ends
-            .reached
+        let reached = remote_ends
+            .remote_references
             .extract_if(.., |it| is_on(it.bus.as_deref(), name));
         let remote = reached.map(|it| RemoteService::new(it.route, Arc::clone(&identity)));
         Ok(Self {
@@ -60,8 +67,8 @@ impl Attachment {
     }
 
     /// From now on, receiving threads put messages of topics into ports themselves.
-    pub(crate) fn go_live(&self, context: &LiveContext) {
-        self.topics.go_live(context);
+    pub(crate) fn start_live(&self, context: &LiveContext) {
+        self.topics.start_live(context);
     }
 
     /// Moves arrived messages into the system, and waiting ones to the bus.

@@ -6,7 +6,6 @@
 
 mod adapter;
 mod attachment;
-mod ends;
 mod error;
 mod failure;
 mod health;
@@ -14,10 +13,11 @@ mod identity;
 mod network;
 mod offered;
 mod remote;
+mod remote_ends;
 mod subscription;
 mod topics;
 
-pub use ends::port_topic;
 pub use error::NetworkError;
 pub use failure::call_error;
 pub use network::Network;
+pub use remote_ends::port_topic;

@@ -8,9 +8,9 @@ use asmotion_component::Wire;
 use asmotion_runtime::{BuildError, ComponentId, RequestQueue, System};
 
 use crate::adapter::{BusAdapter, ServingAdapter};
-use crate::ends::{OfferedService, RemoteEnds, RemoteReference, address};
 use crate::error::NetworkError;
 use crate::remote::RemoteRoute;
+use crate::remote_ends::{OfferedService, RemoteEnds, RemoteReference, address};
 
 /// The remote ends of a system, collected first and then connected to buses by [`attach`](Self::attach).
 ///
@@ -31,7 +31,7 @@ use crate::remote::RemoteRoute;
 /// ```
 #[derive(Default)]
 pub struct Network {
-    ends: RemoteEnds,
+    remote_ends: RemoteEnds,
     /// The system is attached to a bus.
     attached: bool,
 }
@@ -44,8 +44,10 @@ impl Network {
 
     /// Sets the publishing options of a topic: delivery guarantee, and treatment of messages while the bus is down.
     /// Delivery within the system is not affected.
-    pub fn set_sending(&mut self, topic: &str, sending: PublishOptions) {
-        self.ends.sending.insert(topic.to_owned(), sending);
+    pub fn set_publish_options(&mut self, topic: &str, options: PublishOptions) {
+        self.remote_ends
+            .publish_options
+            .insert(topic.to_owned(), options);
     }
 
     /// Publishes an output for inputs of other processes, which read its [`port_topic`](crate::port_topic).
@@ -56,19 +58,26 @@ impl Network {
         &mut self,
         system: &System,
         from: &str,
-        sending: PublishOptions,
+        options: PublishOptions,
     ) -> Result<(), BuildError> {
         let from = system.output(from)?;
-        if self.ends.exposed.iter().all(|(known, _)| *known != from) {
-            self.ends.exposed.push((from, sending));
+        if self
+            .remote_ends
+            .exposed
+            .iter()
+            .all(|(known, _)| *known != from)
+        {
+            self.remote_ends.exposed.push((from, options));
         }
         Ok(())
     }
 
     /// Assigns a component to one of several buses, for its topics and, unless specified otherwise, its services and
     /// references. The topics of a component without a bus stay within the system.
-    pub fn put_on(&mut self, component: ComponentId, bus: &str) {
-        self.ends.homes.insert(component.position(), bus.to_owned());
+    pub fn assign_bus(&mut self, component: ComponentId, bus: &str) {
+        self.remote_ends
+            .component_buses
+            .insert(component.position(), bus.to_owned());
     }
 
     /// Offers a service to other processes over its component's bus.
@@ -77,15 +86,19 @@ impl Network {
     /// An error if there is no such service.
     pub fn offer(&mut self, system: &System, service: &str) -> Result<(), BuildError> {
         let end = system.service(service)?;
-        let bus = self.ends.homes.get(&end.component()).cloned();
-        self.offer_at(system, service, service, bus.as_deref())
+        let bus = self
+            .remote_ends
+            .component_buses
+            .get(&end.component())
+            .cloned();
+        self.offer_as(system, service, service, bus.as_deref())
     }
 
     /// Offers a service to other processes under a name, over one of several buses.
     ///
     /// # Errors
     /// An error if there is no such service.
-    pub fn offer_at(
+    pub fn offer_as(
         &mut self,
         system: &System,
         service: &str,
@@ -97,8 +110,8 @@ impl Network {
             name: name.to_owned(),
             bus: bus.map(str::to_owned),
         };
-        if !self.ends.offered.contains(&offered) {
-            self.ends.offered.push(offered);
+        if !self.remote_ends.offered.contains(&offered) {
+            self.remote_ends.offered.push(offered);
         }
         Ok(())
     }
@@ -108,7 +121,7 @@ impl Network {
     ///
     /// # Errors
     /// An error if there is no such reference, or if it has a service already.
-    pub fn reach(
+    pub fn wire_remote(
         &mut self,
         system: &mut System,
         from: &str,
@@ -116,15 +129,19 @@ impl Network {
         wire: Wire,
     ) -> Result<(), BuildError> {
         let end = system.reference(from)?;
-        let bus = self.ends.homes.get(&end.component()).cloned();
-        self.reach_over(system, from, service, wire, bus.as_deref())
+        let bus = self
+            .remote_ends
+            .component_buses
+            .get(&end.component())
+            .cloned();
+        self.wire_remote_over(system, from, service, wire, bus.as_deref())
     }
 
     /// Wires a reference to a service that another process offers over one of several buses.
     ///
     /// # Errors
     /// An error if there is no such reference, or if it has a service already.
-    pub fn reach_over(
+    pub fn wire_remote_over(
         &mut self,
         system: &mut System,
         from: &str,
@@ -142,14 +159,16 @@ impl Network {
             timeout: wire.timeout,
         };
         let bus = bus.map(str::to_owned);
-        self.ends.reached.push(RemoteReference { route, bus });
+        self.remote_ends
+            .remote_references
+            .push(RemoteReference { route, bus });
         Ok(())
     }
 
     /// Connects the topics declared so far, and the remote ends collected so far, to a bus. Samples published in the
-    /// system are sent (see [`set_sending`](Self::set_sending)), and samples of other processes go to each subscriber
-    /// according to its policy. `incarnation` must be unique among all processes and restarts: messages that carry it
-    /// were delivered within the system, and are not delivered again.
+    /// system are sent (see [`set_publish_options`](Self::set_publish_options)), and samples of other processes go to
+    /// each subscriber according to its policy. `incarnation` must be unique among all processes and restarts: messages
+    /// that carry it were delivered within the system, and are not delivered again.
     ///
     /// # Errors
     /// An error if the bus refuses a publisher, a subscription or a service.
@@ -159,11 +178,11 @@ impl Network {
         bus: Arc<dyn Bus>,
         incarnation: u64,
     ) -> Result<(), BusError> {
-        self.join(system, vec![(None, bus)], incarnation)
+        self.add_bus_adapter(system, vec![(None, bus)], incarnation)
     }
 
-    /// Connects the system to several buses by name: a component's ends use the bus it was [put on](Self::put_on), and
-    /// stay within the system if it has none. See [`attach`](Self::attach).
+    /// Connects the system to several buses by name: a component's ends use the bus it was [put on](Self::assign_bus),
+    /// and stay within the system if it has none. See [`attach`](Self::attach).
     ///
     /// # Errors
     /// An error if a bus refuses a publisher, a subscription or a service.
@@ -174,7 +193,7 @@ impl Network {
         incarnation: u64,
     ) -> Result<(), BusError> {
         let buses = buses.into_iter().map(|(name, bus)| (Some(name), bus));
-        self.join(system, buses.collect(), incarnation)
+        self.add_bus_adapter(system, buses.collect(), incarnation)
     }
 
     /// Offers services on a bus that is used for nothing else, such as a gateway's. Each service has a name there, for
@@ -198,20 +217,20 @@ impl Network {
         });
         let offered: Vec<OfferedService> = offered.collect::<Result<_, BuildError>>()?;
         if !self.attached {
-            self.join(system, Vec::new(), 0)?;
+            self.add_bus_adapter(system, Vec::new(), 0)?;
         }
         let adapter = ServingAdapter::new(system, &offered, bus)?;
         system.add_adapter(Box::new(adapter));
         Ok(())
     }
 
-    fn join(
+    fn add_bus_adapter(
         &mut self,
         system: &mut System,
         buses: Vec<(Option<String>, Arc<dyn Bus>)>,
         incarnation: u64,
     ) -> Result<(), BusError> {
-        let ends = std::mem::take(&mut self.ends);
+        let ends = std::mem::take(&mut self.remote_ends);
         let adapter = BusAdapter::new(system, ends, buses, incarnation)?;
         system.add_adapter(Box::new(adapter));
         self.attached = true;

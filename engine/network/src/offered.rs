@@ -12,9 +12,9 @@ use asmotion_runtime::{
     CallKey, Effects, RemoteCaller, ReplyTo, RequestQueue, ServiceRequest, System,
 };
 
-use crate::ends::{OfferedService, address};
 use crate::failure::call_failure;
 use crate::identity::BusIdentity;
+use crate::remote_ends::{OfferedService, address};
 
 /// Capacity of an operation's request queue on the bus.
 const WAITING: usize = 128;
@@ -23,7 +23,7 @@ const WAITING: usize = 128;
 pub(crate) struct OfferedOperations {
     operations: Vec<OfferedOperation>,
     /// Number of the newest request.
-    last: u64,
+    last_call: u64,
 }
 
 /// An operation that other processes may call.
@@ -35,7 +35,7 @@ struct OfferedOperation {
     operation: usize,
     /// Schema of the request.
     argument: Schema,
-    serving: ServedAddress,
+    address: ServedAddress,
 }
 
 impl OfferedOperations {
@@ -51,7 +51,7 @@ impl OfferedOperations {
             service: end, name, ..
         } in offered.filter(|it| names.insert(&it.name))
         {
-            let (declaration, queue) = system.service_at(end);
+            let (declaration, queue) = system.provided_service(end);
             for (operation, declared) in declaration.operations.iter().enumerate() {
                 let address = address(name, &declared.name);
                 let notifier = Arc::clone(&identity.notifier);
@@ -60,29 +60,29 @@ impl OfferedOperations {
                     queue: Arc::clone(&queue),
                     operation,
                     argument: declared.request.clone(),
-                    serving: identity.bus.serve(&address, WAITING, notifier)?,
+                    address: identity.bus.serve(&address, WAITING, notifier)?,
                 });
             }
         }
         Ok(Self {
             operations,
-            last: 0,
+            last_call: 0,
         })
     }
 
     /// Moves arrived requests into the providers' queues.
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         for offer in &self.operations {
-            while let Some(call) = offer.serving.try_next() {
-                self.last += 1;
-                offer.take(call, self.last, now, effects);
+            while let Some(call) = offer.address.try_next() {
+                self.last_call += 1;
+                offer.accept(call, self.last_call, now, effects);
             }
         }
     }
 }
 
 impl OfferedOperation {
-    fn take(&self, call: IncomingCall, number: u64, now: Time, effects: &mut dyn Effects) {
+    fn accept(&self, call: IncomingCall, number: u64, now: Time, effects: &mut dyn Effects) {
         let argument = match call.argument.to_sample(&self.argument) {
             Ok(argument) => argument,
             Err(error) => {
@@ -93,7 +93,7 @@ impl OfferedOperation {
             }
         };
         let answered = !call.is_one_way();
-        let left = call.deadline.saturating_duration_since(Instant::now());
+        let remaining = call.deadline.saturating_duration_since(Instant::now());
         let request = ServiceRequest {
             // unused: callers on a bus cancel through the bus
             key: CallKey {
@@ -104,11 +104,11 @@ impl OfferedOperation {
             argument,
             caller: Arc::clone(&call.origin.source),
             trace: call.trace,
-            deadline: answered.then_some(now + left),
+            deadline: answered.then_some(now + remaining),
             reply_to: answered.then(|| ReplyTo::Remote(Box::new(BusCaller(call)))),
         };
         // if the queue is full, dropping the request tells the caller
-        if self.queue.ask(request, effects) == Ok(true) {
+        if self.queue.send(request, effects) == Ok(true) {
             effects.trigger(self.provider);
         }
     }
@@ -124,6 +124,6 @@ impl RemoteCaller for BusCaller {
 
     fn reply(self: Box<Self>, result: Result<Arc<dyn Sample>, CallError>) {
         self.0
-            .end(result.map(Payload::Sample).map_err(call_failure));
+            .complete(result.map(Payload::Sample).map_err(call_failure));
     }
 }

@@ -28,7 +28,7 @@ pub(crate) struct RemoteRoute {
 pub(crate) struct RemoteService {
     route: RemoteRoute,
     identity: Arc<BusIdentity>,
-    open: Vec<RemoteCall>,
+    pending: Vec<RemoteCall>,
     /// Number of one-way calls without a provider.
     lost: u64,
 }
@@ -56,7 +56,7 @@ impl RemoteService {
         Self {
             route,
             identity,
-            open: Vec::new(),
+            pending: Vec::new(),
             lost: 0,
         }
     }
@@ -70,54 +70,54 @@ impl RemoteService {
             }
         }
         let mut index = 0;
-        while let Some(open) = self.open.get(index) {
+        while let Some(open) = self.pending.get(index) {
             match open.pending.try_take() {
                 None => index += 1,
                 Some(end) => {
-                    let RemoteCall { key, origin, .. } = self.open.remove(index);
-                    self.end(key, origin, end, now, effects);
+                    let RemoteCall { key, origin, .. } = self.pending.remove(index);
+                    self.complete(key, origin, end, now, effects);
                 }
             }
         }
     }
 
-    fn send(&mut self, asked: ServiceRequest, now: Time, effects: &mut dyn Effects) {
-        let address = self.route.addresses.get(asked.operation).cloned();
+    fn send(&mut self, request: ServiceRequest, now: Time, effects: &mut dyn Effects) {
+        let address = self.route.addresses.get(request.operation).cloned();
         let address = address.unwrap_or_default();
         let BusIdentity { bus, notifier, .. } = &*self.identity;
-        let left = asked.deadline.map(|deadline| deadline.since(now));
-        let request = Request::new(
-            SenderId::new(Arc::clone(&asked.caller), self.identity.incarnation),
-            Payload::Sample(asked.argument),
-            left.unwrap_or(self.route.timeout),
+        let remaining = request.deadline.map(|deadline| deadline.since(now));
+        let message = Request::new(
+            SenderId::new(Arc::clone(&request.caller), self.identity.incarnation),
+            Payload::Sample(request.argument),
+            remaining.unwrap_or(self.route.timeout),
         );
-        let spans = SpanGenerator::new(&asked.caller, self.identity.incarnation, &address);
-        let request = request.within(spans.of(asked.key.number, asked.trace));
+        let spans = SpanGenerator::new(&request.caller, self.identity.incarnation, &address);
+        let message = message.with_trace(spans.of(request.key.number, request.trace));
         let notifier = Arc::clone(notifier);
-        let (sent, origin) = match asked.reply_to {
+        let (sent, origin) = match request.reply_to {
             Some(reply_to) => {
-                let sent = bus.call(&address, request, notifier);
+                let sent = bus.call(&address, message, notifier);
                 (sent, CallOrigin::Waiting(reply_to))
             }
             None => {
-                let sent = bus.tell(&address, request, notifier);
-                let component = asked.caller;
+                let sent = bus.call_one_way(&address, message, notifier);
+                let component = request.caller;
                 (sent, CallOrigin::OneWay { component, address })
             }
         };
-        let key = asked.key;
+        let key = request.key;
         match sent {
-            Ok(pending) => self.open.push(RemoteCall {
+            Ok(pending) => self.pending.push(RemoteCall {
                 key,
                 origin,
                 pending,
             }),
-            Err(_) => self.end(key, origin, Err(CallFailure::Unavailable), now, effects),
+            Err(_) => self.complete(key, origin, Err(CallFailure::Unavailable), now, effects),
         }
     }
 
     fn cancel(&mut self, key: CallKey) {
-        let cancelled = self.open.extract_if(.., |open| {
+        let cancelled = self.pending.extract_if(.., |open| {
             open.key == key && matches!(open.origin, CallOrigin::Waiting(_))
         });
         for open in cancelled {
@@ -125,15 +125,15 @@ impl RemoteService {
         }
     }
 
-    fn end(
+    fn complete(
         &mut self,
         key: CallKey,
         origin: CallOrigin,
-        end: Result<Payload, CallFailure>,
+        result: Result<Payload, CallFailure>,
         now: Time,
         effects: &mut dyn Effects,
     ) {
-        match (origin, end) {
+        match (origin, result) {
             // the caller's own deadline ends the call or starts a retry
             (CallOrigin::Waiting(_), Err(CallFailure::Timeout | CallFailure::Cancelled)) => {}
             (CallOrigin::Waiting(reply_to), Err(CallFailure::Unavailable)) => {

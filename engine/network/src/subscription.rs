@@ -60,20 +60,20 @@ struct TopicRoute {
     /// The cause of the next cycle of the port's component.
     cause: Arc<CycleCause>,
     /// Messages of this incarnation are skipped: they were sent by this process and delivered within it.
-    own: Option<u64>,
+    own_incarnation: Option<u64>,
     /// Number of lost messages that have been reported.
     lost: u64,
 }
 
 impl TopicSubscription {
-    /// Subscribes an input to a topic of the bus, without messages of the incarnation `own`. Returns `None` if the port
-    /// cannot have such a connection, which an earlier check excludes.
+    /// Subscribes an input to a topic of the bus, without messages of the incarnation `own_incarnation`. Returns `None`
+    /// if the port cannot have such a connection, which an earlier check excludes.
     pub(crate) fn new(
         system: &mut System,
         topic: &str,
         input: &ComponentEnd,
         policy: &Policy,
-        own: Option<u64>,
+        own_incarnation: Option<u64>,
         identity: &BusIdentity,
     ) -> Result<Option<Self>, BusError> {
         let Some(port) = system.injection_port(input, policy) else {
@@ -93,18 +93,18 @@ impl TopicSubscription {
             }
         });
         let (bus, pattern) = (&identity.bus, Pattern::new(topic));
-        let reader = system.component_of(input);
+        let reader = system.component_name(input);
         let route = TopicRoute {
             subscription: bus.subscribe(
                 &reader,
                 &pattern,
-                queue(policy.kind),
+                queue_policy(policy.kind),
                 Arc::new(notifier),
             )?,
             port,
             schema: system.input_schema(input).clone(),
-            cause: system.cause_of(input),
-            own,
+            cause: system.cycle_cause(input),
+            own_incarnation,
             lost: 0,
         };
         *gate.route.lock().unwrap_or_else(PoisonError::into_inner) = Some(route);
@@ -112,7 +112,7 @@ impl TopicSubscription {
     }
 
     /// From now on, receiving threads put messages into the port.
-    pub(crate) fn go_live(&self, context: &LiveContext) {
+    pub(crate) fn start_live(&self, context: &LiveContext) {
         // never set twice: a system goes live once
         let _ = self.0.context.set(context.clone());
     }
@@ -159,20 +159,20 @@ impl DeliveryGate {
 impl TopicRoute {
     fn drain(&mut self, now: Time, effects: &mut dyn Effects) {
         while let Some(envelope) = self.subscription.try_next() {
-            if self.own == Some(envelope.incarnation) {
+            if self.own_incarnation == Some(envelope.incarnation) {
                 continue;
             }
             match envelope.to_sample(&self.schema) {
                 Ok(sample) => {
                     if let Some(trace) = envelope.trace {
-                        self.cause.arrive(trace);
+                        self.cause.record(trace);
                     }
                     self.port.inject(&sample, now, effects);
                 }
                 Err(reason) => self.port.count_dropped(1, Some(&reason), now, effects),
             }
         }
-        let received = self.subscription.received();
+        let received = self.subscription.counts();
         let lost = received.dropped + received.missed + received.unreadable;
         if lost > self.lost {
             let more = lost - self.lost;
@@ -183,7 +183,7 @@ impl TopicRoute {
 }
 
 /// The policy of the bus' queue for a port: only the newest message, if the connection keeps no more.
-fn queue(kind: BufferKind) -> QueuePolicy {
+fn queue_policy(kind: BufferKind) -> QueuePolicy {
     match kind {
         BufferKind::Data => QueuePolicy::Latest,
         BufferKind::Buffer(size) | BufferKind::Circular(size) => QueuePolicy::All {

@@ -11,9 +11,9 @@ use asmotion_runtime::{
     ComponentEnd, CycleCause, Effects, InjectionPorts, LiveContext, System, SystemTopic,
 };
 
-use crate::ends::port_topic;
 use crate::health::HealthPublisher;
 use crate::identity::BusIdentity;
+use crate::remote_ends::port_topic;
 use crate::subscription::TopicSubscription;
 
 /// The system's topics on one bus.
@@ -31,12 +31,15 @@ impl BusTopics {
     pub(crate) fn new<'e>(
         system: &mut System,
         topics: &[SystemTopic],
-        sending: &BTreeMap<String, PublishOptions>,
+        publish_options: &BTreeMap<String, PublishOptions>,
         exposed: impl Iterator<Item = &'e (ComponentEnd, PublishOptions)>,
         identity: &BusIdentity,
     ) -> Result<Self, BusError> {
         for topic in topics {
-            let sending = sending.get(&topic.name).copied().unwrap_or_default();
+            let sending = publish_options
+                .get(&topic.name)
+                .copied()
+                .unwrap_or_default();
             for end in &topic.publishers {
                 publish(system, end, &topic.name, sending, identity)?;
             }
@@ -49,8 +52,9 @@ impl BusTopics {
         let mut subscriptions = Vec::new();
         for topic in topics.iter().filter(|topic| !is_health(topic)) {
             for (end, policy) in &topic.subscribers {
-                let made = TopicSubscription::new(system, &topic.name, end, policy, own, identity)?;
-                subscriptions.extend(made);
+                let subscription =
+                    TopicSubscription::new(system, &topic.name, end, policy, own, identity)?;
+                subscriptions.extend(subscription);
             }
         }
         let health: Vec<SystemTopic> = topics
@@ -67,9 +71,9 @@ impl BusTopics {
     }
 
     /// From now on, receiving threads put messages into ports.
-    pub(crate) fn go_live(&self, context: &LiveContext) {
+    pub(crate) fn start_live(&self, context: &LiveContext) {
         for subscription in &self.subscriptions {
-            subscription.go_live(context);
+            subscription.start_live(context);
         }
     }
 
@@ -89,15 +93,15 @@ fn publish(
     system: &mut System,
     end: &ComponentEnd,
     topic: &str,
-    sending: PublishOptions,
+    options: PublishOptions,
     identity: &BusIdentity,
 ) -> Result<(), BusError> {
-    let origin = SenderId::new(system.component_of(end), identity.incarnation);
-    let cause = system.cause_of(end);
+    let origin = SenderId::new(system.component_name(end), identity.incarnation);
+    let cause = system.cycle_cause(end);
     let schema = system.output_schema(end);
-    let publisher = identity.bus.publisher(topic, &origin, schema, sending)?;
+    let publisher = identity.bus.publisher(topic, &origin, schema, options)?;
     let sender = BusSender { publisher, cause };
-    system.join_output(end, Box::new(sender), format!("bus topic {topic}"));
+    system.connect_output(end, Box::new(sender), format!("bus topic {topic}"));
     Ok(())
 }
 
@@ -109,7 +113,7 @@ struct BusSender {
 }
 
 impl AnySender for BusSender {
-    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+    fn check(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
         Ok(())
     }
 
@@ -120,8 +124,8 @@ impl AnySender for BusSender {
         _: u64,
     ) -> Result<PushOutcome, DatumError> {
         let payload = Payload::Sample(sample);
-        let cause = self.cause.present();
-        match self.publisher.publish_within(at.nanos(), payload, cause) {
+        let cause = self.cause.current();
+        match self.publisher.publish_traced(at.nanos(), payload, cause) {
             Ok(()) => Ok(PushOutcome::Stored),
             Err(error) => Err(DatumError::new(DatumProblem::Mismatch(error.to_string()))),
         }

@@ -69,7 +69,7 @@ fn calling(bus: &LocalBus, replies: &Replies, wire: Wire) -> (System, Log) {
         .unwrap();
     let mut network = Network::new();
     network
-        .reach(&mut system, "Caller.sums", "Provider.sums", wire)
+        .wire_remote(&mut system, "Caller.sums", "Provider.sums", wire)
         .unwrap();
     network
         .attach(&mut system, Arc::new(bus.clone()), 1)
@@ -212,7 +212,7 @@ fn one_system_reaches_itself_over_the_bus_the_same_way_each_time() {
             .unwrap();
         let mut network = Network::new();
         network
-            .reach(&mut system, "Caller.sums", "Provider.sums", Wire::default())
+            .wire_remote(&mut system, "Caller.sums", "Provider.sums", Wire::default())
             .unwrap();
         network.offer(&system, "Provider.sums").unwrap();
         network.attach(&mut system, Arc::new(bus), 1).unwrap();
@@ -257,7 +257,7 @@ fn y10_a_callback_reaches_listeners_inside_and_beyond_the_bus() {
         .unwrap();
     let mut network = Network::new();
     network
-        .reach(&mut here, "Caller.sums", "Far.sums", Wire::one_way())
+        .wire_remote(&mut here, "Caller.sums", "Far.sums", Wire::one_way())
         .unwrap();
     network.attach(&mut here, Arc::new(bus), 2).unwrap();
     let (mut there, mut here) = (there.live(), here.live());

@@ -254,7 +254,7 @@ fn what_follows_from_a_message_is_in_its_trace() {
     for cause in 1..=2 {
         let cause = asmotion_bus::TraceContext { id: cause, span: 9 };
         elsewhere
-            .publish_within(0, Payload::of(number(1)), Some(cause))
+            .publish_traced(0, Payload::of(number(1)), Some(cause))
             .unwrap();
         run.run_for(1.ms());
         let trace = told.try_next().unwrap().trace.unwrap();

@@ -47,7 +47,7 @@ fn watched() -> (System, Log) {
 fn said(event: &Event<'_>) -> Option<String> {
     let Event::Report {
         kind: "health",
-        what,
+        data: what,
         ..
     } = event
     else {
@@ -139,25 +139,25 @@ impl Bus for Moody {
         self.bus.call(address, request, notifier)
     }
 
-    fn tell(
+    fn call_one_way(
         &self,
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, BusError> {
-        self.bus.tell(address, request, notifier)
+        self.bus.call_one_way(address, request, notifier)
     }
 
     fn health(&self) -> Health {
         self.health.lock().unwrap().clone()
     }
 
-    fn watch(&self, notifier: &Arc<Notifier>) {
+    fn notify_on_change(&self, notifier: &Arc<Notifier>) {
         *self.notifier.lock().unwrap() = Some(Arc::clone(notifier));
     }
 
-    fn repeat(&self) {
-        self.bus.repeat();
+    fn republish_retained(&self) {
+        self.bus.republish_retained();
     }
 
     fn drain(&self, at_most: Duration) -> bool {
@@ -199,7 +199,7 @@ fn nobody_else_publishes_it_and_nobody_reads_something_else_there() {
     let (mut system, _) = watched();
     system.add("Counter", Activity::event(), counter()).unwrap();
     let published = system.publish("Counter.n", HEALTH_TOPIC).unwrap_err();
-    assert!(matches!(published, BuildError::OwnTopic { .. }));
+    assert!(matches!(published, BuildError::ReservedTopic { .. }));
     let reads_numbers = behaviour(|interface| {
         interface.input::<Number>("n", "numbers");
         |_| Ok(())
@@ -208,5 +208,5 @@ fn nobody_else_publishes_it_and_nobody_reads_something_else_there() {
         .add("Other", Activity::event(), reads_numbers)
         .unwrap();
     let read = system.subscribe(HEALTH_TOPIC, "Other.n", Policy::data());
-    assert!(matches!(read, Err(BuildError::Types { .. })));
+    assert!(matches!(read, Err(BuildError::TypeMismatch { .. })));
 }

@@ -22,7 +22,7 @@ pub enum OpenError {
     /// The policy replaces stale samples by zeros, and the type has no zero value.
     NoZero(DatumError),
     /// The shared queue contains samples of another type.
-    OtherType,
+    TypeMismatch,
 }
 
 /// Opens channels into an input port. Knows the port's type, but does not access the port.
@@ -78,13 +78,13 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
             OnStale::Hold | OnStale::NoData => None,
         };
         let (sender, receiver): (Box<dyn AnySender>, _) = if policy.pull {
-            let (sender, receiver) = ends(policy, queue)?;
+            let (sender, receiver) = channel_ends(policy, queue)?;
             (
                 Box::new(PulledSender(sender)),
                 InputReceiver::Pulled(receiver),
             )
         } else {
-            let (sender, receiver) = ends::<T>(policy, queue)?;
+            let (sender, receiver) = channel_ends::<T>(policy, queue)?;
             (Box::new(sender), InputReceiver::Own(receiver))
         };
         let channel = InputChannel {
@@ -98,18 +98,18 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
 }
 
 impl<T: Message> InputChannel<T> {
-    /// Removes all waiting samples and passes them to `give`. Returns how many could not be converted to the port's
+    /// Removes all waiting samples and passes them to `f`. Returns how many could not be converted to the port's
     /// type.
-    pub(crate) fn drain(&mut self, mut give: impl FnMut(Stamped<T>)) -> u64 {
+    pub(crate) fn drain(&mut self, mut f: impl FnMut(Stamped<T>)) -> u64 {
         match &mut self.receiver {
             InputReceiver::Own(receiver) => {
-                receiver.drain(give);
+                receiver.drain(f);
                 0
             }
             InputReceiver::Pulled(receiver) => {
                 let mut unreadable = 0;
                 receiver.drain(|Stamped { at, order, value }| match value.read() {
-                    Ok(value) => give(Stamped { at, order, value }),
+                    Ok(value) => f(Stamped { at, order, value }),
                     Err(_) => unreadable += 1,
                 });
                 unreadable
@@ -124,9 +124,9 @@ impl<T: Message> InputChannel<T> {
         let mut waiting = Vec::new();
         match &mut self.receiver {
             InputReceiver::Own(receiver) => {
-                receiver.look(|sample| waiting.push(SampleSnapshot::of(sample)));
+                receiver.peek_each(|sample| waiting.push(SampleSnapshot::of(sample)));
             }
-            InputReceiver::Pulled(receiver) => receiver.look(|sample| {
+            InputReceiver::Pulled(receiver) => receiver.peek_each(|sample| {
                 let datum = sample.value.to_datum();
                 waiting.push(datum.map(|value| SampleSnapshot {
                     at: sample.at,
@@ -139,7 +139,7 @@ impl<T: Message> InputChannel<T> {
     }
 
     /// Discards the unread samples.
-    pub(crate) fn empty(&mut self) {
+    pub(crate) fn clear(&mut self) {
         match &mut self.receiver {
             InputReceiver::Own(receiver) => receiver.drain(drop),
             InputReceiver::Pulled(receiver) => receiver.drain(drop),
@@ -162,7 +162,7 @@ type Ends<T> = (Sender<Stamped<T>>, Receiver<Stamped<T>>);
 
 /// Creates the two ends of a connection. The runtime's connection table admits an unsynchronised one only if both ends
 /// are in the same thread.
-fn ends<T: Send + 'static>(
+fn channel_ends<T: Send + 'static>(
     policy: &Policy,
     queue: Option<&mut SharedQueue>,
 ) -> Result<Ends<T>, OpenError> {
@@ -177,7 +177,7 @@ fn ends<T: Send + 'static>(
         (Some(queue), _) => {
             let queue = queue.get_or_insert_with(|| Box::new(make()));
             let pool: Option<&Pool<Stamped<T>>> = queue.downcast_ref();
-            pool.ok_or(OpenError::OtherType)?.clone()
+            pool.ok_or(OpenError::TypeMismatch)?.clone()
         }
     };
     Ok((pool.sender(), pool.receiver()))

@@ -11,7 +11,7 @@ use crate::connection_id::ConnectionId;
 use crate::flow::Flow;
 use crate::policy::{OnStale, Policy};
 use crate::sender::Stamped;
-use crate::snapshot::{InputSnapshot, NewestSnapshot, other_links};
+use crate::snapshot::{InputSnapshot, NewestSnapshot, links_mismatch};
 use crate::time::Time;
 
 /// An input port at run time. Used by its component's thread only.
@@ -19,13 +19,13 @@ pub struct InputPort<T> {
     schema: Schema,
     channels: Vec<InputChannel<T>>,
     /// Samples that arrived since the last cycle, in order of arrival.
-    fresh: Vec<T>,
-    /// The newest sample of earlier cycles; `None` while `fresh` contains a newer one.
+    new_samples: Vec<T>,
+    /// The newest sample of earlier cycles; `None` while `new_samples` contains a newer one.
     last: Option<T>,
     newest: Option<Newest>,
     stale: bool,
     /// Scratch buffer of `freeze`, kept to avoid allocation.
-    arrived: Vec<(ConnectionId, Stamped<T>)>,
+    received: Vec<(ConnectionId, Stamped<T>)>,
 }
 
 /// Origin of the newest sample.
@@ -44,17 +44,17 @@ impl<T: Message> InputPort<T> {
         Self {
             schema,
             channels: Vec::new(),
-            fresh: Vec::new(),
+            new_samples: Vec::new(),
             last: None,
             newest: None,
             stale: false,
-            arrived: Vec::new(),
+            received: Vec::new(),
         }
     }
 
     /// The newest frozen sample.
     pub fn read(&self) -> Flow<&T> {
-        match (self.fresh.last(), &self.last) {
+        match (self.new_samples.last(), &self.last) {
             (Some(sample), _) => Flow::NewData(sample),
             (None, Some(sample)) => Flow::OldData(sample),
             (None, None) => Flow::NoData,
@@ -63,28 +63,28 @@ impl<T: Message> InputPort<T> {
 
     /// All samples frozen for the current cycle, in order of arrival.
     pub fn all(&self) -> &[T] {
-        &self.fresh
+        &self.new_samples
     }
 
     /// Empties the channels. Returns how many samples could not be converted.
-    fn collect(&mut self) -> u64 {
+    fn take_received(&mut self) -> u64 {
         let mut unreadable = 0;
         for channel in &mut self.channels {
-            let (arrived, connection) = (&mut self.arrived, channel.connection);
+            let (arrived, connection) = (&mut self.received, channel.connection);
             unreadable += channel.drain(|sample| arrived.push((connection, sample)));
         }
         if self.channels.len() > 1 {
             // order numbers are unique, and the unstable sort needs no scratch memory
-            self.arrived
+            self.received
                 .sort_unstable_by_key(|(_, sample)| sample.order);
         }
-        for (connection, sample) in self.arrived.drain(..) {
+        for (connection, sample) in self.received.drain(..) {
             self.newest = Some(Newest {
                 at: sample.at,
                 connection,
                 zeroed: false,
             });
-            self.fresh.push(sample.value);
+            self.new_samples.push(sample.value);
         }
         // keep the newest sample's connection, whose policy limits the sample's age
         let newest = self.newest.map(|newest| newest.connection);
@@ -94,7 +94,7 @@ impl<T: Message> InputPort<T> {
     }
 
     /// Compares the age of the newest sample with the limit of its connection, and applies `on_stale`.
-    fn grow_stale(&mut self, now: Time) {
+    fn update_staleness(&mut self, now: Time) {
         self.stale = false;
         let Some(newest) = &mut self.newest else {
             return;
@@ -113,13 +113,13 @@ impl<T: Message> InputPort<T> {
         match channel.policy.on_stale {
             OnStale::Hold => {}
             OnStale::NoData => {
-                self.fresh.clear();
+                self.new_samples.clear();
                 self.last = None;
             }
             OnStale::Zero if newest.zeroed => {}
             OnStale::Zero => {
                 newest.zeroed = true;
-                self.fresh.extend(channel.zero.clone());
+                self.new_samples.extend(channel.zero.clone());
             }
         }
     }
@@ -151,7 +151,7 @@ pub trait AnyInput: Any + Send {
     fn written_at(&self) -> Option<Time>;
 
     /// Adds the reading end of a connection.
-    fn join(&mut self, end: ReadingEnd);
+    fn connect(&mut self, end: ReadingEnd);
 
     /// Returns the content of the port and the unread samples of its connections, whose writers must be idle.
     ///
@@ -185,12 +185,12 @@ impl<T: Message> AnyInput for InputPort<T> {
     }
 
     fn freeze(&mut self, now: Time) -> u64 {
-        if let Some(sample) = self.fresh.pop() {
+        if let Some(sample) = self.new_samples.pop() {
             self.last = Some(sample);
-            self.fresh.clear();
+            self.new_samples.clear();
         }
-        let unreadable = self.collect();
-        self.grow_stale(now);
+        let unreadable = self.take_received();
+        self.update_staleness(now);
         unreadable
     }
 
@@ -202,7 +202,7 @@ impl<T: Message> AnyInput for InputPort<T> {
         self.newest.map(|newest| newest.at)
     }
 
-    fn join(&mut self, end: ReadingEnd) {
+    fn connect(&mut self, end: ReadingEnd) {
         // succeeds: the end was made by this port's own opener
         let channel = end.0.downcast::<InputChannel<T>>();
         self.channels.extend(channel.ok().map(|channel| *channel));
@@ -214,7 +214,7 @@ impl<T: Message> AnyInput for InputPort<T> {
             channels.map(|channel| Ok((channel.connection.number(), channel.snapshot()?)));
         Ok(InputSnapshot {
             channels: channels.collect::<Result<_, DatumError>>()?,
-            fresh: data(&self.fresh)?,
+            fresh: data(&self.new_samples)?,
             last: data(&self.last)?,
             newest: self.newest.map(|newest| NewestSnapshot {
                 at: newest.at,
@@ -228,14 +228,14 @@ impl<T: Message> AnyInput for InputPort<T> {
     fn restore(&mut self, snapshot: &InputSnapshot) -> Result<(), DatumError> {
         let numbers = self.channels.iter().map(|of| of.connection.number());
         if !numbers.eq(snapshot.channels.iter().map(|(number, _)| *number)) {
-            return Err(other_links());
+            return Err(links_mismatch());
         }
         let values = |data: &[Datum]| data.iter().map(Datum::to).collect::<Result<Vec<T>, _>>();
         let (fresh, last) = (values(&snapshot.fresh)?, values(&snapshot.last)?);
         for channel in &mut self.channels {
-            channel.empty();
+            channel.clear();
         }
-        self.fresh = fresh;
+        self.new_samples = fresh;
         self.last = last.into_iter().next();
         self.newest = snapshot.newest.as_ref().map(|newest| Newest {
             at: newest.at,
@@ -262,7 +262,7 @@ impl<T: Message> AnyInput for InputPort<T> {
         {
             self.newest = None;
             self.last = None;
-            self.fresh.clear();
+            self.new_samples.clear();
         }
     }
 }

@@ -11,7 +11,7 @@ use asmotion_datum::{DatumError, Message, Sample, Schema};
 use crate::connection_id::ConnectionId;
 use crate::policy::Policy;
 use crate::sender::{AnySender, PortSender, Stamped};
-use crate::snapshot::{OutputSnapshot, SampleSnapshot, other_links};
+use crate::snapshot::{OutputSnapshot, SampleSnapshot, links_mismatch};
 use crate::time::Time;
 
 /// An output port at run time. Used by its component's thread only.
@@ -105,7 +105,7 @@ impl<T: Message> OutputPort<T> {
         now: Time,
         effects: &mut dyn PortEffects,
     ) -> Result<(), Undelivered> {
-        self.links.retain(|(_, link)| link.is_there());
+        self.links.retain(|(_, link)| link.may_have_reader());
         let sample = self.last.insert(Stamped {
             at: now,
             order: effects.next_order(),
@@ -114,7 +114,7 @@ impl<T: Message> OutputPort<T> {
         let mut result = Ok(());
         for (sender, link) in &mut self.links {
             let delivery = sender.send(sample);
-            result = result.and(link.settle(&delivery, effects));
+            result = result.and(link.handle_outcome(&delivery, effects));
         }
         result
     }
@@ -122,7 +122,7 @@ impl<T: Message> OutputPort<T> {
 
 impl OutputLink {
     /// A link out of the system, for example to a bus or a message queue; nothing is triggered there.
-    pub fn to_outside(to: String) -> Self {
+    pub fn external(to: String) -> Self {
         Self {
             readers: Vec::new(),
             to,
@@ -133,7 +133,7 @@ impl OutputLink {
     }
 
     /// A link to a reader outside the system, and the notifier that its thread waits for.
-    pub fn to_reader(connection: ConnectionId, policy: &Policy) -> (Arc<Notifier>, Self) {
+    pub fn external_reader(connection: ConnectionId, policy: &Policy) -> (Arc<Notifier>, Self) {
         let notifier = Arc::new(Notifier::new());
         let notification = Notification::Notify(Arc::downgrade(&notifier));
         let link = Self {
@@ -142,7 +142,7 @@ impl OutputLink {
                 notification,
             }],
             mandatory: policy.mandatory,
-            ..Self::to_outside("a reader outside".to_owned())
+            ..Self::external("a reader outside".to_owned())
         };
         (notifier, link)
     }
@@ -157,7 +157,7 @@ impl OutputLink {
     }
 
     /// Returns whether a reader may still exist.
-    fn is_there(&self) -> bool {
+    fn may_have_reader(&self) -> bool {
         let gone = |reader: &LinkReader| match &reader.notification {
             Notification::Notify(notifier) => notifier.strong_count() == 0,
             Notification::Silent | Notification::Trigger(_) => false,
@@ -180,23 +180,23 @@ impl OutputLink {
     }
 
     /// Handles the outcome of a delivery: notifies readers, counts and reports drops.
-    fn settle(
+    fn handle_outcome(
         &self,
-        delivery: &Result<PushOutcome, DatumError>,
+        outcome: &Result<PushOutcome, DatumError>,
         effects: &mut dyn PortEffects,
     ) -> Result<(), Undelivered> {
         let stored = matches!(
-            delivery,
+            outcome,
             Ok(PushOutcome::Stored | PushOutcome::DroppedOldest)
         );
         if stored {
             self.notify(&mut |component| effects.trigger(component));
         }
-        if *delivery == Ok(PushOutcome::Stored) {
+        if *outcome == Ok(PushOutcome::Stored) {
             return Ok(());
         }
         let total = self.dropped.fetch_add(1, Ordering::Relaxed) + 1;
-        effects.dropped(&self.to, total, delivery.as_ref().err());
+        effects.dropped(&self.to, total, outcome.as_ref().err());
         if stored || !self.mandatory {
             return Ok(());
         }
@@ -212,7 +212,7 @@ pub trait AnyOutput: Any + Send {
     fn schema(&self) -> &Schema;
 
     /// Adds a connection.
-    fn join(&mut self, sender: Box<dyn AnySender>, link: OutputLink);
+    fn connect(&mut self, sender: Box<dyn AnySender>, link: OutputLink);
 
     /// Sends the last sample to a new reader (RTT `init`), and triggers it.
     fn replay_last(&mut self, connection: ConnectionId, trigger: &mut dyn FnMut(usize));
@@ -264,12 +264,12 @@ impl<T: Message> AnyOutput for OutputPort<T> {
         &self.schema
     }
 
-    fn join(&mut self, sender: Box<dyn AnySender>, link: OutputLink) {
-        let known = self
+    fn connect(&mut self, sender: Box<dyn AnySender>, link: OutputLink) {
+        let existing = self
             .links
             .iter_mut()
             .find(|(_, known)| link.queue.is_some() && known.queue == link.queue);
-        match known {
+        match existing {
             Some((_, known)) => known.readers.extend(link.readers),
             None => self
                 .links
@@ -293,10 +293,10 @@ impl<T: Message> AnyOutput for OutputPort<T> {
 
     fn disconnect(&mut self, connection: ConnectionId) {
         self.links.retain_mut(|(_, link)| {
-            let before = link.readers.len();
+            let count = link.readers.len();
             link.readers
                 .retain(|reader| reader.connection != connection);
-            let lost = link.readers.len() < before;
+            let lost = link.readers.len() < count;
             !(lost && link.readers.is_empty())
         });
     }
@@ -328,7 +328,7 @@ impl<T: Message> AnyOutput for OutputPort<T> {
 
     fn restore(&mut self, snapshot: &OutputSnapshot) -> Result<(), DatumError> {
         if snapshot.dropped.len() != self.links.len() {
-            return Err(other_links());
+            return Err(links_mismatch());
         }
         let last = snapshot.last.first().map(|last| {
             Ok::<_, DatumError>(Stamped {

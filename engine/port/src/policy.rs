@@ -156,7 +156,7 @@ impl Policy {
 
     /// The policy for an end outside the system, which has its own thread: never unsynchronised, and with its own
     /// queue.
-    pub fn for_outsider(&self) -> Self {
+    pub fn for_external(&self) -> Self {
         Self {
             lock: match self.lock {
                 Lock::Locked => Lock::Locked,

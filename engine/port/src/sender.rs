@@ -25,7 +25,7 @@ pub trait AnySender: Any + Send {
     ///
     /// # Errors
     /// The first difference between the types.
-    fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), DatumError>;
+    fn check(&self, sample: &Arc<dyn Sample>) -> Result<(), DatumError>;
 
     /// Sends a sample, converted to the reader's type.
     ///
@@ -40,7 +40,7 @@ pub trait AnySender: Any + Send {
 }
 
 impl<T: Message> AnySender for Sender<Stamped<T>> {
-    fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), DatumError> {
+    fn check(&self, sample: &Arc<dyn Sample>) -> Result<(), DatumError> {
         Arc::clone(sample).read::<T>().map(drop)
     }
 
@@ -59,7 +59,7 @@ impl<T: Message> AnySender for Sender<Stamped<T>> {
 pub(crate) struct PulledSender(pub Sender<Stamped<Arc<dyn Sample>>>);
 
 impl AnySender for PulledSender {
-    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+    fn check(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
         Ok(())
     }
 
@@ -109,7 +109,7 @@ impl<T: Message> PortSender<T> {
     ///
     /// # Errors
     /// An error if the sample cannot be converted to the reader's type.
-    pub fn hand_over(&mut self, sample: Stamped<T>) -> Result<PushOutcome, DatumError> {
+    pub fn send_owned(&mut self, sample: Stamped<T>) -> Result<PushOutcome, DatumError> {
         match self {
             Self::Same(sender) => Ok(sender.send(sample)),
             Self::Shared(sender) => {

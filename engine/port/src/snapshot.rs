@@ -67,7 +67,7 @@ impl SampleSnapshot {
 }
 
 /// Returns the error for a snapshot of a port with other links.
-pub(crate) fn other_links() -> DatumError {
+pub(crate) fn links_mismatch() -> DatumError {
     let problem = DatumProblem::Mismatch("the port has other connections".to_owned());
     DatumError::new(problem)
 }

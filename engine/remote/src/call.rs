@@ -28,9 +28,9 @@ impl Remote {
         &self,
         operation: &str,
         argument: Datum,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<Datum, RemoteError> {
-        self.send(operation, argument, patience)?.collect()
+        self.send(operation, argument, timeout)?.collect()
     }
 
     /// Calls an operation without waiting. The response is collected, or passed to a listener.
@@ -41,9 +41,9 @@ impl Remote {
         &self,
         operation: &str,
         argument: Datum,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<SendHandle, RemoteError> {
-        let request = request(argument, patience);
+        let request = request(argument, timeout);
         let pending = self
             .bus()
             .call(operation, request, Arc::new(Notifier::new()))?;
@@ -88,7 +88,7 @@ impl SendHandle {
         };
         answer.map_err(|error| match error {
             CallError::Unavailable => RemoteError::Nobody {
-                nearest: self.remote.operation_like(&self.operation),
+                nearest: self.remote.similar_operation(&self.operation),
                 operation: self.operation,
             },
             CallError::Timeout | CallError::Fault(_) | CallError::Cancelled => error.into(),
@@ -99,7 +99,7 @@ impl SendHandle {
     ///
     /// # Errors
     /// An error if the operating system cannot start a thread.
-    pub fn then(
+    pub fn on_completion(
         self,
         listener: impl FnOnce(Result<Datum, RemoteError>) + Send + 'static,
     ) -> std::io::Result<()> {
@@ -113,9 +113,9 @@ impl SendHandle {
     }
 }
 
-fn read(end: Result<Payload, CallFailure>) -> Result<Datum, CallError> {
+fn read(result: Result<Payload, CallFailure>) -> Result<Datum, CallError> {
     let unreadable = |error: asmotion_datum::DatumError| {
         ServiceFault::new("BAD_REPLY", error.to_string()).into()
     };
-    end.map_err(call_error)?.to_datum().map_err(unreadable)
+    result.map_err(call_error)?.to_datum().map_err(unreadable)
 }

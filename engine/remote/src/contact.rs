@@ -20,22 +20,23 @@ use crate::presence_publisher::PresencePublisher;
 /// Capacity of the queue of orders.
 const WAITING: usize = 16;
 
-/// The contact of a process over a bus. [`attend`](Self::attend) must be called regularly while the system runs.
+/// The contact of a process over a bus. [`process_orders`](Self::process_orders) must be called regularly while the
+/// system runs.
 pub struct ProcessContact<'p> {
     origin: SenderId,
-    herald: PresencePublisher<'p>,
+    presence_publisher: PresencePublisher<'p>,
     bus: &'p dyn Bus,
-    orders: ServedAddress,
+    order_address: ServedAddress,
     /// Orders that components have not carried out yet.
-    begun: Vec<(IncomingCall, Asked)>,
-    newest: LastSamples,
+    pending_orders: Vec<(IncomingCall, Asked)>,
+    last_samples: LastSamples,
     presences: Subscription,
     /// The processes whose presence has been received, each with its incarnation.
-    known: BTreeSet<(Arc<str>, u64)>,
+    known_processes: BTreeSet<(Arc<str>, u64)>,
 }
 
 impl<'p> ProcessContact<'p> {
-    /// Creates the contact. `newest` must be an observer of the system, and no other contact may use it.
+    /// Creates the contact. `last_samples` must be an observer of the system, and no other contact may use it.
     ///
     /// # Errors
     /// An error of the bus, for example a missing permission.
@@ -56,40 +57,40 @@ impl<'p> ProcessContact<'p> {
         Ok(Self {
             origin: SenderId::new(process, incarnation),
             presences: bus.subscribe(process, &everyone, queue, Arc::clone(&notifier))?,
-            herald: PresencePublisher::new(plan, part, process, bus, incarnation)?,
+            presence_publisher: PresencePublisher::new(plan, part, process, bus, incarnation)?,
             bus,
-            orders: bus.serve(&control_address(process), WAITING, notifier)?,
-            begun: Vec::new(),
-            newest,
-            known: BTreeSet::from([(process.into(), incarnation)]),
+            order_address: bus.serve(&control_address(process), WAITING, notifier)?,
+            pending_orders: Vec::new(),
+            last_samples: newest,
+            known_processes: BTreeSet::from([(process.into(), incarnation)]),
         })
     }
 
     /// Does the work that is due: carries out orders, sends its presence to newcomers, and publishes it once a second.
-    pub fn attend(&mut self, run: &mut dyn Run) {
-        while let Some(call) = self.orders.try_next() {
+    pub fn process_orders(&mut self, run: &mut dyn Run) {
+        while let Some(call) = self.order_address.try_next() {
             match self.begin(&call, run) {
-                Ok(OrderOutcome::Asked(asked)) => self.begun.push((call, asked)),
+                Ok(OrderOutcome::Pending(asked)) => self.pending_orders.push((call, asked)),
                 Ok(OrderOutcome::Done(answer)) => call.reply(Ok(Payload::of(answer))),
                 Ok(OrderOutcome::Watched(port, schema)) => call.reply(self.watch(&port, &schema)),
                 Err(refusal) => call.reply(Err(refusal)),
             }
         }
-        self.reply();
-        self.repeat_for_new_processes();
-        self.herald.speak(run);
+        self.reply_to_orders();
+        self.publish_for_new_processes();
+        self.presence_publisher.publish_if_due(run);
     }
 
     /// Replies to the orders that have been carried out, and drops those whose callers no longer wait.
-    fn reply(&mut self) {
-        for (call, asked) in std::mem::take(&mut self.begun) {
+    fn reply_to_orders(&mut self) {
+        for (call, asked) in std::mem::take(&mut self.pending_orders) {
             match asked.try_take() {
-                Some(done) => {
-                    let done = done.map_err(|error| OrderErrorCode::Refused.refusal(error));
+                Some(result) => {
+                    let done = result.map_err(|error| OrderErrorCode::Refused.refusal(error));
                     call.reply(done.map(|()| Payload::of(Datum::Null)));
-                    self.herald.hurry();
+                    self.presence_publisher.publish_soon();
                 }
-                None if call.is_awaited() => self.begun.push((call, asked)),
+                None if call.is_awaited() => self.pending_orders.push((call, asked)),
                 None => {}
             }
         }
@@ -97,19 +98,21 @@ impl<'p> ProcessContact<'p> {
 
     /// Publishes the presence early if a new process has appeared, because it may have missed messages published only
     /// once.
-    fn repeat_for_new_processes(&mut self) {
+    fn publish_for_new_processes(&mut self) {
         let mut is_new = false;
         while let Some(presence) = self.presences.try_next() {
-            is_new |= self.known.insert((presence.source, presence.incarnation));
+            is_new |= self
+                .known_processes
+                .insert((presence.source, presence.incarnation));
         }
         if is_new {
-            self.bus.repeat();
+            self.bus.republish_retained();
         }
     }
 
     /// Publishes that the process leaves.
     pub fn leave(&mut self) {
-        self.herald.leave();
+        self.presence_publisher.publish_departure();
     }
 
     fn begin(&self, call: &IncomingCall, run: &mut dyn Run) -> Result<OrderOutcome, Refusal> {
@@ -117,8 +120,8 @@ impl<'p> ProcessContact<'p> {
         let order: Order = order
             .and_then(|order| order.to())
             .map_err(|error| OrderErrorCode::BadRequest.refusal(error))?;
-        let begun = order.begin(run, &self.newest);
-        begun.map_err(|error| error.reason().refusal(error))
+        let outcome = order.begin(run, &self.last_samples);
+        outcome.map_err(|error| error.reason().refusal(error))
     }
 
     /// Publishes an output for the duration of a lease. Returns the topic.
@@ -128,7 +131,7 @@ impl<'p> ProcessContact<'p> {
             self.bus
                 .publisher(&topic, &self.origin, schema, PublishOptions::state())
         };
-        let watched = self.newest.watch(port, publisher);
+        let watched = self.last_samples.watch(port, publisher);
         watched.map_err(|error| OrderErrorCode::Refused.refusal(error))?;
         Ok(Payload::of(Datum::text(topic)))
     }

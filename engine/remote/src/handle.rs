@@ -20,7 +20,7 @@ use crate::watch::OutputWatch;
 #[derive(Clone)]
 pub struct RemoteComponent {
     remote: Remote,
-    found: ComponentLocation,
+    location: ComponentLocation,
 }
 
 /// A service of a component.
@@ -33,8 +33,8 @@ pub struct RemoteServiceHandle {
 impl Remote {
     /// The components of all running processes.
     pub fn components(&self) -> Vec<RemoteComponent> {
-        let found = self.settled_roster().components(self.robot());
-        let component = |found| RemoteComponent::new(self.clone(), found);
+        let found = self.complete_roster().components(self.robot());
+        let component = |location| RemoteComponent::new(self.clone(), location);
         found.into_iter().map(component).collect()
     }
 
@@ -49,41 +49,44 @@ impl Remote {
 }
 
 impl RemoteComponent {
-    pub(crate) fn new(remote: Remote, found: ComponentLocation) -> Self {
-        Self { remote, found }
+    pub(crate) fn new(remote: Remote, location: ComponentLocation) -> Self {
+        Self {
+            remote,
+            location: location,
+        }
     }
 
     /// Name of the component within its robot.
     pub fn name(&self) -> &str {
-        &self.found.present.name
+        &self.location.present.name
     }
 
     /// Name of the component's robot; empty if the robot has no name.
     pub fn robot(&self) -> &str {
-        &self.found.robot
+        &self.location.robot
     }
 
     /// Name of the process that runs the component.
     pub fn process(&self) -> &str {
-        &self.found.process
+        &self.location.process
     }
 
     /// Name with the robot's name as a prefix: `rover1.RoverDriver`.
-    pub fn whole_name(&self) -> String {
-        self.found.whole()
+    pub fn full_name(&self) -> String {
+        self.location.full_name()
     }
 
     /// The component's description as of the lookup: ports, services, references, properties, state, rates.
     pub fn present(&self) -> &PresentComponent {
-        &self.found.present
+        &self.location.present
     }
 
     /// The component's current description. The rate is the last one that was published.
     ///
     /// # Errors
     /// [`RemoteError::Process`] if the component's process does not reply.
-    pub fn look(&self) -> Result<PresentComponent, RemoteError> {
-        let mut present: PresentComponent = self.order(OrderKind::Look)?.to()?;
+    pub fn refresh(&self) -> Result<PresentComponent, RemoteError> {
+        let mut present: PresentComponent = self.send_order(OrderKind::State)?.to()?;
         present.rate_hz = self.present().rate_hz;
         Ok(present)
     }
@@ -93,7 +96,7 @@ impl RemoteComponent {
     /// # Errors
     /// [`RemoteError::Process`] if the component's process does not reply.
     pub fn state(&self) -> Result<State, RemoteError> {
-        let state = self.look()?.state;
+        let state = self.refresh()?.state;
         let known = State::ALL.into_iter().find(|it| it.to_string() == state);
         known.ok_or(RemoteError::Unknown {
             what: "state",
@@ -107,7 +110,7 @@ impl RemoteComponent {
     /// # Errors
     /// [`RemoteError::Process`] if the component's process does not reply.
     pub fn declaration(&self) -> Result<Declaration, RemoteError> {
-        Ok(self.order(OrderKind::Describe)?.to()?)
+        Ok(self.send_order(OrderKind::Describe)?.to()?)
     }
 
     /// Makes a transition of the life cycle.
@@ -115,7 +118,7 @@ impl RemoteComponent {
     /// # Errors
     /// [`RemoteError::Refused`] if RTT's guards refuse the transition or its hook fails.
     pub fn transition(&self, transition: Transition) -> Result<(), RemoteError> {
-        let wish = match transition {
+        let order = match transition {
             Transition::Configure => OrderKind::Configure,
             Transition::Start => OrderKind::Start,
             Transition::Stop => OrderKind::Stop,
@@ -123,7 +126,7 @@ impl RemoteComponent {
             Transition::Recover => OrderKind::Recover,
             Transition::ResetException => OrderKind::Reset,
         };
-        self.order(wish).map(drop)
+        self.send_order(order).map(drop)
     }
 
     /// The properties with their current values.
@@ -131,7 +134,7 @@ impl RemoteComponent {
     /// # Errors
     /// [`RemoteError::Process`] if the component's process does not reply.
     pub fn properties(&self) -> Result<Vec<(String, Datum)>, RemoteError> {
-        Ok(self.look()?.properties)
+        Ok(self.refresh()?.properties)
     }
 
     /// The current value of a property.
@@ -162,7 +165,7 @@ impl RemoteComponent {
     /// # Errors
     /// An error if one of the properties does not exist or does not accept its value.
     pub fn set_all(&self, values: Vec<(String, Datum)>) -> Result<(), RemoteError> {
-        self.order(OrderKind::Set(values)).map(drop)
+        self.send_order(OrderKind::Set(values)).map(drop)
     }
 
     /// The newest sample of an output.
@@ -170,7 +173,7 @@ impl RemoteComponent {
     /// # Errors
     /// An error if there is no such output, if it has not written yet, or if it has another type.
     pub fn read<T: DeserializeOwned>(&self, port: &str) -> Result<T, RemoteError> {
-        Ok(self.order(OrderKind::Read(port.to_owned()))?.to()?)
+        Ok(self.send_order(OrderKind::Read(port.to_owned()))?.to()?)
     }
 
     /// Injects a message into an input, after a check of its type.
@@ -178,8 +181,8 @@ impl RemoteComponent {
     /// # Errors
     /// An error if there is no such input, or if it has another type.
     pub fn write(&self, port: &str, message: impl Serialize) -> Result<(), RemoteError> {
-        let wish = OrderKind::Write(port.to_owned(), Datum::of(&message)?);
-        self.order(wish).map(drop)
+        let order = OrderKind::Write(port.to_owned(), Datum::of(&message)?);
+        self.send_order(order).map(drop)
     }
 
     /// Watches an output: receives its newest sample and all later ones.
@@ -187,7 +190,7 @@ impl RemoteComponent {
     /// # Errors
     /// An error if there is no such output.
     pub fn watch(&self, port: &str) -> Result<OutputWatch, RemoteError> {
-        OutputWatch::new(&self.remote, &self.found, port)
+        OutputWatch::new(&self.remote, &self.location, port)
     }
 
     /// A service of the component.
@@ -195,7 +198,7 @@ impl RemoteComponent {
     /// # Errors
     /// [`RemoteError::Unknown`] if there is no service with this name.
     pub fn service(&self, name: &str) -> Result<RemoteServiceHandle, RemoteError> {
-        let services = &self.found.present.services;
+        let services = &self.location.present.services;
         let known = services.iter().find(|service| service.name == name);
         let present = known.ok_or_else(|| RemoteError::Unknown {
             what: "service",
@@ -208,8 +211,8 @@ impl RemoteComponent {
         })
     }
 
-    fn order(&self, wish: OrderKind) -> Result<Datum, RemoteError> {
-        self.remote.order(&self.found, wish)
+    fn send_order(&self, order: OrderKind) -> Result<Datum, RemoteError> {
+        self.remote.order(&self.location, order)
     }
 }
 
@@ -227,9 +230,9 @@ impl RemoteServiceHandle {
         &self,
         operation: &str,
         argument: Datum,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<Datum, RemoteError> {
-        self.send(operation, argument, patience)?.collect()
+        self.send(operation, argument, timeout)?.collect()
     }
 
     /// Calls an operation without waiting. The response is collected, or passed to a listener.
@@ -240,11 +243,11 @@ impl RemoteServiceHandle {
         &self,
         operation: &str,
         argument: Datum,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<SendHandle, RemoteError> {
         let Self { component, present } = self;
         let address = format!("{}.{}.{operation}", component.name(), present.name);
         let address = key(component.robot(), &address);
-        component.remote.send(&address, argument, patience)
+        component.remote.send(&address, argument, timeout)
     }
 }

@@ -41,25 +41,25 @@ impl Observer for LastSamples {
             return;
         };
         let port = format!("{component}.{port}");
-        let mut kept = self.kept();
-        if let Some(watched) = kept.watched.get_mut(&port) {
+        let mut state = self.state();
+        if let Some(watched) = state.watched.get_mut(&port) {
             if watched.until > Instant::now() {
                 // a sample that the bus does not accept is lost; the next one is newer anyway
                 let _ = watched
                     .publisher
                     .publish(now(), Payload::Sample(sample.to_shared()));
             } else {
-                kept.watched.remove(&port);
+                state.watched.remove(&port);
             }
         }
-        kept.samples.insert(port, sample.to_shared());
+        state.samples.insert(port, sample.to_shared());
     }
 }
 
 impl LastSamples {
     /// The newest sample of an output, `Component.port`.
     pub(crate) fn of(&self, port: &str) -> Option<Arc<dyn Sample>> {
-        self.kept().samples.get(port).cloned()
+        self.state().samples.get(port).cloned()
     }
 
     /// Publishes the newest sample of an output, and later ones until the lease expires.
@@ -69,21 +69,22 @@ impl LastSamples {
         publisher: impl FnOnce() -> Result<Box<dyn Publisher>, E>,
     ) -> Result<(), E> {
         let until = Instant::now() + LEASE;
-        let mut kept = self.kept();
-        if let Some(watched) = kept.watched.get_mut(port) {
+        let mut state = self.state();
+        if let Some(watched) = state.watched.get_mut(port) {
             watched.until = until;
             return Ok(());
         }
         let mut publisher = publisher()?;
-        if let Some(sample) = kept.samples.get(port) {
+        if let Some(sample) = state.samples.get(port) {
             let _ = publisher.publish(now(), Payload::Sample(Arc::clone(sample)));
         }
-        kept.watched
+        state
+            .watched
             .insert(port.to_owned(), WatchedOutput { publisher, until });
         Ok(())
     }
 
-    fn kept(&self) -> MutexGuard<'_, LastSamplesState> {
+    fn state(&self) -> MutexGuard<'_, LastSamplesState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

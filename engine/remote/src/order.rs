@@ -45,7 +45,7 @@ pub enum OrderKind {
     /// Sets properties from the next cycle on, all or none.
     Set(Vec<(String, Datum)>),
     /// Replies with the current description, a [`PresentComponent`].
-    Look,
+    State,
     /// Replies with the [`Declaration`].
     Describe,
     /// Replies with the newest sample of an output.
@@ -59,7 +59,7 @@ pub enum OrderKind {
 /// The immediate outcome of an order.
 pub enum OrderOutcome {
     /// The component carries it out after its current cycle.
-    Asked(Asked),
+    Pending(Asked),
     /// Carried out, with this reply.
     Done(Datum),
     /// The output `Component.port` of this type is to be published.
@@ -78,7 +78,7 @@ impl Order {
     ) -> Result<OrderOutcome, OrderError> {
         let mut go = |transition| {
             let asked = run.begin_transition(&self.component, transition)?;
-            Ok(OrderOutcome::Asked(asked))
+            Ok(OrderOutcome::Pending(asked))
         };
         match &self.wish {
             OrderKind::Configure => go(Transition::Configure),
@@ -89,18 +89,18 @@ impl Order {
             OrderKind::Reset => go(Transition::ResetException),
             OrderKind::Set(values) => {
                 let asked = run.begin_set_properties(&self.component, values)?;
-                Ok(OrderOutcome::Asked(asked))
+                Ok(OrderOutcome::Pending(asked))
             }
-            OrderKind::Look => {
-                self.declared(run)?;
+            OrderKind::State => {
+                self.declaration(run)?;
                 let present = PresentComponent::of(&self.component, run);
                 Ok(OrderOutcome::Done(Datum::of(&present)?))
             }
-            OrderKind::Describe => Ok(OrderOutcome::Done(Datum::of(&self.declared(run)?)?)),
+            OrderKind::Describe => Ok(OrderOutcome::Done(Datum::of(&self.declaration(run)?)?)),
             OrderKind::Read(port) => self.read(port, run, newest).map(OrderOutcome::Done),
             OrderKind::Watch(port) => {
                 let output = self.output(port, run)?;
-                Ok(OrderOutcome::Watched(self.whole(port), output.schema))
+                Ok(OrderOutcome::Watched(self.full_name(port), output.schema))
             }
             OrderKind::Write(port, value) => {
                 self.write(port, value, run)?;
@@ -111,7 +111,7 @@ impl Order {
 
     fn read(&self, port: &str, run: &dyn Run, newest: &LastSamples) -> Result<Datum, OrderError> {
         self.output(port, run)?;
-        let port = self.whole(port);
+        let port = self.full_name(port);
         let sample = newest.of(&port).ok_or(OrderError::NoData { port })?;
         Ok(sample.to_datum()?)
     }
@@ -119,49 +119,49 @@ impl Order {
     fn write(&self, port: &str, value: &Datum, run: &mut dyn Run) -> Result<(), OrderError> {
         self.input(port, run)?;
         let now = run.now();
-        Ok(run.inject_sample(now, &self.whole(port), Arc::new(value.clone()))?)
+        Ok(run.inject_sample(now, &self.full_name(port), Arc::new(value.clone()))?)
     }
 
     fn output(&self, port: &str, run: &dyn Run) -> Result<PortDeclaration, OrderError> {
-        let declared = self.declared(run)?;
+        let declared = self.declaration(run)?;
         match (declared.output(port), declared.input(port)) {
             (Some(output), _) => Ok(output.clone()),
             (None, Some(_)) => Err(OrderError::Direction {
-                port: self.whole(port),
-                is: "input",
-                instead: "write to it; only its component reads it",
+                port: self.full_name(port),
+                actual: "input",
+                opposite: "write to it; only its component reads it",
             }),
-            (None, None) => Err(self.no_port(port, &declared.outputs)),
+            (None, None) => Err(self.unknown_port(port, &declared.outputs)),
         }
     }
 
     fn input(&self, port: &str, run: &dyn Run) -> Result<PortDeclaration, OrderError> {
-        let declared = self.declared(run)?;
+        let declared = self.declaration(run)?;
         match (declared.input(port), declared.output(port)) {
             (Some(input), _) => Ok(input.clone()),
             (None, Some(_)) => Err(OrderError::Direction {
-                port: self.whole(port),
-                is: "output",
-                instead: "read from it; only its component writes it",
+                port: self.full_name(port),
+                actual: "output",
+                opposite: "read from it; only its component writes it",
             }),
-            (None, None) => Err(self.no_port(port, &declared.inputs)),
+            (None, None) => Err(self.unknown_port(port, &declared.inputs)),
         }
     }
 
-    fn declared(&self, run: &dyn Run) -> Result<Declaration, OrderError> {
+    fn declaration(&self, run: &dyn Run) -> Result<Declaration, OrderError> {
         let unknown = || RunError::Unknown {
-            what: "component",
+            kind: "component",
             name: self.component.clone(),
             nearest: None,
         };
         Ok(run.declaration(&self.component).ok_or_else(unknown)?)
     }
 
-    fn whole(&self, port: &str) -> String {
+    fn full_name(&self, port: &str) -> String {
         format!("{}.{port}", self.component)
     }
 
-    fn no_port(&self, port: &str, ports: &[PortDeclaration]) -> OrderError {
+    fn unknown_port(&self, port: &str, ports: &[PortDeclaration]) -> OrderError {
         let names: Vec<_> = ports
             .iter()
             .map(|port| format!("`{}`", port.name))
@@ -169,7 +169,7 @@ impl Order {
         OrderError::Port {
             component: self.component.clone(),
             port: port.to_owned(),
-            known: if names.is_empty() {
+            available: if names.is_empty() {
                 "none".to_owned()
             } else {
                 names.join(", ")

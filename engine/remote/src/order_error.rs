@@ -10,24 +10,24 @@ pub enum OrderError {
     #[error(transparent)]
     Run(#[from] RunError),
     /// The component has no such port.
-    #[error("`{component}` has no port `{port}`; it has {known}")]
+    #[error("`{component}` has no port `{port}`; it has {available}")]
     Port {
         /// Name of the component.
         component: String,
         /// The name that was looked for.
         port: String,
         /// Names of the component's ports.
-        known: String,
+        available: String,
     },
     /// An attempt to read an input or to write an output.
-    #[error("`{port}` is an {is}: {instead}")]
+    #[error("`{port}` is an {actual}: {opposite}")]
     Direction {
         /// The port, as `Component.port`.
         port: String,
         /// Direction of the port: `input` or `output`.
-        is: &'static str,
+        actual: &'static str,
         /// The operation that is possible instead.
-        instead: &'static str,
+        opposite: &'static str,
     },
     /// The output has not written anything yet.
     #[error("`{port}` has not written a sample yet")]
@@ -46,13 +46,13 @@ pub enum OrderErrorCode {
     /// The port has another type.
     WrongType,
     /// The component has no such port.
-    NoPort,
+    UnknownPort,
     /// An attempt to read an input or to write an output.
     WrongDirection,
     /// The output has not written anything yet.
     NoData,
     /// The reply cannot be represented as data.
-    NoForm,
+    NotRepresentable,
     /// The order cannot be decoded.
     BadRequest,
     /// The running system refuses: wrong state, property out of range, no such component.
@@ -63,10 +63,10 @@ impl OrderErrorCode {
     /// All reasons with their codes on the wire.
     const CODES: [(Self, &'static str); 7] = [
         (Self::WrongType, "WRONG_TYPE"),
-        (Self::NoPort, "NO_PORT"),
+        (Self::UnknownPort, "NO_PORT"),
         (Self::WrongDirection, "WRONG_DIRECTION"),
         (Self::NoData, "NO_DATA"),
-        (Self::NoForm, "NO_FORM"),
+        (Self::NotRepresentable, "NO_FORM"),
         (Self::BadRequest, "BAD_REQUEST"),
         (Self::Refused, "REFUSED"),
     ];
@@ -103,10 +103,10 @@ impl OrderError {
                 | RunError::LifeCycle(_)
                 | RunError::Busy { .. },
             ) => OrderErrorCode::Refused,
-            Self::Port { .. } => OrderErrorCode::NoPort,
+            Self::Port { .. } => OrderErrorCode::UnknownPort,
             Self::Direction { .. } => OrderErrorCode::WrongDirection,
             Self::NoData { .. } => OrderErrorCode::NoData,
-            Self::Datum(_) => OrderErrorCode::NoForm,
+            Self::Datum(_) => OrderErrorCode::NotRepresentable,
         }
     }
 }

@@ -209,8 +209,8 @@ impl Presence {
 
 fn joined(plan: &Plan, part: &Part) -> Vec<PresentConnection> {
     let routes = plan.connection_routes().into_iter();
-    let here = routes.filter(|route| route.ends().any(|end| part.has(&end.component)));
-    let joined = here.map(|route| PresentConnection {
+    let in_part = routes.filter(|route| route.ends().any(|end| part.has(&end.component)));
+    let joined = in_part.map(|route| PresentConnection {
         from: route.from.to_string(),
         to: route.to.to_string(),
     });
@@ -218,15 +218,15 @@ fn joined(plan: &Plan, part: &Part) -> Vec<PresentConnection> {
 }
 
 fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
-    let here = |ends: &[End]| -> Vec<String> {
+    let in_part = |ends: &[End]| -> Vec<String> {
         let here = ends.iter().filter(|end| part.has(&end.component));
         here.map(End::to_string).collect()
     };
     let topic = |topic: &asmotion_plan::Topic| PresentTopic {
         name: topic.name.clone(),
         kind: topic.kind.clone(),
-        publishers: here(&topic.publishers),
-        subscribers: here(&topic.subscribers),
+        publishers: in_part(&topic.publishers),
+        subscribers: in_part(&topic.subscribers),
     };
     let topics = plan.topics.iter().map(topic);
     topics

@@ -20,9 +20,9 @@ pub(crate) struct PresencePublisher<'p> {
     process: String,
     publisher: Box<dyn Publisher>,
     /// Time and content of the last message.
-    last: Option<(Instant, Presence)>,
+    last_published: Option<(Instant, Presence)>,
     /// Publish at the next opportunity, before the period has passed.
-    hurries: bool,
+    is_due_now: bool,
 }
 
 impl<'p> PresencePublisher<'p> {
@@ -34,7 +34,7 @@ impl<'p> PresencePublisher<'p> {
         incarnation: u64,
     ) -> Result<Self, BusError> {
         let origin = SenderId::new(process, incarnation);
-        let sending = PublishOptions::state().by(Codec::Json);
+        let sending = PublishOptions::state().with_codec(Codec::Json);
         Ok(Self {
             plan,
             part,
@@ -45,36 +45,40 @@ impl<'p> PresencePublisher<'p> {
                 &Schema::opaque(PRESENCE),
                 sending,
             )?,
-            last: None,
-            hurries: false,
+            last_published: None,
+            is_due_now: false,
         })
     }
 
     /// Publishes the presence if it is due.
-    pub(crate) fn speak(&mut self, run: &mut dyn Run) {
+    pub(crate) fn publish_if_due(&mut self, run: &mut dyn Run) {
         let now = Instant::now();
-        let before = self.last.take();
-        let since = before.as_ref().map(|(at, _)| now.duration_since(*at));
-        if !self.hurries && since.is_some_and(|since| since < PERIOD) {
-            self.last = before;
+        let previous = self.last_published.take();
+        let since = previous.as_ref().map(|(at, _)| now.duration_since(*at));
+        if !self.is_due_now && since.is_some_and(|since| since < PERIOD) {
+            self.last_published = previous;
             return;
         }
         let presence = Presence::of(self.plan, &self.part, &self.process, run);
-        let before = before.map(|(_, before)| before);
+        let before = previous.map(|(_, before)| before);
         let presence = presence.after(before.as_ref(), since.unwrap_or_default().as_secs_f64());
         self.publish(&presence);
-        self.last = Some((now, presence));
-        self.hurries = false;
+        self.last_published = Some((now, presence));
+        self.is_due_now = false;
     }
 
     /// Makes the presence due at once, because something has changed.
-    pub(crate) fn hurry(&mut self) {
-        self.hurries = true;
+    pub(crate) fn publish_soon(&mut self) {
+        self.is_due_now = true;
     }
 
     /// Publishes the last message, with `leaves` set.
-    pub(crate) fn leave(&mut self) {
-        let mut presence = self.last.take().map(|(_, last)| last).unwrap_or_default();
+    pub(crate) fn publish_departure(&mut self) {
+        let mut presence = self
+            .last_published
+            .take()
+            .map(|(_, last)| last)
+            .unwrap_or_default();
         presence.leaves = true;
         self.publish(&presence);
     }

@@ -16,7 +16,7 @@ use asmotion_network::call_error;
 use crate::error::RemoteError;
 use crate::order::{Order, OrderKind, control_address};
 use crate::presence::{RobotPresence, key};
-use crate::roster::{ComponentLocation, Roster, WORDS, named};
+use crate::roster::{ComponentLocation, Roster, WORDS, find_component};
 
 /// Timeout of the connection to a broker.
 #[cfg(feature = "amqp")]
@@ -38,7 +38,7 @@ struct RemoteState {
     robot: Option<String>,
     roster: Mutex<Roster>,
     /// Time at which every running process has published its presence.
-    settled: Instant,
+    complete_at: Instant,
 }
 
 impl Remote {
@@ -51,20 +51,20 @@ impl Remote {
     pub fn connect(url: &str, robot: Option<&str>) -> Result<Self, RemoteError> {
         let mut settings = AmqpSettings::parse(url)?;
         settings.process = TOOL.to_owned();
-        Self::over(Arc::new(AmqpBus::connect(settings, CONNECT)?), robot)
+        Self::over_bus(Arc::new(AmqpBus::connect(settings, CONNECT)?), robot)
     }
 
     /// Connects to the systems on any bus, or to one robot if `robot` names it.
     ///
     /// # Errors
     /// An error of the bus.
-    pub fn over(bus: Arc<dyn Bus>, robot: Option<&str>) -> Result<Self, RemoteError> {
-        let words = listen(&*bus, WORDS)?;
+    pub fn over_bus(bus: Arc<dyn Bus>, robot: Option<&str>) -> Result<Self, RemoteError> {
+        let presences = listen(&*bus, WORDS)?;
         Ok(Self(Arc::new(RemoteState {
             bus,
             robot: robot.map(str::to_owned),
-            roster: Mutex::new(Roster::new(words)),
-            settled: Instant::now() + LISTEN,
+            roster: Mutex::new(Roster::new(presences)),
+            complete_at: Instant::now() + LISTEN,
         })))
     }
 
@@ -84,16 +84,16 @@ impl Remote {
     /// The running processes with their newest presence. The first call waits up to 1.5 s, until every process has
     /// published its own.
     pub fn processes(&self) -> Vec<RobotPresence> {
-        self.settled_roster().words(self.robot())
+        self.complete_roster().presences(self.robot())
     }
 
     /// Sends an order to a component's process and waits for the reply.
     pub(crate) fn order(
         &self,
         of: &ComponentLocation,
-        wish: OrderKind,
+        order: OrderKind,
     ) -> Result<Datum, RemoteError> {
-        let (address, order) = envelope(of, wish)?;
+        let (address, order) = envelope(of, order)?;
         let request = request(order, PATIENCE);
         let pending = self
             .0
@@ -110,13 +110,17 @@ impl Remote {
     }
 
     /// Sends an order without waiting for the reply.
-    pub(crate) fn tell(&self, of: &ComponentLocation, wish: OrderKind) -> Result<(), RemoteError> {
-        let (address, order) = envelope(of, wish)?;
+    pub(crate) fn send_order(
+        &self,
+        of: &ComponentLocation,
+        order: OrderKind,
+    ) -> Result<(), RemoteError> {
+        let (address, order) = envelope(of, order)?;
         let request = request(order, PATIENCE);
         drop(
             self.0
                 .bus
-                .tell(&address, request, Arc::new(Notifier::new()))?,
+                .call_one_way(&address, request, Arc::new(Notifier::new()))?,
         );
         Ok(())
     }
@@ -127,25 +131,25 @@ impl Remote {
         loop {
             roster.listen(Duration::ZERO);
             let all = roster.components(self.robot());
-            let found = named(name, &all);
-            let left = self.0.settled.saturating_duration_since(Instant::now());
+            let location = find_component(name, &all);
+            let remaining = self.0.complete_at.saturating_duration_since(Instant::now());
             // without the robot's name, a robot whose presence has not arrived yet may have a component with the same
             // name
-            let is_sure = |it: &ComponentLocation| self.robot().is_some() || it.whole() == name;
-            if left.is_zero() || found.as_ref().is_ok_and(is_sure) {
-                return found;
+            let is_sure = |it: &ComponentLocation| self.robot().is_some() || it.full_name() == name;
+            if remaining.is_zero() || location.as_ref().is_ok_and(is_sure) {
+                return location;
             }
-            roster.listen(left);
+            roster.listen(remaining);
         }
     }
 
     /// The known operation with the most similar name.
-    pub(crate) fn operation_like(&self, name: &str) -> Option<String> {
+    pub(crate) fn similar_operation(&self, name: &str) -> Option<String> {
         let mut known = Vec::new();
-        for word in self.processes() {
-            for component in &word.presence.components {
+        for presence in self.processes() {
+            for component in &presence.presence.components {
                 for service in &component.services {
-                    let path = word.key(&format!("{}.{}", component.name, service.name));
+                    let path = presence.key(&format!("{}.{}", component.name, service.name));
                     let operations = service.operations.iter();
                     known.extend(operations.map(|operation| format!("{path}.{}", operation.name)));
                 }
@@ -163,15 +167,15 @@ impl Remote {
     }
 
     /// The roster, once every process has had time to publish its presence.
-    pub(crate) fn settled_roster(&self) -> MutexGuard<'_, Roster> {
+    pub(crate) fn complete_roster(&self) -> MutexGuard<'_, Roster> {
         let mut roster = self.roster();
         roster.listen(Duration::ZERO);
         loop {
-            let left = self.0.settled.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            let remaining = self.0.complete_at.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
                 return roster;
             }
-            roster.listen(left);
+            roster.listen(remaining);
         }
     }
 }
@@ -190,13 +194,16 @@ pub fn listen(bus: &dyn Bus, pattern: &str) -> Result<Subscription, BusError> {
 }
 
 /// Creates a request of this process.
-pub(crate) fn request(argument: Datum, patience: Duration) -> Request {
-    Request::new(SenderId::new(TOOL, 0), Payload::of(argument), patience)
+pub(crate) fn request(argument: Datum, timeout: Duration) -> Request {
+    Request::new(SenderId::new(TOOL, 0), Payload::of(argument), timeout)
 }
 
 /// The routing key and the content of an order.
-fn envelope(of: &ComponentLocation, wish: OrderKind) -> Result<(String, Datum), RemoteError> {
+fn envelope(of: &ComponentLocation, order: OrderKind) -> Result<(String, Datum), RemoteError> {
     let component = of.present.name.clone();
-    let order = Datum::of(&Order { component, wish })?;
+    let order = Datum::of(&Order {
+        component,
+        wish: order,
+    })?;
     Ok((key(&of.robot, &control_address(&of.process)), order))
 }

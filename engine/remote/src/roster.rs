@@ -17,8 +17,8 @@ pub(crate) const WORDS: &str = "#.presence.*";
 
 /// The processes on the bus, by robot and name.
 pub(crate) struct Roster {
-    words: Subscription,
-    known: BTreeMap<(String, String), (Instant, Presence)>,
+    presences: Subscription,
+    processes: BTreeMap<(String, String), (Instant, Presence)>,
 }
 
 /// A component, with its robot and process.
@@ -31,50 +31,52 @@ pub(crate) struct ComponentLocation {
 
 impl ComponentLocation {
     /// Name with the robot's name as a prefix.
-    pub(crate) fn whole(&self) -> String {
+    pub(crate) fn full_name(&self) -> String {
         crate::presence::key(&self.robot, &self.present.name)
     }
 }
 
 impl Roster {
-    pub(crate) fn new(words: Subscription) -> Self {
+    pub(crate) fn new(presences: Subscription) -> Self {
         Self {
-            words,
-            known: BTreeMap::new(),
+            presences: presences,
+            processes: BTreeMap::new(),
         }
     }
 
-    /// Reads all waiting messages; if there are none, waits up to `at_most` for one.
-    pub(crate) fn listen(&mut self, at_most: Duration) {
+    /// Reads all waiting messages; if there are none, waits up to `timeout` for one.
+    pub(crate) fn listen(&mut self, timeout: Duration) {
         let mut next = self
-            .words
+            .presences
             .try_next()
-            .or_else(|| self.words.next_within(at_most));
+            .or_else(|| self.presences.next_within(timeout));
         while let Some(envelope) = next {
-            if let Some(word) = RobotPresence::of(&envelope) {
-                let process = (word.robot, word.presence.process.clone());
-                if word.presence.leaves {
-                    self.known.remove(&process)
+            if let Some(presence) = RobotPresence::of(&envelope) {
+                let process = (presence.robot, presence.presence.process.clone());
+                if presence.presence.leaves {
+                    self.processes.remove(&process)
                 } else {
-                    self.known.insert(process, (Instant::now(), word.presence))
+                    self.processes
+                        .insert(process, (Instant::now(), presence.presence))
                 };
             }
-            next = self.words.try_next();
+            next = self.presences.try_next();
         }
     }
 
     /// The processes of a robot, or of all robots.
-    pub(crate) fn words(&self, robot: Option<&str>) -> Vec<RobotPresence> {
-        let here = self.known.iter().filter(|((of, _), (heard, _))| {
+    pub(crate) fn presences(&self, robot: Option<&str>) -> Vec<RobotPresence> {
+        let of_robot = self.processes.iter().filter(|((of, _), (heard, _))| {
             heard.elapsed() < SILENT && robot.is_none_or(|robot| robot == of)
         });
-        let word = |((robot, _), (_, presence)): (&(String, String), &(Instant, Presence))| {
-            RobotPresence {
-                robot: robot.clone(),
-                presence: presence.clone(),
-            }
-        };
-        here.map(word).collect()
+        let robot_presence =
+            |((robot, _), (_, presence)): (&(String, String), &(Instant, Presence))| {
+                RobotPresence {
+                    robot: robot.clone(),
+                    presence: presence.clone(),
+                }
+            };
+        of_robot.map(robot_presence).collect()
     }
 
     /// The components of a robot, or of all robots.
@@ -88,18 +90,18 @@ impl Roster {
                 present,
             })
         };
-        self.words(robot).into_iter().flat_map(of).collect()
+        self.presences(robot).into_iter().flat_map(of).collect()
     }
 }
 
 /// The component with this name, optionally with its robot: `rover1.RoverDriver`.
-pub(crate) fn named(
+pub(crate) fn find_component(
     name: &str,
     all: &[ComponentLocation],
 ) -> Result<ComponentLocation, RemoteError> {
-    let is_it = |it: &&ComponentLocation| it.present.name == name || it.whole() == name;
-    let named: Vec<&ComponentLocation> = all.iter().filter(is_it).collect();
-    match named.as_slice() {
+    let is_it = |it: &&ComponentLocation| it.present.name == name || it.full_name() == name;
+    let matches: Vec<&ComponentLocation> = all.iter().filter(is_it).collect();
+    match matches.as_slice() {
         [one] => Ok((*one).clone()),
         [] => Err(RemoteError::Unknown {
             what: "component",
@@ -108,7 +110,7 @@ pub(crate) fn named(
         }),
         several => Err(RemoteError::Several {
             name: name.to_owned(),
-            candidates: several.iter().map(|it| it.whole()).collect(),
+            candidates: several.iter().map(|it| it.full_name()).collect(),
         }),
     }
 }

@@ -19,10 +19,10 @@ const AGAIN: Duration = Duration::from_secs(5);
 /// and samples are missed.
 pub struct OutputWatch {
     remote: Remote,
-    of: ComponentLocation,
+    component: ComponentLocation,
     port: String,
     samples: Subscription,
-    asked: Instant,
+    renewed_at: Instant,
 }
 
 impl OutputWatch {
@@ -37,27 +37,27 @@ impl OutputWatch {
         remote.order(of, OrderKind::Watch(port.to_owned()))?;
         Ok(Self {
             remote: remote.clone(),
-            of: of.clone(),
+            component: of.clone(),
             port: port.to_owned(),
             samples,
-            asked: Instant::now(),
+            renewed_at: Instant::now(),
         })
     }
 
-    /// Waits up to `at_most` for the next sample.
-    pub fn next_within(&mut self, at_most: Duration) -> Option<Result<Datum, DatumError>> {
-        let until = asmotion_bus::later(at_most);
+    /// Waits up to `timeout` for the next sample.
+    pub fn next_within(&mut self, timeout: Duration) -> Option<Result<Datum, DatumError>> {
+        let until = asmotion_bus::deadline_after(timeout);
         loop {
-            if self.asked.elapsed() >= AGAIN {
-                self.asked = Instant::now();
+            if self.renewed_at.elapsed() >= AGAIN {
+                self.renewed_at = Instant::now();
                 // a renewal that is lost is repeated
                 let _ = self
                     .remote
-                    .tell(&self.of, OrderKind::Watch(self.port.clone()));
+                    .send_order(&self.component, OrderKind::Watch(self.port.clone()));
             }
-            let left = until.saturating_duration_since(Instant::now());
-            let next = self.samples.next_within(left.min(AGAIN));
-            if next.is_some() || left.is_zero() {
+            let remaining = until.saturating_duration_since(Instant::now());
+            let next = self.samples.next_within(remaining.min(AGAIN));
+            if next.is_some() || remaining.is_zero() {
                 return next.map(|envelope| envelope.payload.to_datum());
             }
         }

@@ -14,7 +14,7 @@ pub trait Adapter: Send {
     ///
     /// From then on, the adapter's own threads may put samples into ports, with a clone of the context as their
     /// effects. The default does nothing.
-    fn go_live(&mut self, context: &LiveContext) {
+    fn start_live(&mut self, context: &LiveContext) {
         let _ = context;
     }
 

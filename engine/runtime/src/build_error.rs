@@ -22,24 +22,28 @@ pub enum BuildError {
         source: DeclarationError,
     },
     /// A name that no component, port, service or reference has.
-    #[error("unknown {what} `{name}`{}", suggestion(nearest.as_deref()))]
+    #[error("unknown {kind} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
         /// The kind of thing looked for: component, input, output, service or reference.
-        what: &'static str,
+        kind: &'static str,
         /// The name that was looked for.
         name: String,
         /// A similar name that exists, as a suggestion.
         nearest: Option<String>,
     },
     /// A port, service or reference on the wrong side.
-    #[error("`{end}` is {} {is}, not {} {wanted}", article(is), article(wanted))]
+    #[error(
+        "`{end}` is {} {actual}, not {} {expected}",
+        article(actual),
+        article(expected)
+    )]
     Direction {
         /// The end with the wrong direction, as `component.port`.
         end: String,
         /// The kind of this end.
-        is: &'static str,
+        actual: &'static str,
         /// The kind needed here.
-        wanted: &'static str,
+        expected: &'static str,
     },
     /// An `unsync` connection between two components that cycle in different threads.
     #[error(
@@ -53,7 +57,7 @@ pub enum BuildError {
     },
     /// More threads than the connection allows.
     #[error("{threads} threads use the queue of `{to}`, which allows {max}")]
-    Crowded {
+    TooManyThreads {
         /// The reading end, as `component.port`.
         to: String,
         /// Number of threads that would use the queue.
@@ -62,18 +66,18 @@ pub enum BuildError {
         max: usize,
     },
     /// A shared queue whose other connections have a different policy.
-    #[error("`{from}` and `{to}` cannot share a queue with the others, which have {what}")]
-    OtherQueue {
+    #[error("`{from}` and `{to}` cannot share a queue with the others, which have {difference}")]
+    QueueMismatch {
         /// The writing end, as `component.port`.
         from: String,
         /// The reading end, as `component.port`.
         to: String,
         /// The property in which the other connections differ.
-        what: &'static str,
+        difference: &'static str,
     },
     /// The connection to remove does not exist.
     #[error("`{from}` is not connected to `{to}`")]
-    NotJoined {
+    NotConnected {
         /// The writing end, as `component.port`.
         from: String,
         /// The reading end, as `component.port`.
@@ -81,7 +85,7 @@ pub enum BuildError {
     },
     /// A component that would, directly or through others, be its own master.
     #[error("`{slave}` cannot run after `{master}`: it would run after itself")]
-    OwnMaster {
+    MasterCycle {
         /// Name of the component that would be the slave.
         slave: String,
         /// Name of the component that would be its master.
@@ -89,7 +93,7 @@ pub enum BuildError {
     },
     /// Two ends of different types.
     #[error("`{from}` and `{to}` differ: {difference}")]
-    Types {
+    TypeMismatch {
         /// The writing end, as `component.port`, or the reference.
         from: String,
         /// The reading end, or the service.
@@ -99,7 +103,7 @@ pub enum BuildError {
     },
     /// Two ends of different interfaces.
     #[error("`{from}` requires {required}, `{to}` provides {provided}")]
-    Interfaces {
+    InterfaceMismatch {
         /// The requiring end, as `component.reference`.
         from: String,
         /// The interface that the reference requires.
@@ -111,7 +115,7 @@ pub enum BuildError {
     },
     /// An operation that the service lacks.
     #[error("`{from}` calls `{operation}`, which `{to}` does not serve")]
-    Operation {
+    MissingOperation {
         /// The reference, as `component.reference`.
         from: String,
         /// Name of the operation.
@@ -122,7 +126,7 @@ pub enum BuildError {
     /// The end is connected already: the same connection twice, a second topic for an output, or a second service for a
     /// reference that waits for replies.
     #[error("`{end}` is already connected to {to}")]
-    Joined {
+    AlreadyConnected {
         /// The end that is connected already.
         end: String,
         /// The other end of the existing connection or wire.
@@ -130,7 +134,7 @@ pub enum BuildError {
     },
     /// An output that would publish on the topic reserved for the system's own bus health reports.
     #[error("`{from}` cannot publish `{topic}`: it is reserved for the state of the bus")]
-    OwnTopic {
+    ReservedTopic {
         /// The writing end, as `component.port`.
         from: String,
         /// The reserved topic.
@@ -154,14 +158,16 @@ impl BuildError {
     pub(crate) fn compare(
         written: &Schema,
         from: &str,
-        taken: &Schema,
+        expected: &Schema,
         to: &str,
     ) -> Result<(), Self> {
-        written.compare(taken).map_err(|difference| Self::Types {
-            from: from.to_owned(),
-            to: to.to_owned(),
-            difference: Box::new(difference),
-        })
+        written
+            .compare(expected)
+            .map_err(|difference| Self::TypeMismatch {
+                from: from.to_owned(),
+                to: to.to_owned(),
+                difference: Box::new(difference),
+            })
     }
 }
 

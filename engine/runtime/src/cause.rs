@@ -8,46 +8,46 @@ use crossbeam_queue::ArrayQueue;
 
 /// The trace that a component's cycle continues. Never locks.
 ///
-/// Threads that bring messages from a bus call [`arrive`](Self::arrive); everything else is done by the component's own
+/// Threads that bring messages from a bus call [`record`](Self::record); everything else is done by the component's own
 /// thread.
 pub struct CycleCause {
     /// The newest trace that arrived over a bus since the last cycle. A queue of one, because a trace is wider than an
     /// atomic.
-    arrived: ArrayQueue<TraceContext>,
+    newest: ArrayQueue<TraceContext>,
     /// The current cycle's trace: both halves of the id, and the span; all zero without a trace. Written and read by
     /// the component's own thread alone, so `Relaxed` suffices; the atomics only make the type shareable.
-    present: [AtomicU64; 3],
+    current: [AtomicU64; 3],
 }
 
 impl CycleCause {
     pub(crate) fn new() -> Self {
         Self {
-            arrived: ArrayQueue::new(1),
-            present: Default::default(),
+            newest: ArrayQueue::new(1),
+            current: Default::default(),
         }
     }
 
     /// Records the trace of an arriving message. The next cycle continues it unless a newer one arrives first.
-    pub fn arrive(&self, trace: TraceContext) {
-        self.arrived.force_push(trace);
+    pub fn record(&self, trace: TraceContext) {
+        self.newest.force_push(trace);
     }
 
     /// Makes the newest recorded trace that of the cycle that begins.
-    pub(crate) fn freeze(&self) {
-        self.set(self.arrived.pop());
+    pub(crate) fn begin_cycle(&self) {
+        self.set(self.newest.pop());
     }
 
     /// Makes the trace of a consumed message that of the current cycle; `None` changes nothing.
-    pub(crate) fn take(&self, trace: Option<TraceContext>) {
+    pub(crate) fn continue_trace(&self, trace: Option<TraceContext>) {
         if trace.is_some() {
             self.set(trace);
         }
     }
 
     /// The trace that the current cycle continues.
-    pub fn present(&self) -> Option<TraceContext> {
+    pub fn current(&self) -> Option<TraceContext> {
         let [high, low, span] = self
-            .present
+            .current
             .each_ref()
             .map(|part| part.load(Ordering::Relaxed));
         let id = (u128::from(high) << 64) | u128::from(low);
@@ -56,17 +56,17 @@ impl CycleCause {
 
     /// Returns the trace that has arrived for the next cycle and that of the last one.
     pub(crate) fn snapshot(&self) -> [Option<TraceContext>; 2] {
-        let arrived = self.arrived.pop();
+        let arrived = self.newest.pop();
         if let Some(trace) = arrived {
-            self.arrived.force_push(trace);
+            self.newest.force_push(trace);
         }
-        [arrived, self.present()]
+        [arrived, self.current()]
     }
 
     pub(crate) fn restore(&self, [arrived, present]: [Option<TraceContext>; 2]) {
-        self.arrived.pop();
+        self.newest.pop();
         if let Some(trace) = arrived {
-            self.arrived.force_push(trace);
+            self.newest.force_push(trace);
         }
         self.set(present);
     }
@@ -74,7 +74,7 @@ impl CycleCause {
     fn set(&self, trace: Option<TraceContext>) {
         let (id, span) = trace.map_or((0, 0), |trace| (trace.id, trace.span));
         for (part, value) in self
-            .present
+            .current
             .iter()
             .zip([(id >> 64) as u64, id as u64, span])
         {

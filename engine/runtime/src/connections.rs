@@ -9,7 +9,7 @@ use asmotion_port::{
 };
 
 use crate::build_error::BuildError;
-use crate::end::ComponentEnd;
+use crate::component_end::ComponentEnd;
 
 /// All connections of a system. Owned by the executor's thread; components hold only the ends.
 #[derive(Default)]
@@ -69,20 +69,20 @@ impl RemovedConnection {
 
 impl ConnectionTable {
     /// Returns a fresh connection number.
-    pub(crate) fn number(&mut self) -> ConnectionId {
+    pub(crate) fn next_id(&mut self) -> ConnectionId {
         self.last += 1;
         ConnectionId::new(self.last)
     }
 
     /// Returns an error if the two ends are connected already.
-    pub(crate) fn refuse_twice(
+    pub(crate) fn check_unconnected(
         &self,
         from: &ComponentEnd,
         to: &ComponentEnd,
     ) -> Result<(), BuildError> {
         match self.find(from, to) {
             None => Ok(()),
-            Some(_) => Err(BuildError::Joined {
+            Some(_) => Err(BuildError::AlreadyConnected {
                 end: from.name.clone(),
                 to: format!("`{}`", to.name),
             }),
@@ -97,7 +97,7 @@ impl ConnectionTable {
     }
 
     /// Adds a direct connection to the table.
-    pub(crate) fn remember(
+    pub(crate) fn insert(
         &mut self,
         connection: ConnectionId,
         from: ComponentEnd,
@@ -107,7 +107,7 @@ impl ConnectionTable {
     }
 
     /// Removes a direct connection from the table.
-    pub(crate) fn forget(
+    pub(crate) fn remove(
         &mut self,
         from: &ComponentEnd,
         to: &ComponentEnd,
@@ -127,26 +127,26 @@ impl ConnectionTable {
         })
     }
 
-    /// Puts a removed connection back; the reverse of `forget`.
-    pub(crate) fn restore(&mut self, removed: RemovedConnection) {
+    /// Puts a removed connection back; the reverse of `remove`.
+    pub(crate) fn reinsert(&mut self, removed: RemovedConnection) {
         let (from, to) = removed.ends;
-        self.remember(removed.connection, from, to);
+        self.insert(removed.connection, from, to);
         for (queue, user) in removed.users {
             self.queues[queue].users.push(user);
         }
     }
 
     /// Opens a connection between two ports whose components cycle in the given threads.
-    pub(crate) fn make(
+    pub(crate) fn open(
         &mut self,
         (from, to): (&ComponentEnd, &ComponentEnd),
         threads: [usize; 2],
         policy: &Policy,
         opener: &dyn ChannelOpener,
     ) -> Result<NewConnection, BuildError> {
-        let connection = self.number();
-        let queue = self.common(from, to, policy)?;
-        self.admit((from, to), threads, policy, queue)?;
+        let connection = self.next_id();
+        let queue = self.shared_queue(from, to, policy)?;
+        self.check_threads((from, to), threads, policy, queue)?;
         let common = queue.map(|queue| &mut self.queues[queue].queue);
         let opened = opener.open(connection, policy, common);
         let (sender, reading_end) =
@@ -181,7 +181,7 @@ impl ConnectionTable {
     }
 
     /// Position of the shared queue that the policy asks for; creates an entry if there is none.
-    fn common(
+    fn shared_queue(
         &mut self,
         from: &ComponentEnd,
         to: &ComponentEnd,
@@ -217,7 +217,7 @@ impl ConnectionTable {
         if same(&common.policy) == same(policy) {
             Ok(Some(known))
         } else {
-            Err(other_queue(
+            Err(queue_mismatch(
                 &from.name,
                 &to.name,
                 "a queue of another policy",
@@ -226,7 +226,7 @@ impl ConnectionTable {
     }
 
     /// Checks that a shared queue has the same policy and allows the threads of both ends.
-    fn admit(
+    fn check_threads(
         &self,
         (from, to): (&ComponentEnd, &ComponentEnd),
         threads: [usize; 2],
@@ -245,7 +245,7 @@ impl ConnectionTable {
             });
         }
         match policy.max_threads {
-            Some(max) if all.len() > max => Err(BuildError::Crowded {
+            Some(max) if all.len() > max => Err(BuildError::TooManyThreads {
                 to: to.name.clone(),
                 threads: all.len(),
                 max,
@@ -262,14 +262,14 @@ pub(crate) fn open_error(error: OpenError, from: &str, to: &str) -> BuildError {
             to: to.to_owned(),
             source,
         },
-        OpenError::OtherType => other_queue(from, to, "samples of another type"),
+        OpenError::TypeMismatch => queue_mismatch(from, to, "samples of another type"),
     }
 }
 
-fn other_queue(from: &str, to: &str, what: &'static str) -> BuildError {
-    BuildError::OtherQueue {
+fn queue_mismatch(from: &str, to: &str, what: &'static str) -> BuildError {
+    BuildError::QueueMismatch {
         from: from.to_owned(),
         to: to.to_owned(),
-        what,
+        difference: what,
     }
 }

@@ -123,12 +123,12 @@ impl ComponentStatus {
     }
 
     /// Records the state that the transition now begun leads to.
-    pub(crate) fn aim(&self, target: State) {
+    pub(crate) fn set_target(&self, target: State) {
         self.target.store(target as u8, Ordering::Release);
     }
 
-    pub(crate) fn enter(&self, state: State) {
-        self.aim(state);
+    pub(crate) fn set_state(&self, state: State) {
+        self.set_target(state);
         self.state.store(state as u8, Ordering::Release);
     }
 
@@ -138,8 +138,8 @@ impl ComponentStatus {
     }
 
     /// Adds a cycle's duration to the statistics.
-    pub(crate) fn spend(&self, took: Duration) {
-        let nanos = u64::try_from(took.as_nanos()).unwrap_or(u64::MAX);
+    pub(crate) fn record_cycle_time(&self, duration: Duration) {
+        let nanos = u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX);
         self.spent.fetch_add(nanos, Ordering::Relaxed);
         self.longest.fetch_max(nanos, Ordering::Relaxed);
     }
@@ -188,8 +188,8 @@ impl ComponentStatus {
 
     pub(crate) fn restore(&self, state: State, snapshot: &StatusSnapshot) {
         let nanos = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
-        self.enter(state);
-        self.aim(snapshot.target);
+        self.set_state(state);
+        self.set_target(snapshot.target);
         self.cycles.store(snapshot.cycles, Ordering::Relaxed);
         self.overruns.store(snapshot.overruns, Ordering::Relaxed);
         self.late.store(snapshot.late, Ordering::Relaxed);

@@ -52,7 +52,7 @@ pub enum Event<'a> {
     /// A sample was injected from outside: by an operator, a test or the bus.
     Injected {
         /// The port or topic it was injected into.
-        place: &'a str,
+        target: &'a str,
         /// The sample as injected.
         sample: &'a dyn Sample,
     },
@@ -165,7 +165,7 @@ pub enum Event<'a> {
         /// Kind of the report, chosen by the component.
         kind: &'a str,
         /// Content of the report.
-        what: &'a Datum,
+        data: &'a Datum,
     },
     /// The observers' queue overflowed, and events were dropped.
     Lost {

@@ -94,7 +94,7 @@ impl FrozenSystem {
         let frozen = self.to_datum()?;
         match frozen.get("version").and_then(|version| version.as_int()) {
             Some(version) if version == i64::from(VERSION) => {}
-            Some(version) => return Err(SystemThawError::OtherVersion(version, VERSION)),
+            Some(version) => return Err(SystemThawError::VersionMismatch(version, VERSION)),
             None => {}
         }
         let versioned: VersionedState<S> = frozen.to().map_err(SystemThawError::Malformed)?;
@@ -129,12 +129,12 @@ pub enum SystemFreezeError {
     },
     /// The system depends on something outside that cannot be frozen; contains its description.
     #[error("{0}, which is outside the system and cannot be frozen with it")]
-    Outside(String),
+    External(String),
     /// An unread sample, request or reply cannot be represented as a datum.
-    #[error("{place}: {source}")]
+    #[error("{location}: {source}")]
     NoData {
         /// Location, such as `Follower.path`.
-        place: String,
+        location: String,
         /// Reason for the failure.
         source: DatumError,
     },
@@ -148,10 +148,10 @@ pub enum SystemThawError {
     Malformed(DatumError),
     /// The bytes were written by another version: the version of the bytes and the current one.
     #[error("the frozen system has layout {0}, and this build has layout {1}")]
-    OtherVersion(i64, u32),
+    VersionMismatch(i64, u32),
     /// The state belongs to another composite; contains a description of the difference.
     #[error("the frozen state belongs to another system: {0}")]
-    OtherSystem(String),
+    SystemMismatch(String),
     /// A component rejects its state.
     #[error("`{component}`: {source}")]
     Component {
@@ -162,14 +162,14 @@ pub enum SystemThawError {
     },
     /// The system to be thawed cannot be frozen itself, so a failure could not be rolled back.
     #[error(transparent)]
-    Unfreezable(SystemFreezeError),
+    CannotFreeze(SystemFreezeError),
 }
 
 /// Returns the error for a value that cannot be represented as a datum.
 pub(crate) fn no_data(place: &str) -> impl Fn(DatumError) -> SystemFreezeError + use<> {
     let place = place.to_owned();
     move |source| SystemFreezeError::NoData {
-        place: place.clone(),
+        location: place.clone(),
         source,
     }
 }
@@ -183,12 +183,12 @@ pub(crate) fn trace_text(trace: Option<TraceContext>) -> Option<String> {
 pub(crate) fn trace_of(text: &Option<String>) -> Result<Option<TraceContext>, SystemThawError> {
     let read = text.as_ref().map(|text| text.parse());
     read.transpose()
-        .map_err(|_| other("a trace is not a W3C trace context"))
+        .map_err(|_| system_mismatch("a trace is not a W3C trace context"))
 }
 
 /// Returns the error for a state that belongs to another system.
-pub(crate) fn other(what: impl Into<String>) -> SystemThawError {
-    SystemThawError::OtherSystem(what.into())
+pub(crate) fn system_mismatch(difference: impl Into<String>) -> SystemThawError {
+    SystemThawError::SystemMismatch(difference.into())
 }
 
 /// Outcome of a call: a response or an error.

@@ -7,12 +7,12 @@ use asmotion_datum::{DatumError, Sample};
 use asmotion_port::{AnySender, ConnectionId, Policy, PushOutcome, SampleSnapshot, Time};
 use serde::{Deserialize, Serialize};
 
+use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::effects::Effects;
 use crate::event::Event;
 use crate::run_error::RunError;
 use crate::topic::SystemTopic;
-use crate::unit::ComponentUnit;
 
 /// Capacity, in samples, of the queue between an injection port and its component's next cycle.
 const WAITING: usize = 64;
@@ -59,7 +59,7 @@ impl InjectionPorts {
             let inputs = unit.body.inputs.len();
             let policy = Policy::buffer(WAITING);
             ports.extend((0..inputs).filter_map(|index| {
-                InjectionPort::open(unit, index, &policy, connections.number())
+                InjectionPort::open(unit, index, &policy, connections.next_id())
             }));
         }
         Self {
@@ -79,7 +79,7 @@ impl InjectionPorts {
             .map(|topic| {
                 let injections = topic.subscribers.iter().filter_map(|(end, policy)| {
                     let unit = units.get_mut(end.unit)?;
-                    InjectionPort::open(unit, end.index, policy, connections.number())
+                    InjectionPort::open(unit, end.index, policy, connections.next_id())
                 });
                 (topic.name.clone(), injections.collect())
             })
@@ -105,7 +105,7 @@ impl InjectionPorts {
             .position(|injection| injection.name == name)
         else {
             return Err(RunError::Unknown {
-                what: "input",
+                kind: "input",
                 name: name.to_owned(),
                 nearest: suggestion_among(
                     name,
@@ -128,7 +128,7 @@ impl InjectionPorts {
     ) -> Result<InjectionTarget, RunError> {
         let Some(index) = self.topics.iter().position(|(topic, _)| topic == name) else {
             return Err(RunError::Unknown {
-                what: "topic",
+                kind: "topic",
                 name: name.to_owned(),
                 nearest: suggestion_among(name, self.topics.iter().map(|(topic, _)| &**topic)),
             });
@@ -155,12 +155,12 @@ impl InjectionPorts {
         effects.emit(
             now,
             &Event::Injected {
-                place: name,
+                target: name,
                 sample: &**sample,
             },
         );
-        for injection in self.at(target) {
-            injection.put(sample, now, effects);
+        for injection in self.target_ports(target) {
+            injection.send(sample, now, effects);
         }
     }
 
@@ -177,14 +177,14 @@ impl InjectionPorts {
     }
 
     /// Returns whether the target exists.
-    pub(crate) fn has(&self, target: InjectionTarget) -> bool {
+    pub(crate) fn contains(&self, target: InjectionTarget) -> bool {
         match target {
             InjectionTarget::Port(port) => port < self.ports.len(),
             InjectionTarget::Topic(topic) => topic < self.topics.len(),
         }
     }
 
-    fn at(&mut self, target: InjectionTarget) -> &mut [InjectionPort] {
+    fn target_ports(&mut self, target: InjectionTarget) -> &mut [InjectionPort] {
         match target {
             InjectionTarget::Port(port) => std::slice::from_mut(&mut self.ports[port]),
             InjectionTarget::Topic(topic) => self.topics[topic].1.as_mut_slice(),
@@ -204,9 +204,9 @@ impl InjectionPort {
         let input = unit.body.inputs.get_mut(index)?;
         let (sender, reading_end) = input
             .opener()
-            .open(connection, &policy.for_outsider(), None)
+            .open(connection, &policy.for_external(), None)
             .ok()?;
-        input.join(reading_end);
+        input.connect(reading_end);
         Some(Self {
             name: format!("{}.{}", unit.name, port.name),
             component: unit.index,
@@ -255,9 +255,9 @@ impl InjectionPort {
 
     fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), RunError> {
         self.sender
-            .accepts(sample)
+            .check(sample)
             .map_err(|source| RunError::Mismatch {
-                place: self.name.clone(),
+                target: self.name.clone(),
                 expected: self.expected.clone(),
                 source: Box::new(source),
             })
@@ -268,14 +268,14 @@ impl InjectionPort {
         effects.emit(
             now,
             &Event::Injected {
-                place: &self.name,
+                target: &self.name,
                 sample: &**sample,
             },
         );
-        self.put(sample, now, effects);
+        self.send(sample, now, effects);
     }
 
-    fn put(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
+    fn send(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
         let order = effects.next_order();
         let delivery = self.sender.send_sample(Arc::clone(sample), now, order);
         if self.trigger

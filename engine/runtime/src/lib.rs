@@ -6,14 +6,15 @@
 //! bus.
 
 mod adapter;
-mod body;
 mod build_error;
 mod cause;
+mod component_body;
+mod component_end;
+mod component_unit;
 mod connections;
 mod context;
 mod descriptor;
 mod effects;
-mod end;
 mod event;
 mod frozen;
 mod handle;
@@ -28,16 +29,15 @@ mod simulated;
 mod stream;
 mod system;
 mod topic;
-mod unit;
 
 pub use adapter::Adapter;
 pub use asmotion_port::PushOutcome;
 pub use build_error::BuildError;
 pub use cause::CycleCause;
+pub use component_end::ComponentEnd;
 pub use context::LiveContext;
 pub use descriptor::CycleTime;
 pub use effects::Effects;
-pub use end::ComponentEnd;
 pub use event::{Event, Observer};
 pub use frozen::{FrozenSystem, SystemFreezeError, SystemThawError};
 pub use health::{HealthTopic, publish_without_bus};

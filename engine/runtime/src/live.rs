@@ -17,6 +17,7 @@ use asmotion_port::Time;
 
 use self::bus_thread::BusThread;
 use self::worker::{Worker, WorkerCommand};
+use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::context::{EventQueue, LiveContext, ThreadWaker};
 use crate::descriptor::ComponentDescriptor;
@@ -27,7 +28,6 @@ use crate::injection::{InjectionPorts, InjectionTarget};
 use crate::run::{Act, Executor, Watch};
 use crate::stream::{SinkThread, SourceThreads};
 use crate::system::System;
-use crate::unit::ComponentUnit;
 
 /// Longest sleep of the owner's thread between two looks at the event queue.
 const NAP: Duration = Duration::from_millis(20);
@@ -44,7 +44,7 @@ pub struct Live {
     injections: InjectionPorts,
     /// Samples to be injected at a later time, latest first.
     planned: Vec<(Time, InjectionTarget, Arc<dyn Sample>)>,
-    grace: Duration,
+    grace_period: Duration,
     /// Calls the adapters; `None` without adapters.
     bus_thread: Option<BusThread>,
     /// Does the upkeep of sinks; `None` without sinks.
@@ -65,9 +65,9 @@ struct Thread {
 impl System {
     /// Starts the system in real time, with a thread for each component that is not a slave.
     ///
-    /// Configures every component, then starts those with `run_on_startup`, and only then begins their cycles, all at the
-    /// same time: the first cycle of each sees the others running, as in [`simulate`](Self::simulate). A component that
-    /// fails is left as it is; its state and an [`Event::Fault`](crate::Event::Fault) show it.
+    /// Configures every component, then starts those with `run_on_startup`, and only then begins their cycles, all at
+    /// the same time: the first cycle of each sees the others running, as in [`simulate`](Self::simulate). A component
+    /// that fails is left as it is; its state and an [`Event::Fault`](crate::Event::Fault) show it.
     pub fn live(self) -> Live {
         Live::new(self)
     }
@@ -75,7 +75,7 @@ impl System {
 
 impl Live {
     fn new(mut system: System) -> Self {
-        let descriptors = system.enter_run();
+        let descriptors = system.begin_run();
         let System {
             mut units,
             observers,
@@ -95,11 +95,11 @@ impl Live {
             let waker = context.waker(unit.index);
             // request a cycle whatever drives the component: a periodic one would otherwise pass the result on a period
             // late
-            let finished = Arc::new(move || waker.call());
+            let finished = Arc::new(move || waker.request_cycle());
             unit.body.work_place = WorkPlace::Thread(finished);
         }
         let mut live = Self {
-            threads: threads(units, &descriptors, &context),
+            threads: spawn_threads(units, &descriptors, &context),
             context,
             events,
             observers,
@@ -107,7 +107,7 @@ impl Live {
             connections,
             injections,
             planned: Vec::new(),
-            grace: Duration::from_secs(5),
+            grace_period: Duration::from_secs(5),
             bus_thread: None,
             sinks: None,
             sources: None,
@@ -145,8 +145,8 @@ impl Live {
     }
 
     /// Sets how long to wait for a component whose cycle is under way (default: 5 s).
-    pub fn set_grace(&mut self, grace: Duration) {
-        self.grace = grace;
+    pub fn set_grace_period(&mut self, grace_period: Duration) {
+        self.grace_period = grace_period;
     }
 
     fn inject_planned(&mut self) {
@@ -158,7 +158,7 @@ impl Live {
     }
 
     /// Passes waiting events to the observers. Returns whether one of them satisfied `watch`.
-    fn tell(&mut self, watch: &mut Option<Watch<'_>>) -> bool {
+    fn notify_observers(&mut self, watch: &mut Option<Watch<'_>>) -> bool {
         let mut seen = false;
         let observers = &mut self.observers;
         self.events.drain(|at, event| {
@@ -174,7 +174,7 @@ impl Live {
 }
 
 /// Starts one thread for each component that is not a slave; its slaves follow in order of addition.
-fn threads(
+fn spawn_threads(
     units: Vec<ComponentUnit>,
     descriptors: &[ComponentDescriptor],
     context: &LiveContext,
@@ -243,7 +243,7 @@ impl Executor for Live {
         Arc::new(self.context.clone())
     }
 
-    fn plan(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>) {
+    fn schedule_injection(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>) {
         // samples for the same instant keep their order
         let position = self.planned.partition_point(|(other, ..)| *other > at);
         self.planned.insert(position, (at, target, sample));
@@ -260,7 +260,7 @@ impl Executor for Live {
             if self.context.take_escalation() {
                 self.stop_all();
             }
-            let seen = self.tell(&mut watch);
+            let seen = self.notify_observers(&mut watch);
             let now = self.context.now();
             if seen || now >= until {
                 return seen;
@@ -270,20 +270,20 @@ impl Executor for Live {
         }
     }
 
-    fn call(&mut self, component: usize) {
-        self.context.waker(component).call();
+    fn request_cycle(&mut self, component: usize) {
+        self.context.waker(component).request_cycle();
     }
 
-    fn patience(&self) -> Duration {
-        self.grace
+    fn change_timeout(&self) -> Duration {
+        self.grace_period
     }
 
     /// An inspection does not wait for a long cycle.
-    fn glance(&self) -> Duration {
+    fn inspect_timeout(&self) -> Duration {
         NAP
     }
 
-    fn post(&mut self, component: usize, act: Act) {
+    fn submit(&mut self, component: usize, act: Act) {
         let thread = self.descriptors[component].thread;
         if let Some(thread) = self.threads.iter().find(|one| one.component == thread) {
             thread.send(WorkerCommand::Act(component, act));
@@ -297,12 +297,16 @@ impl Drop for Live {
         self.bus_thread = None;
         self.sources = None;
         let late = self.stop_all();
-        self.tell(&mut None);
+        self.notify_observers(&mut None);
         self.context.end();
         for thread in &self.threads {
             thread.send(WorkerCommand::End);
         }
-        let patience = if late.is_empty() { self.grace } else { NAP };
+        let patience = if late.is_empty() {
+            self.grace_period
+        } else {
+            NAP
+        };
         let until = self.context.now() + patience;
         let ended = |thread: &Thread| thread.handle.as_ref().is_none_or(JoinHandle::is_finished);
         while !self.threads.iter().all(ended) && self.context.now() < until {

@@ -3,9 +3,9 @@
 mod asked;
 mod call;
 mod change;
-mod every;
 mod executor;
 mod reader;
+mod run_impl;
 mod writer;
 
 use std::sync::Arc;
@@ -37,12 +37,12 @@ pub trait Run {
     /// Lets time pass until `until`.
     fn run_until(&mut self, until: Time);
 
-    /// Lets time pass until an event satisfies `wanted`, at most until `limit`. Returns whether one did. Events before
-    /// the call do not count.
+    /// Lets time pass until an event satisfies `predicate`, at most until `limit`. Returns whether one did. Events
+    /// before the call do not count.
     fn run_until_event(
         &mut self,
         limit: Time,
-        wanted: &mut dyn FnMut(Time, &Event<'_>) -> bool,
+        predicate: &mut dyn FnMut(Time, &Event<'_>) -> bool,
     ) -> bool;
 
     /// Injects a sample into an input port (`component.port`) from outside, as an operator or a test does.
@@ -212,7 +212,7 @@ pub trait Run {
         Self: Sized;
 
     /// Calls an operation of a service from outside without waiting (RTT `send`). The returned handle collects the
-    /// response; the call ends after `patience`.
+    /// response; the call ends after `timeout`.
     ///
     /// # Errors
     /// There is no such service, it does not serve the operation, or the types of request or response differ.
@@ -220,7 +220,7 @@ pub trait Run {
         &mut self,
         service: &str,
         argument: O::Request,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<SentCall<O>, BuildError>
     where
         Self: Sized;

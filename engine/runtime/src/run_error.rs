@@ -7,20 +7,20 @@ use asmotion_datum::DatumError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
     /// A name that no component, input or topic has.
-    #[error("unknown {what} `{name}`{}", suggestion(nearest.as_deref()))]
+    #[error("unknown {kind} `{name}`{}", suggestion(nearest.as_deref()))]
     Unknown {
         /// The kind of thing looked for: component, input or topic.
-        what: &'static str,
+        kind: &'static str,
         /// The name that was looked for.
         name: String,
         /// A similar name that exists, as a suggestion.
         nearest: Option<String>,
     },
     /// The sample has another type than the port.
-    #[error("`{place}` takes {expected}: {source}")]
+    #[error("`{target}` takes {expected}: {source}")]
     Mismatch {
         /// The port, as `component.port`, or the topic.
-        place: String,
+        target: String,
         /// Name of the port's type.
         expected: String,
         /// The first difference between the sample and the port's type.

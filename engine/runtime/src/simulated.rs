@@ -20,6 +20,7 @@ use self::pacer::Pacer;
 use self::queue::{Due, DueWork};
 use self::timeline::Timeline;
 use crate::adapter::Adapter;
+use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
 use crate::event::Observer;
@@ -28,7 +29,6 @@ use crate::health;
 use crate::injection::{InjectionPorts, InjectionTarget};
 use crate::run::{Act, Executor, Watch};
 use crate::system::System;
-use crate::unit::ComponentUnit;
 
 /// A system in simulated time.
 pub struct Simulation {
@@ -43,7 +43,8 @@ pub struct Simulation {
 
 impl System {
     /// Starts the system in simulated time: at time zero, configures every component, then starts those with
-    /// `run_on_startup`. A component that fails is left as it is; its state and an [`Event::Fault`](crate::Event::Fault) show it.
+    /// `run_on_startup`. A component that fails is left as it is; its state and an
+    /// [`Event::Fault`](crate::Event::Fault) show it.
     pub fn simulate(self) -> Simulation {
         Simulation::new(self)
     }
@@ -51,7 +52,7 @@ impl System {
 
 impl Simulation {
     fn new(mut system: System) -> Self {
-        let descriptors = system.enter_run();
+        let descriptors = system.begin_run();
         let System {
             mut units,
             observers,
@@ -95,9 +96,9 @@ impl Simulation {
     /// Handles the next due item: a cycle, a deadline or an injected sample. Returns the new time, or `None` if nothing
     /// is due any more.
     pub fn step(&mut self) -> Option<Time> {
-        self.take_from_outside();
+        self.take_external_input();
         let due = self.timeline.queue.pop()?;
-        self.act(due, None);
+        self.perform(due, None);
         Some(self.timeline.now)
     }
 
@@ -107,10 +108,10 @@ impl Simulation {
     }
 
     /// Calls the adapters, and triggers the components that other threads have written to.
-    fn take_from_outside(&mut self) {
+    fn take_external_input(&mut self) {
         let now = self.timeline.now;
         let mut effects = self.timeline.effects(None);
-        effects.take_outside_triggers();
+        effects.take_external_triggers();
         for adapter in &mut self.adapters {
             adapter.deliver(now, &mut effects);
         }
@@ -124,28 +125,28 @@ impl Simulation {
             pacer.wait(at);
         }
         self.timeline.set_now(at);
-        for driven in &mut self.timeline.each {
+        for driven in &mut self.timeline.schedules {
             driven.cycles = 0;
         }
     }
 
     /// Handles one due item. Returns whether an event satisfied `watch`.
-    fn act(&mut self, due: Due, watch: Option<Watch<'_>>) -> bool {
+    fn perform(&mut self, due: Due, watch: Option<Watch<'_>>) -> bool {
         self.set_time(due.at);
         let mut effects = self.timeline.effects(watch);
-        match due.what {
+        match due.work {
             DueWork::Sample { target, sample } => {
                 self.injections
                     .inject(target, &sample, due.at, &mut effects);
             }
             DueWork::Deadline { component } => {
-                self.units[component].settle(due.at, &mut effects);
+                self.units[component].process_replies(due.at, &mut effects);
             }
             DueWork::Trigger {
                 component,
                 generation,
             } => {
-                let driven = &mut effects.timeline.each[component];
+                let driven = &mut effects.timeline.schedules[component];
                 if driven.generation == generation {
                     driven.triggered = false;
                     effects.cycle(&mut self.units, component);
@@ -155,9 +156,9 @@ impl Simulation {
                 component,
                 generation,
             } => {
-                if effects.timeline.each[component].generation == generation {
+                if effects.timeline.schedules[component].generation == generation {
                     effects.cycle(&mut self.units, component);
-                    effects.repeat(&self.units[component], due.at, generation);
+                    effects.schedule_next_period(&self.units[component], due.at, generation);
                 }
             }
         }
@@ -190,7 +191,7 @@ impl Executor for Simulation {
         self.timeline.run_handle()
     }
 
-    fn plan(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>) {
+    fn schedule_injection(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>) {
         let at = at.max(self.timeline.now);
         self.timeline
             .queue
@@ -200,12 +201,12 @@ impl Executor for Simulation {
     /// Handles all items due up to a time. Returns whether an event satisfied `watch`.
     fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
         loop {
-            self.take_from_outside();
+            self.take_external_input();
             let Some(due) = self.timeline.queue.pop_until(until) else {
                 break;
             };
             let watch = watch.as_mut().map(|watch| &mut **watch as Watch<'_>);
-            if self.act(due, watch) {
+            if self.perform(due, watch) {
                 return true;
             }
         }
@@ -213,30 +214,30 @@ impl Executor for Simulation {
         false
     }
 
-    fn call(&mut self, component: usize) {
+    fn request_cycle(&mut self, component: usize) {
         let now = self.timeline.now;
         self.timeline.trigger(component, now);
     }
 
     /// Unlimited: no cycle is ever under way between two steps.
-    fn patience(&self) -> Duration {
+    fn change_timeout(&self) -> Duration {
         Duration::MAX
     }
 
-    fn glance(&self) -> Duration {
+    fn inspect_timeout(&self) -> Duration {
         Duration::MAX
     }
 
-    fn post(&mut self, component: usize, act: Act) {
+    fn submit(&mut self, component: usize, act: Act) {
         let now = self.timeline.now;
         let mut effects = self.timeline.effects(None);
         let unit = &mut self.units[component];
         let ran = unit.state().is_running();
         act(unit, now, &mut effects);
         if !ran && unit.state().is_running() {
-            self.timeline.begin(unit)
+            self.timeline.schedule_first(unit)
         } else {
-            self.timeline.follow(unit)
+            self.timeline.apply_drive_change(unit)
         }
     }
 }

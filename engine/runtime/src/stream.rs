@@ -43,8 +43,8 @@ pub trait Source: Send + 'static {
     /// Name for messages, for example `mqueue:/commands`.
     fn name(&self) -> String;
 
-    /// Waits up to `at_most` for the next event. Returns `None` if there is none.
-    fn next(&mut self, at_most: Duration) -> Option<SourceEvent>;
+    /// Waits up to `timeout` for the next event. Returns `None` if there is none.
+    fn next(&mut self, timeout: Duration) -> Option<SourceEvent>;
 }
 
 /// An event of a source.
@@ -72,7 +72,7 @@ pub const WAITING_REPORT: &str = "stream/Waiting";
 pub(crate) struct SinkSender(pub Box<dyn Sink>);
 
 impl AnySender for SinkSender {
-    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+    fn check(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
         Ok(())
     }
 
@@ -207,12 +207,12 @@ impl SourceStream {
                         .count_dropped(count, Some(&reason), now, &mut context);
                 }
                 Some(SourceEvent::Waiting) => {
-                    let what = Datum::text(self.source.name());
+                    let data = Datum::text(self.source.name());
                     let component = self.port.component_name();
                     let event = Event::Report {
                         component,
                         kind: WAITING_REPORT,
-                        what: &what,
+                        data: &data,
                     };
                     context.emit(now, &event);
                 }

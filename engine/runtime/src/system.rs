@@ -12,16 +12,16 @@ use asmotion_datum::Datum;
 use asmotion_port::Notifier;
 
 use crate::adapter::Adapter;
-use crate::body::ComponentBody;
 use crate::build_error::BuildError;
+use crate::component_body::ComponentBody;
+use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
 use crate::event::Observer;
 use crate::stream::{SinkStream, SourceStream};
 use crate::topic::SystemTopic;
-use crate::unit::ComponentUnit;
 
-pub(crate) use join::fit;
+pub(crate) use join::operation_indices;
 
 /// The builder of a system: adds components, sets properties, connects ports, and starts an executor.
 ///
@@ -175,8 +175,8 @@ impl System {
     }
 
     /// Prepares the units for an executor. Returns the descriptors that other threads see.
-    pub(crate) fn enter_run(&mut self) -> Vec<ComponentDescriptor> {
-        self.units.iter_mut().for_each(ComponentUnit::enter_run);
+    pub(crate) fn begin_run(&mut self) -> Vec<ComponentDescriptor> {
+        self.units.iter_mut().for_each(ComponentUnit::begin_run);
         let threads: Vec<_> = (0..self.units.len())
             .map(|unit| self.thread(unit))
             .collect();

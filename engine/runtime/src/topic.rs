@@ -2,7 +2,7 @@
 
 use asmotion_port::Policy;
 
-use crate::end::ComponentEnd;
+use crate::component_end::ComponentEnd;
 
 /// A topic with its publishers and subscribers.
 pub struct SystemTopic {

@@ -282,7 +282,7 @@ fn t4_stopping_is_bounded_whatever_a_component_does() {
         .unwrap();
     system.add("Stuck", Activity::event(), stuck).unwrap();
     let mut run = system.live();
-    run.set_grace(100.ms());
+    run.set_grace_period(100.ms());
     run.run_for(50.ms());
     let asked = Instant::now();
     assert_eq!(run.stop(), ["Stuck"]);

@@ -116,7 +116,7 @@ fn simple(element: &XmlElement, kind: &str, report: &mut Report) -> Option<Branc
         let wrong = WrongAttributeValue {
             name: name(element).map_or_else(String::new, |name| name.value),
             value: written.to_owned(),
-            wanted,
+            expected: wanted,
             at: place(element),
         };
         report.push(wrong.diagnostic());

@@ -15,18 +15,18 @@ use crate::name;
 use crate::resolve::{ContractSide, complete, contract, interface, interfaces};
 
 /// Completes all resolved composites. `order` contains nested composites before those that nest them.
-pub(crate) fn settle(
+pub(crate) fn complete_all(
     composites: &mut BTreeMap<String, ScdlComposite>,
     order: &[String],
     report: &mut Report,
 ) {
-    across(composites);
+    propagate_interfaces(composites);
     for name in order {
         while composites
             .get_mut(name)
             .is_some_and(|composite| assume(composite, report))
         {
-            across(composites);
+            propagate_interfaces(composites);
         }
     }
     for composite in composites.values_mut() {
@@ -35,7 +35,7 @@ pub(crate) fn settle(
 }
 
 /// Propagates interfaces between composites and those that nest them, until nothing changes.
-fn across(composites: &mut BTreeMap<String, ScdlComposite>) {
+fn propagate_interfaces(composites: &mut BTreeMap<String, ScdlComposite>) {
     while upwards(composites) || downwards(composites) {}
 }
 

@@ -47,7 +47,7 @@ pub fn import(files: &[(String, String)], catalogue: &dyn Catalogue) -> Imported
     if let Some(main) = main {
         visit.composite(main);
     }
-    finish::settle(&mut visit.done, &visit.order, &mut visit.report);
+    finish::complete_all(&mut visit.done, &visit.order, &mut visit.report);
     let mut files = visit.files();
     files.reverse();
     Imported {

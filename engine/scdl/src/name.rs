@@ -26,7 +26,7 @@ pub(crate) fn simple(name: &str) -> &str {
 }
 
 /// Replaces the characters that a composite file does not allow in names: an XML NCName may contain dots.
-pub(crate) fn thing(name: &str) -> String {
+pub(crate) fn valid_name(name: &str) -> String {
     let allowed = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
     let name = name.chars();
     let name = name.map(|letter| if allowed(letter) { letter } else { '_' });
@@ -39,7 +39,7 @@ pub(crate) fn thing(name: &str) -> String {
 
 /// Name of a composite's file.
 pub(crate) fn file(composite: &str) -> String {
-    format!("{}.composite.toml", thing(composite))
+    format!("{}.composite.toml", valid_name(composite))
 }
 
 /// Name of the composite in a file.

@@ -58,7 +58,7 @@ fn read(asked: &mut ElementReader<'_, '_>) -> ScdlComposite {
         services: asked.each("service", contract),
         references: asked.each("reference", contract),
         wires: asked.each("wire", wire).into_iter().flatten().collect(),
-        notes: asked.rest(),
+        notes: asked.report_unknown(),
     }
 }
 
@@ -71,7 +71,7 @@ fn component(asked: &mut ElementReader<'_, '_>) -> ScdlComponent {
         services: asked.each("service", contract),
         references: asked.each("reference", contract),
         properties: asked.each("property", property),
-        notes: asked.rest(),
+        notes: asked.report_unknown(),
     }
 }
 
@@ -118,7 +118,7 @@ fn contract(asked: &mut ElementReader<'_, '_>) -> ScdlContract {
         targets,
         multiplicity,
         autowire,
-        notes: asked.rest(),
+        notes: asked.report_unknown(),
     }
 }
 
@@ -140,7 +140,7 @@ fn wsdl_interface(asked: &mut ElementReader<'_, '_>) -> ScdlInterface {
         At::new(name, wsdl.span)
     };
     let interface = asked.needed("interface");
-    asked.keep(
+    asked.report_unsupported(
         &format!("interface.wsdl interface=\"{}\"", interface.value),
         interface.span,
     );
@@ -185,7 +185,7 @@ fn bindings(asked: &mut ElementReader<'_, '_>, promoted: bool) -> Vec<ScdlBindin
                 None
             }
         };
-        asked.notes.extend(inner.rest());
+        asked.notes.extend(inner.report_unknown());
         bindings.push(ScdlBinding { over, uri });
     }
     bindings
@@ -199,7 +199,7 @@ fn multiplicity(asked: &mut ElementReader<'_, '_>) -> ScdlMultiplicity {
     };
     let known = all.into_iter().find(|known| known.word() == word.value);
     known.unwrap_or_else(|| {
-        asked.wrong("multiplicity", &word, "0..1, 1..1, 0..n or 1..n");
+        asked.report_invalid("multiplicity", &word, "0..1, 1..1, 0..n or 1..n");
         ScdlMultiplicity::default()
     })
 }
@@ -225,7 +225,7 @@ fn property(asked: &mut ElementReader<'_, '_>) -> ScdlProperty {
         many,
         source: source.and_then(|source| dollar(asked, source)),
         must_supply,
-        notes: asked.rest(),
+        notes: asked.report_unknown(),
     }
 }
 
@@ -233,7 +233,7 @@ fn property(asked: &mut ElementReader<'_, '_>) -> ScdlProperty {
 fn simple_type(asked: &mut ElementReader<'_, '_>, kind: At<String>) -> Option<At<String>> {
     let simple = simple(kind.clone());
     if value::scalar(&simple).is_none() {
-        asked.keep(&format!("type=\"{}\"", kind.value), kind.span);
+        asked.report_unsupported(&format!("type=\"{}\"", kind.value), kind.span);
         return None;
     }
     Some(simple)
@@ -244,7 +244,7 @@ fn dollar(asked: &mut ElementReader<'_, '_>, source: At<String>) -> Option<At<St
     match source.strip_prefix('$') {
         Some(name) if !name.contains('/') => Some(At::new(name.to_owned(), source.span)),
         _ => {
-            asked.keep(&format!("source=\"{}\"", source.value), source.span);
+            asked.report_unsupported(&format!("source=\"{}\"", source.value), source.span);
             None
         }
     }
@@ -253,7 +253,7 @@ fn dollar(asked: &mut ElementReader<'_, '_>, source: At<String>) -> Option<At<St
 fn wire(asked: &mut ElementReader<'_, '_>) -> Option<ScdlWire> {
     let source = target(asked.needed("source"));
     let target = target(asked.needed("target"));
-    asked.rest();
+    asked.report_unknown();
     Some(ScdlWire { source, target })
 }
 
@@ -325,7 +325,7 @@ impl<'e, 'r> ElementReader<'e, 'r> {
     /// The `name` attribute, adjusted to the rules of composite files.
     fn name(&mut self) -> At<String> {
         let written = self.needed("name");
-        let renamed = name::thing(&written);
+        let renamed = name::valid_name(&written);
         if renamed != written.value {
             let (name, at) = (written.value, written.span);
             let finding = RenamedForToml {
@@ -344,7 +344,7 @@ impl<'e, 'r> ElementReader<'e, 'r> {
             "true" | "1" => Some(true),
             "false" | "0" => Some(false),
             _ => {
-                self.wrong(name, &text, "`true` or `false`");
+                self.report_invalid(name, &text, "`true` or `false`");
                 None
             }
         }
@@ -383,9 +383,9 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         let children = self.element.children.iter();
         let children = children.filter(|child| child.name.value == name);
         let read = children.map(|child| {
-            let mut asked = ElementReader::new(child, self.report);
-            let read = read(&mut asked);
-            self.notes.extend(asked.rest());
+            let mut reader = ElementReader::new(child, self.report);
+            let read = read(&mut reader);
+            self.notes.extend(reader.report_unknown());
             read
         });
         let read: Vec<T> = read.collect();
@@ -398,32 +398,32 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         self.children.retain(|(known, _)| *known != name);
     }
 
-    fn wrong(&mut self, name: &'static str, value: &At<String>, wanted: &'static str) {
+    fn report_invalid(&mut self, name: &'static str, value: &At<String>, expected: &'static str) {
         let finding = WrongAttributeValue {
             name: name.to_owned(),
             value: value.value.clone(),
-            wanted,
+            expected,
             at: value.span,
         };
         self.report.push(finding.diagnostic());
     }
 
     /// Reports and keeps a part without a counterpart.
-    fn keep(&mut self, what: &str, at: asmotion_diagnostics::Span) {
+    fn report_unsupported(&mut self, what: &str, at: asmotion_diagnostics::Span) {
         let what = what.to_owned();
         self.notes.push(what.clone());
         self.report.push(NoCounterpart { what, at }.diagnostic());
     }
 
     /// Reports and returns all unknown attributes and children, on the first call only.
-    fn rest(&mut self) -> Vec<String> {
+    fn report_unknown(&mut self) -> Vec<String> {
         if std::mem::replace(&mut self.done, true) {
             return Vec::new();
         }
         for attribute in &self.element.attributes {
             if !self.attributes.iter().any(|name| *name == attribute.name) {
                 let what = format!("{}=\"{}\"", attribute.name, attribute.value.value);
-                self.keep(
+                self.report_unsupported(
                     &format!("{} {what}", self.element.name.value),
                     attribute.value.span,
                 );
@@ -431,12 +431,12 @@ impl<'e, 'r> ElementReader<'e, 'r> {
         }
         let mut known = std::mem::take(&mut self.children);
         for child in &self.element.children {
-            let asked = known
+            let reader = known
                 .iter_mut()
                 .find(|(name, left)| *name == child.name.value && *left > 0);
-            match asked {
+            match reader {
                 Some((_, left)) => *left -= 1,
-                None => self.keep(&child.shown(), child.span),
+                None => self.report_unsupported(&child.shown(), child.span),
             }
         }
         std::mem::take(&mut self.notes)

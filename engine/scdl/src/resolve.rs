@@ -133,7 +133,7 @@ fn autowire(composite: &mut ScdlComposite, report: &mut Report) {
     let mut wires = Vec::new();
     for component in &composite.components {
         for reference in &component.references {
-            let wanted = reference.autowire.or(component.autowire);
+            let is_autowired = reference.autowire.or(component.autowire);
             let is_end = |end: &ScdlTarget| {
                 let name = end.name.as_ref().map(|name| &name.value);
                 end.component.value == component.name.value
@@ -145,7 +145,7 @@ fn autowire(composite: &mut ScdlComposite, report: &mut Report) {
                 .iter()
                 .flat_map(|it| &it.promote)
                 .any(is_end);
-            if !wanted.unwrap_or(composite.autowire) || wired || promoted {
+            if !is_autowired.unwrap_or(composite.autowire) || wired || promoted {
                 continue;
             }
             let source = ScdlTarget {
@@ -178,13 +178,13 @@ fn answering(
     of: &ScdlComponent,
     reference: &ScdlContract,
 ) -> Vec<ScdlTarget> {
-    let wanted = reference.interface.as_ref().map(|it| &it.name.value);
+    let required = reference.interface.as_ref().map(|it| &it.name.value);
     let others = composite.components.iter();
     let others = others.filter(|other| other.name.value != of.name.value);
     let services = others.flat_map(|other| other.services.iter().map(move |it| (other, it)));
     let same = services.filter(|(_, service)| {
         let interface = service.interface.as_ref().map(|it| &it.name.value);
-        wanted.is_some() && interface == wanted
+        required.is_some() && interface == required
     });
     same.map(|(other, service)| ScdlTarget {
         component: other.name.clone(),
@@ -278,12 +278,12 @@ fn end(
     let Some(component) = components.find(|it| it.name.value == end.component.value) else {
         let known = composite.components.iter();
         let known: Vec<&String> = known.map(|component| &component.name.value).collect();
-        let near = similar(&end.component, &known).copied();
+        let similar_name = similar(&end.component, &known).copied();
         let mut known = composite.components.iter();
         let finding = UnknownScdlName {
             what: "component",
             name: end.component.value.clone(),
-            nearest: near
+            nearest: similar_name
                 .and_then(|near| known.find(|it| it.name.value == *near))
                 .map(|it| it.name.clone()),
             at: end.component.span,
@@ -295,7 +295,7 @@ fn end(
     let (name, interface) = match (&end.name, like) {
         (Some(name), like) => (name.clone(), like.and_then(|(_, interface)| interface)),
         (None, like) => {
-            let (name, interface) = meant(listed, like, &end.component);
+            let (name, interface) = candidate(listed, like, &end.component);
             end.name = Some(name.clone());
             (name, interface)
         }
@@ -308,7 +308,7 @@ fn end(
 
 /// Selects the contract for an end that names none: the only one, the one with the interface, or the one that Java
 /// would name after the interface.
-fn meant(
+fn candidate(
     listed: &[ScdlContract],
     like: Option<(At<String>, Option<ScdlInterface>)>,
     component: &At<String>,
@@ -319,14 +319,14 @@ fn meant(
     let Some((name, interface)) = like else {
         return (component.clone(), None);
     };
-    let wanted = interface.as_ref().map(|it| &it.name.value);
-    let same = listed
-        .iter()
-        .find(|it| wanted.is_some() && it.interface.as_ref().map(|it| &it.name.value) == wanted);
-    match (same, wanted) {
+    let required = interface.as_ref().map(|it| &it.name.value);
+    let same = listed.iter().find(|it| {
+        required.is_some() && it.interface.as_ref().map(|it| &it.name.value) == required
+    });
+    match (same, required) {
         (Some(same), _) => (same.name.clone(), None),
-        (None, Some(wanted)) => {
-            let name = At::new(name::simple(wanted).to_owned(), component.span);
+        (None, Some(required)) => {
+            let name = At::new(name::simple(required).to_owned(), component.span);
             (name, interface)
         }
         (None, None) => (At::new(name.value, component.span), None),
@@ -361,7 +361,7 @@ pub(crate) fn interfaces(composite: &mut ScdlComposite) {
         for side in [ContractSide::Service, ContractSide::Reference] {
             for promotion in side.promoted(composite).clone() {
                 for target in &promotion.promote {
-                    tell(
+                    set_interface(
                         composite,
                         (target, side),
                         promotion.interface.as_ref(),
@@ -402,12 +402,12 @@ fn agree(composite: &mut ScdlComposite, ends: &[(&ScdlTarget, ContractSide); 2])
     let [one, other] = *ends;
     for (from, to) in [(one, other), (other, one)] {
         let known = interface(composite, from);
-        tell(composite, to, known.as_ref(), &mut news);
+        set_interface(composite, to, known.as_ref(), &mut news);
     }
     news
 }
 
-fn tell(
+fn set_interface(
     composite: &mut ScdlComposite,
     (end, side): (&ScdlTarget, ContractSide),
     known: Option<&ScdlInterface>,

@@ -104,8 +104,8 @@ impl TcaProperties<'_> {
             return TcaTime::Milliseconds(0);
         };
         let number = text.parse().ok().filter(|number| *number >= 0);
-        let wanted = "a number of milliseconds";
-        TcaTime::Milliseconds(number.unwrap_or_else(|| self.wrong(name, &text, wanted)))
+        let expected = "a number of milliseconds";
+        TcaTime::Milliseconds(number.unwrap_or_else(|| self.report_invalid(name, &text, expected)))
     }
 
     fn flag(&mut self, name: &str) -> bool {
@@ -113,14 +113,19 @@ impl TcaProperties<'_> {
             return false;
         };
         let truth = text.parse().ok();
-        truth.unwrap_or_else(|| self.wrong(name, &text, "`true` or `false`"))
+        truth.unwrap_or_else(|| self.report_invalid(name, &text, "`true` or `false`"))
     }
 
-    fn wrong<T: Default>(&mut self, name: &str, value: &At<String>, wanted: &'static str) -> T {
+    fn report_invalid<T: Default>(
+        &mut self,
+        name: &str,
+        value: &At<String>,
+        expected: &'static str,
+    ) -> T {
         let finding = WrongAttributeValue {
             name: name.to_owned(),
             value: value.value.clone(),
-            wanted,
+            expected,
             at: value.span,
         };
         self.report.push(finding.diagnostic());
@@ -180,8 +185,8 @@ impl TcaProperties<'_> {
         });
         pairs.collect::<Option<_>>().unwrap_or_else(|| {
             let text = words.join(" ");
-            let wanted = "pairs of names, as in `trajectory=plan`";
-            self.wrong("topicRename", &At::new(text, property.name.span), wanted)
+            let expected = "pairs of names, as in `trajectory=plan`";
+            self.report_invalid("topicRename", &At::new(text, property.name.span), expected)
         })
     }
 }
@@ -200,7 +205,7 @@ fn address(url: &str, user: Option<&str>, password: Option<&str>) -> String {
 }
 
 /// Splits an address into `url`, `user` and `password`. A literal password is left out.
-fn apart(address: &str) -> [(&'static str, Option<String>); 3] {
+fn split_address(address: &str) -> [(&'static str, Option<String>); 3] {
     let parts = || {
         let (scheme, rest) = address.split_once("://")?;
         let (who, host) = rest.rsplit_once('@')?;
@@ -265,7 +270,7 @@ pub(crate) fn properties(task: &TcaTask, at: Span) -> Vec<ScdlProperty> {
         flag("useJMS", task.broker.is_some()),
     ];
     let named = task.broker.as_deref().filter(|address| *address != BROKER);
-    for (name, value) in named.into_iter().flat_map(apart) {
+    for (name, value) in named.into_iter().flat_map(split_address) {
         properties.extend(value.map(|value| one(name, &value)));
     }
     if !task.rename.is_empty() {

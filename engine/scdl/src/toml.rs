@@ -287,11 +287,11 @@ impl TomlWriter<'_> {
             return value;
         }
         let names: Vec<&String> = known.clone().map(|name| &name.value).collect();
-        let near = asmotion_diagnostics::similar(&source.value, &names).copied();
+        let suggestion = asmotion_diagnostics::similar(&source.value, &names).copied();
         let finding = UnknownScdlName {
             what: "property",
             name: source.value.clone(),
-            nearest: near
+            nearest: suggestion
                 .and_then(|near| known.find(|it| it.value == *near))
                 .cloned(),
             at: source.span,
@@ -337,7 +337,7 @@ impl TomlWriter<'_> {
             let finding = WrongAttributeValue {
                 name: name.clone(),
                 value: text.value.clone(),
-                wanted: value::wanted(kind),
+                expected: value::expected(kind),
                 at: text.span,
             };
             self.report.push(finding.diagnostic());

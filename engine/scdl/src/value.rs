@@ -41,7 +41,7 @@ pub(crate) fn xml_type(scalar: Scalar) -> &'static str {
 }
 
 /// Description of a type's values for messages.
-pub(crate) fn wanted(scalar: Scalar) -> &'static str {
+pub(crate) fn expected(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Boolean => "`true` or `false`",
         Scalar::I8 | Scalar::I16 | Scalar::I32 | Scalar::I64 => "an integer",

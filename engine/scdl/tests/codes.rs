@@ -52,7 +52,7 @@ fn findings_are_what_a_person_has_read() {
         .map(|code| {
             let findings = found(code, "wrong").diagnostics;
             let of_code = findings.iter().filter(|it| it.code == *code);
-            let told: Vec<String> = of_code
+            let messages: Vec<String> = of_code
                 .map(|it| {
                     let labels = it.primary.iter().chain(&it.secondary);
                     let labels: Vec<&str> = labels.map(|label| &*label.text).collect();
@@ -62,7 +62,7 @@ fn findings_are_what_a_person_has_read() {
                     )
                 })
                 .collect();
-            told.join("\n")
+            messages.join("\n")
         })
         .collect();
     insta::assert_snapshot!(shown.join("\n"));

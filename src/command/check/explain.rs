@@ -19,8 +19,8 @@ pub fn explain(name: Option<&str>, terminal: &mut TerminalOutput) -> Exit {
     }
     terminal.error(format_args!("unknown code `{name}`"));
     match nearest(name) {
-        Some(near) => terminal.say(did_you_mean(near)),
-        None => terminal.say("`asmotion check --explain` lists all codes"),
+        Some(similar) => terminal.progress(did_you_mean(similar)),
+        None => terminal.progress("`asmotion check --explain` lists all codes"),
     }
     Exit::Usage
 }

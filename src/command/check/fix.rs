@@ -16,7 +16,7 @@ pub struct FixedFile {
     before: Arc<str>,
     after: Arc<str>,
     /// The applied fixes, in order.
-    pub done: Vec<AppliedFix>,
+    pub applied_fixes: Vec<AppliedFix>,
     /// The remaining findings.
     pub report: Report,
     /// The new text and the files it imports.
@@ -36,7 +36,7 @@ pub struct AppliedFix {
 pub fn fix_file(path: &str, options: &ReadOptions) -> Result<FixedFile, LoadError> {
     let before = DiskLoader.read(path)?;
     let mut after = before.clone();
-    let mut done = Vec::new();
+    let mut applied_fixes = Vec::new();
     let mut rounds = 0;
     loop {
         let (report, sources) = findings(path, options, &Overlay { path, text: &after });
@@ -46,12 +46,12 @@ pub fn fix_file(path: &str, options: &ReadOptions) -> Result<FixedFile, LoadErro
             return Ok(FixedFile {
                 before,
                 after,
-                done,
+                applied_fixes,
                 report,
                 sources,
             });
         }
-        done.extend(fixed.applied.iter().map(|finding| {
+        applied_fixes.extend(fixed.applied.iter().map(|finding| {
             let at = finding.primary.as_ref().map(|label| label.span);
             let (line, column) = at.map_or((1, 1), |at| sources.position(at.file, at.start));
             AppliedFix {

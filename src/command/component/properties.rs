@@ -73,8 +73,8 @@ fn load(
     };
     component.set_all(read.properties)?;
     if !read.missing.is_empty() {
-        let kept = read.missing.join(", ");
-        terminal.status("Kept", format_args!("{kept}: not in `{file}`"));
+        let unchanged = read.missing.join(", ");
+        terminal.status("Kept", format_args!("{unchanged}: not in `{file}`"));
     }
     Ok(Exit::Ok)
 }

@@ -57,7 +57,7 @@ impl ScenarioWriter {
                 let kind = machine.program().functions[function.0 as usize].kind;
                 if kind != asmotion_lang::ir::FunctionKind::Monitored {
                     let location = simulate::applied(machine, *function, arguments);
-                    self.fact("exec", &location, ":=", &shown(machine, value));
+                    self.fact("exec", &location, ":=", &value_text(machine, value));
                 }
             }
             HistoryEvent::Release(..) => {}
@@ -67,7 +67,7 @@ impl ScenarioWriter {
     fn set_inputs(&mut self, machine: &Machine) {
         for input in machine.last_step().inputs() {
             let location = simulate::location(machine, input.slot);
-            let value = shown(machine, &input.value);
+            let value = value_text(machine, &input.value);
             let known = self.inputs.insert(location.clone(), value.clone());
             if known.unwrap_or_else(|| "undef".to_owned()) != value {
                 self.fact("set", &location, ":=", &value);
@@ -91,6 +91,6 @@ impl ScenarioWriter {
     }
 }
 
-fn shown(machine: &Machine, value: &Value) -> String {
+fn value_text(machine: &Machine, value: &Value) -> String {
     value.show(&machine.naming()).to_string()
 }

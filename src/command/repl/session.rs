@@ -52,13 +52,13 @@ impl ReplSession {
     pub fn print_banner(&self, terminal: &mut TerminalOutput) {
         let report = &self.history.session().specification.report;
         terminal.report(report, &self.history.session().specification.sources);
-        terminal.say(format_args!(
+        terminal.progress(format_args!(
             "{FAINT}`step` executes a step, `set x := 1` sets an input, a term prints its value, `help` lists all commands{FAINT:#}"
         ));
     }
 
     /// Executes one line. Returns `false` at the end of the session.
-    pub fn answer(&mut self, line: &str, terminal: &mut TerminalOutput) -> bool {
+    pub fn execute(&mut self, line: &str, terminal: &mut TerminalOutput) -> bool {
         let line = line.trim();
         if line.is_empty() || line.starts_with("//") {
             return true;
@@ -75,11 +75,11 @@ impl ReplSession {
             "unwatch" => remove(&mut self.watches, rest, terminal),
             "break" => self.add_break(rest, terminal),
             "unbreak" => remove(&mut self.breaks, rest, terminal),
-            "who" => self.who(rest, terminal),
+            "who" => self.print_last_writer(rest, terminal),
             "state" => self.state(rest, terminal),
             "inputs" => self.inputs(terminal),
             "undo" => self.undo(rest, terminal),
-            "history" => self.tell_history(terminal),
+            "history" => self.print_history(terminal),
             "save" => self.save(rest, terminal),
             "help" => {
                 prompt::help(VERBS, terminal);
@@ -97,7 +97,7 @@ impl ReplSession {
         &self.history.session().machine
     }
 
-    fn shown(&self, value: &Value) -> String {
+    fn value_text(&self, value: &Value) -> String {
         value.show(&self.machine().naming()).to_string()
     }
 
@@ -115,15 +115,15 @@ impl ReplSession {
         let from = self.machine().steps();
         for _ in 0..count {
             self.count_rules();
-            let done = self.history.step();
-            if done.is_err() {
-                self.tell_unset(terminal);
+            let result = self.history.step();
+            if result.is_err() {
+                self.print_unset(terminal);
             }
-            done?;
-            let hit = if is_run { self.hit()? } else { None };
+            result?;
+            let hit = if is_run { self.breakpoint_hit()? } else { None };
             if !is_run || hit.is_some() {
-                self.tell_step(terminal);
-                self.tell_watches(terminal);
+                self.print_step(terminal);
+                self.print_watches(terminal);
             }
             if let Some(what) = hit {
                 terminal.result(format_args!("{NOTE}break{NOTE:#}: {what}"));
@@ -131,9 +131,11 @@ impl ReplSession {
             }
         }
         if is_run {
-            let done = self.machine().steps() - from;
-            terminal.result(format_args!("{FAINT}{done} steps without a break{FAINT:#}"));
-            self.tell_watches(terminal);
+            let count = self.machine().steps() - from;
+            terminal.result(format_args!(
+                "{FAINT}{count} steps without a break{FAINT:#}"
+            ));
+            self.print_watches(terminal);
         }
         Ok(())
     }
@@ -142,21 +144,21 @@ impl ReplSession {
         self.history.set(assignment)?;
         if let Some(HistoryEvent::Set(function, arguments, value)) = self.history.events().last() {
             let location = simulate::applied(self.machine(), *function, arguments);
-            terminal.result(format_args!("{location} = {}", self.shown(value)));
+            terminal.result(format_args!("{location} = {}", self.value_text(value)));
         }
         Ok(())
     }
 
     fn eval(&mut self, term: &str, terminal: &mut TerminalOutput) -> Result<(), Report> {
         let value = self.history.evaluate(term)?;
-        terminal.result(self.shown(&value));
+        terminal.result(self.value_text(&value));
         Ok(())
     }
 
     fn fire(&mut self, rule: &str, terminal: &mut TerminalOutput) -> Result<(), Report> {
         self.history.fire(rule)?;
-        self.tell_updates(terminal);
-        self.tell_watches(terminal);
+        self.print_updates(terminal);
+        self.print_watches(terminal);
         Ok(())
     }
 
@@ -165,7 +167,7 @@ impl ReplSession {
             let added = self.history.watch(term)?;
             self.watches.push((term.to_owned(), added));
         }
-        self.tell_watches(terminal);
+        self.print_watches(terminal);
         Ok(())
     }
 
@@ -219,7 +221,7 @@ impl ReplSession {
     }
 
     /// Returns the breakpoint reached by the last step.
-    fn hit(&mut self) -> Result<Option<String>, Report> {
+    fn breakpoint_hit(&mut self) -> Result<Option<String>, Report> {
         let mut hit = None;
         for stop in &mut self.breaks {
             let is_hit = match stop {
@@ -243,7 +245,11 @@ impl ReplSession {
         Ok(hit)
     }
 
-    fn who(&mut self, location: &str, terminal: &mut TerminalOutput) -> Result<(), Report> {
+    fn print_last_writer(
+        &mut self,
+        location: &str,
+        terminal: &mut TerminalOutput,
+    ) -> Result<(), Report> {
         let (function, arguments) = self.history.location(location)?;
         let location = simulate::applied(self.machine(), function, &arguments);
         let Some(written) = self.history.written(function, &arguments) else {
@@ -260,7 +266,7 @@ impl ReplSession {
             after,
             event,
         } = written;
-        let when = match self.history.events().get(*event) {
+        let time = match self.history.events().get(*event) {
             Some(HistoryEvent::Step) => format!("in step {steps}"),
             Some(HistoryEvent::Fire(rule)) => {
                 format!("after step {steps}, when `{rule}` was fired")
@@ -269,9 +275,9 @@ impl ReplSession {
                 format!("after step {steps}, by `set`")
             }
         };
-        let (before, after) = (self.shown(before), self.shown(after));
+        let (before, after) = (self.value_text(before), self.value_text(after));
         terminal.result(format_args!(
-            "{NAME}{location}{NAME:#} = {after}, written {when}  {FAINT}(was {before}){FAINT:#}"
+            "{NAME}{location}{NAME:#} = {after}, written {time}  {FAINT}(was {before}){FAINT:#}"
         ));
         if let Some(origin) = origin {
             let place = specification.span(*origin);
@@ -315,21 +321,21 @@ impl ReplSession {
             let location = simulate::applied(self.machine(), function, arguments);
             terminal.result(format_args!(
                 "  {GOOD}held{GOOD:#} {location} = {}",
-                self.shown(value)
+                self.value_text(value)
             ));
         }
         Ok(())
     }
 
     /// Lists inputs without a value if undef could have caused the failure of a step.
-    fn tell_unset(&self, terminal: &mut TerminalOutput) {
+    fn print_unset(&self, terminal: &mut TerminalOutput) {
         let inputs = self.machine().last_step().inputs();
         let unset = inputs.iter().filter(|input| input.value.is_undef());
         let unset: Vec<String> = unset
             .map(|input| format!("`{}`", simulate::location(self.machine(), input.slot)))
             .collect();
         if !unset.is_empty() {
-            terminal.say(format_args!(
+            terminal.progress(format_args!(
                 "{NOTE}note{NOTE:#}: {} is not set, so it is undef",
                 unset.join(", ")
             ));
@@ -345,12 +351,12 @@ impl ReplSession {
             terminal.result(format_args!(
                 "{FAINT}{undone} undone, {steps} steps left{FAINT:#}"
             ));
-            self.tell_watches(terminal);
+            self.print_watches(terminal);
         }
         Ok(())
     }
 
-    fn tell_history(&self, terminal: &mut TerminalOutput) -> Result<(), Report> {
+    fn print_history(&self, terminal: &mut TerminalOutput) -> Result<(), Report> {
         let mut steps = 0;
         for event in self.history.events() {
             let what = match event {
@@ -361,7 +367,7 @@ impl ReplSession {
                 HistoryEvent::Fire(rule) => format!("fire {rule}"),
                 HistoryEvent::Set(function, arguments, value) => {
                     let location = simulate::applied(self.machine(), *function, arguments);
-                    format!("set {location} := {}", self.shown(value))
+                    format!("set {location} := {}", self.value_text(value))
                 }
                 HistoryEvent::Release(function, arguments) => {
                     let location = simulate::applied(self.machine(), *function, arguments);
@@ -389,7 +395,7 @@ impl ReplSession {
         Ok(())
     }
 
-    fn tell_step(&self, terminal: &mut TerminalOutput) {
+    fn print_step(&self, terminal: &mut TerminalOutput) {
         let machine = self.machine();
         let step = machine.last_step();
         terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number()));
@@ -402,7 +408,7 @@ impl ReplSession {
             };
             terminal.result(format_args!(
                 "  {FAINT}{location} = {}{hint}{FAINT:#}",
-                self.shown(&input.value)
+                self.value_text(&input.value)
             ));
         }
         for choice in step.choices() {
@@ -415,10 +421,10 @@ impl ReplSession {
                 choice.count
             ));
         }
-        self.tell_updates(terminal);
+        self.print_updates(terminal);
     }
 
-    fn tell_updates(&self, terminal: &mut TerminalOutput) {
+    fn print_updates(&self, terminal: &mut TerminalOutput) {
         let machine = self.machine();
         let step = machine.last_step();
         for (location, before, after) in simulate::updates(machine, &step) {
@@ -437,7 +443,7 @@ impl ReplSession {
         }
     }
 
-    fn tell_watches(&mut self, terminal: &mut TerminalOutput) {
+    fn print_watches(&mut self, terminal: &mut TerminalOutput) {
         for (index, (text, term)) in (1..).zip(&self.watches) {
             let value = match self.history.value(*term) {
                 Ok(value) => {

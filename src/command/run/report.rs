@@ -15,7 +15,7 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
         Event::Report {
             component,
             kind,
-            what,
+            data: what,
         } if *kind == STEP_REPORT => {
             let step: StepRecord = what.to().ok()?;
             Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
@@ -59,7 +59,7 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
     }
 }
 
-fn word(outcome: MissionOutcome) -> &'static str {
+fn outcome_name(outcome: MissionOutcome) -> &'static str {
     match outcome {
         MissionOutcome::Reached => "reached",
         MissionOutcome::Failed => "failed",
@@ -69,28 +69,28 @@ fn word(outcome: MissionOutcome) -> &'static str {
     }
 }
 
-pub(super) fn summary_json(ended: &MissionEnd) -> serde_json::Value {
-    let summary = &ended.summary;
-    let way = summary.way.as_ref();
+pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
+    let summary = &end.summary;
+    let path = summary.path.as_ref();
     json!({
-        "type": "summary", "v": 1, "outcome": word(ended.outcome),
-        "time_s": ended.time.as_secs_f64(), "wall_s": ended.wall.as_secs_f64(),
+        "type": "summary", "v": 1, "outcome": outcome_name(end.outcome),
+        "time_s": end.time.as_secs_f64(), "wall_s": end.wall.as_secs_f64(),
         "steps": summary.steps, "transitions": summary.transitions,
-        "driven_m": way.map(|way| way.driven_m), "to_goal_m": way.and_then(DrivenPath::to_goal_m),
+        "driven_m": path.map(|way| way.driven_m), "to_goal_m": path.and_then(DrivenPath::to_goal_m),
         "failed_calls": summary.failed_calls, "control_state": summary.control_state,
-        "heard": tally_json(&summary.received), "calls": tally_json(&summary.calls), "faults": summary.faults,
+        "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
     })
 }
 
-fn tally_json(tally: &EventCounts) -> Vec<serde_json::Value> {
-    let all = tally.0.iter();
+fn counts_json(counts: &EventCounts) -> Vec<serde_json::Value> {
+    let all = counts.0.iter();
     all.map(|(name, count)| json!({ "name": name, "count": count }))
         .collect()
 }
 
-pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
-    let summary = &ended.summary;
-    let style = match ended.outcome {
+pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
+    let summary = &end.summary;
+    let style = match end.outcome {
         MissionOutcome::Reached => GOOD,
         MissionOutcome::Failed | MissionOutcome::Fault => BAD,
         MissionOutcome::TimeUp | MissionOutcome::Stopped => NOTE,
@@ -99,18 +99,18 @@ pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
         .control_state
         .as_deref()
         .unwrap_or("no control state");
-    let seconds = ended.time.as_secs_f64();
-    terminal.say("");
+    let seconds = end.time.as_secs_f64();
+    terminal.progress("");
     terminal.result(format_args!(
         "{style}{}{style:#} in {state} after {seconds:.1} s",
-        word(ended.outcome)
+        outcome_name(end.outcome)
     ));
-    if let Some(way) = &summary.way {
-        let distance = match way.to_goal_m() {
+    if let Some(path) = &summary.path {
+        let distance = match path.to_goal_m() {
             Some(metres) => format!(", {metres:.2} m from the goal"),
             None => String::new(),
         };
-        let driven = way.driven_m;
+        let driven = path.driven_m;
         terminal.result(format_args!("  driven     {driven:.1} m{distance}"));
     }
     if !summary.received.0.is_empty() {
@@ -130,8 +130,8 @@ pub(super) fn summarise(ended: &MissionEnd, terminal: &mut TerminalOutput) {
     for fault in &summary.faults {
         terminal.result(format_args!("  {BAD}fault{BAD:#}      {fault}"));
     }
-    let wall = ended.wall.as_secs_f64();
-    terminal.say(format_args!(
+    let wall = end.wall.as_secs_f64();
+    terminal.progress(format_args!(
         "  {FAINT}{wall:.2} s of wall-clock time: {:.0} times real time{FAINT:#}",
         seconds / wall.max(1e-9)
     ));

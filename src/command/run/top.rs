@@ -13,15 +13,15 @@ use crate::top;
 /// The monitor of a run.
 pub struct Spectator {
     remote: Remote,
-    place: String,
+    location: String,
 }
 
-/// Creates the monitor of a mission if `wanted` is set.
+/// Creates the monitor of a mission if `is_requested` is set.
 ///
 /// # Errors
 /// Fails if standard output is not a terminal, or if the broker refuses the connection.
-pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, String> {
-    if !wanted {
+pub fn spectator(is_requested: bool, mission: &Mission) -> Result<Option<Spectator>, String> {
+    if !is_requested {
         return Ok(None);
     }
     if !std::io::stdout().is_terminal() {
@@ -30,10 +30,10 @@ pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, S
     let settings = match &mission.brokers {
         MissionBrokers::Nothing => return Ok(None),
         MissionBrokers::Inside(bus) => {
-            let remote = Remote::over(Arc::new(bus.clone()), None);
+            let remote = Remote::over_bus(Arc::new(bus.clone()), None);
             let remote = remote.map_err(|error| error.to_string())?;
-            let place = "this process".to_owned();
-            return Ok(Some(Spectator { remote, place }));
+            let location = "this process".to_owned();
+            return Ok(Some(Spectator { remote, location }));
         }
         MissionBrokers::One(settings) => Some(&**settings),
         // with several brokers, the monitor shows the systems on the first one
@@ -44,13 +44,16 @@ pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, S
     };
     let (place, remote) = broker::watch(settings);
     let remote = remote?;
-    Ok(Some(Spectator { remote, place }))
+    Ok(Some(Spectator {
+        remote,
+        location: place,
+    }))
 }
 
 impl Spectator {
     /// Runs `work` and shows the monitor until a key ends both. After the end of the run, the last state remains
     /// visible until a key is pressed. If the run fails to start, the monitor is not shown.
-    pub fn beside<T: Send, E: Send>(
+    pub fn run_beside<T: Send, E: Send>(
         &self,
         stop: &AtomicBool,
         run: impl FnOnce() -> Result<T, E> + Send,
@@ -59,7 +62,7 @@ impl Spectator {
             let running =
                 scope.spawn(|| run().inspect_err(|_| stop.store(true, Ordering::Relaxed)));
             // the run continues if the screen cannot be drawn
-            if top::show(&self.remote, &self.place, stop).is_ok() {
+            if top::show(&self.remote, &self.location, stop).is_ok() {
                 stop.store(true, Ordering::Relaxed);
             }
             match running.join() {

@@ -12,8 +12,8 @@ pub enum Spectator {}
 ///
 /// # Errors
 /// Fails if the monitor is requested; the message names the feature.
-pub fn spectator(wanted: bool, _: &Mission) -> Result<Option<Spectator>, String> {
-    if wanted {
+pub fn spectator(is_requested: bool, _: &Mission) -> Result<Option<Spectator>, String> {
+    if is_requested {
         Err(format!("`--top`: {}", LeftOut::new::<Tui>()))
     } else {
         Ok(None)
@@ -22,7 +22,11 @@ pub fn spectator(wanted: bool, _: &Mission) -> Result<Option<Spectator>, String>
 
 impl Spectator {
     /// Never called: there is no monitor.
-    pub fn beside<T, E>(&self, _: &AtomicBool, _: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+    pub fn run_beside<T, E>(
+        &self,
+        _: &AtomicBool,
+        _: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
         match *self {}
     }
 }

@@ -44,7 +44,7 @@ impl Browser {
     /// Prints the greeting.
     pub fn print_banner(&self, terminal: &mut TerminalOutput) {
         let count = self.remote.components().len();
-        terminal.say(format_args!(
+        terminal.progress(format_args!(
             "{FAINT}{count} components; `ls` shows them, `cd COMPONENT` enters one, `help` lists all commands{FAINT:#}"
         ));
     }
@@ -61,7 +61,7 @@ impl Browser {
                 }
             }
             Some(here) => {
-                let here = all.iter().filter(|it| it.whole_name() == *here);
+                let here = all.iter().filter(|it| it.full_name() == *here);
                 names.extend(here.flat_map(parts));
             }
         }
@@ -69,7 +69,7 @@ impl Browser {
     }
 
     /// Executes one line. Returns `false` at the end of the session.
-    pub fn answer(&mut self, line: &str, terminal: &mut TerminalOutput) -> bool {
+    pub fn execute(&mut self, line: &str, terminal: &mut TerminalOutput) -> bool {
         let line = line.trim();
         if line.is_empty() {
             return true;
@@ -106,9 +106,9 @@ impl Browser {
     fn list(&self, terminal: &mut TerminalOutput) -> Answered {
         match &self.here {
             None => list(&self.remote.components(), terminal),
-            Some(here) => {
-                let component = self.remote.component(here)?;
-                show(&component, &component.look()?, terminal);
+            Some(name) => {
+                let component = self.remote.component(name)?;
+                show(&component, &component.refresh()?, terminal);
             }
         }
         Ok(())
@@ -117,7 +117,7 @@ impl Browser {
     fn enter(&mut self, name: &str) -> Answered {
         self.here = match name {
             "" | ".." | "/" => None,
-            name => Some(self.remote.component(name)?.whole_name()),
+            name => Some(self.remote.component(name)?.full_name()),
         };
         Ok(())
     }
@@ -133,7 +133,7 @@ impl Browser {
     }
 
     fn call(&self, written: &str, terminal: &mut TerminalOutput) -> Answered {
-        let (path, argument) = called(written);
+        let (path, argument) = split_call(written);
         let argument: Datum = asmotion_datum::json::decode(argument)
             .map_err(|error| format!("`{argument}` is not JSON: {error}"))?;
         let (component, name) = self.locate(path)?;
@@ -142,8 +142,8 @@ impl Browser {
             operation == name || format!("{service}.{operation}") == name
         };
         let Some((service, operation)) = known.iter().find(is_it) else {
-            let meant = similar(name, known.iter().map(|(_, operation)| operation));
-            return Err(neither(path, meant.map(|it| &**it)).into());
+            let suggestion = similar(name, known.iter().map(|(_, operation)| operation));
+            return Err(unknown_operation(path, suggestion.map(|it| &**it)).into());
         };
         let answer = component
             .service(service)?
@@ -230,9 +230,9 @@ impl Browser {
         path: &'p str,
     ) -> Result<(RemoteComponent, &'p str), Box<dyn std::error::Error>> {
         for component in self.remote.components() {
-            for name in [component.whole_name(), component.name().to_owned()] {
-                let after = path.strip_prefix(&name).and_then(|it| it.strip_prefix('.'));
-                if let Some(after) = after {
+            for name in [component.full_name(), component.name().to_owned()] {
+                let rest = path.strip_prefix(&name).and_then(|it| it.strip_prefix('.'));
+                if let Some(after) = rest {
                     // several robots can have a component of this name
                     return Ok((self.remote.component(&name)?, after));
                 }
@@ -240,32 +240,32 @@ impl Browser {
         }
         match &self.here {
             Some(here) => Ok((self.remote.component(here)?, path)),
-            None => Err(self.nowhere(path)),
+            None => Err(self.unknown_path(path)),
         }
     }
 
     /// The error for a path that begins with no component, with a suggestion.
-    fn nowhere(&self, path: &str) -> Box<dyn std::error::Error> {
+    fn unknown_path(&self, path: &str) -> Box<dyn std::error::Error> {
         match path.rsplit_once('.') {
             Some((name, _)) => match self.remote.component(name) {
                 Err(error) => error.into(),
                 Ok(_) => format!("`{path}` does not exist").into(),
             },
-            None => neither(path, None).into(),
+            None => unknown_operation(path, None).into(),
         }
     }
 }
 
 /// The error for an unknown command or operation, with a suggestion.
-fn neither(path: &str, operation: Option<&str>) -> String {
+fn unknown_operation(path: &str, operation: Option<&str>) -> String {
     let verbs: Vec<&str> = VERBS.iter().map(|verb| verb.name).collect();
-    let meant = operation.or_else(|| similar(path, &verbs).copied());
-    let meant = or_did_you_mean(meant);
-    format!("`{path}` is neither a verb nor an operation of the entered component{meant}")
+    let suggestion = operation.or_else(|| similar(path, &verbs).copied());
+    let suggestion = or_did_you_mean(suggestion);
+    format!("`{path}` is neither a verb nor an operation of the entered component{suggestion}")
 }
 
 /// Splits `operation {…}` or `operation({…})` into operation and argument.
-fn called(written: &str) -> (&str, &str) {
+fn split_call(written: &str) -> (&str, &str) {
     let end = written.find(|letter: char| letter.is_whitespace() || letter == '(');
     let (path, argument) = written.split_at(end.unwrap_or(written.len()));
     let argument = argument.trim();
@@ -301,7 +301,7 @@ fn parts(component: &RemoteComponent) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::called;
+    use super::split_call;
 
     #[test]
     fn o14_an_operation_is_called_with_or_without_parentheses() {
@@ -320,7 +320,7 @@ mod tests {
             ),
             ("set (1)", "set", "1"),
         ] {
-            assert_eq!(called(written), (path, argument), "{written}");
+            assert_eq!(split_call(written), (path, argument), "{written}");
         }
     }
 }

@@ -5,9 +5,11 @@ use std::collections::BTreeSet;
 use asmotion_remote::{RemoteComponent, RobotPresence};
 
 /// Returns the peers of a component: name and connection, for example `odom → path` or `path ← plan`.
-pub fn peers(of: &RemoteComponent, words: &[RobotPresence]) -> BTreeSet<(String, String)> {
-    let robot = words.iter().filter(|word| word.robot == of.robot());
-    let joined = robot.flat_map(|word| &word.presence.joined);
+pub fn peers(of: &RemoteComponent, presences: &[RobotPresence]) -> BTreeSet<(String, String)> {
+    let robot = presences
+        .iter()
+        .filter(|presence| presence.robot == of.robot());
+    let joined = robot.flat_map(|presence| &presence.presence.joined);
     let mut peers = BTreeSet::new();
     for joint in joined {
         let ends = (joint.from.rsplit_once('.'), joint.to.rsplit_once('.'));

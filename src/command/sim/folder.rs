@@ -48,7 +48,7 @@ impl Sim {
             tally.count(outcome);
             if !self.quiet {
                 let name = file.strip_prefix(folder).unwrap_or(file).display();
-                self.tell(&name.to_string(), outcome, terminal);
+                self.print_outcome(&name.to_string(), outcome, terminal);
             }
         }
         terminal.status("Simulated", &tally);
@@ -65,13 +65,13 @@ impl Sim {
         if specification.program.main.is_none() {
             return SpecificationOutcome::Module;
         }
-        let beside = |other: &String| Path::new(other).join(name).with_extension("trace");
-        let recorded = self.replay_inputs.as_ref().map(beside);
+        let matching = |other: &String| Path::new(other).join(name).with_extension("trace");
+        let recorded = self.replay_inputs.as_ref().map(matching);
         // a specification without a recording gets random inputs
         let recorded = recorded.filter(|path| path.is_file());
         let recorded = recorded.map(|path| path.to_string_lossy().into_owned());
         let (outcome, trace) = self.traced(&mut specification, recorded.as_deref(), name);
-        match (self.trace.as_ref().map(beside), trace) {
+        match (self.trace.as_ref().map(matching), trace) {
             (Some(path), Some(trace)) => match write(&path, &trace) {
                 Ok(()) => outcome,
                 Err(error) => {
@@ -89,11 +89,11 @@ impl Sim {
         name: &Path,
     ) -> (SpecificationOutcome, Option<String>) {
         let comment = comment(&name.to_string_lossy());
-        let mut simulation = match self.begin(specification, recorded) {
+        let mut simulation = match self.start(specification, recorded) {
             Ok(simulation) if self.trace.is_some() => simulation.traced(&comment),
             Ok(simulation) => simulation,
             Err(SimStartError::Fault(fault)) => {
-                let trace = Trace::stillborn(&specification.program, &fault, &comment);
+                let trace = Trace::failed_initial_state(&specification.program, &fault, &comment);
                 return (failed(specification, &fault), Some(trace));
             }
             Err(SimStartError::Inputs(report)) => {
@@ -112,7 +112,7 @@ impl Sim {
             Some(SimulationError::Fault(fault)) => {
                 let finding = specification.explain_in(&fault, simulation.machine());
                 (
-                    SpecificationOutcome::Fault(fault.step, in_a_line(&finding)),
+                    SpecificationOutcome::Fault(fault.step, first_line(&finding)),
                     Some(fault),
                 )
             }
@@ -123,7 +123,12 @@ impl Sim {
         (outcome, simulation.into_trace(fault.as_deref()))
     }
 
-    fn tell(&self, name: &str, outcome: &SpecificationOutcome, terminal: &mut TerminalOutput) {
+    fn print_outcome(
+        &self,
+        name: &str,
+        outcome: &SpecificationOutcome,
+        terminal: &mut TerminalOutput,
+    ) {
         let (word, steps, what) = match outcome {
             SpecificationOutcome::Ran(steps) => ("ok", *steps, String::new()),
             SpecificationOutcome::Module => ("module", 0, String::new()),
@@ -154,15 +159,15 @@ impl Sim {
 fn rejected(failure: &OpenFailure) -> SpecificationOutcome {
     let mut findings = failure.report.diagnostics.iter();
     let first = findings.find(|finding| finding.severity == Severity::Error);
-    SpecificationOutcome::Rejected(first.map(in_a_line).unwrap_or_default())
+    SpecificationOutcome::Rejected(first.map(first_line).unwrap_or_default())
 }
 
 fn failed(specification: &Specification, fault: &StepFault) -> SpecificationOutcome {
-    SpecificationOutcome::Fault(fault.step, in_a_line(&specification.explain(fault)))
+    SpecificationOutcome::Fault(fault.step, first_line(&specification.explain(fault)))
 }
 
 /// The message of a finding on one line; it can quote an invariant with line breaks.
-fn in_a_line(finding: &Diagnostic) -> String {
+fn first_line(finding: &Diagnostic) -> String {
     let words: Vec<&str> = finding.message.split_whitespace().collect();
     format!("{} {}", finding.code, words.join(" "))
 }

@@ -23,14 +23,14 @@ impl Sim {
             terminal.report(&specification.report, &specification.sources);
         }
         let comment = comment(&self.spec);
-        let mut simulation = match self.begin(&mut specification, self.replay_inputs.as_deref()) {
+        let mut simulation = match self.start(&mut specification, self.replay_inputs.as_deref()) {
             Ok(simulation) => simulation,
             Err(SimStartError::Inputs(report)) => {
                 terminal.report(&report, &specification.sources);
                 return Exit::Usage;
             }
             Err(SimStartError::Fault(fault)) => {
-                let trace = Trace::stillborn(&specification.program, &fault, &comment);
+                let trace = Trace::failed_initial_state(&specification.program, &fault, &comment);
                 let exit = self.fault(specification.explain(&fault), 0, &specification, terminal);
                 return exit.max(self.write(Some(trace), terminal));
             }

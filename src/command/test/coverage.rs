@@ -17,11 +17,11 @@ pub enum CoverageFormat {
 }
 
 /// Prints the coverage.
-pub fn tell(coverage: &Coverage, shown: CoverageFormat, terminal: &mut TerminalOutput) {
+pub fn print(coverage: &Coverage, format: CoverageFormat, terminal: &mut TerminalOutput) {
     for (path, file) in &coverage.files {
         terminal.result(format_args!("\n{NAME}{path}{NAME:#}"));
         table(file, terminal);
-        if shown == CoverageFormat::Lines {
+        if format == CoverageFormat::Lines {
             terminal.result("");
             lines(file, terminal);
         }
@@ -54,10 +54,10 @@ fn is_covered(rule: &RuleCoverage) -> bool {
     rule.calls > 0 && all(rule.branches()) && all(rule.updates())
 }
 
-fn share((ran, all): (usize, usize)) -> String {
+fn share((run, all): (usize, usize)) -> String {
     match all {
         0 => "-".to_owned(),
-        all => format!("{ran}/{all}"),
+        all => format!("{run}/{all}"),
     }
 }
 

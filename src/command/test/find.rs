@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Returns the scenarios among the paths; folders are searched recursively, in order of names.
 pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
-    let mut found = Vec::new();
+    let mut scenarios = Vec::new();
     for path in paths {
         let failed =
             |error: io::Error| format!("cannot read `{}`: {}", path.display(), reason(&error));
@@ -14,15 +14,15 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
             let mut inside = Vec::new();
             folder(path, &mut inside).map_err(failed)?;
             let short = |path: PathBuf| path.strip_prefix(".").map_or(path.clone(), Path::to_owned);
-            found.extend(inside.into_iter().map(short));
+            scenarios.extend(inside.into_iter().map(short));
         } else {
-            found.push(path.clone());
+            scenarios.push(path.clone());
         }
     }
-    Ok(found)
+    Ok(scenarios)
 }
 
-fn folder(path: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
+fn folder(path: &Path, scenarios: &mut Vec<PathBuf>) -> io::Result<()> {
     let mut entries: Vec<_> = std::fs::read_dir(path)?.collect::<io::Result<_>>()?;
     entries.sort_by_key(std::fs::DirEntry::file_name);
     for entry in entries {
@@ -30,9 +30,9 @@ fn folder(path: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
         let kind = entry.file_type()?;
         let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
         if kind.is_dir() && !is_hidden {
-            folder(&entry.path(), found)?;
+            folder(&entry.path(), scenarios)?;
         } else if !kind.is_dir() && is_test(&entry.path()) {
-            found.push(entry.path());
+            scenarios.push(entry.path());
         }
     }
     Ok(())

@@ -11,8 +11,8 @@ use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 
 /// Writes the report: one suite with a case for each scenario.
-pub fn write(file: &Path, ended: &[TestResult], terminal: &mut TerminalOutput) -> Exit {
-    match std::fs::write(file, JunitReport(ended).to_string()) {
+pub fn write(file: &Path, results: &[TestResult], terminal: &mut TerminalOutput) -> Exit {
+    match std::fs::write(file, JunitReport(results).to_string()) {
         Ok(()) => Exit::Ok,
         Err(error) => {
             terminal.error(format_args!("cannot write `{}`: {error}", file.display()));
@@ -24,7 +24,7 @@ pub fn write(file: &Path, ended: &[TestResult], terminal: &mut TerminalOutput) -
 struct JunitReport<'a>(&'a [TestResult]);
 
 /// The element for a case that did not pass; `None` for one that passed.
-fn trouble(end: &TestEnd) -> Option<&'static str> {
+fn failure_element(end: &TestEnd) -> Option<&'static str> {
     match end {
         TestEnd::Ran(Verdict::Pass) => None,
         TestEnd::Ran(Verdict::Fail | Verdict::Invariant) => Some("failure"),
@@ -36,7 +36,7 @@ impl Display for JunitReport<'_> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let tests = self.0.len();
         let count = |kind| {
-            let troubles = self.0.iter().map(|it| trouble(&it.end));
+            let troubles = self.0.iter().map(|it| failure_element(&it.end));
             troubles.filter(|it| *it == Some(kind)).count()
         };
         let (failures, errors) = (count("failure"), count("error"));
@@ -50,30 +50,30 @@ impl Display for JunitReport<'_> {
     }
 }
 
-fn case(one: &TestResult, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-    let path = one.path.display().to_string();
-    let name = match &*one.name {
+fn case(result: &TestResult, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let path = result.path.display().to_string();
+    let name = match &*result.name {
         "" => &path,
         name => name,
     };
-    let seconds = one.took.as_secs_f64();
+    let seconds = result.duration.as_secs_f64();
     write!(
         to,
         r#"        <testcase name="{}" classname="{}" time="{seconds:.3}""#,
         Escaped(name),
         Escaped(&path)
     )?;
-    let Some(element) = trouble(&one.end) else {
+    let Some(element) = failure_element(&result.end) else {
         return writeln!(to, "/>");
     };
-    let first = one.report.diagnostics.first();
+    let first = result.report.diagnostics.first();
     let message = first.map_or("", |finding| &finding.message);
-    let findings = render_all(&one.report, &one.sources, Style::Plain);
+    let findings = render_all(&result.report, &result.sources, Style::Plain);
     writeln!(
         to,
         ">\n            <{element} message=\"{}\" type=\"{}\">{}</{element}>\n        </testcase>",
         Escaped(message),
-        Escaped(one.end.word()),
+        Escaped(result.end.word()),
         Escaped(&findings)
     )
 }

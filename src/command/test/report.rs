@@ -9,37 +9,37 @@ use serde_json::json;
 use std::time::Duration;
 
 /// Prints the result of one scenario with its findings.
-pub fn tell(one: &TestResult, as_json: bool, terminal: &mut TerminalOutput) {
+pub fn print_result(result: &TestResult, as_json: bool, terminal: &mut TerminalOutput) {
     if as_json {
-        return terminal.result(json(one));
+        return terminal.result(json(result));
     }
-    let colour = match one.end {
+    let colour = match result.end {
         TestEnd::Ran(Verdict::Pass) => GOOD,
         TestEnd::Ran(Verdict::Fail | Verdict::Invariant | Verdict::Fault) => BAD,
         TestEnd::Unusable => NOTE,
     };
-    let steps = plural(one.steps, "step");
-    let checks = plural(one.checks, "check");
+    let steps = plural(result.steps, "step");
+    let checks = plural(result.checks, "check");
     terminal.result(format_args!(
         "{colour}{:>9}{colour:#} {} {FAINT}({steps}, {checks}){FAINT:#}",
-        one.end.word(),
-        one.path.display()
+        result.end.word(),
+        result.path.display()
     ));
-    terminal.report(&one.report, &one.sources);
-    if let Some(difference) = &one.difference {
-        terminal.say(difference.diff());
+    terminal.report(&result.report, &result.sources);
+    if let Some(difference) = &result.difference {
+        terminal.progress(difference.diff());
     }
 }
 
-fn json(one: &TestResult) -> serde_json::Value {
-    let findings: Vec<serde_json::Value> = one
+fn json(result: &TestResult) -> serde_json::Value {
+    let findings: Vec<serde_json::Value> = result
         .report
         .diagnostics
         .iter()
         .map(|finding| {
             let at = finding.primary.as_ref().map(|label| {
-                let (line, column) = one.sources.position(label.span.file, label.span.start);
-                json!({ "path": one.sources.path(label.span.file), "line": line, "column": column })
+                let (line, column) = result.sources.position(label.span.file, label.span.start);
+                json!({ "path": result.sources.path(label.span.file), "line": line, "column": column })
             });
             let severity = match finding.severity {
                 Severity::Error => "error",
@@ -51,26 +51,26 @@ fn json(one: &TestResult) -> serde_json::Value {
         })
         .collect();
     json!({
-        "type": "test", "v": 1, "path": one.path.display().to_string(), "name": one.name,
-        "verdict": one.end.word(), "steps": one.steps, "checks": one.checks, "findings": findings,
+        "type": "test", "v": 1, "path": result.path.display().to_string(), "name": result.name,
+        "verdict": result.end.word(), "steps": result.steps, "checks": result.checks, "findings": findings,
     })
 }
 
 /// Prints the numbers of results.
-pub fn sum_up(ended: &[TestResult], took: Duration, terminal: &mut TerminalOutput) {
-    let count = |exit| ended.iter().filter(|one| one.end.exit() == exit).count() as u64;
+pub fn print_summary(results: &[TestResult], duration: Duration, terminal: &mut TerminalOutput) {
+    let count = |exit| results.iter().filter(|one| one.end.exit() == exit).count() as u64;
     let mut parts = vec![format!("{} passed", count(Exit::Ok))];
     for (exit, word) in [(Exit::Findings, "failed"), (Exit::Usage, "cannot be run")] {
         if count(exit) > 0 {
             parts.push(format!("{} {word}", count(exit)));
         }
     }
-    let what = plural(ended.len() as u64, "scenario");
+    let what = plural(results.len() as u64, "scenario");
     terminal.status(
         "Tested",
         format_args!(
             "{what} in {:.2} s: {}",
-            took.as_secs_f64(),
+            duration.as_secs_f64(),
             parts.join(", ")
         ),
     );

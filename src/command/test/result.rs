@@ -17,7 +17,7 @@ pub struct TestResult {
     pub end: TestEnd,
     pub steps: u64,
     pub checks: u64,
-    pub took: Duration,
+    pub duration: Duration,
     /// Findings, and the texts they refer to.
     pub report: Report,
     pub sources: Sources,
@@ -36,7 +36,7 @@ impl TestResult {
             end: TestEnd::Unusable,
             steps: 0,
             checks: 0,
-            took: Duration::ZERO,
+            duration: Duration::ZERO,
             report: Report::new(),
             sources: Sources::new(),
             coverage: None,

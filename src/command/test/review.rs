@@ -13,31 +13,31 @@ pub fn is_automatic() -> bool {
 }
 
 /// Accepts every difference.
-pub fn accept(ended: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
+pub fn accept(results: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
     let mut exit = Exit::Ok;
-    for one in ended {
-        exit = exit.max(take(one, terminal));
+    for result in results {
+        exit = exit.max(accept_difference(result, terminal));
     }
     exit
 }
 
 /// Shows every difference and asks whether to accept it.
-pub fn review(ended: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
+pub fn review(results: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
     let mut exit = Exit::Ok;
     let mut answers = std::io::stdin().lock().lines();
-    for one in ended {
-        let Some(difference) = &one.difference else {
+    for result in results {
+        let Some(difference) = &result.difference else {
             continue;
         };
-        terminal.say(difference.diff());
-        terminal.say(format_args!(
+        terminal.progress(difference.diff());
+        terminal.progress(format_args!(
             "accept `{}`? [y]es, [n]o, [s]kip the rest",
             difference.path.display()
         ));
         // the end of input rejects the rest
         let answer = answers.next().and_then(Result::ok).unwrap_or_default();
         match answer.trim() {
-            "y" | "yes" => exit = exit.max(take(one, terminal)),
+            "y" | "yes" => exit = exit.max(accept_difference(result, terminal)),
             "s" | "skip" => break,
             _ => {}
         }
@@ -45,15 +45,15 @@ pub fn review(ended: &mut [TestResult], terminal: &mut TerminalOutput) -> Exit {
     exit
 }
 
-fn take(one: &mut TestResult, terminal: &mut TerminalOutput) -> Exit {
-    let Some(difference) = one.difference.take() else {
+fn accept_difference(result: &mut TestResult, terminal: &mut TerminalOutput) -> Exit {
+    let Some(difference) = result.difference.take() else {
         return Exit::Ok;
     };
     match difference.accept() {
         Ok(()) => {
             terminal.status("Accepted", difference.path.display());
-            one.end = TestEnd::Ran(Verdict::Pass);
-            one.report = Report::new();
+            result.end = TestEnd::Ran(Verdict::Pass);
+            result.report = Report::new();
             Exit::Ok
         }
         Err(error) => {

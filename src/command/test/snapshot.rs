@@ -29,24 +29,24 @@ pub fn is_script(path: &Path) -> bool {
 
 /// Runs the scenario of a script, with coverage if `covers` is set.
 pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> TestResult {
-    let begun = Instant::now();
-    let mut ended = TestResult::unusable(path.clone());
-    match carry_out(&path, seed, covers) {
+    let started = Instant::now();
+    let mut result = TestResult::unusable(path.clone());
+    match run_script(&path, seed, covers) {
         Ok(run) => {
             let (verdict, difference) = compare(&path, run.text);
-            ended.end = TestEnd::Ran(verdict);
-            ended.steps = run.steps;
-            ended.coverage = run.coverage;
-            ended.sources = run.specification.sources;
-            ended
+            result.end = TestEnd::Ran(verdict);
+            result.steps = run.steps;
+            result.coverage = run.coverage;
+            result.sources = run.specification.sources;
+            result
                 .report
                 .extend(difference.iter().map(diagnostic).collect());
-            ended.difference = difference;
+            result.difference = difference;
         }
-        Err(OpenFailure { report, sources }) => (ended.report, ended.sources) = (report, sources),
+        Err(OpenFailure { report, sources }) => (result.report, result.sources) = (report, sources),
     }
-    ended.took = begun.elapsed();
-    ended
+    result.duration = started.elapsed();
+    result
 }
 
 fn compare(script: &Path, actual: String) -> (Verdict, Option<SnapshotDifference>) {
@@ -94,7 +94,7 @@ struct SnapshotRun {
     coverage: Option<Coverage>,
 }
 
-fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<SnapshotRun, OpenFailure> {
+fn run_script(path: &Path, seed: u64, covers: bool) -> Result<SnapshotRun, OpenFailure> {
     let (mut specification, script) = open(&path.to_string_lossy(), &DiskLoader)?;
     if covers && let Err(report) = specification.lower_covered() {
         let sources = specification.sources;
@@ -104,9 +104,9 @@ fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<SnapshotRun, OpenFa
     let (mut steps, mut coverage) = (0, None);
     match specification.machine() {
         Ok(machine) => {
-            let wanted = script.len();
+            let max_steps = script.len();
             let simulation = Simulation::new(machine, Causes::Script(script), seed);
-            let simulation = simulated(simulation, wanted, &specification, &mut text);
+            let simulation = run_simulation(simulation, max_steps, &specification, &mut text);
             let machine = simulation.machine();
             steps = machine.steps();
             coverage = covers.then(|| Coverage::of(&specification, &machine.counts()));
@@ -122,7 +122,7 @@ fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<SnapshotRun, OpenFa
 }
 
 /// Makes up to this number of steps and records each.
-fn simulated(
+fn run_simulation(
     mut simulation: Simulation,
     steps: usize,
     specification: &Specification,

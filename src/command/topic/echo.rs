@@ -32,16 +32,16 @@ impl Echo {
             .listen(&self.topic)
             .map_err(|error| error.to_string())?;
         let until = Instant::now() + Duration::from_secs(self.limit);
-        let mut shown = 0;
-        while self.count.is_none_or(|count| shown < count) {
-            let left = until.saturating_duration_since(Instant::now());
-            let Some(envelope) = subscription.next_within(left) else {
+        let mut count = 0;
+        while self.count.is_none_or(|max| count < max) {
+            let remaining = until.saturating_duration_since(Instant::now());
+            let Some(envelope) = subscription.next_within(remaining) else {
                 break;
             };
-            shown += 1;
+            count += 1;
             terminal.result(line(&envelope));
         }
-        Ok(if shown > 0 { Exit::Ok } else { Exit::Findings })
+        Ok(if count > 0 { Exit::Ok } else { Exit::Findings })
     }
 }
 

@@ -48,7 +48,7 @@ impl Hz {
             1e3 / mean,
             arrivals.len()
         ));
-        let received = subscription.received();
+        let received = subscription.counts();
         if received.missed + received.dropped > 0 {
             terminal.result(format_args!(
                 "{} lost, {} dropped by this subscriber",

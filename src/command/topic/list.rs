@@ -25,8 +25,8 @@ impl TopicList {
     /// Collects descriptions and messages for a second and a half.
     pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let everything = remote.listen("#").map_err(|error| error.to_string())?;
-        let began = Instant::now();
-        let words = remote.processes();
+        let started = Instant::now();
+        let presences = remote.processes();
         let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
         while let Some(envelope) = everything.try_next() {
             let known = topics.entry(envelope.topic.to_string()).or_default();
@@ -34,10 +34,10 @@ impl TopicList {
             known.kind = envelope.type_name.to_string();
             known.publishers.insert(envelope.source.to_string());
         }
-        let seconds = began.elapsed().as_secs_f64();
-        for word in &words {
-            for topic in &word.presence.topics {
-                let known = topics.entry(word.key(&topic.name)).or_default();
+        let seconds = started.elapsed().as_secs_f64();
+        for presence in &presences {
+            for topic in &presence.presence.topics {
+                let known = topics.entry(presence.key(&topic.name)).or_default();
                 if let Some(kind) = &topic.kind {
                     known.kind.clone_from(kind);
                 }

@@ -39,7 +39,8 @@ impl Pub {
         let pause = Duration::try_from_secs_f64(1.0 / self.rate)
             .map_err(|_| format!("`--rate {}`: expected a number above zero", self.rate))?;
         let origin = SenderId::new("asmotion-tool", 0);
-        let sending = PublishOptions::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
+        let sending =
+            PublishOptions::events(NonZeroUsize::MIN.saturating_add(255)).with_codec(Codec::Json);
         let kind = Schema::opaque(self.kind);
         let bus = remote.bus();
         let mut publisher = bus
@@ -56,11 +57,11 @@ impl Pub {
         if !bus.drain(Duration::from_secs(5)) {
             return Err("the broker has not confirmed all messages".to_owned());
         }
-        let sent = publisher.sent();
+        let sent = publisher.counts();
         if sent.refused + sent.lost > 0 {
             return Err(format!("{} refused, {} lost", sent.refused, sent.lost));
         }
-        if sent.unheard > 0 {
+        if sent.unrouted > 0 {
             terminal.warn(format_args!("`{}` has no subscriber", self.topic));
         }
         Ok(Exit::Ok)

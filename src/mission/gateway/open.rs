@@ -25,7 +25,7 @@ impl Mission {
         part: &Part,
     ) -> Result<Vec<Gateway>, MissionError> {
         let MissionGateways::Open {
-            elsewhere,
+            address_overrides: elsewhere,
             on_listen,
         } = &self.gateways
         else {
@@ -41,8 +41,8 @@ impl Mission {
         let operations = describe::describe(opened, plan).operations;
         let open =
             |(gateway, promoted): &(&asmotion_plan::Gateway, Vec<&asmotion_plan::Promoted>)| {
-                let other = elsewhere.iter().find(|(name, _)| *name == gateway.name);
-                let listen = other.map(|(_, address)| *address).or(gateway.listen);
+                let address = elsewhere.iter().find(|(name, _)| *name == gateway.name);
+                let listen = address.map(|(_, address)| *address).or(gateway.listen);
                 // a missing variable has already been reported
                 let listen = listen.unwrap_or_else(|| SocketAddr::from(([127, 0, 0, 1], 0)));
                 let services = promoted.iter().map(|it| service(it, &operations));
@@ -70,8 +70,8 @@ fn settings(gateway: &asmotion_plan::Gateway, listen: SocketAddr) -> GatewaySett
 
 /// The interface of a promoted service for HTTP clients.
 fn service(promoted: &asmotion_plan::Promoted, operations: &[ServedOperation]) -> GatewayService {
-    let own = operations.iter();
-    let own: Vec<&ServedOperation> = own
+    let own_operations = operations.iter();
+    let own: Vec<&ServedOperation> = own_operations
         .filter(|it| it.service.to_string() == promoted.inside)
         .collect();
     let interface = own.first().map_or("", |served| &*served.interface);

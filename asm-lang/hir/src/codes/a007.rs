@@ -26,10 +26,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A007, error)]
-#[error("mismatched types: expected {wanted} for {what}, found {actual}")]
+#[error("mismatched types: expected {expected} for {what}, found {actual}")]
 pub(crate) struct TypeMismatch {
     pub what: String,
-    pub wanted: String,
+    pub expected: String,
     pub actual: String,
     pub at: Span,
     /// Span that determines the required type, with the beginning of its label.
@@ -42,7 +42,7 @@ impl Finding for TypeMismatch {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self {
             actual,
-            wanted,
+            expected: wanted,
             because,
             number,
             ..
@@ -65,8 +65,8 @@ impl Finding for TypeMismatch {
 }
 
 /// Returns a suggestion for the standard function that converts between the types.
-fn conversion(wanted: &str, actual: &str) -> Option<String> {
-    let function = match (actual, wanted) {
+fn conversion(expected: &str, actual: &str) -> Option<String> {
+    let function = match (actual, expected) {
         ("Integer", "Real") => "itor",
         ("Integer", "Natural") => "iton",
         ("Natural", "Real") => "ntor",

@@ -28,10 +28,10 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A008, error)]
-#[error("`{name}` takes {wanted} argument{}, not {actual}", if *wanted == 1 { "" } else { "s" })]
+#[error("`{name}` takes {expected} argument{}, not {actual}", if *expected == 1 { "" } else { "s" })]
 pub(crate) struct WrongArity {
     pub name: Arc<str>,
-    pub wanted: usize,
+    pub expected: usize,
     pub actual: usize,
     pub at: Span,
     pub declared: Span,

@@ -29,9 +29,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A027, error)]
-#[error("no initial state is {wanted}")]
+#[error("no initial state is {expected}")]
 pub(crate) struct NoSuchInit {
-    pub wanted: String,
+    pub expected: String,
     pub at: Span,
     pub help: String,
 }

@@ -33,10 +33,10 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W028, warning)]
-#[error("`{name}` is declared for {wanted}, but this may be any {actual}")]
+#[error("`{name}` is declared for {expected}, but this may be any {actual}")]
 pub(crate) struct ArgumentTooWide {
     pub name: Arc<str>,
-    pub wanted: String,
+    pub expected: String,
     pub actual: String,
     pub at: Span,
     pub declared: Span,
@@ -44,7 +44,9 @@ pub(crate) struct ArgumentTooWide {
 
 impl Finding for ArgumentTooWide {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { wanted, .. } = self;
+        let Self {
+            expected: wanted, ..
+        } = self;
         diagnostic
             .label(self.at, format!("may not be an element of {wanted}"))
             .label(self.declared, "declared here")

@@ -177,7 +177,7 @@ impl Lowering<'_> {
 
     /// Returns `true` if values of a type may nest to any depth, because a component has any type.
     pub(super) fn is_open(&self, ty: TypeId) -> bool {
-        let mut parts = self.model.types.reach(ty, &self.model.domains);
+        let mut parts = self.model.types.reachable_types(ty, &self.model.domains);
         parts.any(|part| match self.model.types.get(part) {
             Type::Invalid | Type::Undef => true,
             Type::Domain(domain) => self.model.domain(*domain).kind == DomainKind::Any,
@@ -207,7 +207,7 @@ impl Lowering<'_> {
     /// Returns `true` if a component of the type is a concrete domain, so that not every value of
     /// its shape belongs to the type.
     pub(super) fn is_restricted(&self, ty: TypeId) -> bool {
-        let mut parts = self.model.types.reach(ty, &self.model.domains);
+        let mut parts = self.model.types.reachable_types(ty, &self.model.domains);
         parts.any(|part| self.membership(part).is_some())
     }
 
@@ -215,7 +215,9 @@ impl Lowering<'_> {
     /// For subsets of abstract domains, the check of types suffices.
     pub(super) fn is_narrow(&self, parameters: &[TypeId]) -> bool {
         let (types, domains) = (&self.model.types, &self.model.domains);
-        let mut parts = parameters.iter().flat_map(|&ty| types.reach(ty, domains));
+        let mut parts = parameters
+            .iter()
+            .flat_map(|&ty| types.reachable_types(ty, domains));
         parts.any(|part| {
             let domain = self.membership(part);
             domain.is_some_and(|domain| !self.program.domains[domain.0 as usize].grows)

@@ -397,18 +397,18 @@ fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
 
 /// Returns `true` if the set of a type's elements may grow while a machine runs.
 fn grows(model: &Model, ty: TypeId) -> bool {
-    let mut parts = model.types.reach(ty, &model.domains);
+    let mut parts = model.types.reachable_types(ty, &model.domains);
     parts.any(|part| {
         let domain = model.types.get(part).as_domain();
         domain.is_some_and(|domain| model.domain(domain).kind == DomainKind::Abstract)
     })
 }
 
-/// Returns `true` if a term applies a function that satisfies `wanted`.
-fn mentions(term: &Term, wanted: &dyn Fn(FunctionId) -> bool) -> bool {
+/// Returns `true` if a term applies a function that satisfies `predicate`.
+fn mentions(term: &Term, predicate: &dyn Fn(FunctionId) -> bool) -> bool {
     let mut found = false;
     visit(term, &mut |term| {
-        found |= term.kind.function().is_some_and(wanted)
+        found |= term.kind.function().is_some_and(predicate)
     });
     found
 }

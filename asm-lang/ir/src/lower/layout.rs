@@ -45,7 +45,7 @@ impl Lowering<'_> {
                 storage,
                 initial: None,
                 clock: clock(&function.name).filter(|_| function.library),
-                mail: mail(function),
+                mail: message_query(function),
                 own: !function.library && function.kind != asmotion_hir::FunctionKind::Local,
             });
         }
@@ -175,7 +175,7 @@ fn kind(kind: asmotion_hir::FunctionKind) -> FunctionKind {
 }
 
 /// Returns the query about messages that a function stands for.
-fn mail(function: &asmotion_hir::Function) -> Option<MessageQuery> {
+fn message_query(function: &asmotion_hir::Function) -> Option<MessageQuery> {
     if function.library {
         MessageQuery::named(&function.name)
     } else {

@@ -148,8 +148,9 @@ impl<'a> AgentInterface<'a> {
                     .zip(asked)
                     .all(|(&part, &asked)| self.fits(asked, part));
             if !fits && !asked.is_empty() {
-                let asked: Vec<String> = asked.iter().map(|&ty| self.model.show_type(ty)).collect();
-                let what = format!("`{name}` takes {}", asked.join(", "));
+                let operations: Vec<String> =
+                    asked.iter().map(|&ty| self.model.show_type(ty)).collect();
+                let what = format!("`{name}` takes {}", operations.join(", "));
                 report.push(self.misfit(what, data, operation));
             }
         }
@@ -162,10 +163,10 @@ impl<'a> AgentInterface<'a> {
         }
     }
 
-    fn fits(&self, wanted: TypeId, actual: TypeId) -> bool {
+    fn fits(&self, expected: TypeId, actual: TypeId) -> bool {
         self.model
             .types
-            .compatible(wanted, actual, &self.model.domains)
+            .compatible(expected, actual, &self.model.domains)
     }
 
     fn unknown(&self, used: &MessageUse<'_>, name: &str) -> Diagnostic {

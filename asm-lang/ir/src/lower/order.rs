@@ -125,7 +125,7 @@ fn needs(model: &Model, term: &Term) -> BTreeSet<OrderNode> {
     visit(term, &mut |term| {
         needed.extend(term.kind.function().map(OrderNode::Function));
         if let TermKind::Extent(ty) = &*term.kind {
-            let parts = model.types.reach(*ty, &model.domains);
+            let parts = model.types.reachable_types(*ty, &model.domains);
             let domains = parts.filter_map(|part| model.types.get(part).as_domain());
             needed.extend(domains.map(OrderNode::Domain));
         }

@@ -31,7 +31,7 @@ pub(super) fn arguments(program: &Program) -> Vec<(FunctionId, Vec<Option<Intege
     };
     reach.begin();
     while let Some(part) = reach.todo.pop() {
-        reach.part(part);
+        reach.visit_item(part);
     }
     reach.used.into_iter().collect()
 }
@@ -108,7 +108,7 @@ impl ReachAnalysis<'_> {
         self.todo.push(part);
     }
 
-    fn part(&mut self, part: ReachItem) {
+    fn visit_item(&mut self, part: ReachItem) {
         let program = self.program;
         let (given, locals) = match part {
             ReachItem::Routine(routine) => {
@@ -143,12 +143,12 @@ impl ReachAnalysis<'_> {
         match &*rule.node {
             RuleNode::Skip => {}
             RuleNode::Update(place, value) => {
-                self.place(place, known);
+                self.visit_target(place, known);
                 self.term(value, known);
             }
             RuleNode::Assign(place, routine, arguments) => {
                 if let Some(place) = place {
-                    self.place(place, known);
+                    self.visit_target(place, known);
                 }
                 let arguments = self.terms(arguments, known);
                 self.call(ReachItem::Routine(*routine), arguments);
@@ -212,7 +212,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    fn place(&mut self, place: &AssignTarget, known: &mut Vec<IntegerInterval>) {
+    fn visit_target(&mut self, place: &AssignTarget, known: &mut Vec<IntegerInterval>) {
         match place {
             AssignTarget::Slot(..) | AssignTarget::Local(_) => {}
             AssignTarget::Location(function, arguments) => {

@@ -39,7 +39,7 @@ impl Lowering<'_> {
             RuleKind::Skip | RuleKind::Invalid => RuleNode::Skip,
             RuleKind::Update(target, value) => {
                 let value = self.term(value, frame);
-                match self.place(target, frame) {
+                match self.assign_target(target, frame) {
                     Some(place) => RuleNode::Update(place, value),
                     None => RuleNode::Skip,
                 }
@@ -47,7 +47,7 @@ impl Lowering<'_> {
             RuleKind::Assign(target, callee, arguments) => {
                 let arguments = self.terms(arguments, frame);
                 let routine = self.routine_by_value(*callee);
-                match self.place(target, frame) {
+                match self.assign_target(target, frame) {
                     Some(place) => RuleNode::Assign(Some(place), routine, arguments),
                     None => RuleNode::Skip,
                 }

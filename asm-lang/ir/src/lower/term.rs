@@ -101,7 +101,9 @@ impl Lowering<'_> {
                 let arguments = self.terms(arguments, frame);
                 self.apply(*function, arguments, origin)
             }
-            TermKind::Spread(function, tuple) => return self.spread(*function, tuple, frame, term),
+            TermKind::Spread(function, tuple) => {
+                return self.apply_to_tuple(*function, tuple, frame, term);
+            }
             TermKind::Tuple(items) => TermNode::Tuple(self.terms(items, frame)),
             TermKind::If(guard, then, otherwise) => {
                 let guard = self.term(guard, frame);
@@ -280,7 +282,7 @@ impl Lowering<'_> {
     }
 
     /// Lowers `f(t)` where the single term is the tuple of all arguments.
-    fn spread(
+    fn apply_to_tuple(
         &mut self,
         function: asmotion_hir::FunctionId,
         tuple: &asmotion_hir::Term,
@@ -359,17 +361,17 @@ impl Lowering<'_> {
     }
 
     /// Lowers the left-hand side of an update; returns `None` after an error.
-    pub(super) fn place(
+    pub(super) fn assign_target(
         &mut self,
         target: &asmotion_hir::UpdateTarget,
         frame: &mut LoweringFrame,
     ) -> Option<AssignTarget> {
         match target {
             asmotion_hir::UpdateTarget::Location(function, arguments) => {
-                let wanted = self.model.function(*function).parameters.len();
+                let expected = self.model.function(*function).parameters.len();
                 let arguments = match arguments.as_slice() {
                     // `f(t) := …` with a single tuple of all arguments
-                    [tuple] if wanted > 1 => self.literal_components(*function, tuple, frame)?,
+                    [tuple] if expected > 1 => self.literal_components(*function, tuple, frame)?,
                     arguments => self.terms(arguments, frame),
                 };
                 let node = self.location(function_id(*function), arguments);
@@ -404,7 +406,7 @@ impl Lowering<'_> {
                         })
                     };
                     if let Some(target) = target {
-                        return frame.within(&closed, |frame| self.place(&target, frame));
+                        return frame.within(&closed, |frame| self.assign_target(&target, frame));
                     }
                 }
                 None

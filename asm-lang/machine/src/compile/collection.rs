@@ -98,8 +98,9 @@ fn listed(from: &Value, to: &Value, step: Option<&Value>) -> Result<Option<Vec<V
             if count > MAX_ELEMENTS as f64 {
                 return Err(count as u64);
             }
-            let places = decimals(from.get()).max(decimals(step));
-            let number = |index: u64| Real::new(rounded(from.get() + index as f64 * step, places));
+            let decimals = decimals(from.get()).max(decimals(step));
+            let number =
+                |index: u64| Real::new(rounded(from.get() + index as f64 * step, decimals));
             Ok(Some(
                 (0..count as u64)
                     .map(|index| Value::Real(number(index)))

@@ -81,8 +81,8 @@ impl Compiler<'_> {
                     self.indices(arguments, axes),
                     move |run, index| {
                         let slot = base + index;
-                        if lazy && !run.state.locations.is_met(slot) {
-                            return meet_lazy(run, function, slot);
+                        if lazy && !run.state.locations.is_materialised(slot) {
+                            return intern_lazy(run, function, slot);
                         }
                         slot
                     },
@@ -93,16 +93,16 @@ impl Compiler<'_> {
                 on_axes(
                     function,
                     self.indices(arguments, axes),
-                    move |run, index| match run.state.memo.near.find(window, index) {
+                    move |run, index| match run.state.memo.windows.find(window, index) {
                         Some(slot) => slot,
-                        None => meet(run, function, window, &known, index),
+                        None => intern_near(run, function, window, &known, index),
                     },
                 )
             }
             (Storage::Dense { .. } | Storage::Interned | Storage::None, _) => {
                 let arguments = self.values(arguments);
                 Box::new(move |run| {
-                    let from = arguments.stacked(run);
+                    let from = arguments.push_all(run);
                     let slot = run.slot(function, from);
                     run.stack.truncate(from);
                     slot
@@ -124,7 +124,7 @@ impl Compiler<'_> {
                 let local = *local;
                 Box::new(move |run| match over.index(run.local(local)) {
                     Some(index) => index,
-                    None => missed(run, run.local(local).clone()),
+                    None => record_missed_index(run, run.local(local).clone()),
                 })
             }
             (_, AxisRange::Ints { low, count }) if argument.kind == ValueKind::Int => {
@@ -133,7 +133,7 @@ impl Compiler<'_> {
                     let number = integer.get(run);
                     match number.and_then(|number| number.checked_sub(low)) {
                         Some(index) if (0..i64::from(count)).contains(&index) => index as u32,
-                        _ => missed(run, number.map_or(Value::Undef, Value::Int)),
+                        _ => record_missed_index(run, number.map_or(Value::Undef, Value::Int)),
                     }
                 })
             }
@@ -143,7 +143,7 @@ impl Compiler<'_> {
                     let argument = argument(run);
                     match over.index(&argument) {
                         Some(index) => index,
-                        None => missed(run, argument),
+                        None => record_missed_index(run, argument),
                     }
                 })
             }
@@ -152,7 +152,7 @@ impl Compiler<'_> {
 }
 
 #[cold]
-fn missed(run: &mut StepContext<'_>, argument: Value) -> u32 {
+fn record_missed_index(run: &mut StepContext<'_>, argument: Value) -> u32 {
     run.stack.push(argument);
     MISS
 }
@@ -167,7 +167,7 @@ fn on_axes(
         && let Some((index, axis)) = axes.pop()
     {
         return Box::new(move |run| match index(run) {
-            MISS => off_axes(run, function, &[], &[]),
+            MISS => intern_off_axes(run, function, &[], &[]),
             index => found(run, index * axis.stride),
         });
     }
@@ -177,7 +177,7 @@ fn on_axes(
         for (position, (index, axis)) in axes.iter().enumerate() {
             let index = index(run);
             if index == MISS {
-                return off_axes(run, function, &axes, &indices[..position]);
+                return intern_off_axes(run, function, &axes, &indices[..position]);
             }
             indices[position] = index;
             together += index * axis.stride;
@@ -188,7 +188,7 @@ fn on_axes(
 
 /// Initialises a lazy slot on first access.
 #[cold]
-fn meet_lazy(run: &mut StepContext<'_>, function: FunctionId, slot: Slot) -> Slot {
+fn intern_lazy(run: &mut StepContext<'_>, function: FunctionId, slot: Slot) -> Slot {
     let from = run.stack.len();
     run.state.arguments(run.program, slot, run.stack);
     let slot = run.slot(function, from);
@@ -198,7 +198,7 @@ fn meet_lazy(run: &mut StepContext<'_>, function: FunctionId, slot: Slot) -> Slo
 
 /// Interns a location on first access and enters it in its window.
 #[cold]
-fn meet(
+fn intern_near(
     run: &mut StepContext<'_>,
     function: FunctionId,
     window: usize,
@@ -210,14 +210,14 @@ fn meet(
     run.stack.extend(axes.iter().map(argument));
     let slot = run.slot(function, from);
     run.stack.truncate(from);
-    run.state.memo.near.remember(window, index, slot);
+    run.state.memo.windows.remember(window, index, slot);
     slot
 }
 
 /// Returns the slot of a location with an argument off its axis. That argument is on the stack;
 /// those before it are given by their indices, and those after it are still to be evaluated.
 #[cold]
-fn off_axes(
+fn intern_off_axes(
     run: &mut StepContext<'_>,
     function: FunctionId,
     axes: &[(IndexCode, SlotAxis)],

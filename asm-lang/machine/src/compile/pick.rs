@@ -65,7 +65,7 @@ impl Ranges {
             return self.guarded(run, visit);
         };
         let values = match picked.get(depth).cloned().flatten() {
-            Some(value) => range.only(run, value, *origin),
+            Some(value) => range.only_element(run, value, *origin),
             None => range.listed(run, *origin),
         };
         if run.fault.is_some() {
@@ -102,7 +102,7 @@ impl Ranges {
 
 impl RangeCode {
     /// Returns the value if it lies in the range, which avoids listing the range.
-    fn only(&self, run: &mut StepContext<'_>, value: Value, origin: Origin) -> Vec<Value> {
+    fn only_element(&self, run: &mut StepContext<'_>, value: Value, origin: Origin) -> Vec<Value> {
         let lies_in = match self {
             Self::Ints(low, high) => {
                 matches!(&value, Value::Int(number) if (low..=high).contains(&number))

@@ -112,8 +112,8 @@ impl Compiler<'_> {
                 Box::new(move |run| {
                     let arguments = arguments.iter().map(|term| term(run)).collect();
                     run.checked()?;
-                    run.record.done.push(PerformedAction {
-                        act,
+                    run.record.performed.push(PerformedAction {
+                        action: act,
                         arguments,
                         origin,
                     });
@@ -179,7 +179,7 @@ impl Compiler<'_> {
     fn call(&self, routine: RoutineId, arguments: &[Term]) -> RuleCode {
         let arguments = self.values(arguments);
         Box::new(move |run| {
-            let from = arguments.passed(run);
+            let from = arguments.pass_arguments(run);
             run.call_routine(routine, from)
         })
     }
@@ -190,8 +190,8 @@ impl Compiler<'_> {
         Box::new(move |run| {
             let rule = term(run);
             run.checked()?;
-            let given = arguments.stacked(run);
-            run_value(run, &rule, given, origin)
+            let arguments_from = arguments.push_all(run);
+            run_value(run, &rule, arguments_from, origin)
         })
     }
 
@@ -206,13 +206,13 @@ impl Compiler<'_> {
                 return Err(run.stop(FaultKind::NoProgram(agent), origin));
             };
             // the arguments are evaluated first, while `self` is still the caller
-            let given = arguments.stacked(run);
+            let arguments_from = arguments.push_all(run);
             let outer = std::mem::replace(&mut run.agent, agent);
-            let done = run_value(run, &Value::Rule(rule), given, origin);
+            let result = run_value(run, &Value::Rule(rule), arguments_from, origin);
             if !run.program.compatible {
                 run.agent = outer;
             }
-            done
+            result
         })
     }
 
@@ -352,7 +352,7 @@ impl Compiler<'_> {
         let ifnone = self.rule(ifnone);
         Box::new(move |run| {
             let ranges = Candidates::of(&ranges, run);
-            let mut wanted = 0;
+            let mut chosen = 0;
             if !run.chooser.takes_first() {
                 let mut count = 0usize;
                 ranges.each(run, &mut |_| {
@@ -361,19 +361,19 @@ impl Compiler<'_> {
                 });
                 run.checked()?;
                 if count > 0 {
-                    wanted = run.chooser.choose(count).min(count - 1);
+                    chosen = run.chooser.choose(count).min(count - 1);
                     run.record.choices.push(StepChoice {
                         origin,
-                        index: wanted,
+                        index: chosen,
                         count,
                     });
                 }
             }
-            let mut seen = 0;
+            let mut visited = 0;
             let mut found = false;
             ranges.each(run, &mut |run| {
-                if seen < wanted {
-                    seen += 1;
+                if visited < chosen {
+                    visited += 1;
                     return ControlFlow::Continue(());
                 }
                 found = true;
@@ -432,7 +432,7 @@ pub(super) fn program_of(run: &StepContext<'_>, agent: &Value) -> Option<RuleId>
         .map(|(_, rule)| *rule)
 }
 
-/// Runs a rule value. The arguments given at the call are on the stack from `given` on.
+/// Runs a rule value. The arguments given at the call are on the stack from `arguments_from` on.
 fn run_value(
     run: &mut StepContext<'_>,
     rule: &Value,
@@ -465,7 +465,13 @@ fn run_value(
     );
     if wanted != actual {
         run.locals.truncate(from);
-        return Err(run.stop(FaultKind::RuleArity { wanted, actual }, origin));
+        return Err(run.stop(
+            FaultKind::RuleArity {
+                expected: wanted,
+                actual,
+            },
+            origin,
+        ));
     }
     if returns {
         run.taking_result(|run| run.call_routine(routine, from))?;

@@ -173,7 +173,7 @@ impl Compiler<'_> {
             TermNode::Watched(term) => self.watched_term(term),
             TermNode::Pre(term) => {
                 let term = self.term(term);
-                Box::new(move |run| run.before(&term))
+                Box::new(move |run| run.in_previous_state(&term))
             }
             TermNode::Program(agent) => {
                 let agent = self.term(agent);
@@ -188,7 +188,7 @@ impl Compiler<'_> {
     fn call_body(&self, body: BodyId, arguments: &[Term]) -> TermCode {
         let arguments = self.values(arguments);
         Box::new(move |run| {
-            let from = arguments.passed(run);
+            let from = arguments.pass_arguments(run);
             run.call_body(body, from)
         })
     }
@@ -201,7 +201,7 @@ impl Compiler<'_> {
     ) -> TermCode {
         let arguments = self.values(arguments);
         Box::new(move |run| {
-            let from = arguments.stacked(run);
+            let from = arguments.push_all(run);
             let result = if builtin.strict && run.stack[from..].iter().any(Value::is_undef) {
                 Ok(Value::Undef)
             } else {

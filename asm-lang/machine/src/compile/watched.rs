@@ -57,7 +57,7 @@ impl Compiler<'_> {
             code(run)?;
             if let Some(notes) = run.notes {
                 if let Some(update) = run.updates.list.last() {
-                    notes.wrote(update);
+                    notes.record_update(update);
                 }
                 notes.leave();
             }

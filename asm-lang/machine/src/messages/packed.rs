@@ -17,11 +17,11 @@ impl MessagesInTransit {
 
     /// Writes everything that affects later steps.
     pub fn pack(&self, to: &mut Writer) {
-        for letters in [&self.arrived, &self.received, &self.answers] {
-            to.count(letters.len());
-            for letter in letters {
-                self.pack_id(letter.id, to);
-                to.values([&letter.from, &letter.to, &letter.operation, &letter.data].into_iter());
+        for queue in [&self.undelivered, &self.received, &self.answers] {
+            to.count(queue.len());
+            for stored in queue {
+                self.pack_id(stored.id, to);
+                to.values([&stored.from, &stored.to, &stored.operation, &stored.data].into_iter());
             }
         }
         to.count(self.calls.len());
@@ -89,9 +89,9 @@ impl MessagesInTransit {
             last,
             ..Self::default()
         };
-        for letters in [&mut post.arrived, &mut post.received, &mut post.answers] {
+        for queue in [&mut post.undelivered, &mut post.received, &mut post.answers] {
             for _ in 0..from.count()? {
-                letters.push(letter(from, last)?);
+                queue.push(message(from, last)?);
             }
         }
         for _ in 0..from.count()? {
@@ -160,7 +160,7 @@ fn truth(from: &mut Reader<'_>) -> Option<bool> {
     }
 }
 
-fn letter(from: &mut Reader<'_>, last: u64) -> Option<StoredMessage> {
+fn message(from: &mut Reader<'_>, last: u64) -> Option<StoredMessage> {
     let id = id(from, last)?;
     let values: [Value; 4] = from.values()?.try_into().ok()?;
     let [from, to, operation, data] = values;

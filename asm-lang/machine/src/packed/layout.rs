@@ -21,11 +21,11 @@ pub(crate) struct Layout {
     pub bits: usize,
     /// `true` for functions whose locations keep no value between steps, because the environment is
     /// asked for it in each; indexed by function.
-    pub is_asked_anew: Vec<bool>,
+    pub is_reread: Vec<bool>,
     /// Eager slots of these functions.
-    pub asked_anew: Vec<Slot>,
+    pub reread: Vec<Slot>,
     /// Domains whose elements depend on the inputs of the first step.
-    pub heard_domains: Vec<DomainId>,
+    pub message_domains: Vec<DomainId>,
     /// `true` if the initial value of a location that is accessed later depends on the inputs of
     /// the first step. The initial state is then part of each packed state.
     pub recalls: bool,
@@ -175,9 +175,9 @@ impl Values {
 
 impl Layout {
     pub fn of(program: &Program) -> Self {
-        let is_asked_anew: Vec<bool> = program.functions.iter().map(is_asked_anew).collect();
+        let is_reread: Vec<bool> = program.functions.iter().map(is_reread).collect();
         let mut fields = Vec::new();
-        let mut asked_anew = Vec::new();
+        let mut reread = Vec::new();
         let mut bits = 0;
         for id in &program.dense {
             let function = &program.functions[id.0 as usize];
@@ -190,8 +190,8 @@ impl Layout {
             else {
                 continue;
             };
-            if is_asked_anew[id.0 as usize] {
-                asked_anew.extend(base..base + count);
+            if is_reread[id.0 as usize] {
+                reread.extend(base..base + count);
                 continue;
             }
             let coding = Coding::of(program, &function.codomain);
@@ -219,11 +219,11 @@ impl Layout {
         Self {
             fields,
             bits,
-            asked_anew,
-            heard_domains: heard_domains.collect(),
+            reread,
+            message_domains: heard_domains.collect(),
             recalls: recalls && !program.compatible,
             first_differs: !program.initial_inputs.is_empty() || waits || hears_late,
-            is_asked_anew,
+            is_reread,
         }
     }
 }
@@ -240,7 +240,7 @@ fn is_input(function: &Function) -> bool {
 
 /// Returns `true` if a location does not keep its value when the environment provides none; mirrors
 /// `StepContext::input`.
-fn is_asked_anew(function: &Function) -> bool {
+fn is_reread(function: &Function) -> bool {
     let has_none = function.kind == FunctionKind::Monitored && function.initial.is_none();
     is_input(function) && (has_none || function.clock.is_some() || function.mail.is_some())
 }

@@ -41,7 +41,7 @@ pub(crate) struct Bits<'a>(&'a [u8]);
 
 impl BitsMut<'_> {
     /// Writes a number of `width` bits at index `at`, lowest bit first.
-    pub fn put(&mut self, at: usize, width: u32, number: u64) {
+    pub fn set(&mut self, at: usize, width: u32, number: u64) {
         for bit in 0..width as usize {
             if number >> bit & 1 == 1
                 && let Some(byte) = self.0.get_mut((at + bit) / 8)

@@ -18,7 +18,7 @@ pub(crate) struct Locations {
     /// Number of eager slots, which have a value from the start.
     pub eager: Slot,
     /// `true` for each lazy slot that was accessed.
-    pub met: Vec<bool>,
+    pub is_materialised: Vec<bool>,
     /// Lazy slots first accessed after the last successful step.
     pub uncommitted: Vec<Slot>,
     /// Number of slots after the last successful step. Slots interned by a failed step are kept
@@ -44,7 +44,7 @@ impl Locations {
         Self {
             fixed: program.slots,
             eager: program.eager,
-            met: vec![false; (program.slots - program.eager) as usize],
+            is_materialised: vec![false; (program.slots - program.eager) as usize],
             uncommitted: Vec::new(),
             committed: program.slots as usize,
             interned: Vec::new(),
@@ -70,13 +70,13 @@ impl Locations {
     /// Returns `true` if a slot holds a value: an eager or interned slot, or a lazy one that was
     /// accessed.
     #[inline]
-    pub fn is_met(&self, slot: Slot) -> bool {
-        slot < self.eager || self.met.get((slot - self.eager) as usize) != Some(&false)
+    pub fn is_materialised(&self, slot: Slot) -> bool {
+        slot < self.eager || self.is_materialised.get((slot - self.eager) as usize) != Some(&false)
     }
 
     /// Marks a lazy slot as accessed; returns `false` if there is no such slot.
-    pub fn meet(&mut self, slot: Slot) -> bool {
-        match self.met.get_mut((slot - self.eager) as usize) {
+    pub fn materialise(&mut self, slot: Slot) -> bool {
+        match self.is_materialised.get_mut((slot - self.eager) as usize) {
             Some(met) => {
                 *met = true;
                 self.uncommitted.push(slot);
@@ -119,7 +119,7 @@ impl Locations {
 
     /// Removes all interned locations and marks all lazy slots as not accessed.
     pub fn forget_all(&mut self) {
-        self.met.fill(false);
+        self.is_materialised.fill(false);
         self.uncommitted.clear();
         self.committed = self.fixed as usize;
         self.interned.clear();

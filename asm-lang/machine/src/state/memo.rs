@@ -8,19 +8,19 @@ use asmotion_value::Value;
 #[derive(Clone)]
 pub(crate) struct Memo {
     /// For each slot, the round in which the environment was last asked.
-    pub asked: Vec<u64>,
+    pub read_in: Vec<u64>,
     /// Values of closed static terms; valid in every state of a program.
     pub caches: Vec<Option<Value>>,
     /// Slots of interned locations with small arguments.
-    pub near: Near,
+    pub windows: Near,
 }
 
 impl Memo {
     pub fn new(program: &Program) -> Self {
         Self {
-            asked: vec![0; program.slots as usize],
+            read_in: vec![0; program.slots as usize],
             caches: vec![None; program.caches as usize],
-            near: Near::default(),
+            windows: Near::default(),
         }
     }
 }

@@ -31,10 +31,10 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(S004, error)]
-#[error("{what} is not {wanted}")]
+#[error("{what} is not {expected}")]
 pub(crate) struct WrongInputValue {
     pub what: String,
-    pub wanted: String,
+    pub expected: String,
     pub at: Span,
     pub similar: Option<Arc<str>>,
     /// The elements of the domain, if they have names.
@@ -55,7 +55,7 @@ impl Finding for WrongInputValue {
             }
         };
         diagnostic
-            .label(self.at, format!("expected {}", self.wanted))
+            .label(self.at, format!("expected {}", self.expected))
             .help(help)
     }
 }

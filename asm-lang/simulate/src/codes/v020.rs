@@ -1,5 +1,5 @@
-use crate::seen::FailedCondition;
-use crate::seen::{holds, when};
+use crate::failed_condition::FailedCondition;
+use crate::failed_condition::{failure_time, holds};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Check failed
@@ -40,7 +40,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V020, error)]
-#[error("the check {} {}", holds(seen), when(*steps))]
+#[error("the check {} {}", holds(seen), failure_time(*steps))]
 pub(crate) struct CheckFailed<'a> {
     pub seen: &'a FailedCondition,
     pub steps: u64,

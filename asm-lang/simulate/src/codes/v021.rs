@@ -1,5 +1,5 @@
-use crate::seen::FailedCondition;
-use crate::seen::{holds, when};
+use crate::failed_condition::FailedCondition;
+use crate::failed_condition::{failure_time, holds};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Invariant of the scenario failed
@@ -39,7 +39,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V021, error)]
-#[error("the invariant `{name}` {} {}", holds(seen), when(*steps))]
+#[error("the invariant `{name}` {} {}", holds(seen), failure_time(*steps))]
 pub(crate) struct ScenarioInvariantFailed<'a> {
     pub name: &'a str,
     pub seen: &'a FailedCondition,

@@ -1,6 +1,6 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-use crate::seen::FailedCondition;
+use crate::failed_condition::FailedCondition;
 
 /// `step until` did not end
 ///

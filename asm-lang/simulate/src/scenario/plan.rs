@@ -364,16 +364,16 @@ impl ScenarioPlanner<'_> {
 
 /// Returns the rules that a pick refers to. A name without domains refers to the rule without
 /// parameters, if there is one.
-fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a asmotion_hir::Rule> {
+fn picked_rules<'a>(model: &'a Model, picked: &PickedRule) -> Vec<&'a asmotion_hir::Rule> {
     let named = model
         .rules
         .iter()
-        .filter(|rule| rule.name == wanted.name.text);
+        .filter(|rule| rule.name == picked.name.text);
     let takes = |rule: &&asmotion_hir::Rule, domains: &[NameText]| {
         let shown = rule.parameters.iter().map(|&ty| model.show_type(ty));
         shown.eq(domains.iter().map(|name| name.text.replace(' ', "")))
     };
-    match &wanted.parameters {
+    match &picked.parameters {
         Some(domains) => named.filter(|rule| takes(rule, domains)).collect(),
         None => {
             let alone: Vec<_> = named.clone().filter(|rule| takes(rule, &[])).collect();

@@ -4,7 +4,7 @@ use super::choices::PickedChoices;
 use super::inputs::HeldInputs;
 use super::plan::{PlannedCondition, ScenarioAction, ScenarioActionKind, ScenarioPlan};
 use super::verdict::{ScenarioFailure, ScenarioFailureKind, ScenarioOutcome, Verdict};
-use crate::seen::FailedCondition;
+use crate::failed_condition::FailedCondition;
 use asmotion_diagnostics::Span;
 use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 use asmotion_ir::{FunctionKind, Origin};
@@ -69,15 +69,15 @@ pub fn run(
 
 /// Returns the origins of the ranges that a `pick` refers to.
 fn ranges(plan: &ScenarioPlan, origins: &[Span]) -> BTreeMap<Span, Origin> {
-    let mut wanted: BTreeSet<Span> = BTreeSet::new();
+    let mut expected: BTreeSet<Span> = BTreeSet::new();
     for action in &plan.actions {
         if let ScenarioActionKind::Pick { ranges, .. } = &action.kind {
-            wanted.extend(ranges);
+            expected.extend(ranges);
         }
     }
     let known = origins.iter().enumerate();
     known
-        .filter(|(_, span)| wanted.contains(span))
+        .filter(|(_, span)| expected.contains(span))
         .map(|(index, span)| (*span, Origin(index as u32)))
         .collect()
 }

@@ -3,7 +3,7 @@
 use crate::codes::v020::CheckFailed;
 use crate::codes::v021::ScenarioInvariantFailed;
 use crate::codes::v022::UntilDidNotEnd;
-use crate::seen::FailedCondition;
+use crate::failed_condition::FailedCondition;
 use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use asmotion_machine::{FaultKind, StepFault};
 
@@ -75,7 +75,7 @@ pub struct ScenarioOutcome {
 impl ScenarioOutcome {
     /// Returns the outcome for a machine whose initial state has a fault. `at` is the span in the
     /// scenario that names the specification.
-    pub fn unbegun(fault: Box<StepFault>, at: Span) -> Self {
+    pub fn initial_fault(fault: Box<StepFault>, at: Span) -> Self {
         Self {
             verdict: Verdict::of(&fault),
             steps: 0,

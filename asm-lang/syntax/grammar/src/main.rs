@@ -43,10 +43,10 @@ mod tests {
 
     #[test]
     fn the_parser_is_that_of_the_grammar() {
-        let wanted = generate(&source("grammar.lalrpop")).unwrap();
+        let expected = generate(&source("grammar.lalrpop")).unwrap();
         let found = fs::read_to_string(source("grammar.rs")).unwrap();
         assert!(
-            found == wanted,
+            found == expected,
             "the parser is out of date: regenerate it with `cargo run -p asmotion-grammar`"
         );
     }

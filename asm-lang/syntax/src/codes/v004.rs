@@ -35,17 +35,21 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V004, error)]
-#[error("expected {wanted} after `{command}`")]
+#[error("expected {expected} after `{command}`")]
 pub(crate) struct IncompleteCommand {
     pub command: &'static str,
-    pub wanted: &'static str,
+    pub expected: &'static str,
     pub form: &'static str,
     pub at: Span,
 }
 
 impl Finding for IncompleteCommand {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { form, wanted, .. } = self;
+        let Self {
+            form,
+            expected: wanted,
+            ..
+        } = self;
         diagnostic
             .label(self.at, format!("expected {wanted}"))
             .help(format!("write `{form}`"))

@@ -51,11 +51,11 @@ impl<'input> Explainer<'input, '_> {
         {
             return None;
         }
-        let meant = expected.nearest(name)?.to_owned();
+        let suggestion = expected.nearest(name)?.to_owned();
         Some(
             UnknownWord {
                 found: self.place(found),
-                meant,
+                meant: suggestion,
             }
             .diagnostic(),
         )

@@ -106,12 +106,12 @@ impl<'input> Lexer<'input, '_> {
         let rest = self.rest();
         let second = rest.get(word.len()..)?.trim_start_matches([' ', '\t']);
         let second = second.get(..length(second))?;
-        let meant = ENDS
+        let suggestion = ENDS
             .iter()
             .find(|end| end.spelling().strip_prefix("end") == Some(second))?;
         let found = rest.get(..rest.find(second)? + second.len())?;
-        self.report_foreign(found, meant.spelling());
-        Some((Token::Keyword(*meant), found.len()))
+        self.report_foreign(found, suggestion.spelling());
+        Some((Token::Keyword(*suggestion), found.len()))
     }
 
     /// Checks the characters of a name.

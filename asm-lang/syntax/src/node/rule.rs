@@ -189,11 +189,11 @@ fn misspelled_word(rule: &Rule) -> Option<(SpannedText, String)> {
     let TermKind::Apply { name, .. } = &*term.kind else {
         return None;
     };
-    let meant = nearest(
+    let suggestion = nearest(
         &name.text,
         ["else", "endif", "otherwise", "endswitch", "endlet"],
     )?;
-    Some(((name.text.to_string(), name.span), meant.to_owned()))
+    Some(((name.text.to_string(), name.span), suggestion.to_owned()))
 }
 
 /// Returns the depth of the deepest part of a rule.

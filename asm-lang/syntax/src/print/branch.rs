@@ -83,7 +83,7 @@ impl TokenLayout<'_> {
     /// Prints `if g then … else … endif`; an `else if` on one line stays at the same indentation.
     pub(super) fn choose_if<T: PrintBranch>(&mut self, branch: &If<'_, T>, lines: bool) {
         self.guarded(branch.guard);
-        self.part(branch.then, lines);
+        self.branch(branch.then, lines);
         let mut chained = false;
         if let Some(otherwise) = branch.otherwise {
             self.separate(LayoutBreak::line(lines));
@@ -94,7 +94,7 @@ impl TokenLayout<'_> {
                     self.separate(LayoutBreak::Blank);
                     self.choose_if(&next, lines);
                 }
-                None => self.part(otherwise, lines),
+                None => self.branch(otherwise, lines),
             }
         }
         self.separate(if chained {
@@ -172,12 +172,12 @@ impl TokenLayout<'_> {
         });
         self.group(|it| {
             it.token();
-            it.part(body, apart);
+            it.branch(body, apart);
         });
     }
 
     /// Prints a branch between keywords.
-    pub(super) fn part<T: PrintBranch>(&mut self, part: &T, lines: bool) {
+    pub(super) fn branch<T: PrintBranch>(&mut self, part: &T, lines: bool) {
         self.indent(|it| {
             it.separate(LayoutBreak::line(lines));
             part.print(it);

@@ -248,7 +248,7 @@ impl TokenLayout<'_> {
                     self.separate(LayoutBreak::Blank);
                     self.joined(2);
                 }
-                self.stated(body);
+                self.condition(body);
             }
             PropertyKind::Compassion(p, q) => {
                 self.token();
@@ -259,7 +259,7 @@ impl TokenLayout<'_> {
 
     /// Prints a condition. The arguments of a function are indented anyway, so it is not indented
     /// further.
-    fn stated(&mut self, body: &Term) {
+    fn condition(&mut self, body: &Term) {
         let print = |of: &mut Self| {
             of.separate(LayoutBreak::Blank);
             of.term(body);

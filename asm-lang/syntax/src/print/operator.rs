@@ -63,7 +63,7 @@ impl TokenLayout<'_> {
             let least = link.operator.strength();
             let of = Some(link.operator);
             if index == 0 {
-                self.beginning(first, OperandPosition { least, of });
+                self.first_operand(first, OperandPosition { least, of });
             }
             self.separate(LayoutBreak::Line);
             self.token();
@@ -80,7 +80,7 @@ impl TokenLayout<'_> {
 
     /// Prints the first operand of a chain, removing superfluous parentheses around a chain of the
     /// same precedence.
-    fn beginning(&mut self, first: &Term, place: OperandPosition) {
+    fn first_operand(&mut self, first: &Term, place: OperandPosition) {
         if let TermKind::Chain {
             first: inner,
             links,

@@ -59,11 +59,11 @@ impl TokenLayout<'_> {
                 ifnone,
             } => {
                 self.choice(binders, guard.as_ref());
-                self.part(body, lines);
+                self.branch(body, lines);
                 if let Some(ifnone) = ifnone {
                     self.separate(LayoutBreak::line(lines));
                     self.token();
-                    self.part(ifnone, lines);
+                    self.branch(ifnone, lines);
                 }
             }
             RuleKind::Forall {
@@ -72,26 +72,26 @@ impl TokenLayout<'_> {
                 body,
             } => {
                 self.choice(binders, guard.as_ref());
-                self.part(body, lines);
+                self.branch(body, lines);
             }
             RuleKind::Let { bindings, body } => {
                 self.bindings(bindings);
-                self.part(body, lines);
+                self.branch(body, lines);
                 self.end(lines);
             }
             RuleKind::Extend {
                 variables, body, ..
             } => {
                 self.extend(variables);
-                self.part(body, lines);
+                self.branch(body, lines);
             }
             RuleKind::While { guard, body } | RuleKind::WhileRec { guard, body } => {
                 self.guarded(guard);
-                self.part(body, lines);
+                self.branch(body, lines);
             }
             RuleKind::Iterate(body) => {
                 self.token();
-                self.part(body, lines);
+                self.branch(body, lines);
                 self.end(lines);
             }
             RuleKind::Local { functions, body } => self.local(functions, body, lines),

@@ -73,7 +73,7 @@ impl TokenLayout<'_> {
             } => self.choose_case(subject, cases, otherwise.as_ref(), lines),
             TermKind::Let { bindings, body } => {
                 self.bindings(bindings);
-                self.part(body, lines);
+                self.branch(body, lines);
                 self.separate(LayoutBreak::line(lines));
                 self.token();
             }

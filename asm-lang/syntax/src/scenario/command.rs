@@ -44,7 +44,7 @@ impl ScenarioReader<'_, '_> {
                 }
                 return commands;
             }
-            if self.takes_sign(";") {
+            if self.accept_sign(";") {
                 continue;
             }
             let start = self.lexer.position();
@@ -73,24 +73,24 @@ impl ScenarioReader<'_, '_> {
     ) -> Option<ScenarioCommandKind> {
         match word {
             "set" => {
-                let part = self.part(at);
+                let part = self.command_range(at);
                 let parsed = parse_assignment_in(self.file, self.text, part);
                 let (target, value) = self.collect_errors(parsed)?;
                 Some(ScenarioCommandKind::Set(target, value))
             }
             "check" => {
-                let part = self.part(at);
+                let part = self.command_range(at);
                 Some(ScenarioCommandKind::Check(self.term(part)?))
             }
-            "step" => match self.takes("until") {
+            "step" => match self.accept_word("until") {
                 Some(until) => {
-                    let part = self.part(until);
+                    let part = self.command_range(until);
                     Some(ScenarioCommandKind::StepUntil(self.term(part)?))
                 }
                 None => Some(ScenarioCommandKind::Step),
             },
             "exec" => {
-                let part = self.part(at);
+                let part = self.command_range(at);
                 let parsed = parse_rule_in(self.file, self.text, part);
                 Some(ScenarioCommandKind::Exec(self.collect_errors(parsed)?))
             }
@@ -99,7 +99,7 @@ impl ScenarioReader<'_, '_> {
             "execblock" => self.exec_block(at),
             "invariant" | "scenario" | "load" => {
                 let word = COMMANDS.iter().find(|known| **known == word)?;
-                self.part(at);
+                self.command_range(at);
                 self.error(LateHeading { word, at });
                 None
             }
@@ -131,15 +131,15 @@ impl ScenarioReader<'_, '_> {
             self.incomplete("pick", "a variable", FORM, at);
             return None;
         };
-        let rule = match self.takes("in") {
+        let rule = match self.accept_word("in") {
             Some(at) => Some(self.picked_rule(at)?),
             None => None,
         };
-        if !self.takes_sign(":=") {
+        if !self.accept_sign(":=") {
             self.incomplete("pick", "`:=` and a value", FORM, variable.span);
             return None;
         }
-        let part = self.part(at);
+        let part = self.command_range(at);
         Some(Pick {
             variable,
             rule,
@@ -149,8 +149,8 @@ impl ScenarioReader<'_, '_> {
 
     fn picked_rule(&mut self, at: Span) -> Option<PickedRule> {
         let form = "pick $x in r_rule := term;";
-        let name = self.wanted_name("pick", "a rule", form, at)?;
-        let parameters = self.takes_sign("(").then(|| self.domains());
+        let name = self.expected_name("pick", "a rule", form, at)?;
+        let parameters = self.accept_sign("(").then(|| self.domains());
         Some(PickedRule { name, parameters })
     }
 
@@ -196,7 +196,7 @@ impl ScenarioReader<'_, '_> {
     }
 
     fn block(&mut self, at: Span, open: &mut Vec<NameText>) -> Option<ScenarioBlock> {
-        let name = self.wanted_name("begin", "a name", "begin name … end", at)?;
+        let name = self.expected_name("begin", "a name", "begin name … end", at)?;
         if open.len() >= MAX_DEPTH {
             self.error(BlocksNestTooDeep { at });
             self.skip_block();
@@ -225,9 +225,9 @@ impl ScenarioReader<'_, '_> {
     /// Parses `scenario:block` or, in the old notation, `scenario.block`.
     fn exec_block(&mut self, at: Span) -> Option<ScenarioCommandKind> {
         const FORM: &str = "execblock block;";
-        let first = self.wanted_name("execblock", "a block", FORM, at)?;
-        let second = if self.takes_sign(":") || self.takes_sign(".") {
-            Some(self.wanted_name("execblock", "a block", FORM, first.span)?)
+        let first = self.expected_name("execblock", "a block", FORM, at)?;
+        let second = if self.accept_sign(":") || self.accept_sign(".") {
+            Some(self.expected_name("execblock", "a block", FORM, first.span)?)
         } else {
             None
         };

@@ -23,7 +23,7 @@ impl<'input> ScenarioReader<'input, '_> {
 
     /// Returns the range up to the `;`, and skips the `;`. If it is missing, the command ends
     /// before the line on which the next one begins.
-    pub(super) fn part(&mut self, command: Span) -> Range<usize> {
+    pub(super) fn command_range(&mut self, command: Span) -> Range<usize> {
         self.part_behind(self.lexer.position(), command)
     }
 
@@ -103,22 +103,22 @@ impl<'input> ScenarioReader<'input, '_> {
         word
     }
 
-    /// Reads the next word if it is `wanted`.
-    pub(super) fn takes(&mut self, wanted: &str) -> Option<Span> {
+    /// Reads the next word if it is `expected`.
+    pub(super) fn accept_word(&mut self, word: &str) -> Option<Span> {
         self.lexer.blanks_and_comments();
         let rest = self.lexer.rest();
         let start = self.lexer.position();
-        (rest.get(..word_length(rest)) == Some(wanted)).then(|| {
+        (rest.get(..word_length(rest)) == Some(word)).then(|| {
             self.word();
-            self.span(start..start + wanted.len())
+            self.span(start..start + word.len())
         })
     }
 
-    pub(super) fn takes_sign(&mut self, wanted: &str) -> bool {
+    pub(super) fn accept_sign(&mut self, sign: &str) -> bool {
         self.lexer.blanks_and_comments();
-        let is_here = self.lexer.rest().starts_with(wanted);
+        let is_here = self.lexer.rest().starts_with(sign);
         if is_here {
-            self.lexer.start_at(self.lexer.position() + wanted.len());
+            self.lexer.start_at(self.lexer.position() + sign.len());
         }
         is_here
     }
@@ -136,7 +136,7 @@ impl<'input> ScenarioReader<'input, '_> {
     pub(super) fn variable(&mut self) -> Option<NameText> {
         self.lexer.blanks_and_comments();
         let start = self.lexer.position();
-        if !self.takes_sign("$") {
+        if !self.accept_sign("$") {
             return None;
         }
         let name = self.name()?;
@@ -146,16 +146,16 @@ impl<'input> ScenarioReader<'input, '_> {
         })
     }
 
-    pub(super) fn wanted_name(
+    pub(super) fn expected_name(
         &mut self,
         command: &'static str,
-        wanted: &'static str,
+        expected: &'static str,
         form: &'static str,
         at: Span,
     ) -> Option<NameText> {
         let name = self.name();
         if name.is_none() {
-            self.incomplete(command, wanted, form, at);
+            self.incomplete(command, expected, form, at);
         }
         name
     }
@@ -163,13 +163,13 @@ impl<'input> ScenarioReader<'input, '_> {
     pub(super) fn incomplete(
         &mut self,
         command: &'static str,
-        wanted: &'static str,
+        expected: &'static str,
         form: &'static str,
         at: Span,
     ) {
         self.error(IncompleteCommand {
             command,
-            wanted,
+            expected,
             form,
             at,
         });

@@ -81,5 +81,5 @@ impl Extract {
 
 /// Returns whether a tag with this key is kept.
 pub fn matters(rules: &Rules, key: &str) -> bool {
-    ALWAYS.contains(&key) || rules.know(key)
+    ALWAYS.contains(&key) || rules.uses_key(key)
 }

@@ -61,8 +61,8 @@ impl MapPicture {
     /// Creates a picture; `None` if the number of samples does not fit.
     pub fn new(width: u32, height: u32, channels: Channels, samples: Vec<u8>) -> Option<Self> {
         let pixels = (width as usize).checked_mul(height as usize)?;
-        let wanted = pixels.checked_mul(channels.count())?;
-        (samples.len() == wanted).then_some(Self {
+        let expected = pixels.checked_mul(channels.count())?;
+        (samples.len() == expected).then_some(Self {
             width,
             height,
             channels,

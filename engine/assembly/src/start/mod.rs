@@ -117,7 +117,7 @@ pub fn start_part(
     }
     for component in plan.components.iter().filter(here) {
         if let Some(master) = &component.pace.master {
-            building.system.slave(&component.name, master)?;
+            building.system.add_slave(&component.name, master)?;
         }
     }
     for component in plan.components.iter().filter(here) {
@@ -128,7 +128,7 @@ pub fn start_part(
         building.connection(connection)?;
     }
     for (topic, sending) in sending::of_topics(plan, part) {
-        building.network.set_sending(topic, sending);
+        building.network.set_publish_options(topic, sending);
     }
     for wire in &plan.wires {
         building.wire(wire)?;
@@ -172,7 +172,7 @@ impl Building<'_> {
             return Err(not_made(reason));
         }
         if let Some(broker) = self.plan.broker_of(&component.name) {
-            self.network.put_on(id, broker);
+            self.network.assign_bus(id, broker);
         }
         for (name, value) in &component.properties.0 {
             let set = self.system.set_property(id, name, &value.datum());
@@ -222,7 +222,7 @@ impl Building<'_> {
                 let end = format!("{}.{}", component.name, service.name);
                 let doors = self.plan.doors(&component.name, &service.name, self.part);
                 for (name, broker) in doors {
-                    self.network.offer_at(&self.system, &end, &name, broker)?;
+                    self.network.offer_as(&self.system, &end, &name, broker)?;
                 }
             }
         }
@@ -305,7 +305,7 @@ impl Building<'_> {
             } else {
                 let system = &mut self.system;
                 self.network
-                    .reach_over(system, &caller, &provider, how, broker)?;
+                    .wire_remote_over(system, &caller, &provider, how, broker)?;
             }
         }
         Ok(())

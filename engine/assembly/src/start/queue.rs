@@ -27,11 +27,12 @@ pub(super) fn to(
         ConnectionType::Circular => (FullQueuePolicy::Newest, number(policy.size)),
     };
     let size = layout.size_or(policy.data_size.map_or(0, number));
-    let room = QueueCapacity { messages, size };
-    let writer = QueueName::new(queue).and_then(|name| QueueWriter::open(name, layout, room, keep));
+    let capacity = QueueCapacity { messages, size };
+    let writer =
+        QueueName::new(queue).and_then(|name| QueueWriter::open(name, layout, capacity, keep));
     let writer = writer.map_err(|error| refused(from, error))?;
     let writer = writer.max_age(policy.max_age_ms.map(Duration::from_millis));
-    Ok(system.stream_out(&from.to_string(), Box::new(writer))?)
+    Ok(system.connect_sink(&from.to_string(), Box::new(writer))?)
 }
 
 /// Connects an input port to a queue.
@@ -44,7 +45,7 @@ pub(super) fn from(
     let layout = layout(system, to, Declaration::input)?;
     let name = QueueName::new(queue).map_err(|error| refused(to, error))?;
     let reader = QueueReader::new(name, layout).max_age(policy.max_age);
-    Ok(system.stream_in(Box::new(reader), &to.to_string(), policy)?)
+    Ok(system.connect_source(Box::new(reader), &to.to_string(), policy)?)
 }
 
 fn layout(

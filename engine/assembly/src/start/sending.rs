@@ -49,7 +49,7 @@ fn of_connections<'p>(
 ) -> PublishOptions {
     let init = connections.clone().any(|connection| connection.policy.init);
     let kinds = connections.map(|connection| policy::of(connection).kind);
-    of(kinds).init(init).by(codec(plan, publisher))
+    of(kinds).init(init).with_codec(codec(plan, publisher))
 }
 
 /// Returns the codec of the publisher's broker.
@@ -75,7 +75,7 @@ fn as_written(topic: &PlannedSending, mut sending: PublishOptions) -> PublishOpt
     };
     match topic.codec {
         None => sending,
-        Some(codec) => sending.by(codec),
+        Some(codec) => sending.with_codec(codec),
     }
 }
 
@@ -128,7 +128,7 @@ mod tests {
         topic.size = Some(7);
         topic.codec = Some(Codec::Json);
         let seven = NonZeroUsize::new(7).unwrap();
-        let wanted = PublishOptions::events(seven).by(Codec::Json);
+        let wanted = PublishOptions::events(seven).with_codec(Codec::Json);
         assert_eq!(as_written(&topic, PublishOptions::state()), wanted);
         topic.outage = Some(model::Outage::Drop);
         assert_eq!(as_written(&topic, wanted).outage, Outage::Drop);

@@ -27,46 +27,55 @@ impl ProxyEvents {
     }
 
     /// Sends `busy`: a command was accepted.
-    pub(super) fn busy(&self, cycle: &mut Cycle<'_>) {
+    pub(super) fn notify_busy(&self, cycle: &mut Cycle<'_>) {
         if self.notify.busy {
-            self.tell("busy", String::new(), cycle);
+            self.notify("busy", String::new(), cycle);
         }
     }
 
     /// Sends `idle`: the motion has ended.
-    pub(super) fn idle(&self, error: f64, cycle: &mut Cycle<'_>) {
-        self.tell("idle", format!("{error:.4} from the goal"), cycle);
+    pub(super) fn notify_idle(&self, error: f64, cycle: &mut Cycle<'_>) {
+        self.notify("idle", format!("{error:.4} from the goal"), cycle);
     }
 
     /// Sends `refresh` and `fault` as the sample requires. Returns whether the sample is faulty.
-    pub(super) fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) -> bool {
+    pub(super) fn notify_sample(
+        &mut self,
+        port: &str,
+        sample: &Datum,
+        cycle: &mut Cycle<'_>,
+    ) -> bool {
         self.is_stale = false;
         let is = |condition: &Option<crate::condition::MessageCondition>| {
             condition
                 .as_ref()
                 .filter(|condition| condition.port == port)
-                .filter(|condition| condition.holds(sample))
+                .filter(|condition| condition.is_met_by(sample))
                 .map(|condition| sample.get(&condition.path).map(|part| part.to_string()))
         };
         if is(&self.notify.refresh).is_some() {
-            self.tell("refresh", String::new(), cycle);
+            self.notify("refresh", String::new(), cycle);
         }
         let fault = is(&self.notify.fault);
         let faulty = fault.is_some();
         if let Some(part) = fault {
-            self.tell("fault", part.unwrap_or_default(), cycle);
+            self.notify("fault", part.unwrap_or_default(), cycle);
         }
         faulty
     }
 
     /// Sends `stale` if samples have just become overdue, and returns their age.
-    pub(super) fn watch(&mut self, age: Duration, cycle: &mut Cycle<'_>) -> Option<Duration> {
+    pub(super) fn notify_stale(
+        &mut self,
+        age: Duration,
+        cycle: &mut Cycle<'_>,
+    ) -> Option<Duration> {
         let limit = self.notify.stale?;
         if age < limit || self.is_stale {
             return None;
         }
         self.is_stale = true;
-        self.tell("stale", format!("no data for {age:?}"), cycle);
+        self.notify("stale", format!("no data for {age:?}"), cycle);
         Some(age)
     }
 
@@ -75,7 +84,7 @@ impl ProxyEvents {
         self.is_stale
     }
 
-    fn tell(&self, event: &str, detail: String, cycle: &mut Cycle<'_>) {
+    fn notify(&self, event: &str, detail: String, cycle: &mut Cycle<'_>) {
         let notice = Datum::record([
             ("event", Datum::text(event)),
             ("detail", Datum::Text(detail)),

@@ -51,7 +51,7 @@ impl PortProxy {
         let operations = self.operations.iter();
         let frozen = FrozenProxy {
             operations: operations
-                .map(|of| (of.kept.clone(), of.waiting.clone()))
+                .map(|of| (of.samples.clone(), of.waiting.clone()))
                 .collect(),
             motion: self.motion.as_ref().map(FrozenMotion::of),
             is_stale: self.events.as_ref().map(|events| events.is_stale),
@@ -74,7 +74,7 @@ impl PortProxy {
             });
         }
         for (of, (kept, waiting)) in self.operations.iter_mut().zip(frozen.operations) {
-            of.kept = kept;
+            of.samples = kept;
             of.waiting = waiting;
         }
         if let (Some(motion), Some(frozen)) = (&mut self.motion, frozen.motion) {

@@ -27,7 +27,7 @@ impl MotionMonitor {
     }
 
     /// Returns whether commands go through this port.
-    pub(super) fn obeys(&self, port: &str) -> bool {
+    pub(super) fn is_commanded_by(&self, port: &str) -> bool {
         self.idle.commanded.0 == port
     }
 
@@ -36,8 +36,8 @@ impl MotionMonitor {
         let path = &self.idle.commanded.1;
         let goal = message.get(path).map(|goal| numbers(&goal));
         let goal = goal.unwrap_or_default();
-        if let Some(wanted) = self.count.filter(|wanted| *wanted != goal.len()) {
-            return Err(wrong_count(wanted, goal.len()).within(path));
+        if let Some(expected) = self.count.filter(|wanted| *wanted != goal.len()) {
+            return Err(wrong_count(expected, goal.len()).in_field(path));
         }
         self.goal = Some(goal);
         self.near_since = None;
@@ -57,7 +57,7 @@ impl MotionMonitor {
             return None;
         }
         let since = *self.near_since.get_or_insert(now);
-        if now.since(since) < self.idle.held {
+        if now.since(since) < self.idle.settle_time {
             return None;
         }
         self.goal = None;
@@ -113,7 +113,7 @@ mod tests {
             within: 0.01,
             commanded: ("commands".to_owned(), "position".to_owned()),
             measured: ("status".to_owned(), "position".to_owned()),
-            held: Duration::from_millis(200),
+            settle_time: Duration::from_millis(200),
         })
     }
 

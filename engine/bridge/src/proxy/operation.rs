@@ -24,7 +24,7 @@ pub(super) struct ProxiedOperation {
     handle: Provided<Dynamic>,
     mode: ReplyMode,
     /// Samples since the last call, for [`ReplyMode::All`].
-    pub kept: VecDeque<Datum>,
+    pub samples: VecDeque<Datum>,
     pub waiting: Vec<Waiting>,
 }
 
@@ -54,7 +54,7 @@ impl ProxiedOperation {
             conversion: mapped.conversion.clone(),
             handle,
             mode: mapped.mode,
-            kept: VecDeque::new(),
+            samples: VecDeque::new(),
             waiting: Vec::new(),
         }
     }
@@ -72,7 +72,7 @@ impl ProxiedOperation {
     }
 
     /// Forgets cancelled requests, and marks the samples of the last cycle as having left.
-    pub(super) fn settle(&mut self, cycle: &Cycle<'_>) {
+    pub(super) fn set_sent_times(&mut self, cycle: &Cycle<'_>) {
         let gone = cycle.cancelled(self.handle);
         self.waiting
             .retain(|waiting| !gone.contains(&waiting.request));
@@ -92,13 +92,13 @@ impl ProxiedOperation {
         }
     }
 
-    /// Called when the target has written a sample in a cycle that began at `began`: it has consumed all samples that
-    /// had left before.
-    pub(super) fn taken(&mut self, began: Time, cycle: &mut Cycle<'_>) {
+    /// Called when the target has written a sample in a cycle that began at `cycle_start`: it has consumed all samples
+    /// that had left before.
+    pub(super) fn reply_to_sent(&mut self, cycle_start: Time, cycle: &mut Cycle<'_>) {
         if self.mode != ReplyMode::Taken {
             return;
         }
-        let is_taken = |waiting: &mut Waiting| waiting.left.is_some_and(|left| left <= began);
+        let is_taken = |waiting: &mut Waiting| waiting.left.is_some_and(|left| left <= cycle_start);
         let taken: Vec<Waiting> = self.waiting.extract_if(.., is_taken).collect();
         for waiting in taken {
             self.reply(waiting.request, cycle);
@@ -106,7 +106,7 @@ impl ProxiedOperation {
     }
 
     /// Called when the motion has ended: replies to the waiting requests.
-    pub(super) fn done(&mut self, cycle: &mut Cycle<'_>) {
+    pub(super) fn reply_to_finished(&mut self, cycle: &mut Cycle<'_>) {
         if self.mode != ReplyMode::Done {
             return;
         }
@@ -126,14 +126,14 @@ impl ProxiedOperation {
     }
 
     /// Buffers a sample for [`ReplyMode::All`].
-    pub(super) fn keep(&mut self, port: &str, sample: &Datum) {
+    pub(super) fn store_sample(&mut self, port: &str, sample: &Datum) {
         if self.mode != ReplyMode::All || self.port != port {
             return;
         }
-        if self.kept.len() == MAX_KEPT {
-            self.kept.pop_front();
+        if self.samples.len() == MAX_KEPT {
+            self.samples.pop_front();
         }
-        self.kept.push_back(sample.clone());
+        self.samples.push_back(sample.clone());
     }
 
     /// The response of an operation that reads.
@@ -143,8 +143,8 @@ impl ProxiedOperation {
         cycle: &Cycle<'_>,
     ) -> Result<Datum, ServiceFault> {
         if self.mode == ReplyMode::All {
-            let kept = Datum::List(self.kept.drain(..).collect());
-            return Ok(self.conversion.apply(&kept));
+            let samples = Datum::List(self.samples.drain(..).collect());
+            return Ok(self.conversion.apply(&samples));
         }
         match cycle.read(port) {
             Flow::NewData(sample) | Flow::OldData(sample) => Ok(self.conversion.apply(sample)),

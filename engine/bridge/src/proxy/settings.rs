@@ -94,5 +94,5 @@ pub struct IdleCriterion {
     /// Port and path of the measured values.
     pub measured: (String, String),
     /// Minimum time for which the values must be near.
-    pub held: Duration,
+    pub settle_time: Duration,
 }

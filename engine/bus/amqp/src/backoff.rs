@@ -13,7 +13,7 @@ pub(crate) struct Backoff {
     last: Duration,
     next: Duration,
     jitter: f64,
-    chance: ChaCha8Rng,
+    random: ChaCha8Rng,
 }
 
 impl Backoff {
@@ -24,7 +24,7 @@ impl Backoff {
             last: timing.last_retry,
             next: timing.first_retry,
             jitter: timing.jitter.clamp(0.0, 1.0),
-            chance: ChaCha8Rng::seed_from_u64(seed),
+            random: ChaCha8Rng::seed_from_u64(seed),
         }
     }
 
@@ -34,10 +34,10 @@ impl Backoff {
     }
 
     /// Returns the next delay, of which the share `jitter` is random. Doubles the following one.
-    pub(crate) fn wait(&mut self) -> Duration {
+    pub(crate) fn next_delay(&mut self) -> Duration {
         let wait = self.next;
         self.next = (wait * 2).min(self.last);
-        let random: f64 = self.chance.random_range(0.0..1.0);
+        let random: f64 = self.random.random_range(0.0..1.0);
         wait.mul_f64(1.0 - self.jitter * (1.0 - random))
     }
 }
@@ -53,7 +53,7 @@ mod tests {
             ..AmqpTiming::default()
         };
         let mut backoff = Backoff::new(&timing, seed);
-        (0..8).map(|_| backoff.wait()).collect()
+        (0..8).map(|_| backoff.next_delay()).collect()
     }
 
     #[test]

@@ -16,7 +16,7 @@ use tokio::sync::oneshot;
 use crate::channel::ChannelError;
 use crate::first_declaration::FirstDeclaration;
 use crate::link::Link;
-use crate::names::{RoutingNames, short};
+use crate::names::{RoutingNames, check_length};
 use crate::publisher::{self, AmqpPublisher, PublisherShared};
 use crate::service::Services;
 use crate::settings::AmqpSettings;
@@ -35,10 +35,10 @@ pub struct AmqpBus {
     link: Arc<Link>,
     names: RoutingNames,
     /// Unique among all buses; distinguishes restarts of the same process.
-    life: String,
+    lifetime_id: String,
     /// Numbers publishers and subscriptions; the next one.
     number: AtomicU64,
-    lanes: Mutex<Vec<Weak<PublisherShared>>>,
+    publishers: Mutex<Vec<Weak<PublisherShared>>>,
     services: Services,
     tasks: Handle,
     thread: Option<JoinHandle<()>>,
@@ -49,12 +49,12 @@ impl AmqpBus {
     /// the state.
     ///
     /// # Errors
-    /// [`BusError::BadName`] if a name of the process or the virtual host is too long for AMQP,
+    /// [`BusError::InvalidName`] if a name of the process or the virtual host is too long for AMQP,
     /// [`BusError::Disconnected`] if the system refuses a thread. A broker that does not respond is not an error.
     pub fn open(settings: AmqpSettings) -> Result<Self, BusError> {
         for name in [&settings.process, &settings.services(), &settings.vhost] {
             // the longest name derived from it is a queue's, which is truncated
-            short(name, &format!("{name} (publishers)"))?;
+            check_length(name, &format!("{name} (publishers)"))?;
         }
         let disconnected = |error: std::io::Error| BusError::Disconnected {
             reason: error.to_string(),
@@ -65,7 +65,7 @@ impl AmqpBus {
             .enable_all()
             .build()
             .map_err(disconnected)?;
-        let life = life();
+        let life = new_lifetime_id();
         let (robot, process) = (settings.robot.clone(), settings.process.clone());
         let names = RoutingNames::new(robot, process, life.clone());
         let link = Arc::new(Link::new(settings));
@@ -84,9 +84,9 @@ impl AmqpBus {
         Ok(Self {
             link,
             names,
-            life,
+            lifetime_id: life,
             number: AtomicU64::new(1),
-            lanes: Mutex::default(),
+            publishers: Mutex::default(),
             services,
             tasks,
             thread: Some(thread),
@@ -97,12 +97,12 @@ impl AmqpBus {
     ///
     /// # Errors
     /// [`BusError::Refused`] as soon as the broker rejects the credentials or the virtual host,
-    /// [`BusError::Disconnected`] if no connection is up after `within`.
-    pub fn connect(settings: AmqpSettings, within: Duration) -> Result<Self, BusError> {
+    /// [`BusError::Disconnected`] if no connection is up after `timeout`.
+    pub fn connect(settings: AmqpSettings, timeout: Duration) -> Result<Self, BusError> {
         let bus = Self::open(settings)?;
         let notifier = Arc::new(Notifier::new());
-        bus.watch(&notifier);
-        let until = Instant::now() + within;
+        bus.notify_on_change(&notifier);
+        let until = Instant::now() + timeout;
         loop {
             let reason = match bus.health().link {
                 asmotion_bus::LinkState::Up => return Ok(bus),
@@ -113,12 +113,12 @@ impl AmqpBus {
                 let reason = reason.to_owned();
                 return Err(BusError::Refused { reason });
             }
-            let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            let remaining = until.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
                 let reason = reason.to_string();
                 return Err(BusError::Disconnected { reason });
             }
-            notifier.wait(left);
+            notifier.wait(remaining);
         }
     }
 
@@ -128,7 +128,7 @@ impl AmqpBus {
 }
 
 /// Creates a bus id from time, process and a counter, so that no other bus has it.
-fn life() -> String {
+fn new_lifetime_id() -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let nanos = now.unwrap_or_default().as_nanos();
     let count = LIVES.fetch_add(1, Ordering::Relaxed);
@@ -144,17 +144,17 @@ impl Bus for AmqpBus {
         sending: PublishOptions,
     ) -> Result<Box<dyn Publisher>, BusError> {
         let key = self.names.key(topic)?;
-        short(&schema.name, &schema.name)?;
-        let lane = PublisherShared::new(sending);
+        check_length(&schema.name, &schema.name)?;
+        let publisher = PublisherShared::new(sending);
         let settings = &self.link.settings;
         let task = publisher::PublisherTask {
             link: Arc::clone(&self.link),
-            lane: Arc::clone(&lane),
+            shared: Arc::clone(&publisher),
             key,
             author: MessageSource {
                 source: Arc::clone(&origin.source),
                 incarnation: origin.incarnation,
-                stream: format!("{}.{}", self.life, self.next_number()),
+                stream: format!("{}.{}", self.lifetime_id, self.next_number()),
                 clock: settings.clock.clone(),
                 user: settings.credentials.user().to_owned(),
                 persistent: sending.assurance == asmotion_bus::Assurance::Confirmed,
@@ -162,14 +162,17 @@ impl Bus for AmqpBus {
                 schema: schema.clone(),
             },
         };
-        let mut lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
-        lanes.retain(|lane| lane.strong_count() > 0);
-        lanes.push(Arc::downgrade(&lane));
-        drop(lanes);
+        let mut publishers = self
+            .publishers
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        publishers.retain(|lane| lane.strong_count() > 0);
+        publishers.push(Arc::downgrade(&publisher));
+        drop(publishers);
         self.link.spawn(&self.tasks, task.run());
         Ok(Box::new(AmqpPublisher {
             link: Arc::clone(&self.link),
-            lane,
+            shared: publisher,
             spans: SpanGenerator::new(&origin.source, origin.incarnation, topic),
             sequence: 0,
         }))
@@ -185,7 +188,7 @@ impl Bus for AmqpBus {
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
         let binding = self.names.binding(pattern)?;
-        let inlet = SubscriptionSender::new(queue, notifier);
+        let sender = SubscriptionSender::new(queue, notifier);
         let (leaving, leave) = oneshot::channel();
         let (ready, told) = FirstDeclaration::new();
         let task = subscriber::SubscriberTask {
@@ -195,8 +198,8 @@ impl Bus for AmqpBus {
             binding,
             queue: self.names.queue(reader, pattern, self.next_number()),
             policy: queue,
-            inlet: inlet.clone(),
-            leave,
+            sender: sender.clone(),
+            stop: leave,
             ready,
         };
         let is_open = self.link.is_open();
@@ -207,7 +210,7 @@ impl Bus for AmqpBus {
         {
             return Err(BusError::Refused { reason });
         }
-        Ok(inlet.subscription(move || {
+        Ok(sender.subscription(move || {
             // fails if the task has already ended
             let _ = leaving.send(());
         }))
@@ -233,19 +236,22 @@ impl Bus for AmqpBus {
         self.services.call(address, request, notifier)
     }
 
-    fn tell(
+    fn call_one_way(
         &self,
         address: &str,
         request: Request,
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, BusError> {
-        self.services.tell(address, request, notifier)
+        self.services.call_one_way(address, request, notifier)
     }
 
-    fn repeat(&self) {
-        let lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
-        for lane in lanes.iter().filter_map(Weak::upgrade) {
-            lane.repeat(self.link.is_open());
+    fn republish_retained(&self) {
+        let publishers = self
+            .publishers
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        for publisher in publishers.iter().filter_map(Weak::upgrade) {
+            publisher.republish_retained(self.link.is_open());
         }
     }
 
@@ -253,19 +259,22 @@ impl Bus for AmqpBus {
         self.link.health()
     }
 
-    fn watch(&self, notifier: &Arc<Notifier>) {
-        self.link.watch(notifier);
+    fn notify_on_change(&self, notifier: &Arc<Notifier>) {
+        self.link.notify_on_change(notifier);
     }
 
     fn drain(&self, at_most: Duration) -> bool {
         let until = Instant::now() + at_most;
         loop {
-            let lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
-            let open = lanes
+            let publishers = self
+                .publishers
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner);
+            let open = publishers
                 .iter()
                 .filter_map(Weak::upgrade)
-                .any(|lane| lane.open() > 0);
-            drop(lanes);
+                .any(|lane| lane.pending() > 0);
+            drop(publishers);
             if !open {
                 return true;
             }

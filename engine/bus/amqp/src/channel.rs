@@ -35,15 +35,15 @@ struct ChannelListener(UnboundedSender<BrokerEvent>);
 
 impl ChannelListener {
     /// Forwards an event. Fails if the receiver has been dropped, and the channel with it.
-    fn tell(&self, word: BrokerEvent) {
-        let _ = self.0.send(word);
+    fn forward(&self, event: BrokerEvent) {
+        let _ = self.0.send(event);
     }
 }
 
 #[async_trait]
 impl ChannelCallback for ChannelListener {
     async fn close(&mut self, _: &Channel, close: CloseChannel) -> AmqpResult<()> {
-        self.tell(BrokerEvent::Closed {
+        self.forward(BrokerEvent::Closed {
             code: close.reply_code(),
             reason: close.reply_text().to_owned(),
         });
@@ -51,7 +51,7 @@ impl ChannelCallback for ChannelListener {
     }
 
     async fn cancel(&mut self, _: &Channel, _: Cancel) -> AmqpResult<()> {
-        self.tell(BrokerEvent::Cancelled);
+        self.forward(BrokerEvent::Cancelled);
         Ok(())
     }
 
@@ -60,14 +60,14 @@ impl ChannelCallback for ChannelListener {
     }
 
     async fn publish_ack(&mut self, _: &Channel, ack: Ack) {
-        self.tell(BrokerEvent::Ack {
+        self.forward(BrokerEvent::Ack {
             tag: ack.delivery_tag(),
             multiple: ack.mutiple(),
         });
     }
 
     async fn publish_nack(&mut self, _: &Channel, nack: Nack) {
-        self.tell(BrokerEvent::Nack {
+        self.forward(BrokerEvent::Nack {
             tag: nack.delivery_tag(),
             multiple: nack.multiple(),
         });
@@ -80,7 +80,7 @@ impl ChannelCallback for ChannelListener {
         properties: BasicProperties,
         _: Vec<u8>,
     ) {
-        self.tell(BrokerEvent::Returned {
+        self.forward(BrokerEvent::Returned {
             message: properties.message_id().cloned(),
         });
     }
@@ -88,11 +88,11 @@ impl ChannelCallback for ChannelListener {
 
 /// Runs a call to the broker to completion even if the caller's future is dropped: the client's own tasks fail if a
 /// reply has no receiver.
-pub(crate) async fn to_the_end<T: Send + 'static>(
-    question: impl Future<Output = AmqpResult<T>> + Send + 'static,
+pub(crate) async fn run_to_completion<T: Send + 'static>(
+    request: impl Future<Output = AmqpResult<T>> + Send + 'static,
 ) -> AmqpResult<T> {
     let broke = |_| amqprs::error::Error::InternalChannelError("the client failed".to_owned());
-    tokio::spawn(question).await.map_err(broke)?
+    tokio::spawn(request).await.map_err(broke)?
 }
 
 /// Opens a channel and receives its events.
@@ -100,7 +100,7 @@ pub(crate) async fn open(
     connection: &Connection,
 ) -> AmqpResult<(Channel, UnboundedReceiver<BrokerEvent>)> {
     let connection = connection.clone();
-    to_the_end(async move {
+    run_to_completion(async move {
         let channel = connection.open_channel(None).await?;
         let (ear, words) = unbounded_channel();
         channel.register_callback(ChannelListener(ear)).await?;
@@ -113,7 +113,7 @@ pub(crate) async fn open(
 pub(crate) async fn confirm(channel: &Channel) -> AmqpResult<()> {
     let channel = channel.clone();
     let confirm = ConfirmSelectArguments::new(false);
-    to_the_end(async move { channel.confirm_select(confirm).await }).await
+    run_to_completion(async move { channel.confirm_select(confirm).await }).await
 }
 
 /// Declares a queue, binds it and consumes it.
@@ -126,7 +126,7 @@ pub(crate) async fn consume(
 ) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
     let channel = channel.clone();
     let prefetch = BasicQosArguments::new(0, prefetch, false);
-    to_the_end(async move {
+    run_to_completion(async move {
         channel.queue_declare(queue).await?;
         channel.queue_bind(binding).await?;
         channel.basic_qos(prefetch).await?;
@@ -140,13 +140,13 @@ pub(crate) async fn consume(
 pub(crate) async fn purge(connection: &Connection, queue: &str) -> AmqpResult<()> {
     let (channel, _words) = open(connection).await?;
     let queue = QueuePurgeArguments::new(queue);
-    to_the_end(async move { channel.queue_purge(queue).await.map(drop) }).await
+    run_to_completion(async move { channel.queue_purge(queue).await.map(drop) }).await
 }
 
 /// Deletes a queue that has no reader left. If this fails, the queue expires or disappears with its connection.
 pub(crate) async fn delete(channel: Channel, queue: &str) {
     let queue = QueueDeleteArguments::new(queue);
-    let _ = to_the_end(async move {
+    let _ = run_to_completion(async move {
         channel.queue_delete(queue).await?;
         channel.close().await
     })
@@ -156,12 +156,12 @@ pub(crate) async fn delete(channel: Channel, queue: &str) {
 /// Sends a harmless request. Its reply proves that the broker has read everything sent before it on this channel.
 pub(crate) async fn barrier(channel: Channel) -> AmqpResult<()> {
     let any = BasicQosArguments::new(0, 0, false);
-    to_the_end(async move { channel.basic_qos(any).await }).await
+    run_to_completion(async move { channel.basic_qos(any).await }).await
 }
 
 /// Returns why a call on the channel failed, with the broker's reason if it gave one.
-pub(crate) fn why(words: &mut UnboundedReceiver<BrokerEvent>) -> ChannelError {
-    while let Ok(word) = words.try_recv() {
+pub(crate) fn close_reason(events: &mut UnboundedReceiver<BrokerEvent>) -> ChannelError {
+    while let Ok(word) = events.try_recv() {
         if let BrokerEvent::Closed { code, reason } = word {
             return ChannelError::Closed { code, reason };
         }

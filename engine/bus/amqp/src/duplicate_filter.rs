@@ -57,7 +57,7 @@ impl DuplicateFilter {
             };
             self.streams.insert(name.clone(), stream);
             self.last_seen.insert(now, name);
-            self.forget();
+            self.evict();
             return true;
         };
         // usually the stream is the one that was heard last
@@ -83,7 +83,7 @@ impl DuplicateFilter {
         true
     }
 
-    fn forget(&mut self) {
+    fn evict(&mut self) {
         if self.streams.len() > STREAMS
             && let Some((_, name)) = self.last_seen.pop_first()
         {

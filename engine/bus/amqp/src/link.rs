@@ -58,13 +58,13 @@ pub(crate) struct Link {
     health: Mutex<Health>,
     watchers: Mutex<Vec<Weak<Notifier>>>,
     /// Number of tasks that use the link.
-    crew: watch::Sender<usize>,
+    task_count: watch::Sender<usize>,
     /// Number of channels that the broker has closed on the current connections.
     refusals: AtomicUsize,
     /// Notified when `refusals` reaches its limit and new connections are needed.
-    worn: Notify,
+    refusal_limit: Notify,
     /// Number of consecutive connections that failed while reading shortly after they were opened.
-    short_lives: AtomicUsize,
+    short_connections: AtomicUsize,
 }
 
 /// Counts a task that uses the link, until it is dropped.
@@ -72,14 +72,14 @@ struct TaskGuard(Arc<Link>);
 
 impl TaskGuard {
     fn new(link: &Arc<Link>) -> Self {
-        link.crew.send_modify(|crew| *crew += 1);
+        link.task_count.send_modify(|crew| *crew += 1);
         Self(Arc::clone(link))
     }
 }
 
 impl Drop for TaskGuard {
     fn drop(&mut self) {
-        self.0.crew.send_modify(|crew| *crew -= 1);
+        self.0.task_count.send_modify(|crew| *crew -= 1);
     }
 }
 
@@ -91,10 +91,10 @@ impl Link {
             state: watch::Sender::new(LinkStatus::default()),
             health: Mutex::new(Health::now(asmotion_bus::LinkState::Down { reason })),
             watchers: Mutex::default(),
-            crew: watch::Sender::new(0),
+            task_count: watch::Sender::new(0),
             refusals: AtomicUsize::new(0),
-            worn: Notify::new(),
-            short_lives: AtomicUsize::new(0),
+            refusal_limit: Notify::new(),
+            short_connections: AtomicUsize::new(0),
         }
     }
 
@@ -116,7 +116,7 @@ impl Link {
         health.clone()
     }
 
-    pub(crate) fn watch(&self, notifier: &Arc<Notifier>) {
+    pub(crate) fn notify_on_change(&self, notifier: &Arc<Notifier>) {
         let mut watchers = self.watchers.lock().unwrap_or_else(PoisonError::into_inner);
         watchers.retain(|notifier| notifier.strong_count() > 0);
         watchers.push(Arc::downgrade(notifier));
@@ -135,7 +135,7 @@ impl Link {
         self.state.borrow().pair.is_some()
     }
 
-    pub(crate) fn note(&self, notice: BusNotice) {
+    pub(crate) fn report(&self, notice: BusNotice) {
         (self.settings.notices)(&notice);
     }
 
@@ -155,7 +155,7 @@ impl Link {
     }
 
     /// Waits until this pair of connections is no longer the current one.
-    pub(crate) async fn replaced(&self, pair: &Arc<ConnectionPair>) {
+    pub(crate) async fn wait_until_replaced(&self, pair: &Arc<ConnectionPair>) {
         let mut state = self.state();
         let same = |current: &Arc<ConnectionPair>| Arc::ptr_eq(current, pair);
         // never fails: `self` owns the sender
@@ -166,73 +166,74 @@ impl Link {
 
     /// Called after an error on a pair: waits until the supervisor has replaced the pair, or for a short pause if the
     /// pair is healthy.
-    pub(crate) async fn rest(&self, pair: &Arc<ConnectionPair>) {
-        let _ = timeout(REST, self.replaced(pair)).await;
+    pub(crate) async fn wait_after_error(&self, pair: &Arc<ConnectionPair>) {
+        let _ = timeout(REST, self.wait_until_replaced(pair)).await;
     }
 
     /// Waits until the bus is closing.
-    pub(crate) async fn closing(&self) {
+    pub(crate) async fn wait_until_closing(&self) {
         let mut state = self.state();
         // never fails: `self` owns the sender
         let _ = state.wait_for(|state| state.closing).await;
     }
 
     /// Reports that the broker has closed a channel, and counts it.
-    pub(crate) fn refused(&self, what: &str, reason: String) {
+    pub(crate) fn report_refusal(&self, what: &str, reason: String) {
         let what = what.to_owned();
-        self.note(BusNotice::Refused { what, reason });
+        self.report(BusNotice::Refused { what, reason });
         if self.refusals.fetch_add(1, Ordering::Relaxed) == REFUSALS {
-            self.worn.notify_one();
+            self.refusal_limit.notify_one();
         }
     }
 
-    /// Records the end of a pair of connections: `broke` if reading failed shortly after they were opened.
-    pub(crate) fn broke_in_reading(&self, broke: bool) {
-        let before = self.short_lives.load(Ordering::Relaxed);
-        let now = if broke { before + 1 } else { 0 };
-        self.short_lives.store(now, Ordering::Relaxed);
+    /// Records the end of a pair of connections: `failed_while_reading` if reading failed shortly after they were
+    /// opened.
+    pub(crate) fn record_end(&self, failed_while_reading: bool) {
+        let count = self.short_connections.load(Ordering::Relaxed);
+        let now = if failed_while_reading { count + 1 } else { 0 };
+        self.short_connections.store(now, Ordering::Relaxed);
     }
 
     /// Returns whether a waiting message seems to crash the client each time it is delivered.
     pub(crate) fn is_poisoned(&self) -> bool {
-        self.short_lives.load(Ordering::Relaxed) >= POISON
+        self.short_connections.load(Ordering::Relaxed) >= POISON
     }
 
     /// Waits until so many channels were closed that new connections are needed.
-    pub(crate) async fn worn(&self) {
-        self.worn.notified().await;
+    pub(crate) async fn wait_for_refusal_limit(&self) {
+        self.refusal_limit.notified().await;
     }
 
     /// Publishes new connections to the tasks.
-    pub(crate) fn begin(&self, pair: &Arc<ConnectionPair>) {
+    pub(crate) fn set_connections(&self, pair: &Arc<ConnectionPair>) {
         self.refusals.store(0, Ordering::Relaxed);
         self.state.send_modify(|state| {
             state.pair = Some(Arc::clone(pair));
             state.blocked = false;
         });
-        self.announce(asmotion_bus::LinkState::Up);
-        let broker = self.settings.place();
-        self.note(BusNotice::Connected { broker });
+        self.set_health(asmotion_bus::LinkState::Up);
+        let broker = self.settings.location();
+        self.report(BusNotice::Connected { broker });
     }
 
     /// Removes the current connections and returns them.
-    pub(crate) fn end(&self) -> Option<Arc<ConnectionPair>> {
-        let mut ended = None;
+    pub(crate) fn take_connections(&self) -> Option<Arc<ConnectionPair>> {
+        let mut connections = None;
         self.state.send_modify(|state| {
-            ended = state.pair.take();
+            connections = state.pair.take();
             state.blocked = false;
         });
-        ended
+        connections
     }
 
     /// Waits until no task uses the link, at most for [`GOODBYE`].
-    pub(crate) async fn deserted(&self) {
-        let mut crew = self.crew.subscribe();
-        let _ = timeout(GOODBYE, crew.wait_for(|crew| *crew == 0)).await;
+    pub(crate) async fn wait_until_unused(&self) {
+        let mut task_count = self.task_count.subscribe();
+        let _ = timeout(GOODBYE, task_count.wait_for(|crew| *crew == 0)).await;
     }
 
     /// Publishes a new state: sets the health and notifies the watchers.
-    pub(crate) fn announce(&self, link: asmotion_bus::LinkState) {
+    pub(crate) fn set_health(&self, link: asmotion_bus::LinkState) {
         let mut health = self.health.lock().unwrap_or_else(PoisonError::into_inner);
         if health.link == link {
             return;
@@ -252,7 +253,7 @@ impl Link {
             changed
         };
         if self.state.send_if_modified(change) {
-            self.note(if blocked {
+            self.report(if blocked {
                 BusNotice::Blocked
             } else {
                 BusNotice::Unblocked
@@ -263,9 +264,9 @@ impl Link {
 
 impl ConnectionPair {
     /// Closes both connections, with a time limit in case the broker does not respond.
-    pub(crate) async fn hang_up(&self) {
+    pub(crate) async fn close(&self) {
         let (publishers, consumers) = (self.publishers.clone(), self.consumers.clone());
-        let both = channel::to_the_end(async move {
+        let both = channel::run_to_completion(async move {
             publishers.close().await?;
             consumers.close().await
         });

@@ -12,15 +12,15 @@ pub(crate) struct RoutingNames {
     /// Prefix of all queue names; permissions to configure queues refer to it.
     process: String,
     /// Suffix of all queue names, unique to this bus.
-    life: String,
+    lifetime_id: String,
 }
 
 impl RoutingNames {
-    pub(crate) fn new(robot: Option<String>, process: String, life: String) -> Self {
+    pub(crate) fn new(robot: Option<String>, process: String, lifetime_id: String) -> Self {
         Self {
             robot,
             process,
-            life,
+            lifetime_id: lifetime_id,
         }
     }
 
@@ -30,7 +30,7 @@ impl RoutingNames {
             Some(robot) => format!("{robot}.{name}"),
             None => name.to_owned(),
         };
-        short(name, &key)?;
+        check_length(name, &key)?;
         Ok(key)
     }
 
@@ -59,18 +59,18 @@ impl RoutingNames {
             name.push('.');
             name.push_str(word);
         }
-        let own = format!(".{}.{number}", self.life);
+        let own = format!(".{}.{number}", self.lifetime_id);
         while name.len() + own.len() > LONGEST && name.pop().is_some() {}
         name + &own
     }
 }
 
 /// Rejects a text that is too long for a short string.
-pub(crate) fn short(name: &str, text: &str) -> Result<(), BusError> {
+pub(crate) fn check_length(name: &str, text: &str) -> Result<(), BusError> {
     if text.len() <= LONGEST {
         return Ok(());
     }
-    Err(BusError::BadName {
+    Err(BusError::InvalidName {
         name: name.to_owned(),
         reason: format!("{} bytes, but AMQP allows {LONGEST}", text.len()),
     })

@@ -33,7 +33,7 @@ struct UnconfirmedMessage {
     tag: u64,
     size: usize,
     /// Kept if it may have to be sent again.
-    written: Option<EncodedMessage>,
+    encoded: Option<EncodedMessage>,
 }
 
 /// Outbox of one publisher, shared by its handle and its task.
@@ -41,28 +41,28 @@ pub(crate) struct PublisherOutbox {
     sending: PublishOptions,
     waiting: VecDeque<OutgoingMessage>,
     /// Encoded messages to be sent again, before all others.
-    again: VecDeque<EncodedMessage>,
+    resend: VecDeque<EncodedMessage>,
     /// Messages in flight, in order of their delivery tags.
-    underway: VecDeque<UnconfirmedMessage>,
-    underway_bytes: usize,
+    in_flight: VecDeque<UnconfirmedMessage>,
+    in_flight_bytes: usize,
     /// Number of messages to send one by one, to find the one that the broker refuses.
-    careful: usize,
+    single_sends: usize,
     /// Set after a broken link until a queue receives a message: the broker may have lost the readers' queues, or the
     /// readers may come back later than this publisher. Until then, messages are sent one by one.
     probing: bool,
     /// The broker returned the message in flight while `probing`.
     returned: bool,
-    pub sent: PublisherCounts,
+    pub counts: PublisherCounts,
     /// The newest message, if it is retained for late subscribers.
-    last: Option<OutgoingMessage>,
+    retained: Option<OutgoingMessage>,
 }
 
 /// The next thing to send.
 pub(crate) enum NextToSend {
     /// A message that has not been encoded yet.
-    Fresh(OutgoingMessage),
+    New(OutgoingMessage),
     /// A message to be sent again.
-    Again(EncodedMessage),
+    Resend(EncodedMessage),
 }
 
 impl PublisherOutbox {
@@ -70,14 +70,14 @@ impl PublisherOutbox {
         Self {
             sending,
             waiting: VecDeque::new(),
-            again: VecDeque::new(),
-            underway: VecDeque::new(),
-            underway_bytes: 0,
-            careful: 0,
+            resend: VecDeque::new(),
+            in_flight: VecDeque::new(),
+            in_flight_bytes: 0,
+            single_sends: 0,
             probing: false,
             returned: false,
-            sent: PublisherCounts::default(),
-            last: None,
+            counts: PublisherCounts::default(),
+            retained: None,
         }
     }
 
@@ -87,10 +87,10 @@ impl PublisherOutbox {
 
     /// Enqueues a message, if the outage policy permits. Returns whether it was accepted; dropped messages are
     /// counted.
-    pub(crate) fn put(&mut self, item: OutgoingMessage, open: bool) -> bool {
-        self.sent.published += 1;
+    pub(crate) fn push(&mut self, message: OutgoingMessage, open: bool) -> bool {
+        self.counts.published += 1;
         if self.sending.init {
-            self.last = Some(item.clone());
+            self.retained = Some(message.clone());
         }
         let kept = match self.sending.outage {
             Outage::Drop | Outage::KeepLatest if open => BURST,
@@ -100,14 +100,14 @@ impl PublisherOutbox {
             Outage::Queue(size) => size.get(),
         };
         if self.waiting.len() < kept {
-            self.waiting.push_back(item);
+            self.waiting.push_back(message);
             return true;
         }
-        self.sent.dropped += 1;
+        self.counts.dropped += 1;
         match self.sending.outage {
             Outage::KeepLatest => {
                 self.waiting.pop_front();
-                self.waiting.push_back(item);
+                self.waiting.push_back(message);
                 true
             }
             Outage::Drop | Outage::Queue(_) => false,
@@ -115,11 +115,11 @@ impl PublisherOutbox {
     }
 
     /// Enqueues the retained message again, unless it is still waiting. Returns whether it was enqueued.
-    pub(crate) fn repeat(&mut self, open: bool) -> bool {
+    pub(crate) fn push_retained(&mut self, open: bool) -> bool {
         let waits =
             |last: &OutgoingMessage| self.waiting.iter().any(|one| one.sequence == last.sequence);
-        match self.last.clone().filter(|last| !waits(last)) {
-            Some(last) => self.put(last, open),
+        match self.retained.clone().filter(|last| !waits(last)) {
+            Some(last) => self.push(last, open),
             None => false,
         }
     }
@@ -133,49 +133,49 @@ impl PublisherOutbox {
         };
         while self.waiting.len() > kept {
             self.waiting.pop_front();
-            self.sent.dropped += 1;
+            self.counts.dropped += 1;
         }
     }
 
     /// Returns the next message to send, if the window has room.
     pub(crate) fn next(&mut self) -> Option<NextToSend> {
-        let one_by_one = self.careful > 0 || self.probing;
+        let one_by_one = self.single_sends > 0 || self.probing;
         let window = if one_by_one { 1 } else { WINDOW };
-        if self.underway.len() >= window || self.underway_bytes > WINDOW_BYTES {
+        if self.in_flight.len() >= window || self.in_flight_bytes > WINDOW_BYTES {
             return None;
         }
-        let again = self.again.pop_front().map(NextToSend::Again);
-        again.or_else(|| self.waiting.pop_front().map(NextToSend::Fresh))
+        let again = self.resend.pop_front().map(NextToSend::Resend);
+        again.or_else(|| self.waiting.pop_front().map(NextToSend::New))
     }
 
     /// Records a sent message. Returns it for publishing, and keeps a copy if it may have to be sent again.
-    pub(crate) fn went(&mut self, tag: u64, written: EncodedMessage) -> EncodedMessage {
+    pub(crate) fn record_sent(&mut self, tag: u64, written: EncodedMessage) -> EncodedMessage {
         let size = written.bytes.len();
-        self.underway_bytes += size;
+        self.in_flight_bytes += size;
         let kept = self.is_confirmed().then(|| written.clone());
-        self.underway.push_back(UnconfirmedMessage {
+        self.in_flight.push_back(UnconfirmedMessage {
             tag,
             size,
-            written: kept,
+            encoded: kept,
         });
         written
     }
 
     /// Puts back a message that could not be sent, as the next one.
-    pub(crate) fn stayed(&mut self, written: EncodedMessage) {
-        self.again.push_front(written);
+    pub(crate) fn push_back_unsent(&mut self, written: EncodedMessage) {
+        self.resend.push_front(written);
     }
 
     /// Marks messages as delivered. Returns `false` if the only one in flight was returned while probing: it is put
     /// back, to be sent again.
-    pub(crate) fn arrived(&mut self, tag: u64, multiple: bool) -> bool {
+    pub(crate) fn confirm(&mut self, tag: u64, multiple: bool) -> bool {
         if self.returned {
             self.returned = false;
             self.resend_unconfirmed();
             return false;
         }
-        let count = self.settle(tag, multiple);
-        self.sent.arrived += count;
+        let count = self.remove_in_flight(tag, multiple);
+        self.counts.accepted += count;
         self.probing &= count == 0;
         true
     }
@@ -185,7 +185,7 @@ impl PublisherOutbox {
         if self.probing {
             self.returned = true;
         } else {
-            self.sent.unheard += 1;
+            self.counts.unrouted += 1;
         }
     }
 
@@ -194,79 +194,81 @@ impl PublisherOutbox {
         self.probing
     }
 
-    /// Stops waiting for a queue: a message that was returned counts as unheard.
+    /// Stops waiting for a queue: a message that was returned counts as unrouted.
     pub(crate) fn stop_probing(&mut self) {
         self.probing = false;
-        self.sent.unheard += u64::from(std::mem::take(&mut self.returned));
+        self.counts.unrouted += u64::from(std::mem::take(&mut self.returned));
     }
 
     /// Counts messages that the broker rejected. Sending them again would reorder them.
-    pub(crate) fn refused(&mut self, tag: u64, multiple: bool) {
-        self.sent.refused += self.settle(tag, multiple);
+    pub(crate) fn reject(&mut self, tag: u64, multiple: bool) {
+        self.counts.refused += self.remove_in_flight(tag, multiple);
     }
 
-    fn settle(&mut self, tag: u64, multiple: bool) -> u64 {
-        let from = self.underway.partition_point(|underway| underway.tag < tag);
+    fn remove_in_flight(&mut self, tag: u64, multiple: bool) -> u64 {
+        let from = self
+            .in_flight
+            .partition_point(|underway| underway.tag < tag);
         let first = if multiple { 0 } else { from };
-        let last = from + usize::from(self.underway.get(from).is_some_and(|one| one.tag == tag));
-        let settled = self.underway.drain(first..last);
+        let last = from + usize::from(self.in_flight.get(from).is_some_and(|one| one.tag == tag));
+        let settled = self.in_flight.drain(first..last);
         let mut count = 0;
         for one in settled {
-            self.underway_bytes -= one.size;
+            self.in_flight_bytes -= one.size;
             count += 1;
         }
-        self.careful = self.careful.saturating_sub(count);
+        self.single_sends = self.single_sends.saturating_sub(count);
         count as u64
     }
 
     /// Handles the loss of the channel. Confirmed messages in flight are sent again in order; the fate of others is
     /// unknown, and they count as lost. If the broker `refused` one of them, they are sent one by one until the
     /// refused message is alone.
-    pub(crate) fn broke(&mut self, refused: bool) {
+    pub(crate) fn connection_lost(&mut self, refused: bool) {
         self.returned = false;
         // a publisher that never had a reader does not wait for one
-        self.probing = self.is_confirmed() && self.sent.arrived > self.sent.unheard;
-        self.underway_bytes = 0;
-        let count = self.underway.len();
+        self.probing = self.is_confirmed() && self.counts.accepted > self.counts.unrouted;
+        self.in_flight_bytes = 0;
+        let count = self.in_flight.len();
         if !self.is_confirmed() {
-            self.underway.clear();
-            self.sent.lost += count as u64;
+            self.in_flight.clear();
+            self.counts.lost += count as u64;
             return;
         }
         if refused && count == 1 {
-            self.underway.clear();
-            self.sent.refused += 1;
-            self.careful = self.careful.saturating_sub(1);
+            self.in_flight.clear();
+            self.counts.refused += 1;
+            self.single_sends = self.single_sends.saturating_sub(1);
             return;
         }
         if refused {
-            self.careful = self.careful.max(count);
+            self.single_sends = self.single_sends.max(count);
         }
         self.resend_unconfirmed();
     }
 
     /// Puts the messages in flight back, in order.
     fn resend_unconfirmed(&mut self) {
-        self.underway_bytes = 0;
-        while let Some(one) = self.underway.pop_back() {
-            if let Some(written) = one.written {
-                self.again.push_front(written);
+        self.in_flight_bytes = 0;
+        while let Some(one) = self.in_flight.pop_back() {
+            if let Some(written) = one.encoded {
+                self.resend.push_front(written);
             }
         }
     }
 
     /// Counts a message that cannot be encoded.
-    pub(crate) fn unwritable(&mut self) {
-        self.sent.dropped += 1;
+    pub(crate) fn drop_unencodable(&mut self) {
+        self.counts.dropped += 1;
     }
 
     /// Drops everything when the bus closes.
-    pub(crate) fn give_up(&mut self) {
-        self.broke(false);
-        let left = self.waiting.len() + self.again.len();
+    pub(crate) fn discard_all(&mut self) {
+        self.connection_lost(false);
+        let left = self.waiting.len() + self.resend.len();
         self.waiting.clear();
-        self.again.clear();
-        self.sent.dropped += left as u64;
+        self.resend.clear();
+        self.counts.dropped += left as u64;
     }
 }
 
@@ -290,7 +292,7 @@ mod tests {
     fn outbox(sending: PublishOptions, messages: u64, open: bool) -> PublisherOutbox {
         let mut outbox = PublisherOutbox::new(sending);
         for sequence in 1..=messages {
-            outbox.put(item(sequence), open);
+            outbox.push(item(sequence), open);
         }
         outbox
     }
@@ -303,19 +305,19 @@ mod tests {
         for tag in tags {
             let next = outbox.next().expect("there is room");
             let written = match next {
-                NextToSend::Again(written) => written,
-                NextToSend::Fresh(item) => EncodedMessage {
+                NextToSend::Resend(written) => written,
+                NextToSend::New(item) => EncodedMessage {
                     properties: Box::default(),
                     bytes: vec![0; item.sequence as usize].into(),
                 },
             };
-            outbox.went(tag, written);
+            outbox.record_sent(tag, written);
         }
     }
 
     /// Sizes of the messages to be sent again, which identify them.
     fn again(outbox: &PublisherOutbox) -> Vec<usize> {
-        outbox.again.iter().map(|one| one.bytes.len()).collect()
+        outbox.resend.iter().map(|one| one.bytes.len()).collect()
     }
 
     fn events(size: usize) -> PublishOptions {
@@ -330,8 +332,8 @@ mod tests {
             (events(3), vec![1, 2, 3], 2),
         ] {
             let outbox = outbox(sending, 5, false);
-            assert_eq!((waiting(&outbox), outbox.sent.dropped), (kept, dropped));
-            assert_eq!(outbox.sent.published, 5);
+            assert_eq!((waiting(&outbox), outbox.counts.dropped), (kept, dropped));
+            assert_eq!(outbox.counts.published, 5);
         }
     }
 
@@ -352,16 +354,23 @@ mod tests {
     fn confirmed_messages_go_again_in_order_and_others_are_lost() {
         let mut confirmed = outbox(events(9), 5, true);
         send(&mut confirmed, 1..=4);
-        confirmed.arrived(2, false);
-        confirmed.broke(false);
+        confirmed.confirm(2, false);
+        confirmed.connection_lost(false);
         assert_eq!(again(&confirmed), [1, 3, 4]);
-        assert_eq!((confirmed.sent.arrived, confirmed.sent.open()), (1, 4));
+        assert_eq!(
+            (confirmed.counts.accepted, confirmed.counts.pending()),
+            (1, 4)
+        );
         let mut once = outbox(PublishOptions::default(), 5, true);
         send(&mut once, 1..=4);
-        once.arrived(2, true);
-        once.broke(false);
+        once.confirm(2, true);
+        once.connection_lost(false);
         assert_eq!(
-            (once.sent.arrived, once.sent.lost, once.sent.open()),
+            (
+                once.counts.accepted,
+                once.counts.lost,
+                once.counts.pending()
+            ),
             (2, 2, 1)
         );
     }
@@ -370,37 +379,37 @@ mod tests {
     fn after_a_break_messages_wait_until_a_queue_receives_one() {
         let mut outbox = outbox(events(9), 5, true);
         send(&mut outbox, 1..=2);
-        outbox.arrived(1, false);
-        outbox.broke(false);
+        outbox.confirm(1, false);
+        outbox.connection_lost(false);
         for tag in 1..=3 {
             send(&mut outbox, tag..=tag);
             assert!(outbox.next().is_none(), "one by one");
             outbox.returned();
-            assert!(!outbox.arrived(tag, false));
+            assert!(!outbox.confirm(tag, false));
             assert_eq!(again(&outbox), [2], "the same message again");
         }
         send(&mut outbox, 4..=4);
-        assert!(outbox.arrived(4, false));
+        assert!(outbox.confirm(4, false));
         send(&mut outbox, 5..=7);
-        assert_eq!((outbox.sent.arrived, outbox.sent.unheard), (2, 0));
+        assert_eq!((outbox.counts.accepted, outbox.counts.unrouted), (2, 0));
     }
 
     #[test]
     fn a_publisher_waits_for_its_readers_no_longer_than_it_is_told_and_only_if_it_had_some() {
         let mut had = outbox(events(9), 3, true);
         send(&mut had, 1..=1);
-        had.arrived(1, false);
-        had.broke(false);
+        had.confirm(1, false);
+        had.connection_lost(false);
         send(&mut had, 1..=1);
         had.returned();
         had.stop_probing();
-        assert!(had.arrived(1, false) && !had.is_probing());
-        assert_eq!((had.sent.arrived, had.sent.unheard), (2, 1));
+        assert!(had.confirm(1, false) && !had.is_probing());
+        assert_eq!((had.counts.accepted, had.counts.unrouted), (2, 1));
         let mut never = outbox(events(9), 3, true);
         send(&mut never, 1..=1);
         never.returned();
-        never.arrived(1, false);
-        never.broke(false);
+        never.confirm(1, false);
+        never.connection_lost(false);
         assert!(!never.is_probing());
     }
 
@@ -408,13 +417,13 @@ mod tests {
     fn the_one_that_is_refused_is_found_and_the_others_go() {
         let mut outbox = outbox(events(9), 3, true);
         send(&mut outbox, 1..=3);
-        outbox.broke(true);
+        outbox.connection_lost(true);
         send(&mut outbox, 1..=1);
         assert!(outbox.next().is_none(), "one by one");
-        outbox.arrived(1, false);
+        outbox.confirm(1, false);
         send(&mut outbox, 2..=2);
-        outbox.broke(true);
-        assert_eq!((outbox.sent.refused, again(&outbox)), (1, vec![3]));
+        outbox.connection_lost(true);
+        assert_eq!((outbox.counts.refused, again(&outbox)), (1, vec![3]));
     }
 
     #[test]
@@ -422,7 +431,7 @@ mod tests {
         let mut many = outbox(events(9), 2 * WINDOW as u64, true);
         send(&mut many, 1..=WINDOW as u64);
         assert!(many.next().is_none());
-        many.arrived(1, false);
+        many.confirm(1, false);
         assert!(many.next().is_some());
         let mut big = outbox(events(9), 2, true);
         big.next();
@@ -430,7 +439,7 @@ mod tests {
             properties: Box::default(),
             bytes: vec![0; WINDOW_BYTES + 1].into(),
         };
-        big.went(1, written);
+        big.record_sent(1, written);
         assert!(big.next().is_none());
     }
 }

@@ -34,7 +34,7 @@ pub(crate) enum ProbeError {
     #[error("refused: {0}")]
     Refused(String),
     #[error("not an AMQP broker")]
-    Stranger,
+    NotAmqp,
     #[error("cannot open an encrypted connection: {0}")]
     Encryption(String),
 }
@@ -55,20 +55,20 @@ pub(crate) async fn probe(
 ) -> Result<(), ProbeError> {
     let stream = TcpStream::connect((&*settings.host, settings.port)).await?;
     let Some(connector) = connector else {
-        return ask(settings, stream).await;
+        return handshake(settings, stream).await;
     };
     let encryption = |reason: String| ProbeError::Encryption(reason);
     let name = ServerName::try_from(settings.host.clone());
     let name = name.map_err(|error| encryption(error.to_string()))?;
     let stream = connector.connect(name, stream).await;
-    ask(
+    handshake(
         settings,
         stream.map_err(|error| encryption(error.to_string()))?,
     )
     .await
 }
 
-async fn ask(
+async fn handshake(
     settings: &AmqpSettings,
     mut stream: impl AsyncRead + AsyncWrite + Unpin,
 ) -> Result<(), ProbeError> {
@@ -146,7 +146,7 @@ async fn expect(
                 String::from_utf8_lossy(words).into_owned(),
             ))
         }
-        (_, _) => Err(ProbeError::Stranger),
+        (_, _) => Err(ProbeError::NotAmqp),
     }
 }
 
@@ -156,7 +156,7 @@ async fn receive(stream: &mut (impl AsyncRead + AsyncWrite + Unpin)) -> Result<M
     let [kind, _, _, size @ ..] = header;
     let size = u32::from_be_bytes(size);
     if kind != 1 || !(4..LONGEST_FRAME).contains(&size) {
-        return Err(ProbeError::Stranger);
+        return Err(ProbeError::NotAmqp);
     }
     let mut payload = vec![0; size as usize + 1];
     stream.read_exact(&mut payload).await?;
@@ -166,6 +166,6 @@ async fn receive(stream: &mut (impl AsyncRead + AsyncWrite + Unpin)) -> Result<M
             id: u16::from_be_bytes([*high, *low]),
             arguments: arguments.to_vec(),
         }),
-        _ => Err(ProbeError::Stranger),
+        _ => Err(ProbeError::NotAmqp),
     }
 }

@@ -38,7 +38,7 @@ pub(crate) struct PublisherShared {
     /// Notified when there is a message to send, or the handle is dropped.
     wake: Notify,
     /// Set when the handle is dropped; the task ends once everything is delivered.
-    left: AtomicBool,
+    is_closed: AtomicBool,
 }
 
 impl PublisherShared {
@@ -46,7 +46,7 @@ impl PublisherShared {
         Arc::new(Self {
             outbox: Mutex::new(PublisherOutbox::new(sending)),
             wake: Notify::new(),
-            left: AtomicBool::new(false),
+            is_closed: AtomicBool::new(false),
         })
     }
 
@@ -55,28 +55,28 @@ impl PublisherShared {
     }
 
     /// Sends the last message again, if it is retained.
-    pub(crate) fn repeat(&self, open: bool) {
-        if self.outbox().repeat(open) {
+    pub(crate) fn republish_retained(&self, open: bool) {
+        if self.outbox().push_retained(open) {
             self.wake.notify_one();
         }
     }
 
     /// Returns how many messages are still queued or in flight.
-    pub(crate) fn open(&self) -> u64 {
-        self.outbox().sent.open()
+    pub(crate) fn pending(&self) -> u64 {
+        self.outbox().counts.pending()
     }
 }
 
 /// Handle of a publisher, used in the component's thread.
 pub(crate) struct AmqpPublisher {
     pub link: Arc<Link>,
-    pub lane: Arc<PublisherShared>,
+    pub shared: Arc<PublisherShared>,
     pub spans: SpanGenerator,
     pub sequence: u64,
 }
 
 impl Publisher for AmqpPublisher {
-    fn publish_within(
+    fn publish_traced(
         &mut self,
         stamp: i64,
         payload: Payload,
@@ -89,7 +89,7 @@ impl Publisher for AmqpPublisher {
             payload,
             trace: self.spans.of(self.sequence, cause),
         };
-        if !self.lane.outbox().put(item, self.link.is_open()) {
+        if !self.shared.outbox().push(item, self.link.is_open()) {
             let reason = match self.link.health().link {
                 asmotion_bus::LinkState::Up => "the outbox is full".to_owned(),
                 asmotion_bus::LinkState::Blocked { reason }
@@ -97,26 +97,26 @@ impl Publisher for AmqpPublisher {
             };
             return Err(BusError::Disconnected { reason });
         }
-        self.lane.wake.notify_one();
+        self.shared.wake.notify_one();
         Ok(())
     }
 
-    fn sent(&self) -> PublisherCounts {
-        self.lane.outbox().sent
+    fn counts(&self) -> PublisherCounts {
+        self.shared.outbox().counts
     }
 }
 
 impl Drop for AmqpPublisher {
     fn drop(&mut self) {
-        self.lane.left.store(true, Ordering::Release);
-        self.lane.wake.notify_one();
+        self.shared.is_closed.store(true, Ordering::Release);
+        self.shared.wake.notify_one();
     }
 }
 
 /// Task of a publisher, run on the bus thread.
 pub(crate) struct PublisherTask {
     pub link: Arc<Link>,
-    pub lane: Arc<PublisherShared>,
+    pub shared: Arc<PublisherShared>,
     pub key: String,
     pub author: MessageSource,
 }
@@ -124,13 +124,13 @@ pub(crate) struct PublisherTask {
 /// State of one channel.
 struct PublisherSession {
     channel: Channel,
-    words: UnboundedReceiver<BrokerEvent>,
+    events: UnboundedReceiver<BrokerEvent>,
     confirmed: bool,
     /// Delivery tag of the last publication. The broker counts from 1 on each channel, and so do we.
     tag: u64,
     /// The last tag that a barrier covers.
-    covered: u64,
-    /// Time at which the messages after `covered` need a barrier.
+    confirmed_tag: u64,
+    /// Time at which the messages after `confirmed_tag` need a barrier.
     barrier_due: Instant,
     barrier: Option<Pin<Box<dyn Future<Output = AmqpResult<()>> + Send>>>,
     /// Time until which a publisher whose readers are not back holds its messages.
@@ -144,32 +144,32 @@ impl PublisherTask {
         while let Some(pair) = self.link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair) => end,
-                () = self.link.replaced(&pair) => Err(ChannelError::Lost),
-                () = self.link.closing() => break,
+                () = self.link.wait_until_replaced(&pair) => Err(ChannelError::Lost),
+                () = self.link.wait_until_closing() => break,
             };
             match end {
                 Ok(()) => return,
                 Err(ChannelError::Closed { reason, .. }) => {
-                    self.lane.outbox().broke(true);
-                    self.link.refused(&self.key, reason);
+                    self.shared.outbox().connection_lost(true);
+                    self.link.report_refusal(&self.key, reason);
                     sleep(REFUSED_REST).await;
                 }
                 Err(ChannelError::Cancelled | ChannelError::Lost) => {
-                    self.lane.outbox().broke(false);
-                    self.lane.outbox().close();
-                    self.link.rest(&pair).await;
+                    self.shared.outbox().connection_lost(false);
+                    self.shared.outbox().close();
+                    self.link.wait_after_error(&pair).await;
                 }
             }
         }
-        self.lane.outbox().give_up();
+        self.shared.outbox().discard_all();
     }
 
     /// Publishes on one channel until the handle has been dropped and everything has been delivered.
     async fn session(&self, pair: &ConnectionPair) -> Result<(), ChannelError> {
-        let confirmed = self.lane.outbox().is_confirmed();
+        let confirmed = self.shared.outbox().is_confirmed();
         let mut session = PublisherSession::open(pair, confirmed).await?;
         // as long as the broker keeps the queues of readers that are away
-        session.probe_until += self.link.settings.timing.remembered;
+        session.probe_until += self.link.settings.timing.reply_retention;
         let mut state = self.link.state();
         loop {
             if state.borrow_and_update().open().is_some() {
@@ -177,16 +177,16 @@ impl PublisherTask {
                     self.send(&mut session).await?;
                 }
             } else {
-                self.lane.outbox().close();
+                self.shared.outbox().close();
             }
-            if self.lane.left.load(Ordering::Acquire) && self.lane.open() == 0 {
+            if self.shared.is_closed.load(Ordering::Acquire) && self.shared.pending() == 0 {
                 // the client closes the channel on drop
                 return Ok(());
             }
             tokio::select! {
-                word = session.words.recv() => self.handle(word, &mut session)?,
-                end = pending_or(&mut session.barrier) => self.pass(end, &mut session)?,
-                () = self.lane.wake.notified() => {}
+                word = session.events.recv() => self.handle(word, &mut session)?,
+                end = pending_or(&mut session.barrier) => self.barrier_reached(end, &mut session)?,
+                () = self.shared.wake.notified() => {}
                 _ = state.changed() => {}
                 () = sleep_until(session.barrier_due), if session.may_set_barrier() => {
                     session.set_barrier();
@@ -201,15 +201,15 @@ impl PublisherTask {
     /// Sends messages until the window is full.
     async fn send(&self, session: &mut PublisherSession) -> Result<(), ChannelError> {
         loop {
-            let next = self.lane.outbox().next();
+            let next = self.shared.outbox().next();
             let written = match next {
-                Some(NextToSend::Again(written)) => written,
-                Some(NextToSend::Fresh(item)) => match self.write(&item) {
+                Some(NextToSend::Resend(written)) => written,
+                Some(NextToSend::New(item)) => match self.write(&item) {
                     Ok(written) => written,
                     Err(reason) => {
-                        self.lane.outbox().unwritable();
+                        self.shared.outbox().drop_unencodable();
                         let what = self.key.clone();
-                        self.link.note(BusNotice::Unwritable { what, reason });
+                        self.link.report(BusNotice::Unwritable { what, reason });
                         continue;
                     }
                 },
@@ -217,22 +217,22 @@ impl PublisherTask {
             };
             if !session.channel.is_open() {
                 // the client would report success
-                self.lane.outbox().stayed(written);
+                self.shared.outbox().push_back_unsent(written);
                 return Err(session.why_closed());
             }
             let mut arguments = BasicPublishArguments::new(&self.link.settings.exchange, &self.key);
             arguments.mandatory(session.confirmed);
-            if session.tag == session.covered {
+            if session.tag == session.confirmed_tag {
                 session.barrier_due = Instant::now() + BARRIER_AFTER;
             }
             session.tag += 1;
-            let written = self.lane.outbox().went(session.tag, written);
+            let written = self.shared.outbox().record_sent(session.tag, written);
             session
                 .channel
                 .basic_publish(*written.properties, written.bytes.to_vec(), arguments)
                 .await
-                .map_err(|_| channel::why(&mut session.words))?;
-            if session.may_set_barrier() && session.tag >= session.covered + BARRIER {
+                .map_err(|_| channel::close_reason(&mut session.events))?;
+            if session.may_set_barrier() && session.tag >= session.confirmed_tag + BARRIER {
                 session.set_barrier();
             }
         }
@@ -252,20 +252,20 @@ impl PublisherTask {
 
     fn handle(
         &self,
-        word: Option<BrokerEvent>,
+        event: Option<BrokerEvent>,
         session: &mut PublisherSession,
     ) -> Result<(), ChannelError> {
-        let mut outbox = self.lane.outbox();
-        match word {
+        let mut outbox = self.shared.outbox();
+        match event {
             Some(BrokerEvent::Ack { tag, multiple }) => {
                 if outbox.is_probing() && Instant::now() >= session.probe_until {
                     outbox.stop_probing();
                 }
-                if !outbox.arrived(tag, multiple) {
+                if !outbox.confirm(tag, multiple) {
                     session.retry_at = Some(Instant::now() + UNROUTED_REST);
                 }
             }
-            Some(BrokerEvent::Nack { tag, multiple }) => outbox.refused(tag, multiple),
+            Some(BrokerEvent::Nack { tag, multiple }) => outbox.reject(tag, multiple),
             Some(BrokerEvent::Returned { .. }) => outbox.returned(),
             Some(BrokerEvent::Cancelled) => {}
             Some(BrokerEvent::Closed { code, reason }) => {
@@ -277,14 +277,14 @@ impl PublisherTask {
     }
 
     /// Handles the reply to a barrier: all messages before it have arrived.
-    fn pass(
+    fn barrier_reached(
         &self,
-        end: AmqpResult<()>,
+        result: AmqpResult<()>,
         session: &mut PublisherSession,
     ) -> Result<(), ChannelError> {
         session.barrier = None;
-        end.map_err(|_| channel::why(&mut session.words))?;
-        let _ = self.lane.outbox().arrived(session.covered, true);
+        result.map_err(|_| channel::close_reason(&mut session.events))?;
+        let _ = self.shared.outbox().confirm(session.confirmed_tag, true);
         Ok(())
     }
 }
@@ -298,10 +298,10 @@ impl PublisherSession {
         }
         Ok(Self {
             channel,
-            words,
+            events: words,
             confirmed,
             tag: 0,
-            covered: 0,
+            confirmed_tag: 0,
             barrier_due: Instant::now(),
             barrier: None,
             probe_until: Instant::now(),
@@ -311,16 +311,16 @@ impl PublisherSession {
 
     /// Returns whether there are messages whose delivery only a barrier can show.
     fn may_set_barrier(&self) -> bool {
-        !self.confirmed && self.barrier.is_none() && self.tag > self.covered
+        !self.confirmed && self.barrier.is_none() && self.tag > self.confirmed_tag
     }
 
     fn set_barrier(&mut self) {
-        self.covered = self.tag;
+        self.confirmed_tag = self.tag;
         self.barrier = Some(Box::pin(channel::barrier(self.channel.clone())));
     }
 
     fn why_closed(&mut self) -> ChannelError {
-        channel::why(&mut self.words)
+        channel::close_reason(&mut self.events)
     }
 }
 

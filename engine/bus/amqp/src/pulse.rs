@@ -16,7 +16,7 @@ use crate::channel::{self, AmqpResult, BrokerEvent};
 use crate::link::{ConnectionPair, Link};
 
 /// Probes both connections until one fails. Returns the reason.
-pub(crate) async fn feel(link: &Link, pair: &ConnectionPair) -> String {
+pub(crate) async fn watch_connections(link: &Link, pair: &ConnectionPair) -> String {
     let timing = link.settings.timing;
     let (mut publishing, mut consuming) = match (
         PublisherPulse::open(link, pair).await,
@@ -30,39 +30,39 @@ pub(crate) async fn feel(link: &Link, pair: &ConnectionPair) -> String {
     loop {
         tokio::select! {
             _ = ticks.tick() => {
-                publishing.beat().await;
-                consuming.beat();
+                publishing.send().await;
+                consuming.send();
             }
-            () = publishing.listen() => {}
-            () = consuming.listen() => {}
+            () = publishing.receive() => {}
+            () = consuming.receive() => {}
         }
         let silence = consuming.silence();
-        if silence > timing.dead {
-            return format!("the broker is silent for {:?}", timing.dead);
+        if silence > timing.dead_timeout {
+            return format!("the broker is silent for {:?}", timing.dead_timeout);
         }
-        let health = if silence > timing.silent {
+        let health = if silence > timing.silence_timeout {
             let reason = "the broker does not respond".into();
             asmotion_bus::LinkState::Down { reason }
-        } else if publishing.silence() > timing.silent {
+        } else if publishing.silence() > timing.silence_timeout {
             let reason = "the broker accepts no messages: it is short of memory or disk".into();
             asmotion_bus::LinkState::Blocked { reason }
         } else {
             asmotion_bus::LinkState::Up
         };
         link.set_blocked(health != asmotion_bus::LinkState::Up);
-        link.announce(health);
+        link.set_health(health);
     }
 }
 
 /// Probe of the publishers' connection.
 struct PublisherPulse {
     channel: Channel,
-    words: UnboundedReceiver<BrokerEvent>,
+    events: UnboundedReceiver<BrokerEvent>,
     exchange: String,
     /// Start of the wait for the last probe's confirmation.
-    waiting: Option<Instant>,
+    sent_at: Option<Instant>,
     /// `false` without permission to publish: then no probe is sent.
-    possible: bool,
+    is_supported: bool,
 }
 
 impl PublisherPulse {
@@ -71,15 +71,15 @@ impl PublisherPulse {
         channel::confirm(&channel).await?;
         Ok(Self {
             channel,
-            words,
+            events: words,
             exchange: link.settings.services(),
-            waiting: None,
-            possible: true,
+            sent_at: None,
+            is_supported: true,
         })
     }
 
-    async fn beat(&mut self) {
-        if self.waiting.is_some() || !self.possible {
+    async fn send(&mut self) {
+        if self.sent_at.is_some() || !self.is_supported {
             return;
         }
         // no queue is bound to the empty key
@@ -88,16 +88,16 @@ impl PublisherPulse {
             self.channel
                 .basic_publish(BasicProperties::default(), Vec::new(), arguments);
         if publication.await.is_ok() {
-            self.waiting = Some(Instant::now());
+            self.sent_at = Some(Instant::now());
         }
     }
 
-    async fn listen(&mut self) {
-        match self.words.recv().await {
-            Some(BrokerEvent::Ack { .. } | BrokerEvent::Nack { .. }) => self.waiting = None,
+    async fn receive(&mut self) {
+        match self.events.recv().await {
+            Some(BrokerEvent::Ack { .. } | BrokerEvent::Nack { .. }) => self.sent_at = None,
             Some(BrokerEvent::Closed { .. }) => {
-                self.possible = false;
-                self.waiting = None;
+                self.is_supported = false;
+                self.sent_at = None;
             }
             Some(BrokerEvent::Returned { .. } | BrokerEvent::Cancelled) => {}
             None => std::future::pending().await,
@@ -105,7 +105,7 @@ impl PublisherPulse {
     }
 
     fn silence(&self) -> Duration {
-        self.waiting.map_or(Duration::ZERO, |since| since.elapsed())
+        self.sent_at.map_or(Duration::ZERO, |since| since.elapsed())
     }
 }
 
@@ -113,28 +113,28 @@ impl PublisherPulse {
 struct ConsumerPulse {
     channel: Channel,
     /// Start of the wait for the last probe's reply.
-    waiting: Option<Instant>,
-    answers: UnboundedReceiver<()>,
-    answered: UnboundedSender<()>,
+    sent_at: Option<Instant>,
+    replies: UnboundedReceiver<()>,
+    reply_sender: UnboundedSender<()>,
 }
 
 impl ConsumerPulse {
     fn new(channel: Channel) -> Self {
-        let (answered, answers) = unbounded_channel();
+        let (reply_sender, replies) = unbounded_channel();
         Self {
             channel,
-            waiting: None,
-            answers,
-            answered,
+            sent_at: None,
+            replies,
+            reply_sender,
         }
     }
 
-    fn beat(&mut self) {
-        if self.waiting.is_some() {
+    fn send(&mut self) {
+        if self.sent_at.is_some() {
             return;
         }
-        self.waiting = Some(Instant::now());
-        let (channel, answered) = (self.channel.clone(), self.answered.clone());
+        self.sent_at = Some(Instant::now());
+        let (channel, answered) = (self.channel.clone(), self.reply_sender.clone());
         tokio::spawn(async move {
             // a request that fails counts as one without a reply
             if channel::barrier(channel).await.is_ok() {
@@ -143,13 +143,13 @@ impl ConsumerPulse {
         });
     }
 
-    async fn listen(&mut self) {
-        if self.answers.recv().await.is_some() {
-            self.waiting = None;
+    async fn receive(&mut self) {
+        if self.replies.recv().await.is_some() {
+            self.sent_at = None;
         }
     }
 
     fn silence(&self) -> Duration {
-        self.waiting.map_or(Duration::ZERO, |since| since.elapsed())
+        self.sent_at.map_or(Duration::ZERO, |since| since.elapsed())
     }
 }

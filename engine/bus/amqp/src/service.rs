@@ -27,7 +27,7 @@ use tokio::sync::oneshot;
 use crate::channel::{ChannelError, LOCKED};
 use crate::first_declaration::FirstDeclaration;
 use crate::link::Link;
-use crate::names::{RoutingNames, short};
+use crate::names::{RoutingNames, check_length};
 use caller::{AwaitedReply, OpenCall};
 
 /// Time that a leaving provider waits for the broker to free its address.
@@ -37,7 +37,7 @@ const FAREWELL: Duration = Duration::from_secs(2);
 pub(crate) struct Services {
     link: Arc<Link>,
     names: RoutingNames,
-    life: String,
+    lifetime_id: String,
     number: AtomicU64,
     tasks: Handle,
     calls: UnboundedSender<OpenCall>,
@@ -45,7 +45,12 @@ pub(crate) struct Services {
 }
 
 impl Services {
-    pub(crate) fn new(link: Arc<Link>, names: RoutingNames, life: String, tasks: Handle) -> Self {
+    pub(crate) fn new(
+        link: Arc<Link>,
+        names: RoutingNames,
+        lifetime_id: String,
+        tasks: Handle,
+    ) -> Self {
         let (calls, opened) = unbounded_channel();
         link.spawn(
             &tasks,
@@ -54,7 +59,7 @@ impl Services {
         Self {
             link,
             names,
-            life,
+            lifetime_id,
             number: AtomicU64::new(1),
             tasks,
             calls,
@@ -73,31 +78,31 @@ impl Services {
         };
         let key = self.names.key(address)?;
         let queue = format!("{}.{key}", self.link.settings.services());
-        short(address, &queue)?;
+        check_length(address, &queue)?;
         if !lock(&self.served).insert(key.clone()) {
             return Err(served());
         }
-        let desk = AddressQueue::new(size, notifier);
-        let (leaving, leave) = oneshot::channel();
-        let (gone, left) = sync_channel(1);
-        let (ready, told) = FirstDeclaration::new();
+        let requests = AddressQueue::new(size, notifier);
+        let (stop_sender, stop) = oneshot::channel();
+        let (ended_sender, ended) = sync_channel(1);
+        let (ready, declared) = FirstDeclaration::new();
         let task = provider::ProviderTask::new(provider::ProviderSetup {
             link: Arc::clone(&self.link),
             key: key.clone(),
             queue,
             size,
-            desk: Arc::clone(&desk),
+            requests: Arc::clone(&requests),
             ready,
         });
         let is_open = self.link.is_open();
         self.link.spawn(&self.tasks, async move {
-            task.run(leave).await;
+            task.run(stop).await;
             // fails if the thread no longer waits
-            let _ = gone.try_send(());
+            let _ = ended_sender.try_send(());
         });
         if is_open
             && let Ok(Err(ChannelError::Closed { code, reason })) =
-                told.recv_timeout(self.link.settings.timing.connect)
+                declared.recv_timeout(self.link.settings.timing.connect)
         {
             lock(&self.served).remove(&key);
             return Err(if code == LOCKED {
@@ -107,10 +112,10 @@ impl Services {
             });
         }
         let all = Arc::clone(&self.served);
-        Ok(ServedAddress::new(desk, move || {
-            if leaving.send(()).is_ok() {
+        Ok(ServedAddress::new(requests, move || {
+            if stop_sender.send(()).is_ok() {
                 // the address is free then; a broker that does not respond frees it later
-                let _ = left.recv_timeout(FAREWELL);
+                let _ = ended.recv_timeout(FAREWELL);
             }
             lock(&all).remove(&key);
         }))
@@ -128,7 +133,7 @@ impl Services {
         Ok(pending)
     }
 
-    pub(crate) fn tell(
+    pub(crate) fn call_one_way(
         &self,
         address: &str,
         request: Request,
@@ -150,7 +155,7 @@ impl Services {
         let bytes = request.argument.encode(codec, Datum::schema());
         let number = self.number.fetch_add(1, Ordering::Relaxed);
         Ok(message::OutgoingRequest {
-            id: format!("{}.{number}", self.life),
+            id: format!("{}.{number}", self.lifetime_id),
             key,
             codec,
             bytes: bytes.map_err(|error| BusError::Refused {
@@ -167,12 +172,12 @@ impl Services {
     }
 
     /// Starts a call. Without a link it fails immediately.
-    fn open(&self, message: message::OutgoingRequest, wait: AwaitedReply) {
+    fn open(&self, message: message::OutgoingRequest, awaited: AwaitedReply) {
         if !self.link.is_connected() {
-            return wait.end(Err(CallFailure::Unavailable));
+            return awaited.complete(Err(CallFailure::Unavailable));
         }
-        if let Err(unsent) = self.calls.send(OpenCall::new(message, wait)) {
-            unsent.0.end(Err(CallFailure::Unavailable));
+        if let Err(unsent) = self.calls.send(OpenCall::new(message, awaited)) {
+            unsent.0.complete(Err(CallFailure::Unavailable));
         }
     }
 }

@@ -55,11 +55,11 @@ pub struct AmqpTiming {
     /// Interval of the liveness probes.
     pub pulse: Duration,
     /// Time without a reply after which the broker is reported as not responding.
-    pub silent: Duration,
+    pub silence_timeout: Duration,
     /// Time without a reply after which the connection is closed.
-    pub dead: Duration,
+    pub dead_timeout: Duration,
     /// Time that the broker keeps the event queue of a disconnected client.
-    pub remembered: Duration,
+    pub reply_retention: Duration,
     /// Time limit for sending pending messages when the bus closes.
     pub drain: Duration,
 }
@@ -73,9 +73,9 @@ impl Default for AmqpTiming {
             last_retry: Duration::from_secs(2),
             jitter: 0.5,
             pulse: Duration::from_millis(250),
-            silent: Duration::from_secs(1),
-            dead: Duration::from_secs(5),
-            remembered: Duration::from_secs(120),
+            silence_timeout: Duration::from_secs(1),
+            dead_timeout: Duration::from_secs(5),
+            reply_retention: Duration::from_secs(120),
             drain: Duration::from_secs(2),
         }
     }
@@ -185,14 +185,17 @@ impl AmqpSettings {
             _ => return Err(wrong("unknown scheme")),
         };
         let (authority, vhost) = match rest.split_once('/') {
-            Some((authority, vhost)) if !vhost.is_empty() => (authority, plain(vhost)?),
+            Some((authority, vhost)) if !vhost.is_empty() => (authority, percent_decoded(vhost)?),
             Some((authority, _)) => (authority, "/".to_owned()),
             None => (rest, "/".to_owned()),
         };
         let (credentials, place) = match authority.rsplit_once('@') {
             Some((who, place)) => {
                 let (user, password) = who.split_once(':').ok_or(wrong("missing password"))?;
-                (Credentials::new(plain(user)?, plain(password)?), place)
+                (
+                    Credentials::new(percent_decoded(user)?, percent_decoded(password)?),
+                    place,
+                )
             }
             None => (Credentials::new("guest", "guest"), authority),
         };
@@ -223,7 +226,7 @@ impl AmqpSettings {
     }
 
     /// Returns the broker's address without credentials.
-    pub fn place(&self) -> String {
+    pub fn location(&self) -> String {
         format!("{}:{}/{}", self.host, self.port, self.vhost)
     }
 
@@ -239,14 +242,14 @@ impl fmt::Debug for AmqpSettings {
             f,
             "{} at {} as {:?}",
             self.process,
-            self.place(),
+            self.location(),
             self.credentials
         )
     }
 }
 
 /// Decodes percent-encoding such as `%2F`.
-fn plain(text: &str) -> Result<String, AddressError> {
+fn percent_decoded(text: &str) -> Result<String, AddressError> {
     let wrong = AddressError::Address {
         reason: "`%` is followed by two hexadecimal digits",
     };
@@ -273,12 +276,15 @@ mod tests {
     #[test]
     fn an_address_is_read_whole_or_in_part() {
         let settings = AmqpSettings::parse("amqp://ann:p%40ss@rover1:5673/cell%2F1").unwrap();
-        assert_eq!(settings.place(), "rover1:5673/cell/1");
+        assert_eq!(settings.location(), "rover1:5673/cell/1");
         assert_eq!(settings.credentials, Credentials::new("ann", "p@ss"));
-        assert_eq!(AmqpSettings::parse("amqp://h").unwrap().place(), "h:5672//");
+        assert_eq!(
+            AmqpSettings::parse("amqp://h").unwrap().location(),
+            "h:5672//"
+        );
         let encrypted = AmqpSettings::parse("amqps://h").unwrap();
         assert_eq!(
-            (encrypted.place(), encrypted.tls),
+            (encrypted.location(), encrypted.tls),
             ("h:5671//".into(), Some(TlsSettings::default()))
         );
         for wrong in [
@@ -298,7 +304,7 @@ mod tests {
         let shown = format!(
             "{settings:?} {:?} {}",
             settings.credentials,
-            settings.place()
+            settings.location()
         );
         assert!(!shown.contains("secret"), "{shown}");
     }

@@ -47,9 +47,9 @@ pub(crate) struct SubscriberTask {
     /// Name of the queue at the broker.
     pub queue: String,
     pub policy: QueuePolicy,
-    pub inlet: SubscriptionSender,
+    pub sender: SubscriptionSender,
     /// Resolved when the subscription is dropped.
-    pub leave: oneshot::Receiver<()>,
+    pub stop: oneshot::Receiver<()>,
     /// Receives the outcome of the first declaration.
     pub ready: FirstDeclaration,
 }
@@ -58,28 +58,28 @@ pub(crate) struct SubscriberTask {
 #[derive(Default)]
 struct PendingAcknowledgement {
     last: u64,
-    paid: u64,
+    acknowledged: u64,
     /// Time at which the acknowledgement must be sent.
     due: Option<Instant>,
 }
 
 impl PendingAcknowledgement {
     fn count(&self) -> u64 {
-        self.last.saturating_sub(self.paid)
+        self.last.saturating_sub(self.acknowledged)
     }
 
     /// Waits until the acknowledgement is due.
-    async fn fall_due(&self) {
+    async fn wait_until_due(&self) {
         match self.due {
             Some(due) => sleep_until(due).await,
             None => std::future::pending().await,
         }
     }
 
-    async fn pay(&mut self, channel: &Channel) -> AmqpResult<()> {
+    async fn send(&mut self, channel: &Channel) -> AmqpResult<()> {
         self.due = None;
         if self.count() > 0 {
-            self.paid = self.last;
+            self.acknowledged = self.last;
             let all = BasicAckArguments::new(self.last, true);
             channel.basic_ack(all).await?;
         }
@@ -94,20 +94,20 @@ impl SubscriberTask {
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair, &mut repeats) => end,
-                () = link.replaced(&pair) => Err(ChannelError::Lost),
+                () = link.wait_until_replaced(&pair) => Err(ChannelError::Lost),
             };
             match end {
                 Ok(()) => return,
                 Err(broken) if self.ready.report(Err(broken.clone())) => return,
                 Err(ChannelError::Closed { reason, .. }) => {
-                    link.refused(self.pattern.as_str(), reason);
+                    link.report_refusal(self.pattern.as_str(), reason);
                     sleep(REST).await;
                 }
-                Err(ChannelError::Cancelled) => link.note(BusNotice::Refused {
+                Err(ChannelError::Cancelled) => link.report(BusNotice::Refused {
                     what: self.pattern.to_string(),
                     reason: "its queue was deleted".to_owned(),
                 }),
-                Err(ChannelError::Lost) => link.rest(&pair).await,
+                Err(ChannelError::Lost) => link.wait_after_error(&pair).await,
             }
         }
     }
@@ -124,20 +124,20 @@ impl SubscriberTask {
         if self.link.is_poisoned() && channel::purge(&pair.consumers, &self.queue).await.is_ok() {
             let what = self.pattern.to_string();
             let reason = "the client failed on it repeatedly; the waiting messages were discarded";
-            self.link.note(BusNotice::Unreadable {
+            self.link.report(BusNotice::Unreadable {
                 what,
                 reason: reason.to_owned(),
             });
         }
         let begun = self.declare(&channel).await;
-        let mut messages = begun.map_err(|_| channel::why(&mut words))?;
+        let mut messages = begun.map_err(|_| channel::close_reason(&mut words))?;
         self.ready.report(Ok(()));
         let link = Arc::clone(&self.link);
-        let mut closing = pin!(link.closing());
+        let mut closing = pin!(link.wait_until_closing());
         let mut owed = PendingAcknowledgement::default();
         loop {
             tokio::select! {
-                _ = &mut self.leave => break,
+                _ = &mut self.stop => break,
                 () = &mut closing => break,
                 word = words.recv() => match word {
                     Some(BrokerEvent::Closed { code, reason }) => {
@@ -151,22 +151,22 @@ impl SubscriberTask {
                     let Some(message) = message else {
                         return Err(ChannelError::Cancelled);
                     };
-                    owed.last = owed.last.max(self.take(message, &mut messages, repeats));
+                    owed.last = owed.last.max(self.take_batch(message, &mut messages, repeats));
                     // for a state, the broker sends the next message only after this acknowledgement
                     if self.policy == QueuePolicy::Latest || owed.count() >= OWED {
-                        owed.pay(&channel).await.map_err(|_| channel::why(&mut words))?;
+                        owed.send(&channel).await.map_err(|_| channel::close_reason(&mut words))?;
                     } else {
                         owed.due.get_or_insert_with(|| Instant::now() + ACKNOWLEDGED_AFTER);
                     }
                 }
-                () = owed.fall_due() => {
-                    owed.pay(&channel).await.map_err(|_| channel::why(&mut words))?;
+                () = owed.wait_until_due() => {
+                    owed.send(&channel).await.map_err(|_| channel::close_reason(&mut words))?;
                 }
             }
         }
         // messages already passed on must not be delivered again to the next subscription; a closed channel accepts
         // nothing
-        let _ = owed.pay(&channel).await;
+        let _ = owed.send(&channel).await;
         self.end(channel).await;
         Ok(())
     }
@@ -183,7 +183,7 @@ impl SubscriberTask {
                 (PREFETCH, size.max(PREFETCH.into()), overflow)
             }
         };
-        let remembered = self.link.settings.timing.remembered.as_millis();
+        let remembered = self.link.settings.timing.reply_retention.as_millis();
         let arguments = Headers::default()
             .count("x-max-length", length as u64)
             .number("x-expires", i64::try_from(remembered).unwrap_or(i64::MAX))
@@ -204,7 +204,7 @@ impl SubscriberTask {
     }
 
     /// Passes on a message and those waiting behind it. Returns the last delivery tag.
-    fn take(
+    fn take_batch(
         &self,
         first: ConsumerMessage,
         messages: &mut UnboundedReceiver<ConsumerMessage>,
@@ -214,33 +214,35 @@ impl SubscriberTask {
         let mut next = Some(first);
         for _ in 0..TAKEN {
             let Some(message) = next else { break };
-            last = self.hand_on(message, repeats).unwrap_or(last);
+            last = self.deliver(message, repeats).unwrap_or(last);
             next = messages.try_recv().ok();
         }
         match next {
-            Some(message) => self.hand_on(message, repeats).unwrap_or(last),
+            Some(message) => self.deliver(message, repeats).unwrap_or(last),
             None => last,
         }
     }
 
     /// Passes on one message. Returns its delivery tag.
-    fn hand_on(&self, message: ConsumerMessage, repeats: &mut DuplicateFilter) -> Option<u64> {
+    fn deliver(&self, message: ConsumerMessage, repeats: &mut DuplicateFilter) -> Option<u64> {
         let deliver = message.deliver?;
         let properties = message.basic_properties.unwrap_or_default();
         let topic = self.names.topic(deliver.routing_key());
         if !repeats.is_new(wire::identity(&properties, topic)) {
-            self.inlet.count_duplicate();
+            self.sender.count_duplicate();
             return Some(deliver.delivery_tag());
         }
         if self.policy != QueuePolicy::Latest {
-            self.inlet.set_missed(repeats.missed());
+            self.sender.set_missed(repeats.missed());
         }
         match wire::payload(&properties, message.content.unwrap_or_default()) {
-            Ok(payload) => self.inlet.push(wire::envelope(topic, &properties, payload)),
+            Ok(payload) => self
+                .sender
+                .push(wire::envelope(topic, &properties, payload)),
             Err(reason) => {
-                self.inlet.count_unreadable();
+                self.sender.count_unreadable();
                 let what = topic.to_owned();
-                self.link.note(BusNotice::Unreadable { what, reason });
+                self.link.report(BusNotice::Unreadable { what, reason });
             }
         }
         Some(deliver.delivery_tag())

@@ -41,27 +41,27 @@ pub(crate) async fn supervise(link: Arc<Link>) {
                 Ok(Err(reason)) => LinkFailure::Said(reason),
                 Err(_) => LinkFailure::Said(format!("no response within {:?}", timing.connect)),
             };
-            link.broke_in_reading(end == LinkFailure::Reading && begun.elapsed() < SHORT);
+            link.record_end(end == LinkFailure::Reading && begun.elapsed() < SHORT);
             let reason = end.to_string();
-            link.announce(asmotion_bus::LinkState::Down {
+            link.set_health(asmotion_bus::LinkState::Down {
                 reason: reason.as_str().into(),
             });
-            link.note(BusNotice::Disconnected { reason });
-            sleep(backoff.wait()).await;
+            link.report(BusNotice::Disconnected { reason });
+            sleep(backoff.next_delay()).await;
         };
         tokio::select! {
             () = life => {}
-            () = link.closing() => break,
+            () = link.wait_until_closing() => break,
         }
     }
-    link.deserted().await;
-    if let Some(pair) = link.end() {
-        pair.hang_up().await;
+    link.wait_until_unused().await;
+    if let Some(pair) = link.take_connections() {
+        pair.close().await;
     }
     // the client's tasks end after their connection, and panic if the runtime ends before
     sleep(Duration::from_millis(20)).await;
     let reason = "the bus is closed".into();
-    link.announce(asmotion_bus::LinkState::Down { reason });
+    link.set_health(asmotion_bus::LinkState::Down { reason });
 }
 
 /// Reason why the connections failed, or could not be opened.
@@ -91,17 +91,17 @@ async fn live(
     mut closes: UnboundedReceiver<String>,
 ) -> LinkFailure {
     let pair = Arc::new(pair);
-    link.begin(&pair);
+    link.set_connections(&pair);
     let end = tokio::select! {
         biased;
         Some(reason) = closes.recv() => LinkFailure::Said(reason),
-        reason = pulse::feel(link, &pair) => LinkFailure::Said(reason),
+        reason = pulse::watch_connections(link, &pair) => LinkFailure::Said(reason),
         _ = pair.publishers.listen_network_io_failure() => LinkFailure::Writing,
         _ = pair.consumers.listen_network_io_failure() => LinkFailure::Reading,
-        () = link.worn() => LinkFailure::Said("the broker refused too many channels of the connection".to_owned()),
+        () = link.wait_for_refusal_limit() => LinkFailure::Said("the broker refused too many channels of the connection".to_owned()),
     };
-    link.end();
-    tokio::spawn(async move { pair.hang_up().await });
+    link.take_connections();
+    tokio::spawn(async move { pair.close().await });
     end
 }
 
@@ -174,7 +174,8 @@ async fn declare(connection: &Connection, exchange: &str, kind: &str) -> AmqpRes
         arguments.passive(passive);
         let arguments = arguments.clone();
         let (channel, _words) = channel::open(connection).await?;
-        end = channel::to_the_end(async move { channel.exchange_declare(arguments).await }).await;
+        end = channel::run_to_completion(async move { channel.exchange_declare(arguments).await })
+            .await;
         if end.is_ok() {
             break;
         }

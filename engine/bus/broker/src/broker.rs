@@ -164,7 +164,7 @@ impl TestBroker {
     /// Waits until the broker accepts connections.
     pub(crate) fn wait_until_up(&self) -> Result<(), BrokerError> {
         let until = Instant::now() + START;
-        while !self.answers() {
+        while !self.accepts_connections() {
             if Instant::now() > until {
                 return Err(BrokerError::Mute {
                     log: self.files.log(),
@@ -184,7 +184,7 @@ impl TestBroker {
     }
 
     /// Returns whether the broker answers an AMQP connection.
-    pub(crate) fn answers(&self) -> bool {
+    pub(crate) fn accepts_connections(&self) -> bool {
         let second = Duration::from_secs(1);
         let greeted = || {
             let mut stream = TcpStream::connect_timeout(&self.address(), second)?;

@@ -93,7 +93,7 @@ impl TestBroker {
         let until = Instant::now() + START;
         while Instant::now() < until {
             self.command("rabbit:start()")?;
-            if self.answers() {
+            if self.accepts_connections() {
                 return Ok(());
             }
             std::thread::sleep(Duration::from_millis(200));

@@ -68,8 +68,8 @@ const EVERY: QueuePolicy = QueuePolicy::All {
 };
 
 /// A name below another one, unique within the case.
-fn below(name: &str, word: &str) -> String {
-    format!("{name}.{word}")
+fn subtopic(name: &str, segment: &str) -> String {
+    format!("{name}.{segment}")
 }
 
 fn origin() -> SenderId {
@@ -83,10 +83,10 @@ fn publisher(bus: &dyn Bus, topic: &str) -> Result<Box<dyn Publisher>, String> {
 fn publisher_of(
     bus: &dyn Bus,
     topic: &str,
-    sending: PublishOptions,
+    options: PublishOptions,
 ) -> Result<Box<dyn Publisher>, String> {
-    bus.publisher(topic, &origin(), &Schema::opaque("test/Number"), sending)
-        .map_err(said)
+    bus.publisher(topic, &origin(), &Schema::opaque("test/Number"), options)
+        .map_err(error_text)
 }
 
 fn subscribe(bus: &dyn Bus, pattern: &str, queue: QueuePolicy) -> Result<Subscription, String> {
@@ -96,10 +96,10 @@ fn subscribe(bus: &dyn Bus, pattern: &str, queue: QueuePolicy) -> Result<Subscri
         queue,
         Arc::new(Notifier::new()),
     )
-    .map_err(said)
+    .map_err(error_text)
 }
 
-fn said(error: BusError) -> String {
+fn error_text(error: BusError) -> String {
     error.to_string()
 }
 
@@ -110,7 +110,7 @@ fn send(
     numbers.into_iter().try_for_each(|n| {
         publisher
             .publish(n, Payload::of(Datum::Int(n)))
-            .map_err(said)
+            .map_err(error_text)
     })
 }
 
@@ -127,22 +127,22 @@ fn receive(subscription: &Subscription, count: usize) -> Result<Vec<i64>, String
         let datum = datum.map_err(|error| error.to_string())?;
         numbers.push(datum.as_int().ok_or("another payload than the one sent")?);
     }
-    silent(subscription)?;
+    expect_silence(subscription)?;
     Ok(numbers)
 }
 
-fn silent(subscription: &Subscription) -> Result<(), String> {
+fn expect_silence(subscription: &Subscription) -> Result<(), String> {
     match subscription.next_within(SILENCE) {
         None => Ok(()),
         Some(envelope) => Err(format!("a message too many: {envelope:?}")),
     }
 }
 
-fn expect<T: PartialEq + std::fmt::Debug>(found: T, wanted: T) -> Result<(), String> {
-    if found == wanted {
+fn expect<T: PartialEq + std::fmt::Debug>(actual: T, expected: T) -> Result<(), String> {
+    if actual == expected {
         return Ok(());
     }
-    Err(format!("{found:?} instead of {wanted:?}"))
+    Err(format!("{actual:?} instead of {expected:?}"))
 }
 
 fn delivers(bus: &dyn Bus, name: &str) -> Result<(), String> {
@@ -160,8 +160,8 @@ fn keeps_order(bus: &dyn Bus, name: &str) -> Result<(), String> {
 fn numbers(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let subscription = subscribe(bus, name, EVERY)?;
     send(&mut *publisher(bus, name)?, 0..20)?;
-    for wanted in 1..=20 {
-        expect(next(&subscription)?.sequence, wanted)?;
+    for expected in 1..=20 {
+        expect(next(&subscription)?.sequence, expected)?;
     }
     Ok(())
 }
@@ -199,19 +199,19 @@ fn carries_exactly(bus: &dyn Bus, name: &str) -> Result<(), String> {
     ];
     let mut publisher = publisher(bus, name)?;
     for payload in payloads {
-        publisher.publish(0, payload).map_err(said)?;
-        let came = next(&subscription)?.payload.to_datum();
-        expect(came.map_err(|error| error.to_string())?, sent.clone())?;
+        publisher.publish(0, payload).map_err(error_text)?;
+        let received = next(&subscription)?.payload.to_datum();
+        expect(received.map_err(|error| error.to_string())?, sent.clone())?;
     }
     Ok(())
 }
 
 fn fans_out(bus: &dyn Bus, name: &str) -> Result<(), String> {
-    let one = subscribe(bus, name, EVERY)?;
-    let other = subscribe(bus, name, EVERY)?;
+    let first = subscribe(bus, name, EVERY)?;
+    let second = subscribe(bus, name, EVERY)?;
     send(&mut *publisher(bus, name)?, 0..10)?;
-    expect(receive(&one, 10)?, (0..10).collect())?;
-    expect(receive(&other, 10)?, (0..10).collect())
+    expect(receive(&first, 10)?, (0..10).collect())?;
+    expect(receive(&second, 10)?, (0..10).collect())
 }
 
 fn joins_publishers(bus: &dyn Bus, name: &str) -> Result<(), String> {
@@ -225,11 +225,11 @@ fn joins_publishers(bus: &dyn Bus, name: &str) -> Result<(), String> {
 }
 
 fn matches_patterns(bus: &dyn Bus, name: &str) -> Result<(), String> {
-    let all = subscribe(bus, &below(name, "#"), EVERY)?;
-    let one = subscribe(bus, &below(name, "*"), EVERY)?;
-    let odom = subscribe(bus, &below(name, "*.odom"), EVERY)?;
+    let all = subscribe(bus, &subtopic(name, "#"), EVERY)?;
+    let one = subscribe(bus, &subtopic(name, "*"), EVERY)?;
+    let odom = subscribe(bus, &subtopic(name, "*.odom"), EVERY)?;
     for (n, word) in [(1, "a"), (2, "a.odom"), (3, "b.odom"), (4, "b.odom.raw")] {
-        send(&mut *publisher(bus, &below(name, word))?, [n])?;
+        send(&mut *publisher(bus, &subtopic(name, word))?, [n])?;
     }
     let sorted = |subscription, count| {
         let mut numbers = receive(subscription, count)?;
@@ -297,11 +297,11 @@ fn repeats_last(bus: &dyn Bus, name: &str) -> Result<(), String> {
     send(&mut *event, 3..=3)?;
     expect(receive(&early, 1)?, vec![3])?;
     let late = subscribe(bus, name, EVERY)?;
-    bus.repeat();
+    bus.republish_retained();
     expect(receive(&late, 1)?, vec![2])?;
-    bus.repeat();
-    silent(&late)?;
-    silent(&early)
+    bus.republish_retained();
+    expect_silence(&late)?;
+    expect_silence(&early)
 }
 
 fn forgets(bus: &dyn Bus, name: &str) -> Result<(), String> {
@@ -325,12 +325,12 @@ fn never_stalls(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn serve(bus: &dyn Bus, address: &str, size: usize) -> Result<ServedAddress, String> {
     bus.serve(address, size, Arc::new(Notifier::new()))
-        .map_err(said)
+        .map_err(error_text)
 }
 
 fn call(bus: &dyn Bus, address: &str, n: i64, timeout: Duration) -> Result<PendingCall, String> {
     bus.call(address, request(n, timeout), Arc::new(Notifier::new()))
-        .map_err(said)
+        .map_err(error_text)
 }
 
 fn request(n: i64, timeout: Duration) -> Request {
@@ -338,7 +338,7 @@ fn request(n: i64, timeout: Duration) -> Request {
 }
 
 /// The outcome of a call, in comparable form.
-fn end(pending: PendingCall) -> Result<Option<i64>, CallFailure> {
+fn outcome(pending: PendingCall) -> Result<Option<i64>, CallFailure> {
     let payload = pending.wait()?;
     Ok(payload.to_datum().ok().and_then(|datum| datum.as_int()))
 }
@@ -354,16 +354,16 @@ fn answers(bus: &dyn Bus, name: &str) -> Result<(), String> {
     for _ in 0..2 {
         let call = next_call(&serving)?;
         expect(&*call.origin.source, "contract")?;
-        let asked = call
+        let pending = call
             .argument
             .to_datum()
             .ok()
             .and_then(|datum| datum.as_int());
-        call.reply(Ok(Payload::of(Datum::Int(asked.unwrap_or(0) * 10))));
+        call.reply(Ok(Payload::of(Datum::Int(pending.unwrap_or(0) * 10))));
     }
     // each call gets its own reply, in whichever order they are read
-    expect(end(other), Ok(Some(20)))?;
-    expect(end(one), Ok(Some(10)))
+    expect(outcome(other), Ok(Some(20)))?;
+    expect(outcome(one), Ok(Some(10)))
 }
 
 fn refuses(bus: &dyn Bus, name: &str) -> Result<(), String> {
@@ -374,16 +374,16 @@ fn refuses(bus: &dyn Bus, name: &str) -> Result<(), String> {
         detail: "walls all around".to_owned(),
     };
     next_call(&serving)?.reply(Err(refusal.clone()));
-    expect(end(pending), Err(CallFailure::Refused(refusal)))
+    expect(outcome(pending), Err(CallFailure::Refused(refusal)))
 }
 
 fn times_out(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let serving = serve(bus, name, 8)?;
-    let begun = Instant::now();
+    let started = Instant::now();
     let pending = call(bus, name, 1, SILENCE)?;
     let unanswered = next_call(&serving)?;
-    expect(end(pending), Err(CallFailure::Timeout))?;
-    let waited = begun.elapsed();
+    expect(outcome(pending), Err(CallFailure::Timeout))?;
+    let waited = started.elapsed();
     unanswered.reply(Ok(Payload::of(Datum::Null)));
     if waited < SILENCE || waited > SILENCE + CROSSING {
         return Err(format!("the deadline of {SILENCE:?} came after {waited:?}"));
@@ -393,9 +393,9 @@ fn times_out(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn unavailable(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let pending = call(bus, name, 1, 2 * CROSSING)?;
-    let begun = Instant::now();
-    expect(end(pending), Err(CallFailure::Unavailable))?;
-    if begun.elapsed() > CROSSING {
+    let started = Instant::now();
+    expect(outcome(pending), Err(CallFailure::Unavailable))?;
+    if started.elapsed() > CROSSING {
         return Err("it took as long as a deadline".to_owned());
     }
     Ok(())
@@ -406,7 +406,7 @@ fn server_leaves(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let pending = call(bus, name, 1, CROSSING)?;
     std::thread::sleep(SILENCE);
     drop(serving);
-    expect(end(pending), Err(CallFailure::Unavailable))?;
+    expect(outcome(pending), Err(CallFailure::Unavailable))?;
     // the address is free again
     serve(bus, name, 8).map(drop)
 }
@@ -415,7 +415,7 @@ fn request_dropped(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let serving = serve(bus, name, 8)?;
     let pending = call(bus, name, 1, 2 * CROSSING)?;
     drop(next_call(&serving)?);
-    expect(end(pending), Err(CallFailure::Unavailable))
+    expect(outcome(pending), Err(CallFailure::Unavailable))
 }
 
 fn one_server(bus: &dyn Bus, name: &str) -> Result<(), String> {
@@ -431,10 +431,10 @@ fn bounds_requests(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let mut calls = calls?;
     std::thread::sleep(SILENCE);
     let third = calls.pop().ok_or("no third call")?;
-    expect(end(third), Err(CallFailure::Unavailable))?;
+    expect(outcome(third), Err(CallFailure::Unavailable))?;
     for pending in calls {
         next_call(&serving)?.reply(Ok(Payload::of(Datum::Int(1))));
-        expect(end(pending), Ok(Some(1)))?;
+        expect(outcome(pending), Ok(Some(1)))?;
     }
     Ok(())
 }
@@ -442,7 +442,7 @@ fn bounds_requests(bus: &dyn Bus, name: &str) -> Result<(), String> {
 fn drops_expired(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let serving = serve(bus, name, 8)?;
     let pending = call(bus, name, 1, SILENCE)?;
-    expect(end(pending), Err(CallFailure::Timeout))?;
+    expect(outcome(pending), Err(CallFailure::Timeout))?;
     match serving.next_within(SILENCE) {
         None => Ok(()),
         Some(call) => Err(format!("an expired request was handed out: {call:?}")),
@@ -452,11 +452,11 @@ fn drops_expired(bus: &dyn Bus, name: &str) -> Result<(), String> {
 fn takes_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let serving = serve(bus, name, 8)?;
     let pending = call(bus, name, 1, CROSSING)?;
-    let begun = next_call(&serving)?;
+    let call = next_call(&serving)?;
     pending.cancel();
-    expect(end(pending), Err(CallFailure::Cancelled))?;
+    expect(outcome(pending), Err(CallFailure::Cancelled))?;
     let until = Instant::now() + CROSSING;
-    while begun.is_awaited() {
+    while call.is_awaited() {
         if Instant::now() > until {
             return Err("the server was not notified of the cancellation".to_owned());
         }
@@ -467,38 +467,38 @@ fn takes_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn tells(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let tell = |n| {
-        bus.tell(name, request(n, CROSSING), Arc::new(Notifier::new()))
-            .map_err(said)
+        bus.call_one_way(name, request(n, CROSSING), Arc::new(Notifier::new()))
+            .map_err(error_text)
     };
-    expect(end(tell(0)?), Err(CallFailure::Unavailable))?;
+    expect(outcome(tell(0)?), Err(CallFailure::Unavailable))?;
     let serving = serve(bus, name, 8)?;
-    expect(end(tell(1)?), Ok(None))?;
+    expect(outcome(tell(1)?), Ok(None))?;
     let call = next_call(&serving)?;
     expect(call.is_one_way(), true)?;
     // dropping the pending call does not cancel a one-way request
     drop(tell(2)?);
-    let told = next_call(&serving)?.argument.to_datum();
-    expect(told.ok().and_then(|datum| datum.as_int()), Some(2))
+    let argument = next_call(&serving)?.argument.to_datum();
+    expect(argument.ok().and_then(|datum| datum.as_int()), Some(2))
 }
 
 fn calls_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
-    let back = below(name, "back");
+    let back = subtopic(name, "back");
     let (serving, hearing) = (serve(bus, name, 8)?, serve(bus, &back, 8)?);
     let request = request(1, CROSSING).with_callback(&*back);
     let pending = bus
         .call(name, request, Arc::new(Notifier::new()))
-        .map_err(said)?;
+        .map_err(error_text)?;
     let call = next_call(&serving)?;
     let callback = call.callback.clone().ok_or("no callback came")?;
     call.reply(Ok(Payload::of(Datum::Int(2))));
-    expect(end(pending), Ok(Some(2)))?;
+    expect(outcome(pending), Ok(Some(2)))?;
     let later = self::request(3, CROSSING);
-    let told = bus
-        .tell(&callback, later, Arc::new(Notifier::new()))
-        .map_err(said)?;
-    expect(end(told), Ok(None))?;
-    let heard = next_call(&hearing)?.argument.to_datum();
-    expect(heard.ok().and_then(|datum| datum.as_int()), Some(3))
+    let pending = bus
+        .call_one_way(&callback, later, Arc::new(Notifier::new()))
+        .map_err(error_text)?;
+    expect(outcome(pending), Ok(None))?;
+    let argument = next_call(&hearing)?.argument.to_datum();
+    expect(argument.ok().and_then(|datum| datum.as_int()), Some(3))
 }
 
 fn carries_trace(bus: &dyn Bus, name: &str) -> Result<(), String> {
@@ -508,17 +508,17 @@ fn carries_trace(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let spans = SpanGenerator::new(&origin().source, origin().incarnation, name);
     for (number, cause) in (1..).zip([Some(cause), None]) {
         publisher
-            .publish_within(0, Payload::of(Datum::Int(1)), cause)
-            .map_err(said)?;
+            .publish_traced(0, Payload::of(Datum::Int(1)), cause)
+            .map_err(error_text)?;
         let trace = next(&subscription)?.trace;
         expect(trace, Some(spans.of(number, cause)))?;
     }
-    let address = below(name, "served");
+    let address = subtopic(name, "served");
     let serving = serve(bus, &address, 1)?;
-    let asked = request(1, CROSSING).within(cause);
+    let request = request(1, CROSSING).with_trace(cause);
     let _pending = bus
-        .call(&address, asked, Arc::new(Notifier::new()))
-        .map_err(said)?;
+        .call(&address, request, Arc::new(Notifier::new()))
+        .map_err(error_text)?;
     expect(next_call(&serving)?.trace, Some(cause))
 }
 
@@ -528,8 +528,11 @@ fn confirms(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let mut publisher = publisher_of(bus, name, sending)?;
     send(&mut *publisher, 0..300)?;
     expect(bus.drain(CROSSING), true)?;
-    let sent = publisher.sent();
-    expect((sent.published, sent.arrived, sent.open()), (300, 300, 0))?;
+    let sent = publisher.counts();
+    expect(
+        (sent.published, sent.accepted, sent.pending()),
+        (300, 300, 0),
+    )?;
     expect(receive(&subscription, 300)?, (0..300).collect())
 }
 

@@ -6,7 +6,7 @@ use crate::codes::c023::DuplicateId;
 use crate::codes::c024::UnknownImplementation;
 use crate::codes::c025::ImplementationNotInBuild;
 use crate::codes::c028::UnknownProperty;
-use crate::codes::c035::OwnMaster;
+use crate::codes::c035::MasterCycle;
 use crate::codes::c048::IdleKey;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -89,7 +89,7 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
         if scene.composite.component(master).is_none() {
             scene.unknown_component(master, report);
         } else if masters(scene, &component.name.value).any(|one| one == component.name.value) {
-            report.found(OwnMaster {
+            report.found(MasterCycle {
                 component: component.name.value.clone(),
                 at: master.span,
             });

@@ -288,7 +288,7 @@ fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, repor
         path.steps.pop();
     }
     if let Some((schema, at)) = field(scene, &path, face, report)
-        && !read.suits(&schema)
+        && !read.applies_to(&schema)
     {
         let reason = format!("`{}` cannot test `{path}`", told.text.value);
         condition(reason, &schema, told.text.span, at, report);

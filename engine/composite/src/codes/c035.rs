@@ -53,12 +53,12 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C035, error)]
 #[error("`{component}` cannot run after itself")]
-pub(crate) struct OwnMaster {
+pub(crate) struct MasterCycle {
     pub component: String,
     pub at: Span,
 }
 
-impl Finding for OwnMaster {
+impl Finding for MasterCycle {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "leads back to it")

@@ -174,10 +174,10 @@ impl Layered {
     fn order_layer(&mut self, layer: usize, neighbours: &[Vec<usize>]) {
         let heights = self.heights();
         let middle = |slot: &usize| {
-            let near = neighbours.get(*slot).map_or(&[][..], Vec::as_slice);
+            let adjacent = neighbours.get(*slot).map_or(&[][..], Vec::as_slice);
             let own = heights.get(*slot).copied().unwrap_or(0.0);
-            let sum: f64 = near.iter().filter_map(|it| heights.get(*it)).sum();
-            match near.len() {
+            let sum: f64 = adjacent.iter().filter_map(|it| heights.get(*it)).sum();
+            match adjacent.len() {
                 0 => own,
                 count => sum / count as f64,
             }

@@ -32,7 +32,7 @@ struct SlotEdge {
 }
 
 /// Assigns coordinates to all slots.
-pub(crate) fn place(layered: &Layered) -> Coordinates {
+pub(crate) fn assign_coordinates(layered: &Layered) -> Coordinates {
     let y = heights(layered);
     let (x, right) = widths(layered);
     let corners: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).collect();
@@ -96,8 +96,8 @@ fn heights(layered: &Layered) -> Vec<f64> {
     let joints = joints(layered);
     let mut y = vec![0.0; layered.slots.len()];
     for layer in &layered.layers {
-        let wanted = vec![(0.0, 1.0); layer.len()];
-        settle(layered, layer, &wanted, &mut y);
+        let preferred = vec![(0.0, 1.0); layer.len()];
+        assign_positions(layered, layer, &preferred, &mut y);
     }
     for round in 0..ROUNDS {
         let count = layered.layers.len();
@@ -110,11 +110,11 @@ fn heights(layered: &Layered) -> Vec<f64> {
             let Some(layer) = layered.layers.get(index) else {
                 continue;
             };
-            let wanted: Vec<(f64, f64)> = layer
+            let preferred: Vec<(f64, f64)> = layer
                 .iter()
-                .map(|slot| wanted(*slot, &joints, &y))
+                .map(|slot| preferred_position(*slot, &joints, &y))
                 .collect();
-            settle(layered, layer, &wanted, &mut y);
+            assign_positions(layered, layer, &preferred, &mut y);
         }
     }
     let top = y.iter().copied().fold(f64::INFINITY, f64::min);
@@ -122,7 +122,7 @@ fn heights(layered: &Layered) -> Vec<f64> {
 }
 
 /// The preferred position of a slot, and its weight.
-fn wanted(slot: usize, joints: &[SlotEdge], y: &[f64]) -> (f64, f64) {
+fn preferred_position(slot: usize, joints: &[SlotEdge], y: &[f64]) -> (f64, f64) {
     let at = |slot: usize| y.get(slot).copied().unwrap_or(0.0);
     let (mut sum, mut weight) = (at(slot) * 0.05, 0.05);
     for joint in joints {
@@ -139,7 +139,7 @@ fn wanted(slot: usize, joints: &[SlotEdge], y: &[f64]) -> (f64, f64) {
 
 /// Places the slots of a layer as near as possible to their preferred positions, in order and without overlap: slots
 /// that would overlap form a block, which is placed at the weighted mean of its members' preferences.
-fn settle(layered: &Layered, layer: &[usize], wanted: &[(f64, f64)], y: &mut [f64]) {
+fn assign_positions(layered: &Layered, layer: &[usize], preferred: &[(f64, f64)], y: &mut [f64]) {
     // each block: the weighted sum of preferred positions of its first member, the weight, and the number of members
     let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
     let mut offsets = Vec::with_capacity(layer.len());
@@ -158,7 +158,7 @@ fn settle(layered: &Layered, layer: &[usize], wanted: &[(f64, f64)], y: &mut [f6
         offsets.push(offset);
         previous = Some(*slot);
     }
-    for ((wish, weight), offset) in wanted.iter().zip(&offsets) {
+    for ((wish, weight), offset) in preferred.iter().zip(&offsets) {
         let mut block = ((wish - offset) * weight, *weight, 1);
         while let Some(above) = blocks.last() {
             if above.0 / above.1 <= block.0 / block.1 {

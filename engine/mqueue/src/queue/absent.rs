@@ -53,7 +53,7 @@ impl KernelQueue {
         })
     }
 
-    pub(crate) fn find(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
+    pub(crate) fn open_existing(name: &QueueName) -> Result<Option<Self>, QueueCheckError> {
         Err(QueueCheckError::Unsupported {
             queue: name.to_string(),
         })
@@ -90,7 +90,7 @@ impl KernelQueue {
         match *self {}
     }
 
-    pub(crate) fn is_gone(&self) -> bool {
+    pub(crate) fn is_unlinked(&self) -> bool {
         match *self {}
     }
 

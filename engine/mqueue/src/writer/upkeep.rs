@@ -63,7 +63,7 @@ impl QueueUpkeep {
         report: &mut dyn FnMut(u64, &DatumError),
     ) -> Result<QueueStatus, QueueCheckError> {
         let mut state = lock(&self.state);
-        if state.queue.is_gone() {
+        if state.queue.is_unlinked() {
             state.reopen()?;
         }
         state.expire(Instant::now())?;
@@ -130,15 +130,15 @@ impl QueueUpkeep {
 impl WriterState {
     /// Opens or creates the queue of this name again.
     fn reopen(&mut self) -> Result<(), QueueCheckError> {
-        let (queue, origin) = KernelQueue::create(&self.name, self.room)?;
-        if queue.size() < self.room.size {
+        let (queue, origin) = KernelQueue::create(&self.name, self.capacity)?;
+        if queue.size() < self.capacity.size {
             return Err(QueueCheckError::Smaller {
                 queue: self.name.to_string(),
-                takes: queue.size(),
-                size: self.room.size,
+                required: queue.size(),
+                size: self.capacity.size,
             });
         }
-        self.old.resize(queue.size(), 0);
+        self.removed.resize(queue.size(), 0);
         self.queue = Arc::new(queue);
         self.origin = origin;
         self.waiting.clear();

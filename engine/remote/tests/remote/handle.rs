@@ -24,12 +24,12 @@ fn j7_components_are_listed_and_found_by_name() {
     let names: Vec<_> = remote
         .components()
         .iter()
-        .map(|it| it.whole_name())
+        .map(|it| it.full_name())
         .collect();
     assert_eq!(names, ["Driver"]);
     let driver = remote.component("Driver").expect("a component");
     assert_eq!((driver.robot(), driver.process()), ("", "arm"));
-    let unknown = remote.component("Diver").map(|it| it.whole_name());
+    let unknown = remote.component("Diver").map(|it| it.full_name());
     let nearest = Some("Driver".to_owned());
     let (what, name) = ("component", "Diver".to_owned());
     assert_eq!(
@@ -87,7 +87,7 @@ fn j13_ports_are_written_read_and_watched_and_errors_have_types() {
     };
     let read = |port: &str| driver.read::<Datum>(port).map(drop);
     assert_eq!(refused(read("status")), OrderErrorCode::NoData);
-    assert_eq!(refused(read("state")), OrderErrorCode::NoPort);
+    assert_eq!(refused(read("state")), OrderErrorCode::UnknownPort);
     assert_eq!(refused(read("commands")), OrderErrorCode::WrongDirection);
     assert_eq!(
         refused(driver.write("commands", 1)),
@@ -99,7 +99,7 @@ fn j13_ports_are_written_read_and_watched_and_errors_have_types() {
     );
     assert_eq!(
         refused(driver.watch("statu").map(drop)),
-        OrderErrorCode::NoPort
+        OrderErrorCode::UnknownPort
     );
 
     let mut watch = driver.watch("status").expect("an output");
@@ -125,7 +125,7 @@ fn j15_what_is_seen_of_a_component_is_plain_data() {
     let declared = driver.declaration().expect("a declaration");
     assert_eq!(declared.inputs[0].name, "commands");
     assert_eq!(declared.services[0].operations[0].name, "mirror");
-    let present = driver.look().expect("a look");
+    let present = driver.refresh().expect("a look");
     assert_eq!(present.state, "Running");
     assert_eq!(present.period_ms, 10);
     let json = asmotion_datum::json::encode(&Datum::of(&present).expect("data")).expect("JSON");
@@ -168,7 +168,9 @@ fn j16_an_answer_is_told_when_it_is_there_without_a_poll_period() {
     let (tell, told) = mpsc::channel();
     let sent = service.send("mirror", argument.clone(), PATIENCE);
     let listener = move |answer| tell.send(answer).expect("somebody listens");
-    sent.expect("a bus").then(listener).expect("a thread");
+    sent.expect("a bus")
+        .on_completion(listener)
+        .expect("a thread");
     assert_eq!(told.recv_timeout(PATIENCE), Ok(Ok(answer.clone())));
 
     let mut sent = service
@@ -255,9 +257,9 @@ fn j18_whatever_is_written_a_component_keeps_running() {
     driver
         .write("commands", joints([0.1, 0.2]))
         .expect("an input");
-    let cycles = driver.look().expect("a look").cycles;
+    let cycles = driver.refresh().expect("a look").cycles;
     std::thread::sleep(Duration::from_millis(100));
-    let present = driver.look().expect("a look");
+    let present = driver.refresh().expect("a look");
     assert_eq!(present.state, "Running");
     assert!(present.cycles > cycles, "{} after {cycles}", present.cycles);
     assert_eq!(driver.read("status"), Ok(joints([0.1, 0.2])));

@@ -38,7 +38,7 @@ fn order(driven: &mut Driven, component: &str, wish: OrderKind) -> Result<Datum,
     match begun.map_err(|error| refused(error.reason().code(), error.to_string()))? {
         OrderOutcome::Done(answer) => Ok(answer),
         OrderOutcome::Watched(port, _) => Ok(Datum::text(port)),
-        OrderOutcome::Asked(asked) => match asked.try_take() {
+        OrderOutcome::Pending(asked) => match asked.try_take() {
             Some(Ok(())) => Ok(Datum::Null),
             Some(Err(error)) => Err(refused("REFUSED", error.to_string())),
             None => panic!("in simulated time all is done at once"),

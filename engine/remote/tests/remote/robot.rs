@@ -35,7 +35,7 @@ impl Robot {
 
     /// A connection to the system from outside.
     pub fn remote(&self) -> Remote {
-        Remote::over(Arc::new(self.bus.clone()), None).expect("a bus")
+        Remote::over_bus(Arc::new(self.bus.clone()), None).expect("a bus")
     }
 }
 
@@ -71,7 +71,7 @@ fn live(bus: &LocalBus, until: &AtomicBool) {
     let mut contact = ProcessContact::new(plan, part, "arm", bus, 1, newest).expect("a bus");
     let mut run = system.live();
     while !until.load(Ordering::Acquire) {
-        contact.attend(&mut run);
+        contact.process_orders(&mut run);
         run.run_for(5.ms());
     }
     run.stop();

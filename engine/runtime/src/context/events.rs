@@ -46,19 +46,19 @@ impl EventQueue {
         self.notifier.notify();
     }
 
-    /// Passes the waiting events to `tell`, then an [`Event::Lost`] if any were dropped.
-    pub(crate) fn drain(&self, mut tell: impl FnMut(Time, &Event<'_>)) {
+    /// Passes the waiting events to `f`, then an [`Event::Lost`] if any were dropped.
+    pub(crate) fn drain(&self, mut f: impl FnMut(Time, &Event<'_>)) {
         let mut last = Time::ZERO;
         for _ in 0..self.queue.len() {
             let Some((at, event)) = self.queue.pop() else {
                 break;
             };
             last = at;
-            tell(at, &event.borrow());
+            f(at, &event.borrow());
         }
         let count = self.lost.swap(0, Ordering::Relaxed);
         if count > 0 {
-            tell(last, &Event::Lost { count });
+            f(last, &Event::Lost { count });
         }
     }
 
@@ -68,7 +68,7 @@ impl EventQueue {
     }
 
     /// Sleeps until an event arrives, at most this long.
-    pub(crate) fn wait(&self, at_most: Duration) {
-        self.notifier.wait(at_most);
+    pub(crate) fn wait(&self, timeout: Duration) {
+        self.notifier.wait(timeout);
     }
 }

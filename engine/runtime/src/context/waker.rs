@@ -19,7 +19,7 @@ pub(crate) struct ThreadWaker {
     /// triggers unpark, and publishes (`AcqRel`) the data put into queues before it.
     triggered: AtomicBool,
     /// A cycle was requested explicitly. Set by the run's owner, taken by the component's thread.
-    called: AtomicBool,
+    cycle_requested: AtomicBool,
     /// The thread to unpark. Set once by the spawning thread, before any component of the thread is started; nothing
     /// needs to wake it earlier.
     thread: OnceLock<Thread>,
@@ -44,8 +44,8 @@ impl ThreadWaker {
     }
 
     /// Requests a cycle, whatever drives the component.
-    pub(crate) fn call(&self) {
-        self.called.store(true, Ordering::Release);
+    pub(crate) fn request_cycle(&self) {
+        self.cycle_requested.store(true, Ordering::Release);
         self.unpark();
     }
 
@@ -59,7 +59,7 @@ impl ThreadWaker {
         self.triggered.swap(false, Ordering::AcqRel)
     }
 
-    pub(crate) fn take_call(&self) -> bool {
-        self.called.swap(false, Ordering::AcqRel)
+    pub(crate) fn take_cycle_request(&self) -> bool {
+        self.cycle_requested.swap(false, Ordering::AcqRel)
     }
 }

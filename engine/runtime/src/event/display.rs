@@ -25,7 +25,10 @@ impl fmt::Display for Event<'_> {
                 }
                 write!(f, " = {}", SampleText(*sample))
             }
-            Self::Injected { place, sample } => write!(f, "{place} <- {}", SampleText(*sample)),
+            Self::Injected {
+                target: place,
+                sample,
+            } => write!(f, "{place} <- {}", SampleText(*sample)),
             Self::Called {
                 component,
                 reference,
@@ -101,7 +104,7 @@ impl fmt::Display for Event<'_> {
             Self::Report {
                 component,
                 kind,
-                what,
+                data: what,
             } => write!(f, "{component}: {kind}: {what}"),
             Self::Lost { count } => write!(f, "{count} events lost"),
         }

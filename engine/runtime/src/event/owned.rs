@@ -22,7 +22,7 @@ pub(crate) enum OwnedEvent {
         sample: Arc<dyn Sample>,
     },
     Injected {
-        place: String,
+        target: String,
         sample: Arc<dyn Sample>,
     },
     Called {
@@ -84,7 +84,7 @@ pub(crate) enum OwnedEvent {
     Report {
         component: String,
         kind: String,
-        what: Datum,
+        data: Datum,
     },
     Lost {
         count: u64,
@@ -111,8 +111,11 @@ impl OwnedEvent {
                 sequence,
                 sample: sample.to_shared(),
             },
-            Event::Injected { place, sample } => Self::Injected {
-                place: place.into(),
+            Event::Injected {
+                target: place,
+                sample,
+            } => Self::Injected {
+                target: place.into(),
                 sample: sample.to_shared(),
             },
             Event::Called {
@@ -211,11 +214,11 @@ impl OwnedEvent {
             Event::Report {
                 component,
                 kind,
-                what,
+                data: what,
             } => Self::Report {
                 component: component.into(),
                 kind: kind.into(),
-                what: what.clone(),
+                data: what.clone(),
             },
             Event::Lost { count } => Self::Lost { count },
         }
@@ -241,8 +244,11 @@ impl OwnedEvent {
                 sequence: *sequence,
                 sample: &**sample,
             },
-            Self::Injected { place, sample } => Event::Injected {
-                place,
+            Self::Injected {
+                target: place,
+                sample,
+            } => Event::Injected {
+                target: place,
                 sample: &**sample,
             },
             Self::Called {
@@ -335,11 +341,11 @@ impl OwnedEvent {
             Self::Report {
                 component,
                 kind,
-                what,
+                data: what,
             } => Event::Report {
                 component,
                 kind,
-                what,
+                data: what,
             },
             Self::Lost { count } => Event::Lost { count: *count },
         }

@@ -8,7 +8,7 @@ use asmotion_component::Declaration;
 use asmotion_datum::{Datum, DatumError, Sample, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::{SystemThawError, other};
+use super::{SystemThawError, system_mismatch};
 
 /// A sample as data, with the name of its type, which appears in traces.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -63,8 +63,9 @@ impl FrozenSample {
 
     pub(crate) fn thaw(&self, names: &SampleNames) -> Result<Arc<dyn Sample>, SystemThawError> {
         let name = names.0.get(&self.type_name);
-        let name = *name
-            .ok_or_else(|| other(format!("it has no messages of type `{}`", self.type_name)))?;
+        let name = *name.ok_or_else(|| {
+            system_mismatch(format!("it has no messages of type `{}`", self.type_name))
+        })?;
         let value = self.value.clone();
         Ok(match name {
             "" => Arc::new(value),
@@ -86,7 +87,7 @@ impl Sample for NamedDatum {
         Arc::new(self.clone())
     }
 
-    fn behind(&self) -> Option<Arc<dyn Sample>> {
+    fn pointee(&self) -> Option<Arc<dyn Sample>> {
         None
     }
 }

@@ -28,7 +28,7 @@ impl BusThread {
         mut context: LiveContext,
     ) -> Self {
         for adapter in &mut adapters {
-            adapter.go_live(&context);
+            adapter.start_live(&context);
         }
         let ended = Arc::new(AtomicBool::new(false));
         let (ending, notified) = (Arc::clone(&ended), Arc::clone(&notifier));

@@ -8,20 +8,20 @@ use thread_priority::{
 };
 
 /// Applies an activity's scheduling to the current thread. A setting that is refused stays as it was and is returned.
-pub(super) fn adopt(activity: &Activity) -> impl Iterator<Item = Denied> {
-    let cpus = processors(&activity.cpus).err();
+pub(super) fn apply(activity: &Activity) -> impl Iterator<Item = Denied> {
+    let cpus = set_affinity(&activity.cpus).err();
     cpus.into_iter()
-        .chain(class(activity.scheduler, activity.priority).err())
+        .chain(set_scheduler(activity.scheduler, activity.priority).err())
 }
 
-fn class(scheduler: Scheduler, priority: u8) -> Result<(), Denied> {
+fn set_scheduler(scheduler: Scheduler, priority: u8) -> Result<(), Denied> {
     let (name, policy) = match scheduler {
         Scheduler::Other => return Ok(()),
         Scheduler::Fifo => ("FIFO", RealtimeThreadSchedulePolicy::Fifo),
         Scheduler::RoundRobin => ("RR", RealtimeThreadSchedulePolicy::RoundRobin),
     };
     let denied = |reason| Denied {
-        wish: format!("{name} {priority}"),
+        setting: format!("{name} {priority}"),
         reason,
         help: format!("allow it by `ulimit -r {priority}`, or give the program CAP_SYS_NICE"),
     };
@@ -40,7 +40,7 @@ fn class(scheduler: Scheduler, priority: u8) -> Result<(), Denied> {
     })
 }
 
-fn processors(cpus: &[usize]) -> Result<(), Denied> {
+fn set_affinity(cpus: &[usize]) -> Result<(), Denied> {
     if cpus.is_empty() {
         return Ok(());
     }
@@ -49,7 +49,7 @@ fn processors(cpus: &[usize]) -> Result<(), Denied> {
         .filter(|cpu| **cpu < CpuSet::MAX_CPU)
         .for_each(|cpu| set.set(*cpu));
     sched_setaffinity(None, &set).map_err(|error| Denied {
-        wish: format!("processors {cpus:?}"),
+        setting: format!("processors {cpus:?}"),
         reason: error.to_string(),
         help: "name processors that this machine has and this program may use (`taskset -p`)"
             .to_owned(),

@@ -6,11 +6,11 @@ use asmotion_component::Drive;
 use asmotion_port::Time;
 
 use super::schedule;
+use crate::component_unit::ComponentUnit;
 use crate::context::{LiveContext, ThreadWaker};
 use crate::effects::Effects;
 use crate::event::Event;
 use crate::run::Act;
-use crate::unit::ComponentUnit;
 
 /// A command from the run's owner.
 pub(crate) enum WorkerCommand {
@@ -70,12 +70,12 @@ impl Worker {
     }
 
     pub(crate) fn run(mut self) {
-        self.adopt_schedule();
-        while self.attend() {
+        self.apply_schedule();
+        while self.process_commands() {
             let mut soonest = (NextStep::Sleep, 0);
             if self.released {
                 for (index, member) in self.members.iter_mut().enumerate() {
-                    soonest = soonest.min((member.next(&mut self.context), index));
+                    soonest = soonest.min((member.next_step(&mut self.context), index));
                 }
             }
             match soonest {
@@ -89,12 +89,12 @@ impl Worker {
     }
 
     /// Applies the scheduling class and the processors of the component that is not a slave to the thread.
-    fn adopt_schedule(&mut self) {
+    fn apply_schedule(&mut self) {
         let masters = |member: &&WorkerMember| member.unit.master.is_none();
         let Some(WorkerMember { unit, .. }) = self.members.iter().find(masters) else {
             return;
         };
-        for denied in schedule::adopt(&unit.activity) {
+        for denied in schedule::apply(&unit.activity) {
             let component = &*unit.name;
             let denied = &denied;
             let event = Event::Denied { component, denied };
@@ -103,7 +103,7 @@ impl Worker {
     }
 
     /// Carries out waiting commands. Returns whether to continue.
-    fn attend(&mut self) -> bool {
+    fn process_commands(&mut self) -> bool {
         loop {
             match self.commands.try_recv() {
                 Err(mpsc::TryRecvError::Empty) => return true,
@@ -111,14 +111,14 @@ impl Worker {
                 Ok(WorkerCommand::Act(component, act)) => {
                     let mut members = self.members.iter_mut();
                     if let Some(member) = members.find(|one| one.unit.index == component) {
-                        member.attend(act, self.released, &mut self.context);
+                        member.run_act(act, self.released, &mut self.context);
                     }
                 }
                 Ok(WorkerCommand::Release(at)) => {
                     self.released = true;
                     let members = self.members.iter_mut();
                     for member in members.filter(|one| one.unit.state().is_running()) {
-                        member.begin(at);
+                        member.schedule_first(at);
                     }
                 }
             }
@@ -140,7 +140,7 @@ impl Worker {
 
 impl WorkerMember {
     /// Runs a function on the component and, once cycles are `released`, plans its next one by its new state.
-    fn attend(&mut self, act: Act, released: bool, context: &mut LiveContext) {
+    fn run_act(&mut self, act: Act, released: bool, context: &mut LiveContext) {
         let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());
         let now = context.now();
         act(&mut self.unit, now, context);
@@ -148,16 +148,16 @@ impl WorkerMember {
             return;
         }
         if !ran && self.unit.state().is_running() {
-            self.begin(now);
+            self.schedule_first(now);
         } else if self.unit.activity.drive != drive {
             // the next cycle is one new period after the last one
             let last = drive.period().map_or(now, |period| self.due - period);
-            self.adopt(last, context);
+            self.reschedule(last, context);
         }
     }
 
     /// Plans the first cycle after a start. An event-driven component has one too: RTT triggers on start.
-    fn begin(&mut self, now: Time) {
+    fn schedule_first(&mut self, now: Time) {
         self.due = now + self.unit.activity.delay;
         let event_driven = self.unit.activity.drive == Drive::Event;
         self.waker.set_event_driven(event_driven);
@@ -167,7 +167,7 @@ impl WorkerMember {
     }
 
     /// Applies a drive that has changed since the last cycle.
-    fn adopt(&mut self, last: Time, context: &LiveContext) {
+    fn reschedule(&mut self, last: Time, context: &LiveContext) {
         let drive = self.unit.activity.drive;
         self.waker.set_event_driven(drive == Drive::Event);
         if let Some(period) = drive.period() {
@@ -175,11 +175,11 @@ impl WorkerMember {
         }
     }
 
-    fn next(&mut self, context: &mut LiveContext) -> NextStep {
+    fn next_step(&mut self, context: &mut LiveContext) -> NextStep {
         if !self.unit.state().is_running() {
             return NextStep::Sleep;
         }
-        if self.waker.take_call() {
+        if self.waker.take_cycle_request() {
             return NextStep::Cycle;
         }
         let now = context.now();
@@ -201,7 +201,7 @@ impl WorkerMember {
             Some(deadline) if now < deadline => NextStep::SleepUntil(deadline),
             Some(_) => {
                 // ends the call, whose result triggers an event-driven component
-                self.unit.settle(now, context);
+                self.unit.process_replies(now, context);
                 NextStep::SleepUntil(now)
             }
         }
@@ -212,19 +212,17 @@ impl WorkerMember {
         let before = self.unit.activity.drive;
         self.unit.cycle(begin, context);
         let now = context.now();
-        self.unit.hold_to_deadline(now.since(begin), now, context);
+        self.unit.check_deadline(now.since(begin), now, context);
         if self.unit.activity.drive != before {
-            self.adopt(begin, context);
+            self.reschedule(begin, context);
         } else if let Drive::Period(period) = before
             && begin >= self.due
         {
             let end = context.now();
-            self.due = self
-                .unit
-                .after_period(self.due, period, (begin, end), context);
+            self.due = self.unit.next_due(self.due, period, (begin, end), context);
         }
         if self.unit.restart_after_fault(context.now(), context) {
-            self.begin(context.now());
+            self.schedule_first(context.now());
         }
     }
 }

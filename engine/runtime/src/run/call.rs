@@ -10,7 +10,7 @@ use crate::handle::RunHandle;
 
 /// A call from outside a system (RTT `SendHandle`).
 pub struct SentCall<O: Operation> {
-    pub(super) answered: mpsc::Receiver<Result<Arc<dyn Sample>, CallError>>,
+    pub(super) reply: mpsc::Receiver<Result<Arc<dyn Sample>, CallError>>,
     pub(super) deadline: Time,
     pub(super) handle: Arc<dyn RunHandle>,
     pub(super) of: std::marker::PhantomData<fn() -> O>,
@@ -20,7 +20,7 @@ impl<O: Operation> SentCall<O> {
     /// The current status of the call, with its result once it has ended.
     pub fn collect_if_done(&mut self) -> SendStatus<O::Response> {
         let late = self.handle.now() >= self.deadline;
-        match self.answered.try_recv() {
+        match self.reply.try_recv() {
             Ok(result) => read(result),
             Err(mpsc::TryRecvError::Empty | mpsc::TryRecvError::Disconnected) if late => {
                 SendStatus::Failure(CallError::Timeout)

@@ -10,13 +10,13 @@ use asmotion_component::Wire;
 use asmotion_datum::Datum;
 use asmotion_port::Policy;
 
-use super::executor::{Act, Executor, busy, joining};
+use super::executor::{Act, Executor, busy, connect_output};
 use crate::build_error::BuildError;
+use crate::component_end::{ComponentEnd, inputs, outputs, references, services};
 use crate::connections::RemovedConnection;
-use crate::end::{ComponentEnd, inputs, outputs, references, services};
 use crate::run_error::RunError;
 use crate::service::Wiring;
-use crate::system::fit;
+use crate::system::operation_indices;
 
 /// A change of a running system.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,15 +112,15 @@ impl fmt::Display for Change {
 pub(super) struct ChangePlan<'r, E: Executor> {
     run: &'r mut E,
     /// First phase: inputs get new connections, so that every sample written afterwards has a reader.
-    first: Vec<(usize, Act)>,
+    attach_steps: Vec<(usize, Act)>,
     /// Second phase: everything else.
-    then: Vec<(usize, Act)>,
+    update_steps: Vec<(usize, Act)>,
     /// Last phase: inputs lose connections, which no writer uses any more by then.
-    last: Vec<(usize, Act)>,
+    detach_steps: Vec<(usize, Act)>,
     /// Steps that restore the connection table if a later change is impossible.
-    undo: Vec<UndoStep>,
+    undo_steps: Vec<UndoStep>,
     /// Services of the references concerned, by component and reference: the name, and whether calls are one-way.
-    wirings: BTreeMap<(usize, usize), Vec<(String, bool)>>,
+    wires: BTreeMap<(usize, usize), Vec<(String, bool)>>,
 }
 
 enum UndoStep {
@@ -132,20 +132,20 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
     pub(super) fn new(run: &'r mut E) -> Self {
         Self {
             run,
-            first: Vec::new(),
-            then: Vec::new(),
-            last: Vec::new(),
-            undo: Vec::new(),
-            wirings: BTreeMap::new(),
+            attach_steps: Vec::new(),
+            update_steps: Vec::new(),
+            detach_steps: Vec::new(),
+            undo_steps: Vec::new(),
+            wires: BTreeMap::new(),
         }
     }
 
     /// Makes all of these changes, or none of them.
-    pub(super) fn make(mut self, changes: &[Change]) -> Result<(), ChangeError> {
+    pub(super) fn apply(mut self, changes: &[Change]) -> Result<(), ChangeError> {
         match changes.iter().try_for_each(|change| self.plan(change)) {
-            Ok(()) => self.carry_out(),
+            Ok(()) => self.commit(),
             Err(error) => {
-                self.give_up();
+                self.roll_back();
                 return Err(error);
             }
         }
@@ -164,9 +164,9 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
             Change::Unwire { reference, service } => self.unwire(reference, service),
             Change::Set { component, values } => Ok(self.set(component, values)?),
             Change::SetPeriod { component, period } => {
-                let (index, period) = (self.run.place_of(component)?, *period);
+                let (index, period) = (self.run.index_of(component)?, *period);
                 let act: Act = Box::new(move |unit, _, _| unit.set_period(period));
-                self.then.push((index, act));
+                self.update_steps.push((index, act));
                 Ok(())
             }
         }
@@ -181,22 +181,22 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
     ) -> Result<(), BuildError> {
         let (from, to) = (self.run.end(from, outputs)?, self.run.end(to, inputs)?);
         let (connections, descriptors) = self.run.connections();
-        connections.refuse_twice(&from, &to)?;
+        connections.check_unconnected(&from, &to)?;
         let [writer, reader] = [&descriptors[from.unit], &descriptors[to.unit]];
         let written = &writer.declaration.outputs[from.index].schema;
         let taken = &reader.declaration.inputs[to.index].schema;
         BuildError::compare(written, &from.name, taken, &to.name)?;
         let threads = [writer.thread, reader.thread];
         let opener = &reader.openers[to.index];
-        let made = connections.make((&from, &to), threads, policy, &**opener)?;
-        connections.remember(made.connection, from.clone(), to.clone());
-        let (input, reading_end) = (to.index, made.reading_end);
-        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].join(reading_end));
-        self.first.push((to.unit, act));
-        let end = (from.index, made.connection);
-        let act = joining(end, made.sender, made.link, policy.init);
-        self.then.push((from.unit, act));
-        self.undo.push(UndoStep::Forget(from, to));
+        let connection = connections.open((&from, &to), threads, policy, &**opener)?;
+        connections.insert(connection.connection, from.clone(), to.clone());
+        let (input, reading_end) = (to.index, connection.reading_end);
+        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].connect(reading_end));
+        self.attach_steps.push((to.unit, act));
+        let end = (from.index, connection.connection);
+        let act = connect_output(end, connection.sender, connection.link, policy.init);
+        self.update_steps.push((from.unit, act));
+        self.undo_steps.push(UndoStep::Forget(from, to));
         Ok(())
     }
 
@@ -204,8 +204,8 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
     pub(super) fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError> {
         let (from, to) = (self.run.end(from, outputs)?, self.run.end(to, inputs)?);
         let (connections, _) = self.run.connections();
-        let Some(removed) = connections.forget(&from, &to) else {
-            return Err(BuildError::NotJoined {
+        let Some(removed) = connections.remove(&from, &to) else {
+            return Err(BuildError::NotConnected {
                 from: from.name,
                 to: to.name,
             });
@@ -213,29 +213,29 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         let connection = removed.connection();
         let (output, input) = (from.index, to.index);
         let act: Act = Box::new(move |unit, _, _| unit.body.outputs[output].disconnect(connection));
-        self.then.push((from.unit, act));
+        self.update_steps.push((from.unit, act));
         let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].disconnect(connection));
-        self.last.push((to.unit, act));
-        self.undo.push(UndoStep::Restore(removed));
+        self.detach_steps.push((to.unit, act));
+        self.undo_steps.push(UndoStep::Restore(removed));
         Ok(())
     }
 
     fn wire(&mut self, reference: &str, service: &str, wire: Wire) -> Result<(), ChangeError> {
         let from = self.run.end(reference, references)?;
         let to = self.run.end(service, services)?;
-        let known = self.wirings(&from)?;
+        let wires = self.wires(&from)?;
         let in_the_way =
             |(name, told): &&(String, bool)| *name == to.name || !(*told && wire.one_way);
-        if let Some((taken, _)) = known.iter().find(in_the_way) {
+        if let Some((taken, _)) = wires.iter().find(in_the_way) {
             let (end, to) = (from.name, format!("`{taken}`"));
-            return Err(BuildError::Joined { end, to }.into());
+            return Err(BuildError::AlreadyConnected { end, to }.into());
         }
-        known.push((to.name.clone(), wire.one_way));
+        wires.push((to.name.clone(), wire.one_way));
         let descriptors = self.run.descriptors();
         let required = &descriptors[from.unit].declaration.references[from.index];
         let provided = &descriptors[to.unit].declaration.services[to.index];
         let wiring = Wiring {
-            operations: fit((required, &from), (provided, &to))?,
+            operations: operation_indices((required, &from), (provided, &to))?,
             queue: Arc::clone(&descriptors[to.unit].queues[to.index]),
             to: to.name,
             provider: Some(to.unit),
@@ -243,62 +243,62 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         };
         let index = from.index;
         let act: Act = Box::new(move |unit, _, _| unit.body.references[index].wirings.push(wiring));
-        self.then.push((from.unit, act));
+        self.update_steps.push((from.unit, act));
         Ok(())
     }
 
     fn unwire(&mut self, reference: &str, service: &str) -> Result<(), ChangeError> {
         let from = self.run.end(reference, references)?;
-        let known = self.wirings(&from)?;
-        let Some(place) = known.iter().position(|(name, _)| name == service) else {
+        let wires = self.wires(&from)?;
+        let Some(index) = wires.iter().position(|(name, _)| name == service) else {
             let (from, to) = (from.name, service.to_owned());
-            return Err(BuildError::NotJoined { from, to }.into());
+            return Err(BuildError::NotConnected { from, to }.into());
         };
-        known.remove(place);
+        wires.remove(index);
         let (index, service) = (from.index, service.to_owned());
         let act: Act = Box::new(move |unit, now, effects| {
             unit.unwire(index, &service, now, effects);
         });
-        self.then.push((from.unit, act));
+        self.update_steps.push((from.unit, act));
         Ok(())
     }
 
     /// The services of a reference, including the changes planned so far.
-    fn wirings(&mut self, from: &ComponentEnd) -> Result<&mut Vec<(String, bool)>, RunError> {
+    fn wires(&mut self, from: &ComponentEnd) -> Result<&mut Vec<(String, bool)>, RunError> {
         use std::collections::btree_map::Entry::{Occupied, Vacant};
-        match self.wirings.entry((from.unit, from.index)) {
+        match self.wires.entry((from.unit, from.index)) {
             Occupied(known) => Ok(known.into_mut()),
             Vacant(place) => {
-                let (index, patience) = (from.index, self.run.patience());
-                let asked = self.run.ask(from.unit, patience, move |unit, _, _| {
+                let (index, patience) = (from.index, self.run.change_timeout());
+                let wires = self.run.run_on(from.unit, patience, move |unit, _, _| {
                     let wirings = unit.body.references[index].wirings.iter();
                     let wirings = wirings.map(|it| (it.to.clone(), it.wire.one_way));
                     wirings.collect::<Vec<_>>()
                 });
                 let name = &self.run.descriptors()[from.unit].name;
-                Ok(place.insert(asked.ok_or_else(|| busy(name))?))
+                Ok(place.insert(wires.ok_or_else(|| busy(name))?))
             }
         }
     }
 
     fn set(&mut self, component: &str, values: &[(String, Datum)]) -> Result<(), RunError> {
-        let (index, patience) = (self.run.place_of(component)?, self.run.patience());
+        let (index, patience) = (self.run.index_of(component)?, self.run.change_timeout());
         let (values, tried) = (values.to_vec(), values.to_vec());
-        let lawful = self.run.ask(index, patience, move |unit, _, _| {
+        let result = self.run.run_on(index, patience, move |unit, _, _| {
             unit.body.check(&unit.name, &tried)
         });
-        lawful.ok_or_else(|| busy(component))??;
+        result.ok_or_else(|| busy(component))??;
         let act: Act = Box::new(move |unit, now, effects| {
             // cannot fail: the values were checked when the change was planned, and declarations do not change
             let _ = unit.set_properties(&values, now, effects);
         });
-        self.then.push((index, act));
+        self.update_steps.push((index, act));
         Ok(())
     }
 
     /// Makes the changes phase by phase; within a phase, all changes of a component between the same two cycles.
-    pub(super) fn carry_out(self) {
-        for phase in [self.first, self.then, self.last] {
+    pub(super) fn commit(self) {
+        for phase in [self.attach_steps, self.update_steps, self.detach_steps] {
             let mut each: BTreeMap<usize, Vec<Act>> = BTreeMap::new();
             for (unit, act) in phase {
                 each.entry(unit).or_default().push(act);
@@ -307,18 +307,18 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                 let all: Act = Box::new(move |unit, now, effects| {
                     acts.into_iter().for_each(|act| act(unit, now, effects));
                 });
-                self.run.post(unit, all);
+                self.run.submit(unit, all);
             }
         }
     }
 
     /// Restores the connection table. No component has been changed yet.
-    fn give_up(self) {
+    fn roll_back(self) {
         let (connections, _) = self.run.connections();
-        for undo in self.undo.into_iter().rev() {
+        for undo in self.undo_steps.into_iter().rev() {
             match undo {
-                UndoStep::Forget(from, to) => drop(connections.forget(&from, &to)),
-                UndoStep::Restore(removed) => connections.restore(removed),
+                UndoStep::Forget(from, to) => drop(connections.remove(&from, &to)),
+                UndoStep::Restore(removed) => connections.reinsert(removed),
             }
         }
     }

@@ -9,15 +9,15 @@ use asmotion_port::{AnySender, ConnectionId, OutputLink, Time};
 
 use super::asked::Asked;
 use crate::build_error::BuildError;
+use crate::component_end::{ComponentEnd, EndTable, find};
+use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
 use crate::effects::Effects;
-use crate::end::{ComponentEnd, EndTable, find};
 use crate::event::Event;
 use crate::handle::RunHandle;
 use crate::injection::{InjectionPorts, InjectionTarget};
 use crate::run_error::RunError;
-use crate::unit::ComponentUnit;
 
 /// Inspects each event and returns whether it is the awaited one.
 pub(crate) type Watch<'a> = &'a mut dyn FnMut(Time, &Event<'_>) -> bool;
@@ -43,29 +43,29 @@ pub(crate) trait Executor {
     fn handle(&self) -> Arc<dyn RunHandle>;
 
     /// Puts a sample into its target at this time.
-    fn plan(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>);
+    fn schedule_injection(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>);
 
     /// Lets time pass, at most until `until` or until an event satisfies `watch`. Returns whether one did.
     fn advance(&mut self, until: Time, watch: Option<Watch<'_>>) -> bool;
 
     /// Requests one cycle of a component.
-    fn call(&mut self, component: usize);
+    fn request_cycle(&mut self, component: usize);
 
     /// Longest wait for a component whose cycle is under way, if it is to change.
-    fn patience(&self) -> Duration;
+    fn change_timeout(&self) -> Duration;
 
     /// Longest wait for a component whose cycle is under way, if it is only to be inspected.
-    fn glance(&self) -> Duration;
+    fn inspect_timeout(&self) -> Duration;
 
     /// Runs a function on a component between two of its cycles, without waiting for it.
-    fn post(&mut self, component: usize, act: Act);
+    fn submit(&mut self, component: usize, act: Act);
 
-    /// Runs a function on a component between two of its cycles, and waits up to `patience` for the result. Returns
+    /// Runs a function on a component between two of its cycles, and waits up to `timeout` for the result. Returns
     /// `None` if it does not come in time.
-    fn ask<R: Send + 'static>(
+    fn run_on<R: Send + 'static>(
         &mut self,
         component: usize,
-        patience: Duration,
+        timeout: Duration,
         act: impl FnOnce(&mut ComponentUnit, Time, &mut dyn Effects) -> R + Send + 'static,
     ) -> Option<R> {
         let (answer, answered) = mpsc::channel();
@@ -73,15 +73,15 @@ pub(crate) trait Executor {
             // fails if the caller's patience has ended
             let _ = answer.send(act(unit, now, effects));
         });
-        self.post(component, act);
-        match patience {
+        self.submit(component, act);
+        match timeout {
             Duration::MAX => answered.recv().ok(),
             patience => answered.recv_timeout(patience).ok(),
         }
     }
 
     /// Runs a function on a component between two of its cycles; the result is collected from the returned handle.
-    fn begin(
+    fn begin_on(
         &mut self,
         component: usize,
         act: impl FnOnce(&mut ComponentUnit, Time, &mut dyn Effects) -> Result<(), RunError>
@@ -94,21 +94,21 @@ pub(crate) trait Executor {
             // fails if the caller has dropped the handle
             let _ = answer.send(act(unit, now, effects));
         });
-        self.post(component, act);
+        self.submit(component, act);
         asked
     }
 
-    /// Makes a transition of a component and waits up to `patience` for it.
-    fn take_through(
+    /// Makes a transition of a component and waits up to `timeout` for it.
+    fn run_transition(
         &mut self,
         component: usize,
         transition: Transition,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<(), LifeCycleError> {
         let descriptor = &self.descriptors()[component];
         let name = Arc::clone(&descriptor.name);
         descriptor.allow_interrupt(transition);
-        let taken = self.ask(component, patience, move |unit, now, effects| {
+        let taken = self.run_on(component, timeout, move |unit, now, effects| {
             unit.transition(transition, now, effects)
         });
         taken.unwrap_or_else(|| {
@@ -125,14 +125,14 @@ pub(crate) trait Executor {
         for component in 0..self.descriptors().len() {
             if self.descriptors()[component].configure_on_startup {
                 // waits without limit: components load maps here
-                let _ = self.take_through(component, Transition::Configure, Duration::MAX);
+                let _ = self.run_transition(component, Transition::Configure, Duration::MAX);
             }
         }
         for component in 0..self.descriptors().len() {
             let descriptor = &self.descriptors()[component];
             if descriptor.run_on_startup && descriptor.status.state() == State::Stopped {
-                let patience = self.patience();
-                let _ = self.take_through(component, Transition::Start, patience);
+                let patience = self.change_timeout();
+                let _ = self.run_transition(component, Transition::Start, patience);
             }
         }
     }
@@ -144,8 +144,8 @@ pub(crate) trait Executor {
             if !self.descriptors()[component].status.state().is_running() {
                 continue;
             }
-            let patience = self.patience();
-            let stopped = self.take_through(component, Transition::Stop, patience);
+            let patience = self.change_timeout();
+            let stopped = self.run_transition(component, Transition::Stop, patience);
             if matches!(stopped, Err(LifeCycleError::Busy { .. })) {
                 late.push(self.descriptors()[component].name.to_string());
             }
@@ -161,13 +161,13 @@ pub(crate) trait Executor {
     }
 
     /// The position of the component with this name.
-    fn place_of(&self, component: &str) -> Result<usize, RunError> {
-        let found = self
+    fn index_of(&self, component: &str) -> Result<usize, RunError> {
+        let index = self
             .descriptors()
             .iter()
             .position(|descriptor| *descriptor.name == *component);
-        found.ok_or_else(|| RunError::Unknown {
-            what: "component",
+        index.ok_or_else(|| RunError::Unknown {
+            kind: "component",
             name: component.to_owned(),
             nearest: suggestion_among(
                 component,
@@ -194,7 +194,7 @@ pub(crate) trait Executor {
 }
 
 /// Adds a connection to an output and, if the policy has `init`, sends the newest sample through it.
-pub(super) fn joining(
+pub(super) fn connect_output(
     (output, connection): (usize, ConnectionId),
     sender: Box<dyn AnySender>,
     link: OutputLink,
@@ -202,7 +202,7 @@ pub(super) fn joining(
 ) -> Act {
     Box::new(move |unit, _, effects| {
         let output = &mut unit.body.outputs[output];
-        output.join(sender, link);
+        output.connect(sender, link);
         if init {
             output.replay_last(connection, &mut |reader| effects.trigger(reader));
         }

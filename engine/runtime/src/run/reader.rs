@@ -34,7 +34,7 @@ pub struct PortSubscription {
 
 /// Times at which a subscription reads.
 enum SubscriptionPace {
-    OnNews,
+    OnNewData,
     Every(Duration),
 }
 
@@ -52,8 +52,8 @@ impl<T: Message> PortReader<T> {
     }
 
     /// Waits until a sample arrives, at most this long. Returns whether one has arrived since the last wait.
-    pub fn wait(&self, at_most: Duration) -> bool {
-        self.notifier.wait(at_most)
+    pub fn wait(&self, timeout: Duration) -> bool {
+        self.notifier.wait(timeout)
     }
 
     /// Number of samples dropped because the connection was full.
@@ -62,8 +62,8 @@ impl<T: Message> PortReader<T> {
     }
 
     /// Passes every sample to an observer on arrival, in a thread of its own.
-    pub fn on_news(self, observer: impl FnMut(&T) + Send + 'static) -> PortSubscription {
-        self.subscribe(SubscriptionPace::OnNews, observer)
+    pub fn on_new_data(self, observer: impl FnMut(&T) + Send + 'static) -> PortSubscription {
+        self.subscribe(SubscriptionPace::OnNewData, observer)
     }
 
     /// Reads once a period in a thread of its own, and passes the samples that have arrived since to an observer. A
@@ -89,7 +89,7 @@ impl<T: Message> PortReader<T> {
             let mut due = Instant::now();
             while !ending.load(Ordering::Acquire) && self.handle.is_running() {
                 match pace {
-                    SubscriptionPace::OnNews => {
+                    SubscriptionPace::OnNewData => {
                         self.wait(NAP);
                     }
                     SubscriptionPace::Every(period) => {

@@ -55,7 +55,7 @@ impl<T: Message> PortWriter<T> {
         if !self.handle.is_running() {
             return Err(WriteError::Gone { port: port() });
         }
-        let delivery = self.sender.hand_over(Stamped {
+        let delivery = self.sender.send_owned(Stamped {
             at: self.handle.now(),
             order: self.handle.next_order(),
             value: sample,

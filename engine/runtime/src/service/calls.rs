@@ -14,7 +14,7 @@ pub(crate) use self::freeze::FrozenCalls;
 use super::message::{
     CallKey, ComponentReply, ProviderMessage, ReplyQueue, ReplyTo, ServiceRequest,
 };
-use super::reference::{RequiredReference, names, wire_of, wiring};
+use super::reference::{RequiredReference, path_names, wire_of, wiring_of};
 use crate::cause::CycleCause;
 use crate::effects::ComponentEffects;
 use crate::event::Event;
@@ -31,9 +31,9 @@ pub(crate) struct OutgoingCalls {
     /// Calls that have ended and are visible in the current cycle.
     frozen: Vec<EndedCall>,
     /// Number of the newest call.
-    last: u64,
+    last_number: u64,
     /// Number of one-way calls that a provider could not take.
-    lost: u64,
+    lost_calls: u64,
     /// The trace that the current cycle continues.
     cause: Arc<CycleCause>,
 }
@@ -42,10 +42,10 @@ struct OutstandingCall {
     number: u64,
     slot: OperationSlot,
     attempt: u32,
-    /// Time at which the current attempt times out or, while `resting`, the next one begins.
+    /// Time at which the current attempt times out or, while `waits_for_retry`, the next one begins.
     deadline: Time,
     /// The last attempt has failed, and the next one has not begun.
-    resting: bool,
+    waits_for_retry: bool,
     /// Kept for retries.
     argument: Arc<dyn Sample>,
     /// Trace of the cycle that made the call.
@@ -71,16 +71,16 @@ impl OutgoingCalls {
             outstanding: Vec::new(),
             ended: Vec::new(),
             frozen: Vec::new(),
-            last: 0,
-            lost: 0,
+            last_number: 0,
+            lost_calls: 0,
             cause,
         }
     }
 
     /// Returns a fresh number for a call that the current cycle makes.
-    pub(crate) fn number(&mut self) -> CallId {
-        self.last += 1;
-        CallId(self.last)
+    pub(crate) fn next_id(&mut self) -> CallId {
+        self.last_number += 1;
+        CallId(self.last_number)
     }
 
     /// Makes a call of a cycle that has been committed.
@@ -100,40 +100,40 @@ impl OutgoingCalls {
             slot,
             attempt: 1,
             deadline: effects.now + wire.timeout,
-            resting: false,
+            waits_for_retry: false,
             argument,
-            cause: self.cause.present(),
+            cause: self.cause.current(),
         };
         if one_way {
-            return self.tell(references, &call, effects);
+            return self.send_one_way(references, &call, effects);
         }
         let full = self.outstanding.len() + self.ended.len() + self.frozen.len() >= UNDER_WAY;
         if full {
             return self.end(references, &call, Err(CallError::Unavailable), effects);
         }
-        match self.post(references, &call, effects) {
-            Ok(()) => self.await_until(call, effects),
-            Err(error) => self.failed(references, call, error, effects),
+        match self.send_request(references, &call, effects) {
+            Ok(()) => self.add_outstanding(call, effects),
+            Err(error) => self.handle_failure(references, call, error, effects),
         }
     }
 
     /// Sends a one-way call to every service of the reference, and counts those that could not take it.
-    fn tell(
+    fn send_one_way(
         &mut self,
         references: &[RequiredReference],
         call: &OutstandingCall,
         effects: &mut ComponentEffects<'_>,
     ) {
-        let (port, _) = announce(references, call, effects);
+        let (port, _) = emit_called(references, call, effects);
         let wirings = references.get(call.slot.port).map(|it| &*it.wirings);
         let wirings = wirings.unwrap_or_default();
         let mut lose = |to: &str, effects: &mut ComponentEffects<'_>| {
-            self.lost += 1;
+            self.lost_calls += 1;
             effects.emit(&Event::Dropped {
                 component: effects.name,
                 port,
                 to,
-                total: self.lost,
+                total: self.lost_calls,
                 reason: None,
             });
         };
@@ -144,7 +144,7 @@ impl OutgoingCalls {
             let notified = wiring
                 .operations
                 .get(call.slot.operation)
-                .map(|operation| wiring.ask(request(call, *operation, None, effects), effects));
+                .map(|operation| wiring.send(request(call, *operation, None, effects), effects));
             if !matches!(notified, Some(Ok(()))) {
                 lose(&wiring.to, effects);
             }
@@ -152,19 +152,19 @@ impl OutgoingCalls {
     }
 
     /// Makes one attempt of a call.
-    fn post(
+    fn send_request(
         &self,
         references: &[RequiredReference],
         call: &OutstandingCall,
         effects: &mut ComponentEffects<'_>,
     ) -> Result<(), CallError> {
-        announce(references, call, effects);
-        let wiring = wiring(references, call.slot).ok_or(CallError::Unavailable)?;
+        emit_called(references, call, effects);
+        let wiring = wiring_of(references, call.slot).ok_or(CallError::Unavailable)?;
         let operation = wiring.operations.get(call.slot.operation);
         let operation = *operation.ok_or(CallError::Unavailable)?;
         let reply_to = ReplyTo::Component(ComponentReply(Arc::clone(&self.reply_queue)));
         let request = request(call, operation, Some(reply_to), effects);
-        wiring.ask(request, effects)
+        wiring.send(request, effects)
     }
 
     /// Cancels a call and notifies the provider. Does nothing if the call has ended.
@@ -174,11 +174,11 @@ impl OutgoingCalls {
         call: CallId,
         effects: &mut ComponentEffects<'_>,
     ) {
-        let found = self.outstanding.iter().position(|one| one.number == call.0);
-        let Some(call) = found.map(|index| self.outstanding.remove(index)) else {
+        let index = self.outstanding.iter().position(|one| one.number == call.0);
+        let Some(call) = index.map(|index| self.outstanding.remove(index)) else {
             return;
         };
-        tell_cancelled(references, &call, effects);
+        notify_cancelled(references, &call, effects);
         let cancelled = Err(CallError::Cancelled);
         self.end(references, &call, cancelled, effects);
     }
@@ -193,13 +193,13 @@ impl OutgoingCalls {
         let through = |call: &mut OutstandingCall| call.slot.port == reference;
         let ended: Vec<_> = self.outstanding.extract_if(.., through).collect();
         for call in ended {
-            tell_cancelled(references, &call, effects);
+            notify_cancelled(references, &call, effects);
             self.end(references, &call, Err(CallError::Unavailable), effects);
         }
     }
 
     /// Ends the calls that have a reply or have timed out. Returns whether any result waits for the next cycle.
-    pub(crate) fn settle(
+    pub(crate) fn process_replies(
         &mut self,
         references: &[RequiredReference],
         effects: &mut ComponentEffects<'_>,
@@ -209,15 +209,15 @@ impl OutgoingCalls {
                 break;
             };
             // without a match, the reply is to a call that has ended: too late
-            let found = self
+            let index = self
                 .outstanding
                 .iter()
                 .position(|one| one.number == answer.number);
-            if let Some(index) = found {
+            if let Some(index) = index {
                 let call = self.outstanding.remove(index);
                 match answer.result {
-                    Err(CallError::Unavailable) if !call.resting => {
-                        self.failed(references, call, CallError::Unavailable, effects);
+                    Err(CallError::Unavailable) if !call.waits_for_retry => {
+                        self.handle_failure(references, call, CallError::Unavailable, effects);
                     }
                     result => self.end(references, &call, result, effects),
                 }
@@ -238,18 +238,18 @@ impl OutgoingCalls {
         call: OutstandingCall,
         effects: &mut ComponentEffects<'_>,
     ) {
-        if call.resting {
-            return self.try_again(references, call, effects);
+        if call.waits_for_retry {
+            return self.retry(references, call, effects);
         }
         if wire_of(references, call.slot).cancel_on_timeout {
-            tell_cancelled(references, &call, effects);
+            notify_cancelled(references, &call, effects);
         }
-        self.failed(references, call, CallError::Timeout, effects);
+        self.handle_failure(references, call, CallError::Timeout, effects);
     }
 
     /// Handles a failed attempt: retries at once, retries after a rest, or ends the call. After `Unavailable` a retry
     /// always rests first, because an immediate one would fail the same way.
-    fn failed(
+    fn handle_failure(
         &mut self,
         references: &[RequiredReference],
         mut call: OutstandingCall,
@@ -257,35 +257,35 @@ impl OutgoingCalls {
         effects: &mut ComponentEffects<'_>,
     ) {
         let wire = wire_of(references, call.slot);
-        let rest = wire.rest_after(call.attempt);
-        let in_vain = error == CallError::Unavailable && rest.is_zero();
+        let delay = wire.retry_delay(call.attempt);
+        let in_vain = error == CallError::Unavailable && delay.is_zero();
         if call.attempt > wire.retries || in_vain {
             return self.end(references, &call, Err(error), effects);
         }
-        if rest.is_zero() {
-            return self.try_again(references, call, effects);
+        if delay.is_zero() {
+            return self.retry(references, call, effects);
         }
-        call.resting = true;
-        call.deadline = effects.now + rest;
-        self.await_until(call, effects);
+        call.waits_for_retry = true;
+        call.deadline = effects.now + delay;
+        self.add_outstanding(call, effects);
     }
 
-    fn try_again(
+    fn retry(
         &mut self,
         references: &[RequiredReference],
         mut call: OutstandingCall,
         effects: &mut ComponentEffects<'_>,
     ) {
         call.attempt += 1;
-        call.resting = false;
+        call.waits_for_retry = false;
         call.deadline = effects.now + wire_of(references, call.slot).timeout;
-        match self.post(references, &call, effects) {
-            Ok(()) => self.await_until(call, effects),
-            Err(error) => self.failed(references, call, error, effects),
+        match self.send_request(references, &call, effects) {
+            Ok(()) => self.add_outstanding(call, effects),
+            Err(error) => self.handle_failure(references, call, error, effects),
         }
     }
 
-    fn await_until(&mut self, call: OutstandingCall, effects: &mut ComponentEffects<'_>) {
+    fn add_outstanding(&mut self, call: OutstandingCall, effects: &mut ComponentEffects<'_>) {
         effects.effects.wake_at(effects.component, call.deadline);
         self.outstanding.push(call);
     }
@@ -297,7 +297,7 @@ impl OutgoingCalls {
         result: Result<Arc<dyn Sample>, CallError>,
         effects: &mut ComponentEffects<'_>,
     ) {
-        let (reference, operation) = names(references, call.slot);
+        let (reference, operation) = path_names(references, call.slot);
         effects.emit(&Event::Replied {
             component: effects.name,
             reference,
@@ -330,12 +330,12 @@ impl OutgoingCalls {
     }
 
     /// Removes and returns one ended call of an operation.
-    pub(crate) fn take_one(&mut self, slot: OperationSlot, call: CallId) -> Option<EndedCall> {
-        let found = self
+    pub(crate) fn take_reply(&mut self, slot: OperationSlot, call: CallId) -> Option<EndedCall> {
+        let index = self
             .frozen
             .iter()
             .position(|ended| ended.slot == slot && ended.number == call.0)?;
-        Some(self.frozen.remove(found))
+        Some(self.frozen.remove(index))
     }
 
     /// Returns whether a call is outstanding, or has ended but is not visible to a cycle yet.
@@ -352,7 +352,7 @@ impl OutgoingCalls {
         effects: &mut ComponentEffects<'_>,
     ) {
         for call in std::mem::take(&mut self.outstanding) {
-            tell_cancelled(references, &call, effects);
+            notify_cancelled(references, &call, effects);
         }
         self.ended.clear();
         self.frozen.clear();
@@ -365,12 +365,12 @@ impl OutgoingCalls {
 }
 
 /// Reports an attempt to the observers. Returns the names of its reference and operation.
-fn announce<'r>(
+fn emit_called<'r>(
     references: &'r [RequiredReference],
     call: &OutstandingCall,
     effects: &mut ComponentEffects<'_>,
 ) -> (&'r str, &'r str) {
-    let (reference, operation) = names(references, call.slot);
+    let (reference, operation) = path_names(references, call.slot);
     effects.emit(&Event::Called {
         component: effects.name,
         reference,
@@ -403,12 +403,12 @@ fn request(
     }
 }
 
-fn tell_cancelled(
+fn notify_cancelled(
     references: &[RequiredReference],
     call: &OutstandingCall,
     effects: &mut ComponentEffects<'_>,
 ) {
-    let Some(wiring) = wiring(references, call.slot) else {
+    let Some(wiring) = wiring_of(references, call.slot) else {
         return;
     };
     let key = CallKey {
@@ -416,7 +416,7 @@ fn tell_cancelled(
         number: call.number,
     };
     // fails if the provider is stopped or its queue is full; a request that it already has ends at its deadline
-    if wiring.queue.post(ProviderMessage::Cancel(key)).is_ok() {
+    if wiring.queue.push(ProviderMessage::Cancel(key)).is_ok() {
         wiring.trigger(effects);
     }
 }

@@ -85,7 +85,7 @@ impl ReplyTo {
         effects: &mut dyn Effects,
     ) {
         match self {
-            Self::Component(reply) => reply.0.put(CallAnswer { number, result }, effects),
+            Self::Component(reply) => reply.0.push(CallAnswer { number, result }, effects),
             // fails if the caller has stopped waiting
             Self::External(answer) => drop(answer.send(result)),
             Self::Remote(caller) => caller.reply(result),
@@ -109,7 +109,7 @@ pub(crate) struct ReplyQueue {
 
 impl ReplyQueue {
     /// Pushes a reply. If the queue is full, the reply is dropped and the call ends at its deadline.
-    pub(crate) fn put(&self, answer: CallAnswer, effects: &mut dyn Effects) {
+    pub(crate) fn push(&self, answer: CallAnswer, effects: &mut dyn Effects) {
         if self.queue.push(answer).is_ok() {
             effects.trigger(self.component);
         }

@@ -64,13 +64,13 @@ impl RequestQueue {
     ///
     /// # Errors
     /// [`CallError::Unavailable`] if the provider does not run or its queue is full.
-    pub fn ask(
+    pub fn send(
         &self,
         request: ServiceRequest,
         effects: &mut dyn Effects,
     ) -> Result<bool, CallError> {
         let Some(Some(handler)) = self.handlers.get(request.operation) else {
-            return self.post(ProviderMessage::Request(request)).map(|()| true);
+            return self.push(ProviderMessage::Request(request)).map(|()| true);
         };
         let result = guarded(|| Ok(handler(request.argument)))
             .unwrap_or_else(|fault| Err(ServiceFault::new("PANIC", fault.to_string())));
@@ -85,11 +85,13 @@ impl RequestQueue {
     }
 
     /// Queues a message for the provider's next cycle.
-    pub(crate) fn post(&self, post: ProviderMessage) -> Result<(), CallError> {
+    pub(crate) fn push(&self, message: ProviderMessage) -> Result<(), CallError> {
         if !self.open.load(Ordering::Acquire) {
             return Err(CallError::Unavailable);
         }
-        self.queue.push(post).map_err(|_| CallError::Unavailable)?;
+        self.queue
+            .push(message)
+            .map_err(|_| CallError::Unavailable)?;
         if let Some(notifier) = &self.notifier {
             notifier.notify();
         }
@@ -107,7 +109,7 @@ pub(crate) struct ProvidedService {
     open: Vec<OpenRequest>,
     /// Taken requests whose cancellation became visible in the current cycle.
     cancelled: Vec<RequestId>,
-    next: u64,
+    next_id: u64,
 }
 
 /// A request that the component has taken.
@@ -128,7 +130,7 @@ impl ProvidedService {
             waiting: Vec::new(),
             open: Vec::new(),
             cancelled: Vec::new(),
-            next: 0,
+            next_id: 0,
         }
     }
 
@@ -141,8 +143,8 @@ impl ProvidedService {
                 None => break,
                 Some(ProviderMessage::Cancel(key)) => self.cancel(key),
                 Some(ProviderMessage::Request(request)) => {
-                    self.next += 1;
-                    self.waiting.push((RequestId(self.next), request));
+                    self.next_id += 1;
+                    self.waiting.push((RequestId(self.next_id), request));
                 }
             }
         }
@@ -234,11 +236,11 @@ impl ProvidedService {
     /// Refuses requests from now on; waiting callers get [`CallError::Unavailable`].
     pub(crate) fn close(&mut self, effects: &mut ComponentEffects<'_>) {
         self.queue.open.store(false, Ordering::Release);
-        self.refuse(effects);
+        self.refuse_waiting(effects);
     }
 
     /// Replies [`CallError::Unavailable`] to all waiting and open requests.
-    pub(crate) fn refuse(&mut self, effects: &mut ComponentEffects<'_>) {
+    pub(crate) fn refuse_waiting(&mut self, effects: &mut ComponentEffects<'_>) {
         self.freeze(effects.now);
         for operation in 0..self.declaration.operations.len() {
             drop(self.take(operation));

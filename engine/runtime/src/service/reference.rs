@@ -30,12 +30,12 @@ pub(crate) struct Wiring {
 
 impl Wiring {
     /// Queues a request at the provider and triggers it.
-    pub(super) fn ask(
+    pub(super) fn send(
         &self,
         request: ServiceRequest,
         effects: &mut ComponentEffects<'_>,
     ) -> Result<(), CallError> {
-        if self.queue.ask(request, effects.effects)? {
+        if self.queue.send(request, effects.effects)? {
             self.trigger(effects);
         }
         Ok(())
@@ -50,15 +50,15 @@ impl Wiring {
 }
 
 /// The wiring whose service replies: the first.
-pub(super) fn wiring(references: &[RequiredReference], slot: OperationSlot) -> Option<&Wiring> {
+pub(super) fn wiring_of(references: &[RequiredReference], slot: OperationSlot) -> Option<&Wiring> {
     references.get(slot.port)?.wirings.first()
 }
 
 pub(super) fn wire_of(references: &[RequiredReference], slot: OperationSlot) -> Wire {
-    wiring(references, slot).map_or_else(Wire::default, |wiring| wiring.wire)
+    wiring_of(references, slot).map_or_else(Wire::default, |wiring| wiring.wire)
 }
 
-pub(super) fn names(references: &[RequiredReference], slot: OperationSlot) -> (&str, &str) {
+pub(super) fn path_names(references: &[RequiredReference], slot: OperationSlot) -> (&str, &str) {
     let Some(reference) = references.get(slot.port) else {
         return ("", "");
     };

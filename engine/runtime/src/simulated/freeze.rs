@@ -9,12 +9,13 @@ use serde::{Deserialize, Serialize};
 use super::Simulation;
 use super::queue::{DueQueue, DueWork};
 use super::timeline::UnitSchedule;
+use crate::component_unit::FrozenUnit;
 use crate::frozen::{
-    FrozenSample, FrozenSystem, SampleNames, SystemFreezeError, SystemThawError, no_data, other,
+    FrozenSample, FrozenSystem, SampleNames, SystemFreezeError, SystemThawError, no_data,
+    system_mismatch,
 };
 use crate::injection::InjectionTarget;
 use crate::service::ThawContext;
-use crate::unit::FrozenUnit;
 
 /// Complete state of a simulation except observers and pace.
 #[derive(Serialize, Deserialize)]
@@ -57,21 +58,21 @@ enum FrozenWork {
 impl Simulation {
     /// Returns the complete state of the simulation, which itself continues unchanged.
     ///
-    /// The state does not include observers and the pace. A system connected to the outside cannot be frozen, whether by
-    /// an adapter (a bus, HTTP), by a reader, writer or caller on another thread, or by a message queue.
+    /// The state does not include observers and the pace. A system connected to the outside cannot be frozen, whether
+    /// by an adapter (a bus, HTTP), by a reader, writer or caller on another thread, or by a message queue.
     ///
     /// # Errors
     /// An error if a component cannot be frozen or the system is connected to the outside.
     pub fn freeze(&mut self) -> Result<FrozenSystem, SystemFreezeError> {
         if !self.adapters.is_empty() {
             let what = "an adapter joins the system to a bus".to_owned();
-            return Err(SystemFreezeError::Outside(what));
+            return Err(SystemFreezeError::External(what));
         }
         // includes the triggers requested by other threads so far, which the next step would process first
-        self.timeline.effects(None).take_outside_triggers();
+        self.timeline.effects(None).take_external_triggers();
         let units = self.units.iter_mut().map(|unit| unit.snapshot());
         let units: Vec<_> = units.collect::<Result<_, _>>()?;
-        self.refuse_writers_outside(&units)?;
+        self.refuse_external_writers(&units)?;
         let timeline = &self.timeline;
         let due = timeline.queue.entries().into_iter();
         let due = due.map(|(at, serial, work)| Ok((at, serial, FrozenWork::of(work)?)));
@@ -80,7 +81,7 @@ impl Simulation {
             order: timeline.handle.order(),
             planned: timeline.queue.planned(),
             due: due.collect::<Result<_, SystemFreezeError>>()?,
-            schedules: timeline.each.clone(),
+            schedules: timeline.schedules.clone(),
             dropped: self.injections.all().map(|port| port.dropped()).collect(),
             units: Self::without_repetition(units, &self.shared_queues()),
         })
@@ -95,7 +96,7 @@ impl Simulation {
     pub fn thaw(&mut self, frozen: &FrozenSystem) -> Result<(), SystemThawError> {
         let state: FrozenSimulation = frozen.read()?;
         self.compare(&state)?;
-        let before = self.freeze().map_err(SystemThawError::Unfreezable)?;
+        let before = self.freeze().map_err(SystemThawError::CannotFreeze)?;
         let thawed = self.restore(&state);
         if thawed.is_err() {
             // a state frozen by this system itself can always be restored, for the rollback
@@ -110,7 +111,7 @@ impl Simulation {
         let count = self.units.len();
         if state.units.len() != count || state.schedules.len() != count {
             let theirs = state.units.len();
-            return Err(other(format!(
+            return Err(system_mismatch(format!(
                 "it has {theirs} components, this system has {count}"
             )));
         }
@@ -118,12 +119,12 @@ impl Simulation {
             unit.compare(frozen)?;
         }
         if state.dropped.len() != self.injections.all().count() {
-            return Err(other("its topics differ"));
+            return Err(system_mismatch("its topics differ"));
         }
         let fits = state.due.iter().all(|(at, _, work)| {
             *at >= state.now
                 && match work {
-                    FrozenWork::Sample { target, .. } => self.injections.has(*target),
+                    FrozenWork::Sample { target, .. } => self.injections.contains(*target),
                     FrozenWork::Deadline { component }
                     | FrozenWork::Trigger { component, .. }
                     | FrozenWork::Period { component, .. } => *component < count,
@@ -132,7 +133,7 @@ impl Simulation {
         if fits {
             Ok(())
         } else {
-            Err(other(
+            Err(system_mismatch(
                 "it contains scheduled work that this system cannot have",
             ))
         }
@@ -163,12 +164,12 @@ impl Simulation {
         let due = due.collect::<Result<_, SystemThawError>>()?;
         let timeline = &mut self.timeline;
         timeline.queue = DueQueue::of(state.planned, due);
-        timeline.each.clone_from(&state.schedules);
+        timeline.schedules.clone_from(&state.schedules);
         timeline.escalated = false;
         timeline.set_now(state.now);
         timeline.handle.set_order(state.order);
         if let Some(pacer) = &mut self.pacer {
-            pacer.begin_at(state.now);
+            pacer.restart(state.now);
         }
         Ok(())
     }
@@ -206,7 +207,7 @@ impl Simulation {
     }
 
     /// Reports connections with a writer outside the system.
-    fn refuse_writers_outside(&self, units: &[FrozenUnit]) -> Result<(), SystemFreezeError> {
+    fn refuse_external_writers(&self, units: &[FrozenUnit]) -> Result<(), SystemFreezeError> {
         let senders = self.senders();
         for unit in units {
             let mut channels = unit.inputs.iter().flat_map(|input| &input.channels);
@@ -215,7 +216,7 @@ impl Simulation {
                     "connection {number} into an input of `{}` has a writer on another thread, or had one",
                     unit.name()
                 );
-                return Err(SystemFreezeError::Outside(what));
+                return Err(SystemFreezeError::External(what));
             }
         }
         Ok(())

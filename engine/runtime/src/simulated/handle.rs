@@ -16,7 +16,7 @@ pub(super) struct SimulatedHandle {
     /// Set after a flag in `triggered`, taken by the simulation before it reads them. With `Release` and `AcqRel`, a
     /// simulation that takes it sees that flag and the sample put in before. A flag set during the scan sets this
     /// again.
-    any: AtomicBool,
+    any_triggered: AtomicBool,
     /// New data are waiting, by position of the component. Set by other threads, taken by the simulation.
     triggered: Box<[AtomicBool]>,
     /// Set when the simulation is dropped; read by other threads.
@@ -28,7 +28,7 @@ impl SimulatedHandle {
         Self {
             now: AtomicI64::new(0),
             order: AtomicU64::new(0),
-            any: AtomicBool::new(false),
+            any_triggered: AtomicBool::new(false),
             triggered: (0..components).map(|_| AtomicBool::new(false)).collect(),
             ended: AtomicBool::new(false),
         }
@@ -51,14 +51,16 @@ impl SimulatedHandle {
         self.ended.store(true, Ordering::Release);
     }
 
-    /// Passes the components to be triggered to `give`, and clears their flags.
-    pub(super) fn take_triggered(&self, mut give: impl FnMut(usize)) {
-        if !self.any.load(Ordering::Relaxed) || !self.any.swap(false, Ordering::AcqRel) {
+    /// Passes the components to be triggered to `f`, and clears their flags.
+    pub(super) fn take_triggered(&self, mut f: impl FnMut(usize)) {
+        if !self.any_triggered.load(Ordering::Relaxed)
+            || !self.any_triggered.swap(false, Ordering::AcqRel)
+        {
             return;
         }
         for (component, triggered) in self.triggered.iter().enumerate() {
             if triggered.swap(false, Ordering::AcqRel) {
-                give(component);
+                f(component);
             }
         }
     }
@@ -76,7 +78,7 @@ impl RunHandle for SimulatedHandle {
     fn trigger(&self, component: usize) {
         if let Some(triggered) = self.triggered.get(component) {
             triggered.store(true, Ordering::Release);
-            self.any.store(true, Ordering::Release);
+            self.any_triggered.store(true, Ordering::Release);
         }
     }
 

@@ -17,32 +17,32 @@ pub enum Pace {
 
 /// Delays virtual time, counting from the moment the pace was set.
 pub(super) struct Pacer {
-    from: Time,
-    since: Instant,
+    start_time: Time,
+    start_instant: Instant,
     factor: f64,
 }
 
 impl Pacer {
-    pub(super) fn new(from: Time, factor: f64) -> Self {
+    pub(super) fn new(start_time: Time, factor: f64) -> Self {
         Self {
-            from,
-            since: Instant::now(),
+            start_time,
+            start_instant: Instant::now(),
             factor,
         }
     }
 
     /// Sets the current virtual time.
-    pub(super) fn begin_at(&mut self, now: Time) {
-        self.from = now;
-        self.since = Instant::now();
+    pub(super) fn restart(&mut self, now: Time) {
+        self.start_time = now;
+        self.start_instant = Instant::now();
     }
 
     /// Sleeps until the real clock allows virtual time to be `at`.
     pub(super) fn wait(&self, at: Time) {
-        let seconds = at.since(self.from).as_secs_f64() / self.factor;
+        let seconds = at.since(self.start_time).as_secs_f64() / self.factor;
         let Ok(after) = Duration::try_from_secs_f64(seconds) else {
             return;
         };
-        std::thread::sleep(after.saturating_sub(self.since.elapsed()));
+        std::thread::sleep(after.saturating_sub(self.start_instant.elapsed()));
     }
 }

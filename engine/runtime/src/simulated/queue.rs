@@ -16,7 +16,7 @@ pub(super) struct Due {
     pub at: Time,
     /// Order of planning; breaks ties.
     serial: u64,
-    pub what: DueWork,
+    pub work: DueWork,
 }
 
 /// The kind of work that is due.
@@ -36,7 +36,7 @@ pub(super) enum DueWork {
 
 impl Due {
     fn rank(&self) -> (Time, u8, usize, u64) {
-        let (class, component) = match self.what {
+        let (class, component) = match self.work {
             DueWork::Sample { .. } => (0, 0),
             DueWork::Deadline { component } => (1, component),
             DueWork::Trigger { component, .. } | DueWork::Period { component, .. } => {
@@ -78,7 +78,11 @@ impl DueQueue {
     pub(super) fn push(&mut self, at: Time, what: DueWork) {
         self.planned += 1;
         let serial = self.planned;
-        self.heap.push(Reverse(Due { at, serial, what }));
+        self.heap.push(Reverse(Due {
+            at,
+            serial,
+            work: what,
+        }));
     }
 
     pub(super) fn pop(&mut self) -> Option<Due> {
@@ -96,7 +100,7 @@ impl DueQueue {
         let mut entries: Vec<_> = self.heap.iter().map(|Reverse(due)| due).collect();
         entries.sort();
         let entries = entries.into_iter();
-        entries.map(|due| (due.at, due.serial, &due.what)).collect()
+        entries.map(|due| (due.at, due.serial, &due.work)).collect()
     }
 
     /// Returns the number of entries planned so far.
@@ -107,7 +111,13 @@ impl DueQueue {
     /// Creates a queue with these entries.
     pub(super) fn of(planned: u64, entries: Vec<(Time, u64, DueWork)>) -> Self {
         let entries = entries.into_iter();
-        let due = |(at, serial, what)| Reverse(Due { at, serial, what });
+        let due = |(at, serial, what)| {
+            Reverse(Due {
+                at,
+                serial,
+                work: what,
+            })
+        };
         Self {
             heap: entries.map(due).collect(),
             planned,

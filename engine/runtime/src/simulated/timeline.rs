@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use super::handle::SimulatedHandle;
 use super::queue::{DueQueue, DueWork};
+use crate::component_unit::ComponentUnit;
 use crate::effects::Effects;
 use crate::event::{Event, Observer};
 use crate::handle::RunHandle;
 use crate::run::Watch;
-use crate::unit::ComponentUnit;
 
 /// Limit on the cycles of one component at one instant; more are a loop. Larger than the capacity of any input queue,
 /// because a coordinator consumes one event a cycle.
@@ -23,7 +23,7 @@ pub(super) struct Timeline {
     pub now: Time,
     pub queue: DueQueue,
     pub observers: Vec<Box<dyn Observer>>,
-    pub each: Vec<UnitSchedule>,
+    pub schedules: Vec<UnitSchedule>,
     /// A component has failed whose activity stops all components.
     pub escalated: bool,
     /// Shared with threads outside the simulation.
@@ -62,7 +62,7 @@ impl Effects for SimulatedEffects<'_, '_> {
     }
 
     fn trigger(&mut self, component: usize) {
-        let Some(driven) = self.timeline.each.get_mut(component) else {
+        let Some(driven) = self.timeline.schedules.get_mut(component) else {
             return;
         };
         if driven.drive == Drive::Event {
@@ -98,7 +98,7 @@ impl Timeline {
             now: Time::ZERO,
             queue: DueQueue::default(),
             observers,
-            each: units.iter().map(each).collect(),
+            schedules: units.iter().map(each).collect(),
             escalated: false,
             handle: Arc::new(SimulatedHandle::new(units.len())),
         }
@@ -131,7 +131,7 @@ impl Timeline {
 
 impl UnitSchedule {
     /// Replaces the schedule and returns its generation.
-    fn renew(&mut self, drive: Drive) -> u64 {
+    fn set_drive(&mut self, drive: Drive) -> u64 {
         self.drive = drive;
         self.triggered = false;
         self.generation += 1;
@@ -141,7 +141,7 @@ impl UnitSchedule {
 
 impl SimulatedEffects<'_, '_> {
     /// Triggers the components that other threads have written to.
-    pub(super) fn take_outside_triggers(&mut self) {
+    pub(super) fn take_external_triggers(&mut self) {
         let handle = Arc::clone(&self.timeline.handle);
         handle.take_triggered(|component| self.trigger(component));
     }
@@ -149,10 +149,10 @@ impl SimulatedEffects<'_, '_> {
     /// Runs one cycle of a unit. If the unit exceeds `CYCLES_AN_INSTANT`, it fails instead.
     pub(super) fn cycle(&mut self, units: &mut [ComponentUnit], component: usize) {
         let now = self.timeline.now;
-        let driven = &mut self.timeline.each[component];
+        let driven = &mut self.timeline.schedules[component];
         driven.cycles += 1;
         if driven.cycles > CYCLES_AN_INSTANT {
-            let fault = self.timeline.endless(units);
+            let fault = self.timeline.endless_loop(units);
             units[component].fail(fault, now, self);
             return;
         }
@@ -160,12 +160,12 @@ impl SimulatedEffects<'_, '_> {
         let unit = &mut units[component];
         unit.cycle(now, self);
         if ran {
-            unit.hold_to_deadline(unit.body.lasts, now, self);
+            unit.check_deadline(unit.body.cycle_duration, now, self);
         }
         if units[component].restart_after_fault(now, self) {
-            self.timeline.begin(&units[component])
+            self.timeline.schedule_first(&units[component])
         } else {
-            self.timeline.follow(&units[component])
+            self.timeline.apply_drive_change(&units[component])
         }
         if ran {
             self.slaves(units, component);
@@ -182,8 +182,13 @@ impl SimulatedEffects<'_, '_> {
     }
 
     /// Plans the next periodic cycle, at an absolute time to avoid drift.
-    pub(super) fn repeat(&mut self, unit: &ComponentUnit, last: Time, generation: u64) {
-        let unchanged = self.timeline.each[unit.index].generation == generation;
+    pub(super) fn schedule_next_period(
+        &mut self,
+        unit: &ComponentUnit,
+        last: Time,
+        generation: u64,
+    ) {
+        let unchanged = self.timeline.schedules[unit.index].generation == generation;
         if let Drive::Period(period) = unit.activity.drive
             && unchanged
             && unit.state().is_running()
@@ -202,10 +207,10 @@ impl SimulatedEffects<'_, '_> {
 
 impl Timeline {
     /// Plans the first cycle after a start. An event-driven component has one too: RTT triggers on start.
-    pub(super) fn begin(&mut self, unit: &ComponentUnit) {
+    pub(super) fn schedule_first(&mut self, unit: &ComponentUnit) {
         let component = unit.index;
-        let driven = &mut self.each[component];
-        let generation = driven.renew(unit.activity.drive);
+        let driven = &mut self.schedules[component];
+        let generation = driven.set_drive(unit.activity.drive);
         let first = self.now + unit.activity.delay;
         match unit.activity.drive {
             Drive::Manual | Drive::Slave => {}
@@ -222,7 +227,7 @@ impl Timeline {
 
     /// Plans a triggered cycle, unless one is planned already.
     pub(super) fn trigger(&mut self, component: usize, at: Time) {
-        let driven = &mut self.each[component];
+        let driven = &mut self.schedules[component];
         if driven.triggered {
             return;
         }
@@ -236,12 +241,12 @@ impl Timeline {
     }
 
     /// Plans the unit's cycles again if its drive has changed, counting from the cycle that has just ended.
-    pub(super) fn follow(&mut self, unit: &ComponentUnit) {
-        let driven = &mut self.each[unit.index];
+    pub(super) fn apply_drive_change(&mut self, unit: &ComponentUnit) {
+        let driven = &mut self.schedules[unit.index];
         if driven.drive == unit.activity.drive {
             return;
         }
-        let generation = driven.renew(unit.activity.drive);
+        let generation = driven.set_drive(unit.activity.drive);
         if let Drive::Period(period) = unit.activity.drive {
             let what = DueWork::Period {
                 component: unit.index,
@@ -252,8 +257,9 @@ impl Timeline {
     }
 
     /// The fault of components that trigger each other endlessly.
-    fn endless(&self, units: &[ComponentUnit]) -> Fault {
-        let busy = |unit: &&ComponentUnit| self.each[unit.index].cycles > CYCLES_AN_INSTANT / 2;
+    fn endless_loop(&self, units: &[ComponentUnit]) -> Fault {
+        let busy =
+            |unit: &&ComponentUnit| self.schedules[unit.index].cycles > CYCLES_AN_INSTANT / 2;
         Fault::Loop {
             at: self.now,
             components: units

@@ -11,7 +11,7 @@ use super::System;
 use crate::adapter::Adapter;
 use crate::build_error::BuildError;
 use crate::cause::CycleCause;
-use crate::end::{ComponentEnd, outputs, references, services};
+use crate::component_end::{ComponentEnd, outputs, references, services};
 use crate::injection::{InjectionPort, InjectionPorts};
 use crate::service::{RequestQueue, Wiring};
 use crate::topic::SystemTopic;
@@ -68,12 +68,12 @@ impl System {
     }
 
     /// The name of an end's component.
-    pub fn component_of(&self, end: &ComponentEnd) -> Arc<str> {
+    pub fn component_name(&self, end: &ComponentEnd) -> Arc<str> {
         Arc::clone(&self.units[end.unit].name)
     }
 
     /// The cause of the cycles of an end's component.
-    pub fn cause_of(&self, end: &ComponentEnd) -> Arc<CycleCause> {
+    pub fn cycle_cause(&self, end: &ComponentEnd) -> Arc<CycleCause> {
         Arc::clone(&self.units[end.unit].body.cause)
     }
 
@@ -88,9 +88,14 @@ impl System {
     }
 
     /// Sends the samples of an output to `sender` as well; events show it under the name `to`.
-    pub fn join_output(&mut self, output: &ComponentEnd, sender: Box<dyn AnySender>, to: String) {
+    pub fn connect_output(
+        &mut self,
+        output: &ComponentEnd,
+        sender: Box<dyn AnySender>,
+        to: String,
+    ) {
         let unit = &mut self.units[output.unit];
-        unit.body.outputs[output.index].join(sender, OutputLink::to_outside(to));
+        unit.body.outputs[output.index].connect(sender, OutputLink::external(to));
     }
 
     /// Opens a connection from outside into an input. Returns `None` if the policy asks for zeros that the type does
@@ -100,7 +105,7 @@ impl System {
         input: &ComponentEnd,
         policy: &Policy,
     ) -> Option<InjectionPort> {
-        let number = self.connections.number();
+        let number = self.connections.next_id();
         InjectionPort::open(&mut self.units[input.unit], input.index, policy, number)
     }
 
@@ -110,7 +115,10 @@ impl System {
     }
 
     /// The declaration of a service, and its request queue.
-    pub fn service_at(&self, service: &ComponentEnd) -> (&ServiceDeclaration, Arc<RequestQueue>) {
+    pub fn provided_service(
+        &self,
+        service: &ComponentEnd,
+    ) -> (&ServiceDeclaration, Arc<RequestQueue>) {
         let service = &self.units[service.unit].body.services[service.index];
         (&service.declaration, Arc::clone(&service.queue))
     }
@@ -120,7 +128,7 @@ impl System {
     /// position in this list.
     ///
     /// # Errors
-    /// [`BuildError::Joined`] if the reference has a service already.
+    /// [`BuildError::AlreadyConnected`] if the reference has a service already.
     pub fn wire_remote(
         &mut self,
         from: &ComponentEnd,

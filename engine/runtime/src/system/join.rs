@@ -11,7 +11,7 @@ use asmotion_port::{ConnectionId, OutputLink, Policy};
 
 use super::{ComponentId, System};
 use crate::build_error::BuildError;
-use crate::end::{self, ComponentEnd, EndTable, inputs, outputs, references, services};
+use crate::component_end::{self, ComponentEnd, EndTable, inputs, outputs, references, services};
 use crate::injection::InjectionPort;
 use crate::service::{RequiredReference, Wiring};
 use crate::stream::{Sink, SinkSender, SinkStream, Source, SourceStream};
@@ -26,9 +26,9 @@ impl System {
     pub fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         let to = self.end(to, inputs)?;
-        self.connections.refuse_twice(&from, &to)?;
-        let connection = self.join(&from, &to, &policy)?;
-        self.connections.remember(connection, from, to);
+        self.connections.check_unconnected(&from, &to)?;
+        let connection = self.add_connection(&from, &to, &policy)?;
+        self.connections.insert(connection, from, to);
         Ok(())
     }
 
@@ -36,12 +36,12 @@ impl System {
     /// no effect.
     ///
     /// # Errors
-    /// [`BuildError::Unknown`] if one of them does not exist, [`BuildError::OwnMaster`] if the slave would cycle after
-    /// itself.
-    pub fn slave(&mut self, slave: &str, master: &str) -> Result<(), BuildError> {
+    /// [`BuildError::Unknown`] if one of them does not exist, [`BuildError::MasterCycle`] if the slave would cycle
+    /// after itself.
+    pub fn add_slave(&mut self, slave: &str, master: &str) -> Result<(), BuildError> {
         let [slave_index, master_index] = [self.component(slave)?.0, self.component(master)?.0];
         if self.thread(master_index) == slave_index {
-            return Err(BuildError::OwnMaster {
+            return Err(BuildError::MasterCycle {
                 slave: slave.to_owned(),
                 master: master.to_owned(),
             });
@@ -64,25 +64,25 @@ impl System {
     /// Publishes an output on a topic. An output has one topic; a topic may have several publishers.
     ///
     /// # Errors
-    /// [`BuildError::Joined`] if the output has a topic, [`BuildError::OwnTopic`] for the topic of the health of the
-    /// bus, or the types of output and a subscriber differ.
+    /// [`BuildError::AlreadyConnected`] if the output has a topic, [`BuildError::ReservedTopic`] for the topic of the
+    /// health of the bus, or the types of output and a subscriber differ.
     pub fn publish(&mut self, from: &str, topic: &str) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         if topic == HEALTH_TOPIC {
-            return Err(BuildError::OwnTopic {
+            return Err(BuildError::ReservedTopic {
                 from: from.name,
                 topic: HEALTH_TOPIC,
             });
         }
         if let Some(taken) = &self.units[from.unit].body.topics[from.index] {
-            return Err(BuildError::Joined {
+            return Err(BuildError::AlreadyConnected {
                 end: from.name,
                 to: format!("topic `{taken}`"),
             });
         }
-        let index = self.topic(topic);
+        let index = self.topic_index(topic);
         for (to, policy) in self.topics[index].subscribers.clone() {
-            self.join_topic(&from, &to, &policy)?;
+            self.connect_topic(&from, &to, &policy)?;
         }
         self.units[from.unit].body.topics[from.index] = Some(topic.to_owned());
         self.topics[index].publishers.push(from);
@@ -92,14 +92,14 @@ impl System {
     /// Subscribes an input to a topic, with this policy for each of its publishers.
     ///
     /// # Errors
-    /// [`BuildError::Joined`] if the input reads the topic already, [`BuildError::Types`] if it cannot read what a
-    /// publisher writes, or the policy is impossible for their threads.
+    /// [`BuildError::AlreadyConnected`] if the input reads the topic already, [`BuildError::TypeMismatch`] if it cannot
+    /// read what a publisher writes, or the policy is impossible for their threads.
     pub fn subscribe(&mut self, topic: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let to = self.end(to, inputs)?;
-        let index = self.topic(topic);
+        let index = self.topic_index(topic);
         let known = &self.topics[index].subscribers;
         if known.iter().any(|(known, _)| *known == to) {
-            return Err(BuildError::Joined {
+            return Err(BuildError::AlreadyConnected {
                 end: to.name,
                 to: format!("topic `{topic}`"),
             });
@@ -108,7 +108,7 @@ impl System {
             self.compare_types(BusHealth::schema(), HEALTH_TOPIC, &to)?;
         }
         for from in self.topics[index].publishers.clone() {
-            self.join_topic(&from, &to, &policy)?;
+            self.connect_topic(&from, &to, &policy)?;
         }
         self.topics[index].subscribers.push((to, policy));
         Ok(())
@@ -118,10 +118,10 @@ impl System {
     ///
     /// # Errors
     /// There is no such output.
-    pub fn stream_out(&mut self, from: &str, mut sink: Box<dyn Sink>) -> Result<(), BuildError> {
+    pub fn connect_sink(&mut self, from: &str, mut sink: Box<dyn Sink>) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         let unit = &mut self.units[from.unit];
-        let link = OutputLink::to_outside(sink.name());
+        let link = OutputLink::external(sink.name());
         if let Some(upkeep) = sink.upkeep() {
             self.sinks.push(SinkStream {
                 upkeep,
@@ -131,7 +131,7 @@ impl System {
                 dropped: Arc::clone(&link.dropped),
             });
         }
-        unit.body.outputs[from.index].join(Box::new(SinkSender(sink)), link);
+        unit.body.outputs[from.index].connect(Box::new(SinkSender(sink)), link);
         Ok(())
     }
 
@@ -140,7 +140,7 @@ impl System {
     ///
     /// # Errors
     /// There is no such input; [`BuildError::NoZero`] if the policy asks for an initial sample and its type has none.
-    pub fn stream_in(
+    pub fn connect_source(
         &mut self,
         source: Box<dyn Source>,
         to: &str,
@@ -148,7 +148,7 @@ impl System {
     ) -> Result<(), BuildError> {
         let to = self.end(to, inputs)?;
         let unit = &mut self.units[to.unit];
-        let port = InjectionPort::open(unit, to.index, policy, self.connections.number())
+        let port = InjectionPort::open(unit, to.index, policy, self.connections.next_id())
             .ok_or_else(|| BuildError::NoZero {
                 to: to.name,
                 source: DatumError::new(DatumProblem::Mismatch("expected a record".to_owned())),
@@ -161,15 +161,19 @@ impl System {
     /// reference has one service, or several that receive one-way calls ([`Wire::one_way`]).
     ///
     /// # Errors
-    /// [`BuildError::Joined`] if the reference has a service, [`BuildError::Interfaces`], [`BuildError::Operation`] or
-    /// [`BuildError::Types`] if the service does not offer what the reference calls.
+    /// [`BuildError::AlreadyConnected`] if the reference has a service, [`BuildError::InterfaceMismatch`],
+    /// [`BuildError::MissingOperation`] or [`BuildError::TypeMismatch`] if the service does not offer what the
+    /// reference calls.
     pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
         let to = self.end(to, services)?;
         let reference = self.open_reference(&from, &to.name, wire)?;
         let service = &self.units[to.unit].body.services[to.index];
         let wiring = Wiring {
-            operations: fit((&reference.declaration, &from), (&service.declaration, &to))?,
+            operations: operation_indices(
+                (&reference.declaration, &from),
+                (&service.declaration, &to),
+            )?,
             queue: Arc::clone(&service.queue),
             to: to.name.clone(),
             provider: Some(to.unit),
@@ -192,7 +196,7 @@ impl System {
             |wiring: &&Wiring| wiring.to == to || !(wire.one_way && wiring.wire.one_way);
         match reference.wirings.iter().find(stands_in_the_way) {
             None => Ok(reference),
-            Some(wiring) => Err(BuildError::Joined {
+            Some(wiring) => Err(BuildError::AlreadyConnected {
                 end: from.name.clone(),
                 to: format!("`{}`", wiring.to),
             }),
@@ -200,7 +204,7 @@ impl System {
     }
 
     /// Position of a topic, which is created if need be.
-    fn topic(&mut self, name: &str) -> usize {
+    fn topic_index(&mut self, name: &str) -> usize {
         let found = self.topics.iter().position(|topic| topic.name == name);
         found.unwrap_or_else(|| {
             self.topics.push(SystemTopic {
@@ -213,7 +217,7 @@ impl System {
     }
 
     /// Connects a publisher to a subscriber, unless adapters do so.
-    fn join_topic(
+    fn connect_topic(
         &mut self,
         from: &ComponentEnd,
         to: &ComponentEnd,
@@ -222,7 +226,7 @@ impl System {
         if self.topics_outside {
             self.compare(from, to)
         } else {
-            self.join(from, to, policy).map(drop)
+            self.add_connection(from, to, policy).map(drop)
         }
     }
 
@@ -241,7 +245,7 @@ impl System {
         BuildError::compare(written, from, input, &to.name)
     }
 
-    fn join(
+    fn add_connection(
         &mut self,
         from: &ComponentEnd,
         to: &ComponentEnd,
@@ -250,12 +254,12 @@ impl System {
         self.compare(from, to)?;
         let threads = [from.unit, to.unit].map(|unit| self.thread(unit));
         let input = &mut self.units[to.unit].body.inputs[to.index];
-        let made = self
+        let connection = self
             .connections
-            .make((from, to), threads, policy, &*input.opener())?;
-        input.join(made.reading_end);
-        self.units[from.unit].body.outputs[from.index].join(made.sender, made.link);
-        Ok(made.connection)
+            .open((from, to), threads, policy, &*input.opener())?;
+        input.connect(connection.reading_end);
+        self.units[from.unit].body.outputs[from.index].connect(connection.sender, connection.link);
+        Ok(connection.connection)
     }
 
     pub(super) fn end(
@@ -264,7 +268,7 @@ impl System {
         table: fn(&Declaration) -> EndTable<'_>,
     ) -> Result<ComponentEnd, BuildError> {
         let units = self.units.iter();
-        end::find(
+        component_end::find(
             units.map(|unit| (&*unit.name, &unit.body.declaration)),
             path,
             table,
@@ -273,7 +277,7 @@ impl System {
 
     fn component(&self, name: &str) -> Result<ComponentId, BuildError> {
         self.id(name).ok_or_else(|| BuildError::Unknown {
-            what: "component",
+            kind: "component",
             name: name.to_owned(),
             nearest: suggestion_among(name, self.units.iter().map(|unit| &*unit.name)),
         })
@@ -281,12 +285,12 @@ impl System {
 }
 
 /// Position in the service of each operation that a reference calls.
-pub(crate) fn fit(
+pub(crate) fn operation_indices(
     (reference, from): (&ReferenceDeclaration, &ComponentEnd),
     (service, to): (&ServiceDeclaration, &ComponentEnd),
 ) -> Result<Vec<usize>, BuildError> {
     if reference.interface != service.interface {
-        return Err(BuildError::Interfaces {
+        return Err(BuildError::InterfaceMismatch {
             required: reference.interface.clone(),
             provided: service.interface.clone(),
             from: from.name.clone(),
@@ -311,7 +315,7 @@ fn find_operation(
         .enumerate()
         .find(|(_, served)| served.name == called.name);
     let Some((index, operation)) = found else {
-        return Err(BuildError::Operation {
+        return Err(BuildError::MissingOperation {
             from: from.name.clone(),
             operation: called.name.clone(),
             to: to.name.clone(),
@@ -321,7 +325,7 @@ fn find_operation(
         .request
         .compare(&operation.request)
         .and_then(|()| called.response.compare(&operation.response))
-        .map_err(|difference| BuildError::Types {
+        .map_err(|difference| BuildError::TypeMismatch {
             from: from.name.clone(),
             to: to.name.clone(),
             difference: Box::new(difference),

@@ -36,8 +36,8 @@ fn household(cycles: &Cycles) -> System {
     ] {
         system.add(name, activity, noting(name, cycles)).unwrap();
     }
-    system.slave("Grandchild", "Child").unwrap();
-    system.slave("Child", "Master").unwrap();
+    system.add_slave("Grandchild", "Child").unwrap();
+    system.add_slave("Child", "Master").unwrap();
     system
 }
 
@@ -118,13 +118,13 @@ fn o3_a_slave_rests_when_its_master_does_or_itself_is_stopped() {
 fn o3_nobody_is_his_own_master() {
     let mut system = household(&Cycles::default());
     for (slave, master) in [("Master", "Master"), ("Master", "Grandchild")] {
-        let refused = system.slave(slave, master);
+        let refused = system.add_slave(slave, master);
         assert!(
-            matches!(refused, Err(BuildError::OwnMaster { .. })),
+            matches!(refused, Err(BuildError::MasterCycle { .. })),
             "{slave} {master}"
         );
     }
-    let refused = system.slave("Other", "Mastr").unwrap_err();
+    let refused = system.add_slave("Other", "Mastr").unwrap_err();
     assert_eq!(
         refused.to_string(),
         "unknown component `Mastr`; did you mean `Master`?"

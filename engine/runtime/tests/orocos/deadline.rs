@@ -16,7 +16,7 @@ fn dawdler(long: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> 
             n += 1;
             cycle.write(out, number(n));
             if n == 3 {
-                cycle.lasts(long);
+                cycle.set_duration(long);
                 std::thread::sleep(long);
             }
             Ok(())

@@ -321,7 +321,7 @@ fn o2_while_a_hook_is_at_work_its_target_is_seen_of_outsider() {
         .unwrap();
     let mut run = system.live();
     assert_eq!(run.target_state("It"), Some(State::Stopped));
-    run.set_grace(50.ms());
+    run.set_grace_period(50.ms());
     let busy = run.transition("It", Transition::Start);
     assert!(matches!(busy, Err(LifeCycleError::Busy { .. })));
     assert_eq!(run.state("It"), Some(State::Stopped));

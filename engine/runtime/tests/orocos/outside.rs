@@ -118,7 +118,7 @@ fn j10_by_default_samples_are_pushed() {
     let keep = Arc::clone(&late);
     let reader = run.reader("Counter.n", Policy::buffer(8)).unwrap();
     let begin = Instant::now();
-    let subscription = reader.on_news(move |sample: &Number| {
+    let subscription = reader.on_new_data(move |sample: &Number| {
         keep.lock().unwrap().push((sample.n, begin.elapsed()));
     });
     run.run_for(400.ms());
@@ -170,7 +170,7 @@ fn j12_to_unsubscribe_really_stops_even_when_nothing_comes() {
     for _ in 0..3 {
         let [polls, listens] = [(); 2].map(|()| run.reader("Silence.n", Policy::data()).unwrap());
         let polling = polls.every(3600.s(), |_: &Number| {});
-        let listening = listens.on_news(|_: &Number| panic!("nothing comes"));
+        let listening = listens.on_new_data(|_: &Number| panic!("nothing comes"));
         while reading_threads("Silence.n") < 2 {
             std::thread::sleep(1.ms());
         }
@@ -187,7 +187,7 @@ fn j12_an_observer_that_panics_ends_its_own_subscription_and_nothing_else() {
     let reader = run.reader("Counter.n", Policy::buffer(8)).unwrap();
     let told = Arc::new(AtomicBool::new(false));
     let telling = Arc::clone(&told);
-    let subscription = reader.on_news(move |_: &Number| {
+    let subscription = reader.on_new_data(move |_: &Number| {
         telling.store(true, Ordering::Release);
         panic!("on purpose");
     });
@@ -260,13 +260,13 @@ fn j13_errors_are_typed() {
     let unknown = run.inject(Time::ZERO, "Counter.m", number(1));
     assert!(matches!(
         unknown,
-        Err(RunError::Unknown { what: "input", .. })
+        Err(RunError::Unknown { kind: "input", .. })
     ));
     let busy = run.set_properties("Nobody", &[]);
     assert!(matches!(
         busy,
         Err(RunError::Unknown {
-            what: "component",
+            kind: "component",
             ..
         })
     ));

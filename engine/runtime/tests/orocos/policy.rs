@@ -47,7 +47,7 @@ fn o7_unsync_across_threads_is_refused_when_connecting() {
 #[test]
 fn o7_unsync_within_a_thread_carries_samples() {
     let mut bench = Bench::new();
-    bench.system.slave("X", "A").unwrap();
+    bench.system.add_slave("X", "A").unwrap();
     let policy = Policy::buffer(4).lock(Lock::Unsync);
     bench.system.connect("A.n", "X.n", policy).unwrap();
     let mut hands = bench.simulate();
@@ -119,7 +119,7 @@ fn o8_more_threads_than_allowed_are_refused() {
     );
     // in the master's thread it is no third thread
     let mut bench = Bench::new();
-    bench.system.slave("B", "A").unwrap();
+    bench.system.add_slave("B", "A").unwrap();
     bench.system.connect("A.n", "X.n", policy.clone()).unwrap();
     bench.system.connect("B.n", "X.n", policy).unwrap();
 }

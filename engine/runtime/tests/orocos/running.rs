@@ -60,7 +60,7 @@ fn o8_a_connection_that_has_ended_carries_nothing_and_its_last_sample_is_gone() 
     run.disconnect("A.n", "X.n").unwrap();
     assert_eq!(
         run.disconnect("A.n", "X.n"),
-        Err(BuildError::NotJoined {
+        Err(BuildError::NotConnected {
             from: "A.n".to_owned(),
             to: "X.n".to_owned(),
         })
@@ -138,5 +138,5 @@ fn a_type_that_does_not_fit_is_refused_while_running_too() {
     system.add("Driver", Activity::manual(), driver).unwrap();
     let mut run = system.live();
     let refused = run.connect("Counter.n", "Driver.twist", Policy::data());
-    assert!(matches!(refused, Err(BuildError::Types { .. })));
+    assert!(matches!(refused, Err(BuildError::TypeMismatch { .. })));
 }

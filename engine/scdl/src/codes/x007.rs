@@ -24,13 +24,15 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct WrongAttributeValue {
     pub name: String,
     pub value: String,
-    pub wanted: &'static str,
+    pub expected: &'static str,
     pub at: Span,
 }
 
 impl Finding for WrongAttributeValue {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { wanted, .. } = self;
+        let Self {
+            expected: wanted, ..
+        } = self;
         diagnostic
             .label(self.at, format!("expected {wanted}"))
             .help(format!("write {wanted}"))

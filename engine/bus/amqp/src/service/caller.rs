@@ -33,10 +33,10 @@ pub(crate) enum AwaitedReply {
 }
 
 impl AwaitedReply {
-    pub(crate) fn end(self, end: Result<Payload, CallFailure>) {
+    pub(crate) fn complete(self, result: Result<Payload, CallFailure>) {
         match self {
-            Self::Answer(call) => call.end(end),
-            Self::Delivery(delivered) => delivered.end(end.map(drop)),
+            Self::Answer(call) => call.complete(result),
+            Self::Delivery(delivered) => delivered.complete(result.map(drop)),
         }
     }
 
@@ -58,36 +58,36 @@ impl AwaitedReply {
 /// A call in progress.
 pub(crate) struct OpenCall {
     message: OutgoingRequest,
-    wait: AwaitedReply,
+    awaited: AwaitedReply,
     /// Time of the last enquiry at its provider.
-    enquired: Instant,
+    last_query: Instant,
     /// End of the period after a broken link in which a request without a provider is sent again.
-    grace: Option<Instant>,
+    grace_deadline: Option<Instant>,
     /// `true` if the next attempt has to publish the request, because the broker returned it or the link broke.
     unsent: bool,
 }
 
 impl OpenCall {
-    pub(crate) fn new(message: OutgoingRequest, wait: AwaitedReply) -> Self {
+    pub(crate) fn new(message: OutgoingRequest, awaited: AwaitedReply) -> Self {
         Self {
             message,
-            wait,
-            enquired: Instant::now(),
-            grace: None,
+            awaited,
+            last_query: Instant::now(),
+            grace_deadline: None,
             unsent: false,
         }
     }
 
-    pub(crate) fn end(self, end: Result<Payload, CallFailure>) {
-        self.wait.end(end);
+    pub(crate) fn complete(self, result: Result<Payload, CallFailure>) {
+        self.awaited.complete(result);
     }
 }
 
 /// Task that sends all requests of a bus and receives their replies.
 pub(crate) struct CallerTask {
     link: Arc<Link>,
-    opened: UnboundedReceiver<OpenCall>,
-    open: HashMap<String, OpenCall>,
+    new_calls: UnboundedReceiver<OpenCall>,
+    open_calls: HashMap<String, OpenCall>,
 }
 
 /// State of one channel.
@@ -97,15 +97,15 @@ struct CallerSession {
     /// Delivery tag of the last publication.
     tag: u64,
     /// Tags of one-way requests awaiting confirmation, in order, with their ids.
-    tellings: VecDeque<(u64, String)>,
+    unconfirmed_one_way: VecDeque<(u64, String)>,
 }
 
 impl CallerTask {
-    pub(crate) fn new(link: Arc<Link>, opened: UnboundedReceiver<OpenCall>) -> Self {
+    pub(crate) fn new(link: Arc<Link>, new_calls: UnboundedReceiver<OpenCall>) -> Self {
         Self {
             link,
-            opened,
-            open: HashMap::new(),
+            new_calls,
+            open_calls: HashMap::new(),
         }
     }
 
@@ -114,17 +114,19 @@ impl CallerTask {
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair) => end,
-                () = link.replaced(&pair) => Err(ChannelError::Lost),
-                () = link.closing() => break,
+                () = link.wait_until_replaced(&pair) => Err(ChannelError::Lost),
+                () = link.wait_until_closing() => break,
             };
             match end {
                 Ok(()) => return,
                 Err(ChannelError::Closed { reason, .. }) => {
-                    link.refused("calls", reason);
+                    link.report_refusal("calls", reason);
                     self.fail_all();
                     sleep(REST).await;
                 }
-                Err(ChannelError::Cancelled | ChannelError::Lost) => link.rest(&pair).await,
+                Err(ChannelError::Cancelled | ChannelError::Lost) => {
+                    link.wait_after_error(&pair).await
+                }
             }
         }
         self.fail_all();
@@ -132,32 +134,32 @@ impl CallerTask {
 
     /// Fails all open calls.
     fn fail_all(&mut self) {
-        for (_, open) in self.open.drain() {
-            open.end(Err(CallFailure::Unavailable));
+        for (_, open) in self.open_calls.drain() {
+            open.complete(Err(CallFailure::Unavailable));
         }
     }
 
     async fn session(&mut self, pair: &ConnectionPair) -> Result<(), ChannelError> {
         let lost = |_| ChannelError::Lost;
         let (channel, mut words) = channel::open(&pair.publishers).await.map_err(lost)?;
-        let begun = begin(&channel).await;
-        let mut answers = begun.map_err(|_| channel::why(&mut words))?;
+        let replies = begin(&channel).await;
+        let mut answers = replies.map_err(|_| channel::close_reason(&mut words))?;
         let mut session = CallerSession {
             channel,
             exchange: self.link.settings.services(),
             tag: 0,
-            tellings: VecDeque::new(),
+            unconfirmed_one_way: VecDeque::new(),
         };
-        for open in self.open.values_mut() {
-            open.grace = Some(Instant::now() + GRACE);
+        for open in self.open_calls.values_mut() {
+            open.grace_deadline = Some(Instant::now() + GRACE);
             open.unsent = true;
         }
         let mut ticks = interval(TICK);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             let end = tokio::select! {
-                opened = self.opened.recv() => match opened {
-                    Some(open) => self.begin(open, &mut session).await,
+                opened = self.new_calls.recv() => match opened {
+                    Some(open) => self.start_call(open, &mut session).await,
                     None => return Ok(()),
                 },
                 word = words.recv() => match word {
@@ -172,94 +174,103 @@ impl CallerTask {
                 },
                 answer = answers.recv() => match answer {
                     Some(answer) => {
-                        self.answered(answer);
+                        self.handle_reply(answer);
                         Ok(())
                     }
                     None => return Err(ChannelError::Lost),
                 },
-                _ = ticks.tick(), if !self.open.is_empty() => self.look_after(&mut session).await,
+                _ = ticks.tick(), if !self.open_calls.is_empty() => self.check_open_calls(&mut session).await,
             };
-            end.map_err(|_| channel::why(&mut words))?;
+            end.map_err(|_| channel::close_reason(&mut words))?;
         }
     }
 
-    async fn begin(&mut self, open: OpenCall, session: &mut CallerSession) -> AmqpResult<()> {
+    async fn start_call(&mut self, open: OpenCall, session: &mut CallerSession) -> AmqpResult<()> {
         let end = session.send(&open).await;
         // a one-way request whose sender no longer waits needs no entry
-        if open.wait.is_awaited() {
-            self.open.insert(open.message.id.clone(), open);
+        if open.awaited.is_awaited() {
+            self.open_calls.insert(open.message.id.clone(), open);
         }
         end
     }
 
-    fn handle(&mut self, word: BrokerEvent, session: &mut CallerSession) {
-        match word {
+    fn handle(&mut self, event: BrokerEvent, session: &mut CallerSession) {
+        match event {
             BrokerEvent::Ack { tag, multiple } => {
-                for id in session.settle(tag, multiple) {
-                    if let Some(open) = self.open.remove(&id) {
-                        open.end(Ok(Payload::of(asmotion_datum::Datum::Null)));
+                for id in session.take_confirmed(tag, multiple) {
+                    if let Some(open) = self.open_calls.remove(&id) {
+                        open.complete(Ok(Payload::of(asmotion_datum::Datum::Null)));
                     }
                 }
             }
             BrokerEvent::Nack { tag, multiple } => {
-                for id in session.settle(tag, multiple) {
-                    self.nobody(&id);
+                for id in session.take_confirmed(tag, multiple) {
+                    self.handle_unroutable(&id);
                 }
             }
             // a returned message precedes its acknowledgement
             BrokerEvent::Returned { message } => {
                 let id = message.unwrap_or_default();
-                session.tellings.retain(|(_, telling)| *telling != id);
-                self.nobody(&id);
+                session
+                    .unconfirmed_one_way
+                    .retain(|(_, telling)| *telling != id);
+                self.handle_unroutable(&id);
             }
             BrokerEvent::Cancelled | BrokerEvent::Closed { .. } => {}
         }
     }
 
     /// Handles a request that reached no provider.
-    fn nobody(&mut self, id: &str) {
-        let Some(mut open) = self.open.remove(id) else {
+    fn handle_unroutable(&mut self, id: &str) {
+        let Some(mut open) = self.open_calls.remove(id) else {
             return;
         };
-        if open.grace.is_some_and(|grace| Instant::now() < grace) {
+        if open
+            .grace_deadline
+            .is_some_and(|grace| Instant::now() < grace)
+        {
             open.unsent = true;
-            self.open.insert(id.to_owned(), open);
+            self.open_calls.insert(id.to_owned(), open);
         } else {
-            open.end(Err(CallFailure::Unavailable));
+            open.complete(Err(CallFailure::Unavailable));
         }
     }
 
-    fn answered(&mut self, message: ConsumerMessage) {
+    fn handle_reply(&mut self, message: ConsumerMessage) {
         let properties = message.basic_properties.unwrap_or_default();
         let id = properties.correlation_id();
         // a reply that is no longer awaited is discarded
-        if let Some(open) = id.and_then(|id| self.open.remove(id)) {
+        if let Some(open) = id.and_then(|id| self.open_calls.remove(id)) {
             let content = message.content.unwrap_or_default();
-            open.end(message::read_answer(&properties, content));
+            open.complete(message::read_reply(&properties, content));
         }
     }
 
     /// Cancels calls that were abandoned, resends the unsent ones, and asks providers about the rest.
-    async fn look_after(&mut self, session: &mut CallerSession) -> AmqpResult<()> {
+    async fn check_open_calls(&mut self, session: &mut CallerSession) -> AmqpResult<()> {
         let (awaited, given_up): (HashMap<_, _>, HashMap<_, _>) = self
-            .open
+            .open_calls
             .drain()
-            .partition(|(_, open)| open.wait.is_awaited());
-        self.open = awaited;
+            .partition(|(_, open)| open.awaited.is_awaited());
+        self.open_calls = awaited;
         for open in given_up.values() {
-            if let AwaitedReply::Answer(_) = open.wait {
-                session.mention(&open.message, wire::CANCEL, false).await?;
+            if let AwaitedReply::Answer(_) = open.awaited {
+                session
+                    .send_notice(&open.message, wire::CANCEL, false)
+                    .await?;
             }
         }
-        for open in self.open.values_mut() {
+        for open in self.open_calls.values_mut() {
             if open.unsent {
                 open.unsent = false;
                 session.send(open).await?;
-            } else if let AwaitedReply::Answer(_) = open.wait
-                && open.enquired.elapsed() > ENQUIRY
+            } else if let AwaitedReply::Answer(_) = open.awaited
+                && open.last_query.elapsed() > ENQUIRY
             {
-                open.enquired = Instant::now();
-                session.mention(&open.message, wire::ENQUIRY, true).await?;
+                open.last_query = Instant::now();
+                session
+                    .send_notice(&open.message, wire::ENQUIRY, true)
+                    .await?;
             }
         }
         Ok(())
@@ -274,31 +285,32 @@ async fn begin(channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessag
     consume.auto_ack(true);
     let channel = channel.clone();
     let (_, answers) =
-        channel::to_the_end(async move { channel.basic_consume_rx(consume).await }).await?;
+        channel::run_to_completion(async move { channel.basic_consume_rx(consume).await }).await?;
     Ok(answers)
 }
 
 impl CallerSession {
     async fn send(&mut self, open: &OpenCall) -> AmqpResult<()> {
         let message = &open.message;
-        let kind = open.wait.kind();
+        let kind = open.awaited.kind();
         let bytes = message.bytes.to_vec();
         self.publish(message, message.request(kind), bytes, true)
             .await?;
-        if let AwaitedReply::Delivery(_) = open.wait {
-            self.tellings.push_back((self.tag, message.id.clone()));
+        if let AwaitedReply::Delivery(_) = open.awaited {
+            self.unconfirmed_one_way
+                .push_back((self.tag, message.id.clone()));
         }
         Ok(())
     }
 
     /// Sends a message that refers to a request.
-    async fn mention(
+    async fn send_notice(
         &mut self,
         message: &OutgoingRequest,
         kind: &str,
         mandatory: bool,
     ) -> AmqpResult<()> {
-        self.publish(message, message.about(kind), Vec::new(), mandatory)
+        self.publish(message, message.notice(kind), Vec::new(), mandatory)
             .await
     }
 
@@ -318,10 +330,20 @@ impl CallerSession {
     }
 
     /// The one-way requests that a confirm covers.
-    fn settle(&mut self, tag: u64, multiple: bool) -> Vec<String> {
-        let from = self.tellings.partition_point(|(telling, _)| *telling < tag);
+    fn take_confirmed(&mut self, tag: u64, multiple: bool) -> Vec<String> {
+        let from = self
+            .unconfirmed_one_way
+            .partition_point(|(telling, _)| *telling < tag);
         let first = if multiple { 0 } else { from };
-        let last = from + usize::from(self.tellings.get(from).is_some_and(|(one, _)| *one == tag));
-        self.tellings.drain(first..last).map(|(_, id)| id).collect()
+        let last = from
+            + usize::from(
+                self.unconfirmed_one_way
+                    .get(from)
+                    .is_some_and(|(one, _)| *one == tag),
+            );
+        self.unconfirmed_one_way
+            .drain(first..last)
+            .map(|(_, id)| id)
+            .collect()
     }
 }

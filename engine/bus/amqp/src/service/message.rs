@@ -48,7 +48,7 @@ impl OutgoingRequest {
             .maybe(wire::TRACE, self.trace.map(|it| it.to_string()).as_deref());
         // the broker's limit on a TTL
         let milliseconds = self.timeout.as_millis().clamp(1, u32::MAX.into());
-        self.about(kind)
+        self.notice(kind)
             .with_content_type(self.codec.content_type())
             .with_headers(headers.into_table())
             .with_expiration(&milliseconds.to_string())
@@ -56,7 +56,7 @@ impl OutgoingRequest {
     }
 
     /// The properties of a message that refers to the request.
-    pub(crate) fn about(&self, kind: &str) -> BasicProperties {
+    pub(crate) fn notice(&self, kind: &str) -> BasicProperties {
         BasicProperties::default()
             .with_message_type(kind)
             .with_message_id(&self.id)
@@ -143,7 +143,7 @@ impl OutgoingReply {
 }
 
 /// Decodes a reply.
-pub(crate) fn read_answer(
+pub(crate) fn read_reply(
     properties: &BasicProperties,
     content: Vec<u8>,
 ) -> Result<Payload, CallFailure> {

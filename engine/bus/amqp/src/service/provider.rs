@@ -37,7 +37,7 @@ pub(crate) struct ProviderSetup {
     pub key: String,
     pub queue: String,
     pub size: usize,
-    pub desk: Arc<AddressQueue>,
+    pub requests: Arc<AddressQueue>,
     /// Receives the outcome of the first declaration.
     pub ready: FirstDeclaration,
 }
@@ -45,7 +45,7 @@ pub(crate) struct ProviderSetup {
 /// State of a request, stored by its id.
 enum RequestState {
     /// Passed to the provider; the reply goes to `reply_to`.
-    Begun {
+    Running {
         pending: PendingCall,
         reply_to: String,
     },
@@ -55,48 +55,50 @@ enum RequestState {
 
 /// Task that serves one address.
 pub(crate) struct ProviderTask {
-    post: ProviderSetup,
-    known: HashMap<String, RequestState>,
+    setup: ProviderSetup,
+    requests: HashMap<String, RequestState>,
     /// Ids of ended requests, oldest first.
-    ended: VecDeque<String>,
+    ended_ids: VecDeque<String>,
     /// Ids of requests that have a reply to be sent.
-    answered: UnboundedReceiver<String>,
-    answering: UnboundedSender<String>,
+    ended_calls: UnboundedReceiver<String>,
+    end_sender: UnboundedSender<String>,
 }
 
 impl ProviderTask {
-    pub(crate) fn new(post: ProviderSetup) -> Self {
-        let (answering, answered) = unbounded_channel();
+    pub(crate) fn new(setup: ProviderSetup) -> Self {
+        let (end_sender, ended_calls) = unbounded_channel();
         Self {
-            post,
-            known: HashMap::new(),
-            ended: VecDeque::new(),
-            answered,
-            answering,
+            setup,
+            requests: HashMap::new(),
+            ended_ids: VecDeque::new(),
+            ended_calls,
+            end_sender,
         }
     }
 
-    /// Serves until `leave` resolves.
-    pub(crate) async fn run(mut self, mut leave: oneshot::Receiver<()>) {
-        let link = Arc::clone(&self.post.link);
+    /// Serves until `stop` resolves.
+    pub(crate) async fn run(mut self, mut stop: oneshot::Receiver<()>) {
+        let link = Arc::clone(&self.setup.link);
         loop {
             let pair = tokio::select! {
                 pair = link.pair() => pair,
-                _ = &mut leave => return,
+                _ = &mut stop => return,
             };
             let Some(pair) = pair else { return };
             let end = tokio::select! {
-                end = self.session(&pair, &mut leave) => end,
-                () = link.replaced(&pair) => Err(ChannelError::Lost),
+                end = self.session(&pair, &mut stop) => end,
+                () = link.wait_until_replaced(&pair) => Err(ChannelError::Lost),
             };
             match end {
                 Ok(()) => return,
-                Err(broken) if self.post.ready.report(Err(broken.clone())) => return,
+                Err(broken) if self.setup.ready.report(Err(broken.clone())) => return,
                 Err(ChannelError::Closed { reason, .. }) => {
-                    link.refused(&self.post.key, reason);
+                    link.report_refusal(&self.setup.key, reason);
                     sleep(REST).await;
                 }
-                Err(ChannelError::Cancelled | ChannelError::Lost) => link.rest(&pair).await,
+                Err(ChannelError::Cancelled | ChannelError::Lost) => {
+                    link.wait_after_error(&pair).await
+                }
             }
         }
     }
@@ -104,46 +106,46 @@ impl ProviderTask {
     async fn session(
         &mut self,
         pair: &ConnectionPair,
-        leave: &mut oneshot::Receiver<()>,
+        stop: &mut oneshot::Receiver<()>,
     ) -> Result<(), ChannelError> {
         let lost = |_| ChannelError::Lost;
         let (channel, mut words) = channel::open(&pair.consumers).await.map_err(lost)?;
         // replies are published, on a connection that may be blocked while the consumers' is not
         let (replies, mut refusals) = channel::open(&pair.publishers).await.map_err(lost)?;
         let begun = self.declare(&channel).await;
-        let mut requests = begun.map_err(|_| channel::why(&mut words))?;
-        self.post.ready.report(Ok(()));
+        let mut requests = begun.map_err(|_| channel::close_reason(&mut words))?;
+        self.setup.ready.report(Ok(()));
         let mut ticks = interval(TICK);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let link = Arc::clone(&self.post.link);
-        let mut closing = pin!(link.closing());
+        let link = Arc::clone(&self.setup.link);
+        let mut closing = pin!(link.wait_until_closing());
         loop {
             let end = tokio::select! {
                 // replies first: a leaving provider rejects the waiting requests before it leaves
                 biased;
-                id = self.answered.recv() => self.answer(id, &replies).await,
-                _ = &mut *leave => break,
+                id = self.ended_calls.recv() => self.send_reply(id, &replies).await,
+                _ = &mut *stop => break,
                 () = &mut closing => break,
                 word = words.recv() => return Err(broken(word)),
                 word = refusals.recv() => return Err(broken(word)),
                 request = requests.recv() => match request {
-                    Some(request) => self.take(request, &channel, &replies).await,
+                    Some(request) => self.handle_message(request, &channel, &replies).await,
                     None => return Err(ChannelError::Cancelled),
                 },
-                _ = ticks.tick(), if !self.known.is_empty() => {
-                    self.put_away();
+                _ = ticks.tick(), if !self.requests.is_empty() => {
+                    self.evict();
                     Ok(())
                 }
             };
-            end.map_err(|_| channel::why(&mut words))?;
+            end.map_err(|_| channel::close_reason(&mut words))?;
         }
-        self.end(channel, &replies).await;
+        self.reject_remaining(channel, &replies).await;
         Ok(())
     }
 
     /// Declares the address's queue as exclusive, because an address has one provider.
     async fn declare(&self, channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
-        let post = &self.post;
+        let post = &self.setup;
         let length = post.size.max(PREFETCH.into());
         let arguments = Headers::default()
             .count("x-max-length", length as u64)
@@ -157,7 +159,7 @@ impl ProviderTask {
         channel::consume(channel, queue, binding, PREFETCH, consume).await
     }
 
-    async fn take(
+    async fn handle_message(
         &mut self,
         message: ConsumerMessage,
         channel: &Channel,
@@ -165,7 +167,7 @@ impl ProviderTask {
     ) -> AmqpResult<()> {
         let properties = message.basic_properties.unwrap_or_default();
         let content = message.content.unwrap_or_default();
-        if let Some(answer) = self.understand(&properties, content) {
+        if let Some(answer) = self.handle_request(&properties, content) {
             let reply_to = properties.reply_to().cloned().unwrap_or_default();
             let id = properties.correlation_id().cloned().unwrap_or_default();
             self.send(&answer, &id, &reply_to, replies).await?;
@@ -180,7 +182,7 @@ impl ProviderTask {
     }
 
     /// Handles a message and returns the reply to it, if one is already known.
-    fn understand(
+    fn handle_request(
         &mut self,
         properties: &BasicProperties,
         content: Vec<u8>,
@@ -188,14 +190,14 @@ impl ProviderTask {
         let kind = properties.message_type().map_or("", String::as_str);
         let id = properties.correlation_id().or(properties.message_id());
         let id = id.cloned().unwrap_or_default();
-        if let Some(known) = self.known.get_mut(&id) {
+        if let Some(known) = self.requests.get_mut(&id) {
             return match (known, kind) {
-                (RequestState::Begun { pending, .. }, wire::CANCEL) => {
+                (RequestState::Running { pending, .. }, wire::CANCEL) => {
                     pending.cancel();
                     None
                 }
                 // the link was broken in the meantime: the reply goes to the caller's new channel
-                (RequestState::Begun { reply_to, .. }, _) => {
+                (RequestState::Running { reply_to, .. }, _) => {
                     *reply_to = properties.reply_to().cloned().unwrap_or_default();
                     None
                 }
@@ -208,57 +210,65 @@ impl ProviderTask {
             wire::ENQUIRY => OutgoingReply::of(Err(CallFailure::Unavailable)),
             _ => match message::read_request(properties, content) {
                 Ok(Some(request)) => {
-                    self.begin(id, request, kind == wire::TELLING, properties.reply_to());
+                    self.start_request(id, request, kind == wire::TELLING, properties.reply_to());
                     None
                 }
                 // the caller has stopped waiting
                 Ok(None) => None,
                 Err(reason) => {
-                    let what = self.post.key.clone();
+                    let what = self.setup.key.clone();
                     let answer =
                         OutgoingReply::of(Err(CallFailure::Refused(asmotion_bus::Refusal {
                             code: "UNREADABLE".to_owned(),
                             detail: reason.clone(),
                         })));
-                    self.post.link.note(BusNotice::Unreadable { what, reason });
+                    self.setup
+                        .link
+                        .report(BusNotice::Unreadable { what, reason });
                     answer
                 }
             },
         }
     }
 
-    fn begin(&mut self, id: String, request: Request, one_way: bool, reply_to: Option<&String>) {
+    fn start_request(
+        &mut self,
+        id: String,
+        request: Request,
+        one_way: bool,
+        reply_to: Option<&String>,
+    ) {
         if one_way {
             let (_, call, _) = PendingCall::one_way(request, Arc::new(Notifier::new()));
             // if the queue rejects the request, it ends it, and its caller does not wait
-            let _ = self.post.desk.put(call);
-            self.remember(id, None);
+            let _ = self.setup.requests.push(call);
+            self.store_reply(id, None);
             return;
         }
-        let (answering, answered) = (self.answering.clone(), id.clone());
+        let (answering, answered) = (self.end_sender.clone(), id.clone());
         let notifier = Notifier::calling(move || {
             // fails if the task has ended
             let _ = answering.send(answered.clone());
         });
         let (pending, call) = PendingCall::new(request, Arc::new(notifier));
         let reply_to = reply_to.cloned().unwrap_or_default();
-        self.known
-            .insert(id, RequestState::Begun { pending, reply_to });
+        self.requests
+            .insert(id, RequestState::Running { pending, reply_to });
         // if the queue rejects the request, it also replies
-        let _ = self.post.desk.put(call);
+        let _ = self.setup.requests.push(call);
     }
 
     /// Sends the reply to a request, or forgets a cancelled one.
-    async fn answer(&mut self, id: Option<String>, replies: &Channel) -> AmqpResult<()> {
+    async fn send_reply(&mut self, id: Option<String>, replies: &Channel) -> AmqpResult<()> {
         let Some(id) = id else { return Ok(()) };
-        let Some(RequestState::Begun { pending, reply_to }) = self.known.get(&id) else {
+        let Some(RequestState::Running { pending, reply_to }) = self.requests.get(&id) else {
             return Ok(());
         };
         let Some(end) = pending.try_take() else {
             return Ok(());
         };
         let (answer, reply_to) = (OutgoingReply::of(end), reply_to.clone());
-        self.remember(id.clone(), answer.clone());
+        self.store_reply(id.clone(), answer.clone());
         match answer {
             Some(answer) => self.send(&answer, &id, &reply_to, replies).await,
             None => Ok(()),
@@ -275,7 +285,7 @@ impl ProviderTask {
         if reply_to.is_empty() {
             return Ok(());
         }
-        let user = self.post.link.settings.credentials.user();
+        let user = self.setup.link.settings.credentials.user();
         let arguments = BasicPublishArguments::new("", reply_to);
         replies
             .basic_publish(
@@ -286,39 +296,40 @@ impl ProviderTask {
             .await
     }
 
-    fn remember(&mut self, id: String, answer: Option<OutgoingReply>) {
-        self.known.insert(id.clone(), RequestState::Ended(answer));
-        self.ended.push_back(id);
-        if self.ended.len() > REMEMBERED
-            && let Some(oldest) = self.ended.pop_front()
+    fn store_reply(&mut self, id: String, answer: Option<OutgoingReply>) {
+        self.requests
+            .insert(id.clone(), RequestState::Ended(answer));
+        self.ended_ids.push_back(id);
+        if self.ended_ids.len() > REMEMBERED
+            && let Some(oldest) = self.ended_ids.pop_front()
         {
-            self.known.remove(&oldest);
+            self.requests.remove(&oldest);
         }
     }
 
     /// Ends expired requests: reading the result of an expired call times it out.
-    fn put_away(&mut self) {
+    fn evict(&mut self) {
         let over = |known: &RequestState| match known {
-            RequestState::Begun { pending, .. } => pending.is_over(),
+            RequestState::Running { pending, .. } => pending.is_expired(),
             RequestState::Ended(_) => false,
         };
         let over: Vec<_> = self
-            .known
+            .requests
             .iter()
             .filter(|(_, known)| over(known))
             .map(|(id, _)| id.clone())
             .collect();
         for id in over {
-            self.remember(id, None);
+            self.store_reply(id, None);
         }
     }
 
     /// Deletes the queue, and tells waiting callers that the provider has left.
-    async fn end(&mut self, channel: Channel, replies: &Channel) {
-        channel::delete(channel.clone(), &self.post.queue).await;
-        let known = std::mem::take(&mut self.known);
+    async fn reject_remaining(&mut self, channel: Channel, replies: &Channel) {
+        channel::delete(channel.clone(), &self.setup.queue).await;
+        let known = std::mem::take(&mut self.requests);
         for (id, known) in known {
-            if let RequestState::Begun { reply_to, .. } = known
+            if let RequestState::Running { reply_to, .. } = known
                 && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable))
             {
                 // a caller that misses this message will ask, and find no provider

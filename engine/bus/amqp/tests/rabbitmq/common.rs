@@ -25,7 +25,7 @@ pub fn connect(settings: AmqpSettings) -> AmqpBus {
 /// Settings with which a silent broker is given up after 3 s.
 pub fn quick(url: &str) -> AmqpSettings {
     let mut settings = settings(url);
-    settings.timing.dead = Duration::from_secs(3);
+    settings.timing.dead_timeout = Duration::from_secs(3);
     settings
 }
 

@@ -34,10 +34,10 @@ fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) {
     assert!(writer.drain(LONG));
     let came = numbers(&subscription, Duration::from_secs(2));
     assert_eq!(came, (0..1000).collect::<Vec<_>>());
-    assert_eq!(subscription.received().missed, 0);
-    let sent = events.sent();
+    assert_eq!(subscription.counts().missed, 0);
+    let sent = events.counts();
     assert_eq!(
-        (sent.arrived, sent.dropped, sent.lost, sent.refused),
+        (sent.accepted, sent.dropped, sent.lost, sent.refused),
         (1000, 0, 0, 0)
     );
     // the queue of a state topic is declared again
@@ -166,7 +166,10 @@ fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() 
     }
     let grown = self::memory().saturating_sub(memory);
     assert!(grown < 20 << 20, "{grown} bytes more");
-    assert_eq!((dropped.sent().dropped, kept.sent().open()), (8000, 100));
+    assert_eq!(
+        (dropped.counts().dropped, kept.counts().pending()),
+        (8000, 100)
+    );
     broker.clear_alarm().unwrap();
     eventually("it is up", || bus.health().is_up());
     assert!(bus.drain(LONG));
@@ -233,8 +236,8 @@ fn a_queue_that_overflows_while_its_reader_is_away_drops_as_declared_and_says_so
         publisher.publish(0, number(n)).unwrap();
     }
     assert!(bus.drain(LONG));
-    let sent = publisher.sent();
-    assert_eq!((sent.arrived, sent.refused), (3, 7));
+    let sent = publisher.counts();
+    assert_eq!((sent.accepted, sent.refused), (3, 7));
     runtime.block_on(async {
         channel.close().await.unwrap();
         connection.close().await.unwrap();
@@ -256,7 +259,7 @@ fn who_may_not_is_told_and_others_go_on() {
     let bus = connect(settings);
     let mut forbidden = publisher(&bus, "t", events());
     forbidden.publish(0, number(1)).unwrap();
-    eventually("it is refused", || forbidden.sent().refused == 1);
+    eventually("it is refused", || forbidden.counts().refused == 1);
     let serving = bus.serve("there", 1, Arc::new(Notifier::new()));
     assert!(matches!(serving.map(drop), Err(BusError::Refused { .. })));
     let subscription = subscribe(&bus, "t", all(10));
@@ -314,10 +317,10 @@ fn a_publication_on_a_channel_that_the_broker_closed_is_not_taken_for_sent() {
     eventually("each is accounted for", || {
         publishers
             .iter()
-            .all(|publisher| publisher.sent().open() == 0)
+            .all(|publisher| publisher.counts().pending() == 0)
     });
     for publisher in &publishers {
-        assert_eq!(publisher.sent().arrived, 0, "{:?}", publisher.sent());
+        assert_eq!(publisher.counts().accepted, 0, "{:?}", publisher.counts());
     }
     let notices = notices.lock().unwrap();
     assert!(
@@ -373,7 +376,7 @@ fn what_cannot_be_read_is_counted_and_said_and_never_fatal() {
         ));
     }
     assert_eq!(numbers(&subscription, Duration::from_millis(500)), [41, 42]);
-    assert_eq!(subscription.received().unreadable, 2);
+    assert_eq!(subscription.counts().unreadable, 2);
     let notices = notices.lock().unwrap();
     assert!(
         notices

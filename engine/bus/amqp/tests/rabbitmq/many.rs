@@ -65,7 +65,7 @@ fn two_hundred_components_talk_over_one_bus() {
     let mut run = system.live();
     let mut heard = BTreeSet::new();
     let mut all = |_: Time, event: &Event<'_>| {
-        if let Event::Report { what, .. } = event {
+        if let Event::Report { data: what, .. } = event {
             heard.extend(what.as_int());
         }
         heard.len() == MANY

@@ -151,7 +151,7 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
     let serving = serve(&there, 8);
     let back = here.serve("back", 8, Arc::new(Notifier::new())).unwrap();
     let request = Request::new(SenderId::new("Tester", 1), number(1), LONG).with_callback("back");
-    here.tell("planner.plan", request, Arc::new(Notifier::new()))
+    here.call_one_way("planner.plan", request, Arc::new(Notifier::new()))
         .unwrap()
         .wait()
         .unwrap();
@@ -166,7 +166,7 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
         told += 1;
         let word = Request::new(SenderId::new("Planner", 1), number(3), LONG);
         let word = there
-            .tell(&callback, word, Arc::new(Notifier::new()))
+            .call_one_way(&callback, word, Arc::new(Notifier::new()))
             .unwrap();
         word.wait().is_ok()
     });

@@ -34,7 +34,7 @@ fn soak(count: i64, restarts: i64) {
             broker.revive().unwrap();
         }
     }
-    assert!(writer.drain(4 * LONG), "{:?}", events.sent());
+    assert!(writer.drain(4 * LONG), "{:?}", events.counts());
     let until = Instant::now() + 4 * LONG;
     for n in 0..count {
         let left = until.saturating_duration_since(Instant::now());
@@ -44,10 +44,10 @@ fn soak(count: i64, restarts: i64) {
         assert_eq!(envelope.sequence, n as u64 + 1);
     }
     assert!(subscription.next_within(Duration::from_secs(1)).is_none());
-    let (sent, received) = (events.sent(), subscription.received());
+    let (sent, received) = (events.counts(), subscription.counts());
     println!("{count} events, {restarts} restarts: {sent:?}, {received:?}");
     assert_eq!(
-        (sent.arrived, sent.refused, sent.dropped),
+        (sent.accepted, sent.refused, sent.dropped),
         (count as u64, 0, 0)
     );
     assert_eq!(

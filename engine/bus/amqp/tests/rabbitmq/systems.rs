@@ -61,7 +61,7 @@ fn counting(url: &str, sending: PublishOptions) -> System {
         .unwrap();
     system.publish("Counter.out", "counts").unwrap();
     let mut network = Network::new();
-    network.set_sending("counts", sending);
+    network.set_publish_options("counts", sending);
     let bus = Arc::new(connect(settings(url)));
     network.attach(&mut system, bus, 1).unwrap();
     system
@@ -167,7 +167,7 @@ fn a_call_is_tried_again_over_the_broker() {
     };
     let mut network = Network::new();
     network
-        .reach(&mut above, "Asker.echo", "Sleepy.echoing", wire)
+        .wire_remote(&mut above, "Asker.echo", "Sleepy.echoing", wire)
         .unwrap();
     network.attach(&mut above, bus(), 2).unwrap();
     let _on_board = on_board.live();
@@ -177,7 +177,7 @@ fn a_call_is_tried_again_over_the_broker() {
         if let Event::Called { attempt, .. } = event {
             attempts.push(*attempt);
         }
-        if let Event::Report { what, .. } = event {
+        if let Event::Report { data: what, .. } = event {
             said = Some((*what).clone());
         }
         said.is_some()
@@ -201,8 +201,8 @@ fn a_topic_by_cdr_is_read_by_its_type() {
     let spy = connect(settings(&vhost.url()));
     let seen = subscribe(&spy, "counts", all(1000));
     let mut above = telling(&vhost.url(), &["Teller"]).live();
-    let _on_board = counting(&vhost.url(), events().by(Codec::Cdr)).live();
-    let mut heard = |_: Time, event: &Event<'_>| matches!(event, Event::Report { kind: "heard", what, .. } if what.as_int() == Some(3));
+    let _on_board = counting(&vhost.url(), events().with_codec(Codec::Cdr)).live();
+    let mut heard = |_: Time, event: &Event<'_>| matches!(event, Event::Report { kind: "heard", data, .. } if data.as_int() == Some(3));
     assert!(above.run_until_event(Time::ZERO + LONG, &mut heard));
     let envelope = seen.next_within(LONG).unwrap();
     let Payload::Bytes { codec, bytes } = &envelope.payload else {
@@ -248,7 +248,7 @@ fn events_between_two_systems_outlive_the_broker() {
         let mut enough = |_: Time, event: &Event<'_>| {
             if let Event::Report {
                 kind: "heard",
-                what,
+                data: what,
                 ..
             } = event
             {

@@ -30,7 +30,7 @@ pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumEr
         big_first,
     };
     let datum = reader.one(schema, DEPTH)?;
-    if reader.left() > PADDING {
+    if reader.remaining() > PADDING {
         return Err(malformed("trailing bytes"));
     }
     Ok(datum)
@@ -85,7 +85,7 @@ impl<'b> CdrReader<'b> {
         })
     }
 
-    fn left(&self) -> usize {
+    fn remaining(&self) -> usize {
         self.body.len().saturating_sub(self.at)
     }
 
@@ -95,8 +95,8 @@ impl<'b> CdrReader<'b> {
 
     fn take(&mut self, count: usize) -> Result<&'b [u8], DatumError> {
         let end = self.at.checked_add(count);
-        let taken = end.and_then(|end| self.body.get(self.at..end));
-        let taken = taken.ok_or_else(|| malformed("unexpected end"))?;
+        let bytes = end.and_then(|end| self.body.get(self.at..end));
+        let taken = bytes.ok_or_else(|| malformed("unexpected end"))?;
         self.at += count;
         Ok(taken)
     }
@@ -137,7 +137,7 @@ impl<'b> CdrReader<'b> {
             return self.numbers(&element.shape, size, count);
         }
         // each element has at least one byte
-        if count > self.left() {
+        if count > self.remaining() {
             return Err(malformed("unexpected end"));
         }
         let mut elements = Vec::new();

@@ -25,18 +25,18 @@ impl CdrWriter {
             Shape::Any => return Err(shapeless(schema)),
             Shape::Bool => {
                 let value = datum.as_bool().ok_or_else(|| misfit(datum, schema))?;
-                self.put([u8::from(value)]);
+                self.write_aligned([u8::from(value)]);
             }
-            Shape::I8 => self.put(integer::<i8>(datum, schema)?.to_le_bytes()),
-            Shape::I16 => self.put(integer::<i16>(datum, schema)?.to_le_bytes()),
-            Shape::I32 => self.put(integer::<i32>(datum, schema)?.to_le_bytes()),
-            Shape::I64 => self.put(integer::<i64>(datum, schema)?.to_le_bytes()),
-            Shape::U8 => self.put(integer::<u8>(datum, schema)?.to_le_bytes()),
-            Shape::U16 => self.put(integer::<u16>(datum, schema)?.to_le_bytes()),
-            Shape::U32 => self.put(integer::<u32>(datum, schema)?.to_le_bytes()),
-            Shape::U64 => self.put(integer::<u64>(datum, schema)?.to_le_bytes()),
-            Shape::F32 => self.put((float(datum, schema)? as f32).to_le_bytes()),
-            Shape::F64 => self.put(float(datum, schema)?.to_le_bytes()),
+            Shape::I8 => self.write_aligned(integer::<i8>(datum, schema)?.to_le_bytes()),
+            Shape::I16 => self.write_aligned(integer::<i16>(datum, schema)?.to_le_bytes()),
+            Shape::I32 => self.write_aligned(integer::<i32>(datum, schema)?.to_le_bytes()),
+            Shape::I64 => self.write_aligned(integer::<i64>(datum, schema)?.to_le_bytes()),
+            Shape::U8 => self.write_aligned(integer::<u8>(datum, schema)?.to_le_bytes()),
+            Shape::U16 => self.write_aligned(integer::<u16>(datum, schema)?.to_le_bytes()),
+            Shape::U32 => self.write_aligned(integer::<u32>(datum, schema)?.to_le_bytes()),
+            Shape::U64 => self.write_aligned(integer::<u64>(datum, schema)?.to_le_bytes()),
+            Shape::F32 => self.write_aligned((float(datum, schema)? as f32).to_le_bytes()),
+            Shape::F64 => self.write_aligned(float(datum, schema)?.to_le_bytes()),
             Shape::Text => self.text(datum.as_text().ok_or_else(|| misfit(datum, schema))?)?,
             Shape::Option(element) => {
                 if *datum == Datum::Null {
@@ -69,7 +69,7 @@ impl CdrWriter {
     }
 
     /// Writes the bytes of a number, aligned to its size.
-    fn put<const N: usize>(&mut self, bytes: [u8; N]) {
+    fn write_aligned<const N: usize>(&mut self, bytes: [u8; N]) {
         self.align(N);
         self.0.extend(bytes);
     }
@@ -85,7 +85,7 @@ impl CdrWriter {
                 "{count} elements are more than 32 bits can count"
             )))
         })?;
-        self.put(count.to_le_bytes());
+        self.write_aligned(count.to_le_bytes());
         Ok(())
     }
 
@@ -135,14 +135,14 @@ impl CdrWriter {
     ) -> Result<(), DatumError> {
         if fields.is_empty() {
             // ROS 2 gives a message without fields one byte, because IDL has no empty structures
-            self.put([0]);
+            self.write_aligned([0]);
         }
         for (index, field) in fields.iter().enumerate() {
             // usually the entries are in the schema's order
             let named = |entry: &&(FieldName, Datum)| entry.0 == field.name;
-            let there = entries.get(index).filter(named);
-            let there = there.or_else(|| entries.iter().find(named));
-            let datum = match there {
+            let entry = entries.get(index).filter(named);
+            let entry = entry.or_else(|| entries.iter().find(named));
+            let datum = match entry {
                 Some((_, datum)) => Cow::Borrowed(datum),
                 None => Cow::Owned(field.initial()),
             };

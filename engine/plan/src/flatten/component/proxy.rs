@@ -126,6 +126,6 @@ fn idle(idle: &model::Idle) -> Option<asmotion_bridge::IdleCriterion> {
         within: idle.within.value,
         commanded: split(&idle.of),
         measured: split(&idle.on),
-        held: Duration::from_millis(idle.for_ms.as_ref().map_or(0, |it| it.value)),
+        settle_time: Duration::from_millis(idle.for_ms.as_ref().map_or(0, |it| it.value)),
     })
 }

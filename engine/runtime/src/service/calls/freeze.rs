@@ -74,7 +74,7 @@ impl FrozenOutstanding {
             slot: (call.slot.port, call.slot.operation),
             attempt: call.attempt,
             deadline: call.deadline,
-            resting: call.resting,
+            resting: call.waits_for_retry,
             argument: argument.map_err(no_data("the argument of a call"))?,
             cause: trace_text(call.cause),
         })
@@ -86,7 +86,7 @@ impl FrozenOutstanding {
             slot: slot(self.slot),
             attempt: self.attempt,
             deadline: self.deadline,
-            resting: self.resting,
+            waits_for_retry: self.resting,
             argument: self.argument.thaw(names)?,
             cause: trace_of(&self.cause)?,
         })
@@ -139,8 +139,8 @@ impl OutgoingCalls {
             outstanding: outstanding.collect::<Result<_, _>>()?,
             ended: ends(&self.ended)?,
             frozen: ends(&self.frozen)?,
-            last: self.last,
-            lost: self.lost,
+            last: self.last_number,
+            lost: self.lost_calls,
         })
     }
 
@@ -158,8 +158,8 @@ impl OutgoingCalls {
         self.outstanding = outstanding.collect::<Result<_, _>>()?;
         self.ended = ends(&calls.ended)?;
         self.frozen = ends(&calls.frozen)?;
-        self.last = calls.last;
-        self.lost = calls.lost;
+        self.last_number = calls.last;
+        self.lost_calls = calls.lost;
         while self.reply_queue.queue.pop().is_some() {}
         for (number, result) in &calls.answers {
             self.reply_queue.queue.force_push(CallAnswer {

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{OpenRequest, ProvidedService};
 use crate::frozen::{
-    FrozenSample, SampleNames, SystemFreezeError, SystemThawError, no_data, other, trace_of,
-    trace_text,
+    FrozenSample, SampleNames, SystemFreezeError, SystemThawError, no_data, system_mismatch,
+    trace_of, trace_text,
 };
 use crate::service::message::{
     CallKey, ComponentReply, ProviderMessage, ReplyQueue, ReplyTo, ServiceRequest,
@@ -75,7 +75,7 @@ fn replies(to: Option<&ReplyTo>, service: &str) -> Result<bool, SystemFreezeErro
     match to {
         None => Ok(false),
         Some(ReplyTo::Component(_)) => Ok(true),
-        Some(ReplyTo::Remote(_) | ReplyTo::External(_)) => Err(SystemFreezeError::Outside(
+        Some(ReplyTo::Remote(_) | ReplyTo::External(_)) => Err(SystemFreezeError::External(
             format!("a caller waits for an answer of `{service}`"),
         )),
     }
@@ -137,7 +137,7 @@ impl ThawContext {
 
     fn reply_to(&self, (caller, _): FrozenKey) -> Result<ReplyTo, SystemThawError> {
         let queue = self.reply_queues.get(caller);
-        let queue = queue.ok_or_else(|| other("a component calls that is not in it"))?;
+        let queue = queue.ok_or_else(|| system_mismatch("a component calls that is not in it"))?;
         Ok(ReplyTo::Component(ComponentReply(Arc::clone(queue))))
     }
 }
@@ -171,7 +171,7 @@ impl ProvidedService {
             waiting: waiting.collect::<Result<_, SystemFreezeError>>()?,
             open: open.collect::<Result<_, SystemFreezeError>>()?,
             cancelled: self.cancelled.clone(),
-            next: self.next,
+            next: self.next_id,
         })
     }
 
@@ -196,7 +196,7 @@ impl ProvidedService {
         });
         self.open = open.collect::<Result<_, SystemThawError>>()?;
         self.cancelled.clone_from(&service.cancelled);
-        self.next = service.next;
+        self.next_id = service.next;
         while self.queue.queue.pop().is_some() {}
         for message in &service.queue {
             self.queue.queue.force_push(message.thaw(context)?);

@@ -46,7 +46,7 @@ pub(crate) struct WitnessNotes {
 }
 
 impl WitnessNotes {
-    pub fn about(fault: &StepFault) -> Self {
+    pub fn for_fault(fault: &StepFault) -> Self {
         let writers = if let FaultKind::Clash {
             slot,
             first,
@@ -105,7 +105,7 @@ impl WitnessNotes {
     }
 
     /// Records the way to an update that was added to the set or replaced one in it.
-    pub fn wrote(&mut self, update: &Update) {
+    pub fn record_update(&mut self, update: &Update) {
         for (wanted, path) in &mut self.writers {
             if wanted == update {
                 path.clone_from(&self.path);

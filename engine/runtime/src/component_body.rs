@@ -39,7 +39,7 @@ pub(crate) struct ComponentBody {
     /// Executor of the component's background work.
     pub work_place: WorkPlace,
     /// Duration of the current cycle in simulated time.
-    pub lasts: Duration,
+    pub cycle_duration: Duration,
 }
 
 impl ComponentBody {
@@ -84,14 +84,14 @@ impl ComponentBody {
             cause,
             journal: Vec::new(),
             work_place: WorkPlace::default(),
-            lasts: Duration::ZERO,
+            cycle_duration: Duration::ZERO,
         }
     }
 
     /// Freezes the inputs, replies and requests that have arrived since the last cycle, for the next one to read.
     pub(crate) fn freeze(&mut self, effects: &mut ComponentEffects<'_>) {
-        self.cause.freeze();
-        self.lasts = Duration::ZERO;
+        self.cause.begin_cycle();
+        self.cycle_duration = Duration::ZERO;
         for (input, declared) in self.inputs.iter_mut().zip(&self.declaration.inputs) {
             let unreadable = input.freeze(effects.now);
             if unreadable > 0 {
@@ -107,7 +107,7 @@ impl ComponentBody {
         for service in &mut self.services {
             service.freeze(effects.now);
         }
-        self.caller.settle(&self.references, effects);
+        self.caller.process_replies(&self.references, effects);
         self.caller.freeze();
     }
 
@@ -146,10 +146,10 @@ impl ComponentBody {
                 CycleAction::Report(kind, what) => effects.emit(&Event::Report {
                     component: effects.name,
                     kind,
-                    what: &what,
+                    data: &what,
                 }),
                 CycleAction::SetPeriod(period) => set_period(period),
-                CycleAction::Again => effects.effects.trigger(effects.component),
+                CycleAction::CycleAgain => effects.effects.trigger(effects.component),
             }
         }
         // reuse the allocation in the next cycle
@@ -228,7 +228,7 @@ impl ComponentBody {
     ) -> Result<(), PropertyError> {
         self.check(component, values)?;
         for (name, value) in values {
-            self.property(component, name)?.prepare(value);
+            self.property(component, name)?.stage(value);
         }
         Ok(())
     }
@@ -347,10 +347,10 @@ impl CycleHost for CycleBody<'_> {
         let Some(service) = self.body.services.get_mut(operation.port) else {
             return Vec::new();
         };
-        let taken = service.take(operation.operation);
-        let mut requests = Vec::with_capacity(taken.len());
-        for (id, request) in taken {
-            self.body.cause.take(request.trace);
+        let waiting = service.take(operation.operation);
+        let mut requests = Vec::with_capacity(waiting.len());
+        for (id, request) in waiting {
+            self.body.cause.continue_trace(request.trace);
             requests.push(WaitingRequest {
                 id,
                 argument: request.argument,
@@ -367,14 +367,14 @@ impl CycleHost for CycleBody<'_> {
     }
 
     fn next_call(&mut self) -> CallId {
-        self.body.caller.number()
+        self.body.caller.next_id()
     }
 
     fn take_replies(&mut self, operation: OperationSlot) -> Vec<Reply<Arc<dyn Sample>>> {
-        let ended = self.body.caller.take(operation);
+        let replies = self.body.caller.take(operation);
         let cause = &self.body.cause;
-        let replies = ended.into_iter().map(|ended| {
-            cause.take(ended.cause);
+        let replies = replies.into_iter().map(|ended| {
+            cause.continue_trace(ended.cause);
             Reply {
                 call: CallId(ended.number),
                 result: ended.result,
@@ -388,9 +388,9 @@ impl CycleHost for CycleBody<'_> {
         operation: OperationSlot,
         call: CallId,
     ) -> Option<Reply<Arc<dyn Sample>>> {
-        let ended = self.body.caller.take_one(operation, call)?;
-        self.body.cause.take(ended.cause);
-        let result = ended.result;
+        let reply = self.body.caller.take_reply(operation, call)?;
+        self.body.cause.continue_trace(reply.cause);
+        let result = reply.result;
         Some(Reply { call, result })
     }
 
@@ -408,7 +408,7 @@ impl CycleHost for CycleBody<'_> {
     }
 
     fn set_duration(&mut self, duration: Duration) {
-        self.body.lasts = duration;
+        self.body.cycle_duration = duration;
     }
 
     fn is_interrupted(&self) -> bool {

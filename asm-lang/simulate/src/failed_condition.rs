@@ -52,7 +52,7 @@ pub(crate) fn holds(seen: &FailedCondition) -> &'static str {
 }
 
 /// Returns the time of a failure in words.
-pub(crate) fn when(steps: u64) -> String {
+pub(crate) fn failure_time(steps: u64) -> String {
     match steps {
         0 => "before the first step".to_owned(),
         steps => format!("after step {steps}"),

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::ComponentUnit;
 use crate::descriptor::StatusSnapshot;
-use crate::frozen::{SystemFreezeError, SystemThawError, no_data, other, trace_of, trace_text};
+use crate::frozen::{
+    SystemFreezeError, SystemThawError, no_data, system_mismatch, trace_of, trace_text,
+};
 use crate::service::{FrozenCalls, FrozenService, ThawContext};
 
 /// State of a unit between two cycles.
@@ -51,7 +53,7 @@ impl FrozenUnit {
 
 impl ComponentUnit {
     /// Returns a fingerprint that is equal for two units if one accepts the other's state.
-    fn layout(&self) -> String {
+    fn layout_text(&self) -> String {
         let activity = Activity {
             // excluded, since it can change at run time
             drive: Drive::Manual,
@@ -88,7 +90,7 @@ impl ComponentUnit {
     }
 
     /// Reports connections that leave the system.
-    fn refuse_outside(&self) -> Result<(), SystemFreezeError> {
+    fn refuse_external(&self) -> Result<(), SystemFreezeError> {
         let declared = &self.body.declaration;
         let outputs = declared.outputs.iter().zip(&self.body.outputs);
         for (port, output) in outputs {
@@ -96,7 +98,7 @@ impl ComponentUnit {
             if let Some(link) = output.links().into_iter().find(outside) {
                 let (unit, port, to) = (&self.name, &port.name, &link.to);
                 let what = format!("`{unit}.{port}` writes to {to}");
-                return Err(SystemFreezeError::Outside(what));
+                return Err(SystemFreezeError::External(what));
             }
         }
         let mut wirings = self.body.references.iter().flat_map(|of| &of.wirings);
@@ -104,27 +106,27 @@ impl ComponentUnit {
             None => Ok(()),
             Some(remote) => {
                 let what = format!("`{}` calls the remote `{}`", self.name, remote.to);
-                Err(SystemFreezeError::Outside(what))
+                Err(SystemFreezeError::External(what))
             }
         }
     }
 
     /// Returns the state of the component and its runtime.
     pub(crate) fn snapshot(&mut self) -> Result<FrozenUnit, SystemFreezeError> {
-        self.refuse_outside()?;
+        self.refuse_external()?;
         let component = self.component.freeze();
         let component = component.map_err(|source| SystemFreezeError::Component {
             component: self.name.to_string(),
             source,
         })?;
-        let layout = self.layout();
+        let layout = self.layout_text();
         let name = self.name.to_string();
         let body = &mut self.body;
         let inputs = body.inputs.iter_mut().map(|input| input.snapshot());
         let inputs = inputs.collect::<Result<_, _>>().map_err(no_data(&name))?;
         let outputs = body.outputs.iter().map(|output| output.snapshot());
         let properties = body.properties.iter().map(|property| {
-            let prepared = property.prepared()?;
+            let prepared = property.staged()?;
             Ok::<Vec<_>, DatumError>([property.get()?].into_iter().chain(prepared).collect())
         });
         let services = body.services.iter().map(|service| service.snapshot());
@@ -137,12 +139,12 @@ impl ComponentUnit {
             services: services.collect::<Result<_, _>>()?,
             calls: body.caller.snapshot()?,
             causes: body.cause.snapshot().map(trace_text),
-            lasts: body.lasts,
+            lasts: body.cycle_duration,
             name,
             layout,
             component,
             state: self.state,
-            fell: self.fell,
+            fell: self.has_faulted,
             resets: self.resets,
             drive: self.activity.drive,
             status: self.status.snapshot(),
@@ -154,9 +156,11 @@ impl ComponentUnit {
         let body = &self.body;
         if *self.name != *frozen.name {
             let (known, name) = (&self.name, &frozen.name);
-            return Err(other(format!("it has `{name}` in place of `{known}`")));
+            return Err(system_mismatch(format!(
+                "it has `{name}` in place of `{known}`"
+            )));
         }
-        let fits = frozen.layout == self.layout()
+        let fits = frozen.layout == self.layout_text()
             && frozen.inputs.len() == body.inputs.len()
             && frozen.outputs.len() == body.outputs.len()
             && frozen.properties.len() == body.properties.len()
@@ -164,7 +168,7 @@ impl ComponentUnit {
         if fits {
             Ok(())
         } else {
-            Err(other(format!(
+            Err(system_mismatch(format!(
                 "`{}` is declared or connected differently",
                 self.name
             )))
@@ -186,13 +190,13 @@ impl ComponentUnit {
         for (property, values) in body.properties.iter_mut().zip(&frozen.properties) {
             let mut values = values.iter();
             if let Some(value) = values.next() {
-                lawful(&**property, value, &self.name)?;
-                property.prepare(value);
+                check_property(&**property, value, &self.name)?;
+                property.stage(value);
                 property.apply();
             }
             if let Some(value) = values.next() {
-                lawful(&**property, value, &self.name)?;
-                property.prepare(value);
+                check_property(&**property, value, &self.name)?;
+                property.stage(value);
             }
         }
         for (input, snapshot) in body.inputs.iter_mut().zip(&frozen.inputs) {
@@ -212,8 +216,8 @@ impl ComponentUnit {
         let [arrived, present] = &frozen.causes;
         body.cause.restore([trace_of(arrived)?, trace_of(present)?]);
         body.journal.clear();
-        body.lasts = frozen.lasts;
-        self.fell = frozen.fell;
+        body.cycle_duration = frozen.lasts;
+        self.has_faulted = frozen.fell;
         self.resets = frozen.resets;
         self.state = frozen.state;
         self.set_drive(frozen.drive);
@@ -223,7 +227,7 @@ impl ComponentUnit {
 }
 
 /// Reports a value that the property does not accept.
-fn lawful(
+fn check_property(
     property: &dyn AnyProperty,
     value: &Datum,
     component: &str,
@@ -231,5 +235,5 @@ fn lawful(
     let name = &property.declaration().name;
     property
         .check(value)
-        .map_err(|problem| other(format!("property `{name}` of `{component}` {problem}")))
+        .map_err(|problem| system_mismatch(format!("property `{name}` of `{component}` {problem}")))
 }

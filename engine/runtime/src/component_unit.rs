@@ -15,7 +15,7 @@ use asmotion_datum::Datum;
 use asmotion_port::Time;
 
 pub(crate) use self::freeze::FrozenUnit;
-use crate::body::{ComponentBody, CycleBody};
+use crate::component_body::{ComponentBody, CycleBody};
 use crate::descriptor::{ComponentDescriptor, ComponentStatus};
 use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;
@@ -32,7 +32,7 @@ pub(crate) struct ComponentUnit {
     component: Box<dyn Component>,
     state: State,
     /// The last cycle failed; cleared by `restart_after_fault`.
-    fell: bool,
+    has_faulted: bool,
     /// Number of restarts after a fault.
     resets: u32,
     status: Arc<ComponentStatus>,
@@ -54,16 +54,16 @@ impl ComponentUnit {
             body,
             component,
             state: State::Init,
-            fell: false,
+            has_faulted: false,
             resets: 0,
             status: Arc::new(ComponentStatus::new(State::Init)),
         }
     }
 
     /// Called when an executor takes over the system.
-    pub(crate) fn enter_run(&mut self) {
+    pub(crate) fn begin_run(&mut self) {
         self.state = State::PreOperational;
-        self.status.enter(self.state);
+        self.status.set_state(self.state);
         self.set_drive(self.activity.drive);
     }
 
@@ -142,10 +142,10 @@ impl ComponentUnit {
         self.set_drive(drive);
         match error.or(committed.err()) {
             Some(fault) => {
-                self.note(fault, now, effects);
-                self.enter(State::RunTimeError, now, effects);
+                self.record_fault(fault, now, effects);
+                self.set_state(State::RunTimeError, now, effects);
             }
-            None => self.enter(State::Running, now, effects),
+            None => self.set_state(State::Running, now, effects),
         }
     }
 
@@ -155,10 +155,10 @@ impl ComponentUnit {
             return;
         }
         self.body.discard();
-        self.note(fault, now, effects);
+        self.record_fault(fault, now, effects);
         let before = self.state;
-        self.fell |= before.is_running();
-        self.enter(State::Exception, now, effects);
+        self.has_faulted |= before.is_running();
+        self.set_state(State::Exception, now, effects);
         let component = &mut self.component;
         let tidied = guarded(|| {
             if before.is_running() {
@@ -172,14 +172,14 @@ impl ComponentUnit {
         });
         self.close(now, effects);
         if let Err(fault) = tidied {
-            self.note(fault, now, effects);
-            self.enter(State::FatalError, now, effects);
+            self.record_fault(fault, now, effects);
+            self.set_state(State::FatalError, now, effects);
         }
     }
 
     /// Restarts the component after a failed cycle if its activity says so. Returns whether it runs again.
     pub(crate) fn restart_after_fault(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
-        if !std::mem::take(&mut self.fell) {
+        if !std::mem::take(&mut self.has_faulted) {
             return false;
         }
         match self.activity.on_exception {
@@ -198,13 +198,14 @@ impl ComponentUnit {
             }
             OnException::Reset => {
                 self.resets += 1;
-                let way = [
+                let transitions = [
                     Transition::ResetException,
                     Transition::Configure,
                     Transition::Start,
                 ];
                 // a failure on the way shows in the state and in events
-                way.iter()
+                transitions
+                    .iter()
                     .all(|step| self.transition(*step, now, effects).is_ok())
             }
         }
@@ -224,14 +225,14 @@ impl ComponentUnit {
                 state: self.state,
             });
         };
-        self.status.aim(target);
-        match self.hook(transition, now, effects) {
+        self.status.set_target(target);
+        match self.run_hook(transition, now, effects) {
             Ok(()) => {
-                self.arrive(transition, target, now, effects);
+                self.complete_transition(transition, target, now, effects);
                 Ok(())
             }
             Err(fault) => {
-                self.refuse(transition, &fault, now, effects);
+                self.handle_failed_hook(transition, &fault, now, effects);
                 Err(LifeCycleError::Failed {
                     component: self.name.to_string(),
                     transition,
@@ -242,7 +243,7 @@ impl ComponentUnit {
     }
 
     /// Runs the component's hook of a transition.
-    fn hook(
+    fn run_hook(
         &mut self,
         transition: Transition,
         now: Time,
@@ -274,7 +275,7 @@ impl ComponentUnit {
         })
     }
 
-    fn arrive(
+    fn complete_transition(
         &mut self,
         transition: Transition,
         target: State,
@@ -292,12 +293,12 @@ impl ComponentUnit {
             | Transition::Recover
             | Transition::ResetException => {}
         }
-        self.enter(target, now, effects);
+        self.set_state(target, now, effects);
     }
 
     /// Handles a hook that failed: a panic is an exception; after an error the component stays in the state that RTT
     /// prescribes.
-    fn refuse(
+    fn handle_failed_hook(
         &mut self,
         transition: Transition,
         fault: &Fault,
@@ -307,7 +308,7 @@ impl ComponentUnit {
         if matches!(fault, Fault::Panicked(_)) {
             return self.fail(fault.clone(), now, effects);
         }
-        self.note(fault.clone(), now, effects);
+        self.record_fault(fault.clone(), now, effects);
         let to = match transition {
             Transition::Configure => State::PreOperational,
             Transition::Start
@@ -316,7 +317,7 @@ impl ComponentUnit {
             | Transition::Recover
             | Transition::ResetException => self.state,
         };
-        self.enter(to, now, effects);
+        self.set_state(to, now, effects);
     }
 
     /// Closes the services and cancels the calls of a component that has stopped running.
@@ -325,9 +326,9 @@ impl ComponentUnit {
             .close(&mut component_effects(&self.name, self.index, now, effects));
     }
 
-    fn enter(&mut self, to: State, now: Time, effects: &mut dyn Effects) {
+    fn set_state(&mut self, to: State, now: Time, effects: &mut dyn Effects) {
         let from = std::mem::replace(&mut self.state, to);
-        self.status.enter(to);
+        self.status.set_state(to);
         if from != to {
             let component = &self.name;
             effects.emit(
@@ -342,7 +343,7 @@ impl ComponentUnit {
     }
 
     /// Stores a fault and reports it to the observers.
-    pub(crate) fn note(&mut self, fault: Fault, now: Time, effects: &mut dyn Effects) {
+    pub(crate) fn record_fault(&mut self, fault: Fault, now: Time, effects: &mut dyn Effects) {
         effects.emit(
             now,
             &Event::Fault {
@@ -376,10 +377,10 @@ impl ComponentUnit {
     }
 
     /// Ends calls that have timed out. Returns whether any result waits for the next cycle.
-    pub(crate) fn settle(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
+    pub(crate) fn process_replies(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
         let mut effects = component_effects(&self.name, self.index, now, effects);
         let body = &mut self.body;
-        body.caller.settle(&body.references, &mut effects)
+        body.caller.process_replies(&body.references, &mut effects)
     }
 
     /// Sets properties, all or none: at the beginning of the next cycle, or at once if the component does not run.

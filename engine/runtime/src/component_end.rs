@@ -30,25 +30,25 @@ impl ComponentEnd {
 
 /// A component's names of one kind, and those of the kind most easily confused with it, for the error message.
 pub(crate) struct EndTable<'a> {
-    what: &'static str,
+    kind: &'static str,
     names: Vec<&'a str>,
     /// The kind and names that a wrong name may belong to.
-    instead: (&'static str, Vec<&'a str>),
+    opposite: (&'static str, Vec<&'a str>),
 }
 
 pub(crate) fn inputs(declaration: &Declaration) -> EndTable<'_> {
     EndTable {
-        what: "input",
+        kind: "input",
         names: ports(&declaration.inputs),
-        instead: ("output", ports(&declaration.outputs)),
+        opposite: ("output", ports(&declaration.outputs)),
     }
 }
 
 pub(crate) fn outputs(declaration: &Declaration) -> EndTable<'_> {
     EndTable {
-        what: "output",
+        kind: "output",
         names: ports(&declaration.outputs),
-        instead: ("input", ports(&declaration.inputs)),
+        opposite: ("input", ports(&declaration.inputs)),
     }
 }
 
@@ -59,18 +59,18 @@ fn ports(ports: &[PortDeclaration]) -> Vec<&str> {
 pub(crate) fn services(declaration: &Declaration) -> EndTable<'_> {
     let (services, references) = services_and_references(declaration);
     EndTable {
-        what: "service",
+        kind: "service",
         names: services,
-        instead: ("reference", references),
+        opposite: ("reference", references),
     }
 }
 
 pub(crate) fn references(declaration: &Declaration) -> EndTable<'_> {
     let (services, references) = services_and_references(declaration);
     EndTable {
-        what: "reference",
+        kind: "reference",
         names: references,
-        instead: ("service", services),
+        opposite: ("service", services),
     }
 }
 
@@ -96,15 +96,15 @@ pub(crate) fn find<'a>(
         .find(|(_, (name, _))| *name == component);
     let Some((unit, (_, declaration))) = found else {
         return Err(BuildError::Unknown {
-            what: "component",
+            kind: "component",
             name: component.to_owned(),
             nearest: suggestion_among(component, components.map(|(name, _)| name)),
         });
     };
     let EndTable {
-        what,
+        kind: what,
         names,
-        instead: (is, others),
+        opposite: (is, others),
     } = table(declaration);
     if let Some(index) = names.iter().position(|name| *name == port) {
         let name = path.to_owned();
@@ -113,13 +113,13 @@ pub(crate) fn find<'a>(
     if others.contains(&port) {
         return Err(BuildError::Direction {
             end: path.to_owned(),
-            is,
-            wanted: what,
+            actual: is,
+            expected: what,
         });
     }
     let nearest = suggestion_among(port, names.iter().copied());
     Err(BuildError::Unknown {
-        what,
+        kind: what,
         name: path.to_owned(),
         nearest: nearest.map(|port| format!("{component}.{port}")),
     })

@@ -11,7 +11,7 @@ use crate::route::BendableRoute;
 const COVER: f64 = 0.25;
 
 /// Covers all points with discs: for a robot with a map, which remembers only points that the map does not show.
-pub fn everything(points: &[Point]) -> Vec<RoundObstacle> {
+pub fn all_obstacles(points: &[Point]) -> Vec<RoundObstacle> {
     let mut discs = Vec::new();
     for cluster in clusters(points) {
         cover(cluster, COVER, &mut discs);
@@ -21,17 +21,17 @@ pub fn everything(points: &[Point]) -> Vec<RoundObstacle> {
 
 /// Covers the obstacles on the path with discs: for a robot without a map. The planner did not know these obstacles,
 /// because its path leads through them; it may know all others.
-pub fn on_the_path(
+pub fn obstacles_on_path(
     points: impl Iterator<Item = Point>,
     route: &BendableRoute,
     limits: &BendLimits,
 ) -> Vec<RoundObstacle> {
     let off = |point: &Point| route.distance(*point);
-    let near: Vec<Point> = points
+    let nearby: Vec<Point> = points
         .filter(|point| off(point) <= limits.reach_m)
         .collect();
     let mut discs = Vec::new();
-    for cluster in clusters(&near) {
+    for cluster in clusters(&nearby) {
         if cluster.iter().any(|point| off(point) < limits.clearance()) {
             cover(cluster, COVER, &mut discs);
         }
@@ -84,19 +84,20 @@ mod tests {
     #[test]
     fn without_a_map_it_is_what_stands_on_the_path() {
         let ends = [Pose::planar(0.0, 0.0, 0.0), Pose::planar(8.0, 0.0, 0.0)];
-        let route = BendableRoute::new(Path::through(1, "map", ends)).unwrap();
+        let route = BendableRoute::new(Path::from_poses(1, "map", ends)).unwrap();
         let beside = points(&[(1.0, 0.9), (1.1, 0.9)]);
         let on_it = points(&[(3.0, 0.2), (3.0, 0.3), (3.0, 0.4), (3.0, 1.3)]);
-        let told = |points: &[Point]| on_the_path(points.iter().copied(), &route, &LIMITS);
-        assert_eq!(told(&beside), []);
-        let discs = told(&[beside, on_it].concat());
+        let reported =
+            |points: &[Point]| obstacles_on_path(points.iter().copied(), &route, &LIMITS);
+        assert_eq!(reported(&beside), []);
+        let discs = reported(&[beside, on_it].concat());
         assert_eq!(discs.len(), 1);
         assert!((discs[0].centre - Point::new(3.0, 0.3)).norm() < 1e-9);
     }
 
     #[test]
     fn with_a_map_it_is_everything() {
-        assert_eq!(everything(&points(&[(1.0, 9.0), (5.0, 5.0)])).len(), 2);
+        assert_eq!(all_obstacles(&points(&[(1.0, 9.0), (5.0, 5.0)])).len(), 2);
     }
 
     #[test]

@@ -11,15 +11,15 @@ use crate::remote::RemoteRoute;
 #[derive(Default)]
 pub(crate) struct RemoteEnds {
     /// The bus of each component, by position in the system; empty if there is only one bus.
-    pub homes: BTreeMap<usize, String>,
+    pub component_buses: BTreeMap<usize, String>,
     /// Publishing options by topic; topics that are not listed use the default.
-    pub sending: BTreeMap<String, PublishOptions>,
+    pub publish_options: BTreeMap<String, PublishOptions>,
     /// Outputs connected to inputs of other processes.
     pub exposed: Vec<(ComponentEnd, PublishOptions)>,
     /// Services that other processes may call.
     pub offered: Vec<OfferedService>,
     /// References to services of other processes.
-    pub reached: Vec<RemoteReference>,
+    pub remote_references: Vec<RemoteReference>,
 }
 
 /// A service that other processes may call.

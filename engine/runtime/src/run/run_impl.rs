@@ -15,14 +15,14 @@ use super::Run;
 use super::asked::Asked;
 use super::call::SentCall;
 use super::change::{Change, ChangeError, ChangePlan};
-use super::executor::{Act, Executor, busy, joining};
+use super::executor::{Act, Executor, busy, connect_output};
 use super::reader::PortReader;
 use super::writer::PortWriter;
 use crate::build_error::BuildError;
+use crate::component_end::{inputs, outputs, services};
 use crate::connections::open_error;
 use crate::descriptor::CycleTime;
 use crate::effects::NoEffects;
-use crate::end::{inputs, outputs, services};
 use crate::event::Event;
 use crate::run_error::RunError;
 use crate::service::{CallKey, ReplyTo, ServiceRequest};
@@ -51,7 +51,7 @@ impl<E: Executor> Run for E {
         sample: Arc<dyn Sample>,
     ) -> Result<(), RunError> {
         let target = self.injections().port(port, &sample)?;
-        self.plan(at, target, sample);
+        self.schedule_injection(at, target, sample);
         Ok(())
     }
 
@@ -62,26 +62,26 @@ impl<E: Executor> Run for E {
         sample: Arc<dyn Sample>,
     ) -> Result<(), RunError> {
         let target = self.injections().topic(topic, &sample)?;
-        self.plan(at, target, sample);
+        self.schedule_injection(at, target, sample);
         Ok(())
     }
 
     fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let mut planning = ChangePlan::new(self);
         planning.connect(from, to, &policy)?;
-        planning.carry_out();
+        planning.commit();
         Ok(())
     }
 
     fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError> {
         let mut planning = ChangePlan::new(self);
         planning.disconnect(from, to)?;
-        planning.carry_out();
+        planning.commit();
         Ok(())
     }
 
     fn change(&mut self, changes: &[Change]) -> Result<(), ChangeError> {
-        ChangePlan::new(self).make(changes)
+        ChangePlan::new(self).apply(changes)
     }
 
     fn writer<T: Message>(
@@ -94,14 +94,14 @@ impl<E: Executor> Run for E {
         let descriptor = &descriptors[to.unit];
         let taken = &descriptor.declaration.inputs[to.index].schema;
         BuildError::compare(T::schema(), "the writer", taken, &to.name)?;
-        let policy = policy.for_outsider();
-        let opened = descriptor.openers[to.index].open(connections.number(), &policy, None);
+        let policy = policy.for_external();
+        let opened = descriptor.openers[to.index].open(connections.next_id(), &policy, None);
         let (sender, end) = opened.map_err(|error| open_error(error, "the writer", &to.name))?;
         let input = to.index;
-        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].join(end));
-        self.post(to.unit, act);
+        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].connect(end));
+        self.submit(to.unit, act);
         let sender = PortSender::of(sender)
-            .ok_or_else(|| open_error(OpenError::OtherType, "the writer", port))?;
+            .ok_or_else(|| open_error(OpenError::TypeMismatch, "the writer", port))?;
         Ok(PortWriter {
             port: to.name,
             sender,
@@ -121,17 +121,17 @@ impl<E: Executor> Run for E {
         let (connections, descriptors) = self.connections();
         let written = &descriptors[from.unit].declaration.outputs[from.index].schema;
         BuildError::compare(written, &from.name, T::schema(), "the reader")?;
-        let connection = connections.number();
+        let connection = connections.next_id();
         let mut input = InputPort::<T>::new(T::schema().clone());
         let opened = input
             .opener()
-            .open(connection, &policy.for_outsider(), None);
+            .open(connection, &policy.for_external(), None);
         let (sender, end) = opened.map_err(|error| open_error(error, &from.name, "the reader"))?;
-        input.join(end);
-        let (notifier, link) = OutputLink::to_reader(connection, &policy);
+        input.connect(end);
+        let (notifier, link) = OutputLink::external_reader(connection, &policy);
         let dropped = Arc::clone(&link.dropped);
-        let act = joining((from.index, connection), sender, link, policy.init);
-        self.post(from.unit, act);
+        let act = connect_output((from.index, connection), sender, link, policy.init);
+        self.submit(from.unit, act);
         Ok(PortReader {
             port: from.name,
             input,
@@ -152,7 +152,7 @@ impl<E: Executor> Run for E {
         let served = &descriptor.declaration.services[to.index].operations;
         let operation = served.iter().position(|served| served.name == O::NAME);
         let Some(operation) = operation else {
-            return Err(BuildError::Operation {
+            return Err(BuildError::MissingOperation {
                 from: "the caller".to_owned(),
                 operation: O::NAME.to_owned(),
                 to: to.name,
@@ -163,7 +163,7 @@ impl<E: Executor> Run for E {
         let (answer, answered) = mpsc::channel();
         let queue = Arc::clone(&descriptor.queues[to.index]);
         let unavailable = answer.clone();
-        let posted = queue.ask(
+        let posted = queue.send(
             ServiceRequest {
                 // calls from outside are never cancelled: they have a deadline instead
                 key: CallKey {
@@ -186,7 +186,7 @@ impl<E: Executor> Run for E {
             Err(error) => drop(unavailable.send(Err(error))),
         }
         Ok(SentCall {
-            answered,
+            reply: answered,
             deadline,
             handle,
             of: PhantomData,
@@ -214,23 +214,23 @@ impl<E: Executor> Run for E {
         transition: Transition,
     ) -> Result<(), LifeCycleError> {
         let index = self
-            .place_of(component)
+            .index_of(component)
             .map_err(|_| LifeCycleError::Unknown {
                 component: component.to_owned(),
             })?;
-        let patience = self.patience();
-        self.take_through(index, transition, patience)
+        let patience = self.change_timeout();
+        self.run_transition(index, transition, patience)
     }
 
     fn trigger(&mut self, component: &str) -> Result<(), RunError> {
-        let index = self.place_of(component)?;
-        self.call(index);
+        let index = self.index_of(component)?;
+        self.request_cycle(index);
         Ok(())
     }
 
     fn set_period(&mut self, component: &str, period: Duration) -> Result<(), RunError> {
-        let (index, patience) = (self.place_of(component)?, self.patience());
-        let set = self.ask(index, patience, move |unit, _, _| unit.set_period(period));
+        let (index, patience) = (self.index_of(component)?, self.change_timeout());
+        let set = self.run_on(index, patience, move |unit, _, _| unit.set_period(period));
         set.ok_or_else(|| busy(component))
     }
 
@@ -239,9 +239,9 @@ impl<E: Executor> Run for E {
         component: &str,
         values: &[(String, Datum)],
     ) -> Result<(), RunError> {
-        let (index, patience) = (self.place_of(component)?, self.patience());
+        let (index, patience) = (self.index_of(component)?, self.change_timeout());
         let values = values.to_vec();
-        let set = self.ask(index, patience, move |unit, now, effects| {
+        let set = self.run_on(index, patience, move |unit, now, effects| {
             unit.set_properties(&values, now, effects)
         });
         Ok(set.ok_or_else(|| busy(component))??)
@@ -252,9 +252,9 @@ impl<E: Executor> Run for E {
         component: &str,
         transition: Transition,
     ) -> Result<Asked, RunError> {
-        let index = self.place_of(component)?;
+        let index = self.index_of(component)?;
         self.descriptors()[index].allow_interrupt(transition);
-        Ok(self.begin(index, move |unit, now, effects| {
+        Ok(self.begin_on(index, move |unit, now, effects| {
             Ok(unit.transition(transition, now, effects)?)
         }))
     }
@@ -264,8 +264,8 @@ impl<E: Executor> Run for E {
         component: &str,
         values: &[(String, Datum)],
     ) -> Result<Asked, RunError> {
-        let (index, values) = (self.place_of(component)?, values.to_vec());
-        Ok(self.begin(index, move |unit, now, effects| {
+        let (index, values) = (self.index_of(component)?, values.to_vec());
+        Ok(self.begin_on(index, move |unit, now, effects| {
             Ok(unit.set_properties(&values, now, effects)?)
         }))
     }
@@ -338,8 +338,8 @@ impl<E: Executor> Run for E {
     }
 
     fn properties(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError> {
-        let (index, patience) = (self.place_of(component)?, self.glance());
-        let values = self.ask(index, patience, |unit, _, _| unit.body.values());
+        let (index, patience) = (self.index_of(component)?, self.inspect_timeout());
+        let values = self.run_on(index, patience, |unit, _, _| unit.body.values());
         values.ok_or_else(|| busy(component))
     }
 

@@ -12,7 +12,7 @@ use crate::event::Event;
 
 impl ComponentUnit {
     /// Called after a periodic cycle: counts the missed periods and returns when the next cycle is due.
-    pub(crate) fn after_period(
+    pub(crate) fn next_due(
         &mut self,
         due: Time,
         period: Duration,
@@ -34,18 +34,13 @@ impl ComponentUnit {
 
     /// Called after a cycle: records its duration and, if it exceeded the deadline, reports it and takes the configured
     /// action.
-    pub(crate) fn hold_to_deadline(
-        &mut self,
-        took: Duration,
-        now: Time,
-        effects: &mut dyn Effects,
-    ) {
-        self.status.spend(took);
+    pub(crate) fn check_deadline(&mut self, took: Duration, now: Time, effects: &mut dyn Effects) {
+        self.status.record_cycle_time(took);
         let late = |it: &Deadline| took > it.within;
-        let Some(held) = self.activity.deadline.filter(late) else {
+        let Some(missed) = self.activity.deadline.filter(late) else {
             return;
         };
-        let deadline = held.within;
+        let deadline = missed.within;
         self.status.late.fetch_add(1, Ordering::Relaxed);
         let event = Event::Late {
             component: &self.name,
@@ -53,7 +48,7 @@ impl ComponentUnit {
             deadline,
         };
         effects.emit(now, &event);
-        match held.on_deadline {
+        match missed.on_deadline {
             // stopped already, for another reason
             OnDeadline::Report | OnDeadline::Stop | OnDeadline::Fail
                 if !self.state.is_running() => {}
