@@ -2,10 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 
-use crate::wire::MessageIdentity;
+use crate::wire::{MessageIdentity, OwnedName};
 
-/// Limit of remembered gaps per stream. An older message that fills a forgotten gap counts as a duplicate.
+/// Limit of remembered gaps per run of numbers. An older message that fills a forgotten gap counts as a duplicate. A
+/// number further ahead begins another run.
 const GAPS: usize = 1024;
+/// Limit of remembered runs of numbers per stream.
+const RUNS: usize = 3;
+/// Longest jump of a stream's numbers that counts as a loss of the messages between. A longer one is no publisher's: at
+/// 10 kHz it would take a quarter of an hour.
+const LONGEST_LOSS: u64 = 10_000_000;
 /// Limit of remembered streams.
 const STREAMS: usize = 4096;
 /// Limit of remembered message ids of foreign publishers.
@@ -14,20 +20,42 @@ const NAMES: usize = 8192;
 /// Sequence numbers and message ids seen so far.
 #[derive(Default)]
 pub(crate) struct DuplicateFilter {
-    streams: HashMap<String, MessageStream>,
+    streams: HashMap<OwnedName, MessageStream>,
     /// Streams by the time of their last message, oldest first.
-    last_seen: BTreeMap<u64, String>,
+    last_seen: BTreeMap<u64, OwnedName>,
     now: u64,
-    names: HashSet<String>,
-    oldest_names: VecDeque<String>,
+    names: HashSet<OwnedName>,
+    oldest_names: VecDeque<OwnedName>,
     missed: u64,
+    jump: Option<SequenceJump>,
 }
 
+/// The runs of a stream's numbers. Usually one: another begins with a jump, by a long loss or by a forged number, and
+/// the numbers after the first run stay acceptable.
 struct MessageStream {
+    /// The run with the latest message last.
+    runs: Vec<SequenceRun>,
+    last_seen: u64,
+}
+
+/// Consecutive numbers, with gaps.
+struct SequenceRun {
+    /// The numbers before belong to no run.
+    first: u64,
     highest: u64,
     /// Numbers below the highest that have not arrived.
     gaps: BTreeSet<u64>,
-    last_seen: u64,
+    /// `true` if the numbers between the run below and this one count as missed.
+    counts_as_loss: bool,
+}
+
+/// A jump of a stream's numbers that no loss explains.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct SequenceJump {
+    pub stream: OwnedName,
+    /// The number that was highest, or lowest if the jump leads back.
+    pub from: u64,
+    pub to: u64,
 }
 
 impl DuplicateFilter {
@@ -45,14 +73,18 @@ impl DuplicateFilter {
         self.missed
     }
 
-    fn is_new_in(&mut self, name: String, sequence: u64) -> bool {
+    /// Returns the last jump that no loss explains, once.
+    pub(crate) fn take_jump(&mut self) -> Option<SequenceJump> {
+        self.jump.take()
+    }
+
+    fn is_new_in(&mut self, name: OwnedName, sequence: u64) -> bool {
         let Some(stream) = self.streams.get_mut(&name) else {
             self.now += 1;
             let now = self.now;
             // messages published before the first one received do not count as missing
             let stream = MessageStream {
-                highest: sequence,
-                gaps: BTreeSet::new(),
+                runs: vec![SequenceRun::new(sequence)],
                 last_seen: now,
             };
             self.streams.insert(name.clone(), stream);
@@ -68,18 +100,19 @@ impl DuplicateFilter {
             }
             stream.last_seen = self.now;
         }
-        if sequence <= stream.highest {
-            let late = stream.gaps.remove(&sequence);
-            self.missed -= u64::from(late);
-            return late;
+        let arrival = stream.arrive(sequence);
+        match arrival {
+            SequenceArrival::Next { missed } => self.missed = self.missed.saturating_add(missed),
+            SequenceArrival::Late => self.missed = self.missed.saturating_sub(1),
+            SequenceArrival::Repeated => return false,
+            SequenceArrival::Jump { from } => {
+                self.jump = Some(SequenceJump {
+                    stream: name,
+                    from,
+                    to: sequence,
+                });
+            }
         }
-        self.missed += sequence - stream.highest - 1;
-        let first = sequence.saturating_sub(GAPS as u64).max(stream.highest + 1);
-        stream.gaps.extend(first..sequence);
-        while stream.gaps.len() > GAPS {
-            stream.gaps.pop_first();
-        }
-        stream.highest = sequence;
         true
     }
 
@@ -91,7 +124,7 @@ impl DuplicateFilter {
         }
     }
 
-    fn is_new_name(&mut self, name: String) -> bool {
+    fn is_new_name(&mut self, name: OwnedName) -> bool {
         if !self.names.insert(name.clone()) {
             return false;
         }
@@ -105,15 +138,123 @@ impl DuplicateFilter {
     }
 }
 
+/// The place of a number among those of its stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum SequenceArrival {
+    /// It follows; numbers before it may be missing.
+    Next { missed: u64 },
+    /// It was missing so far.
+    Late,
+    /// It has arrived before, or is too old to know.
+    Repeated,
+    /// No loss explains its distance from the number before.
+    Jump { from: u64 },
+}
+
+impl MessageStream {
+    fn arrive(&mut self, sequence: u64) -> SequenceArrival {
+        let span = GAPS as u64;
+        let around = |run: &SequenceRun| {
+            let lowest = run.first.saturating_sub(span);
+            (lowest..=run.highest).contains(&sequence)
+        };
+        // a number that one run contains and another only borders on belongs to the first
+        let inside = |run: &SequenceRun| (run.first..=run.highest).contains(&sequence);
+        let follows = |run: &SequenceRun| run.highest < sequence && sequence - run.highest <= span;
+        let place = |is: &dyn Fn(&SequenceRun) -> bool| self.runs.iter().rposition(is);
+        let found = place(&inside)
+            .or_else(|| place(&follows))
+            .or_else(|| place(&around));
+        let Some(index) = found else {
+            return self.begin_run(sequence);
+        };
+        // the run with the latest message last
+        let run = self.runs.remove(index);
+        let above = self
+            .runs
+            .iter()
+            .filter(|other| other.first > run.highest)
+            .min_by_key(|other| other.first);
+        let was_missed = above.is_some_and(|above| above.counts_as_loss);
+        self.runs.push(run);
+        match self.runs.last_mut() {
+            Some(run) => run.arrive(sequence, was_missed),
+            None => SequenceArrival::Repeated,
+        }
+    }
+
+    fn begin_run(&mut self, sequence: u64) -> SequenceArrival {
+        let below = self.runs.iter().map(|run| run.highest);
+        let below = below.filter(|highest| *highest < sequence).max();
+        let lowest = self.runs.iter().map(|run| run.first).min();
+        let mut run = SequenceRun::new(sequence);
+        let loss = below.map(|below| sequence - below - 1);
+        let loss = loss.filter(|loss| *loss <= LONGEST_LOSS);
+        if loss.is_some() {
+            run.first = sequence - GAPS as u64;
+            run.gaps.extend(run.first..sequence);
+            run.counts_as_loss = true;
+        }
+        if self.runs.len() >= RUNS {
+            self.runs.remove(0);
+        }
+        self.runs.push(run);
+        match (loss, below.or(lowest)) {
+            (Some(missed), _) => SequenceArrival::Next { missed },
+            (None, from) => SequenceArrival::Jump {
+                from: from.unwrap_or(sequence),
+            },
+        }
+    }
+}
+
+impl SequenceRun {
+    fn new(sequence: u64) -> Self {
+        Self {
+            first: sequence,
+            highest: sequence,
+            gaps: BTreeSet::new(),
+            counts_as_loss: false,
+        }
+    }
+
+    /// `was_missed`: the numbers above this run already count as missed.
+    fn arrive(&mut self, sequence: u64, was_missed: bool) -> SequenceArrival {
+        if sequence <= self.highest {
+            return if self.gaps.remove(&sequence) {
+                SequenceArrival::Late
+            } else {
+                SequenceArrival::Repeated
+            };
+        }
+        let missed = sequence - self.highest - 1;
+        self.gaps.extend(self.highest + 1..sequence);
+        while self.gaps.len() > GAPS {
+            self.gaps.pop_first();
+        }
+        self.highest = sequence;
+        if was_missed {
+            SequenceArrival::Late
+        } else {
+            SequenceArrival::Next { missed }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn numbered(stream: &str, sequence: u64) -> MessageIdentity {
-        MessageIdentity::Numbered {
-            stream: stream.to_owned(),
-            sequence,
+    fn owned(user: &str, name: &str) -> OwnedName {
+        OwnedName {
+            user: Some(user.to_owned()),
+            name: name.to_owned(),
         }
+    }
+
+    fn numbered(stream: &str, sequence: u64) -> MessageIdentity {
+        let stream = owned("us", stream);
+        MessageIdentity::Numbered { stream, sequence }
     }
 
     fn kept(repeats: &mut DuplicateFilter, sequences: &[u64]) -> Vec<u64> {
@@ -139,11 +280,75 @@ mod tests {
     }
 
     #[test]
-    fn a_huge_gap_takes_no_more_memory_than_a_small_one() {
+    fn a_long_loss_is_counted_and_its_latecomers_let_in_once() {
         let mut repeats = DuplicateFilter::default();
-        kept(&mut repeats, &[1, u64::MAX]);
-        assert_eq!(repeats.missed(), u64::MAX - 2);
-        assert!(repeats.streams["s"].gaps.len() <= GAPS);
+        assert_eq!(kept(&mut repeats, &[1, 5000, 5000]), [1, 5000]);
+        assert_eq!(repeats.missed(), 4998);
+        let late = [2, 2, 4999, 4999, 3, 5001];
+        assert_eq!(kept(&mut repeats, &late), [2, 4999, 3, 5001]);
+        assert_eq!(repeats.missed(), 4995);
+        assert_eq!(repeats.take_jump(), None);
+    }
+
+    #[test]
+    fn a_forged_number_hides_no_message_of_the_stream() {
+        for forged in [u64::MAX, 1 << 62, 1 << 40] {
+            let mut repeats = DuplicateFilter::default();
+            let came = [forged, 1, 2, 4, 4];
+            assert_eq!(kept(&mut repeats, &came), [forged, 1, 2, 4]);
+        }
+        let mut repeats = DuplicateFilter::default();
+        let came = [
+            7,
+            8,
+            1 << 62,
+            9,
+            1 << 61,
+            10,
+            u64::MAX,
+            11,
+            11,
+            1 << 30,
+            12,
+            9,
+        ];
+        let new = [7, 8, 1 << 62, 9, 1 << 61, 10, u64::MAX, 11, 1 << 30, 12];
+        assert_eq!(kept(&mut repeats, &came), new);
+        assert_eq!(repeats.missed(), 0);
+        let jump = repeats.take_jump().unwrap();
+        assert_eq!((jump.from, jump.to), (11, 1 << 30));
+        assert_eq!(repeats.take_jump(), None);
+    }
+
+    #[test]
+    fn a_jump_takes_no_more_memory_than_a_small_one() {
+        let mut repeats = DuplicateFilter::default();
+        for jump in 0..100 {
+            assert!(repeats.is_new(numbered("s", 1 + 2000 * jump)));
+        }
+        let runs = &repeats.streams[&owned("us", "s")].runs;
+        assert!(runs.len() <= RUNS && runs.iter().all(|run| run.gaps.len() <= GAPS));
+    }
+
+    #[test]
+    fn another_user_hides_nothing() {
+        let mut repeats = DuplicateFilter::default();
+        let forged = |user: Option<&str>, sequence| MessageIdentity::Numbered {
+            stream: OwnedName {
+                user: user.map(str::to_owned),
+                name: "s".to_owned(),
+            },
+            sequence,
+        };
+        for user in [Some("stranger"), None] {
+            for sequence in [1, 2, 3, 4] {
+                assert!(repeats.is_new(forged(user, sequence)));
+            }
+            let named = |user: &str| MessageIdentity::Named(owned(user, "id"));
+            repeats.is_new(named("stranger"));
+        }
+        assert_eq!(kept(&mut repeats, &[1, 2, 3]), [1, 2, 3]);
+        assert!(repeats.is_new(MessageIdentity::Named(owned("us", "id"))));
     }
 
     #[test]
@@ -160,8 +365,8 @@ mod tests {
     #[test]
     fn strangers_are_known_by_their_message_ids() {
         let mut repeats = DuplicateFilter::default();
-        assert!(repeats.is_new(MessageIdentity::Named("a".into())));
-        assert!(!repeats.is_new(MessageIdentity::Named("a".into())));
+        assert!(repeats.is_new(MessageIdentity::Named(owned("them", "a"))));
+        assert!(!repeats.is_new(MessageIdentity::Named(owned("them", "a"))));
         assert!(
             repeats.is_new(MessageIdentity::Unknown) && repeats.is_new(MessageIdentity::Unknown)
         );

@@ -33,6 +33,17 @@ pub enum BusNotice {
         /// Decoding error.
         reason: String,
     },
+    /// The numbers of a stream jumped too far for a loss: its publisher is faulty, or someone forges its messages.
+    SequenceJump {
+        /// Topic of the message.
+        topic: String,
+        /// The sender's AMQP user, which the broker verifies; empty if the message names none.
+        user: String,
+        /// The number before.
+        from: u64,
+        /// The number of the message.
+        to: u64,
+    },
     /// A message could not be encoded.
     Unwritable {
         /// Topic or address of the message.
@@ -53,6 +64,15 @@ impl fmt::Display for BusNotice {
             Self::Unreadable { what, reason } => {
                 write!(f, "cannot decode a message on `{what}`: {reason}")
             }
+            Self::SequenceJump {
+                topic,
+                user,
+                from,
+                to,
+            } => write!(
+                f,
+                "the sequence of a stream of user `{user}` on `{topic}` jumps from {from} to {to}"
+            ),
             Self::Unwritable { what, reason } => {
                 write!(f, "cannot encode a message for `{what}`: {reason}")
             }

@@ -157,13 +157,28 @@ impl MessageSource {
     }
 }
 
+/// A name that a sender chose, together with the sender's AMQP user, so that no user can claim the names of another.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct OwnedName {
+    /// The `user_id`, which the broker verifies; `None` if the sender left it out.
+    pub user: Option<String>,
+    pub name: String,
+}
+
+impl OwnedName {
+    pub(crate) fn of(properties: &BasicProperties, name: String) -> Self {
+        let user = properties.user_id().cloned();
+        Self { user, name }
+    }
+}
+
 /// Identity of a message, for the detection of duplicates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum MessageIdentity {
     /// A message of a numbered stream.
-    Numbered { stream: String, sequence: u64 },
+    Numbered { stream: OwnedName, sequence: u64 },
     /// A message with an id of its own.
-    Named(String),
+    Named(OwnedName),
     /// No identity: never a duplicate.
     Unknown,
 }
@@ -172,28 +187,27 @@ pub(crate) enum MessageIdentity {
 /// the number counts the component's messages on the topic; otherwise the message id, if any.
 pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> MessageIdentity {
     let id = properties.message_id();
+    let named = || {
+        id.cloned().map_or(MessageIdentity::Unknown, |id| {
+            MessageIdentity::Named(OwnedName::of(properties, id))
+        })
+    };
     let Some(sequence) = count(properties, SEQUENCE) else {
-        return id
-            .cloned()
-            .map_or(MessageIdentity::Unknown, MessageIdentity::Named);
+        return named();
     };
     let ours = id.and_then(|id| {
         let (stream, number) = id.rsplit_once('-')?;
         (number.parse() == Ok(sequence)).then(|| stream.to_owned())
     });
-    let numbered = |stream| MessageIdentity::Numbered { stream, sequence };
-    if let Some(stream) = ours {
-        return numbered(stream);
-    }
-    match text(properties, SOURCE) {
-        Some(source) => {
-            let incarnation = count(properties, INCARNATION).unwrap_or(0);
-            numbered(format!("{source}/{incarnation}/{topic}"))
-        }
-        None => id
-            .cloned()
-            .map_or(MessageIdentity::Unknown, MessageIdentity::Named),
-    }
+    let stream = ours.or_else(|| {
+        let source = text(properties, SOURCE)?;
+        let incarnation = count(properties, INCARNATION).unwrap_or(0);
+        Some(format!("{source}/{incarnation}/{topic}"))
+    });
+    stream.map_or_else(named, |stream| MessageIdentity::Numbered {
+        stream: OwnedName::of(properties, stream),
+        sequence,
+    })
 }
 
 /// Returns the trace context of a message.

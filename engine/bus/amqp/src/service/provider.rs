@@ -20,7 +20,7 @@ use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
 use crate::notice::BusNotice;
-use crate::wire::{self, Headers};
+use crate::wire::{self, Headers, OwnedName};
 
 /// Limit of unacknowledged requests delivered to a provider.
 const PREFETCH: u16 = 256;
@@ -42,7 +42,7 @@ pub(crate) struct ProviderSetup {
     pub ready: FirstDeclaration,
 }
 
-/// State of a request, stored by its id.
+/// State of a request.
 enum RequestState {
     /// Passed to the provider; the reply goes to `reply_to`.
     Running {
@@ -56,12 +56,13 @@ enum RequestState {
 /// Task that serves one address.
 pub(crate) struct ProviderTask {
     setup: ProviderSetup,
-    requests: HashMap<String, RequestState>,
+    /// By id and the caller's user: a user can neither claim, repeat nor cancel the requests of another.
+    requests: HashMap<OwnedName, RequestState>,
     /// Ids of ended requests, oldest first.
-    ended_ids: VecDeque<String>,
+    ended_ids: VecDeque<OwnedName>,
     /// Ids of requests that have a reply to be sent.
-    ended_calls: UnboundedReceiver<String>,
-    end_sender: UnboundedSender<String>,
+    ended_calls: UnboundedReceiver<OwnedName>,
+    end_sender: UnboundedSender<OwnedName>,
 }
 
 impl ProviderTask {
@@ -189,7 +190,7 @@ impl ProviderTask {
     ) -> Option<OutgoingReply> {
         let kind = properties.message_type().map_or("", String::as_str);
         let id = properties.correlation_id().or(properties.message_id());
-        let id = id.cloned().unwrap_or_default();
+        let id = OwnedName::of(properties, id.cloned().unwrap_or_default());
         if let Some(known) = self.requests.get_mut(&id) {
             return match (known, kind) {
                 (RequestState::Running { pending, .. }, wire::CANCEL) => {
@@ -233,7 +234,7 @@ impl ProviderTask {
 
     fn start_request(
         &mut self,
-        id: String,
+        id: OwnedName,
         request: Request,
         one_way: bool,
         reply_to: Option<&String>,
@@ -259,7 +260,7 @@ impl ProviderTask {
     }
 
     /// Sends the reply to a request, or forgets a cancelled one.
-    async fn send_reply(&mut self, id: Option<String>, replies: &Channel) -> AmqpResult<()> {
+    async fn send_reply(&mut self, id: Option<OwnedName>, replies: &Channel) -> AmqpResult<()> {
         let Some(id) = id else { return Ok(()) };
         let Some(RequestState::Running { pending, reply_to }) = self.requests.get(&id) else {
             return Ok(());
@@ -270,7 +271,7 @@ impl ProviderTask {
         let (answer, reply_to) = (OutgoingReply::of(end), reply_to.clone());
         self.store_reply(id.clone(), answer.clone());
         match answer {
-            Some(answer) => self.send(&answer, &id, &reply_to, replies).await,
+            Some(answer) => self.send(&answer, &id.name, &reply_to, replies).await,
             None => Ok(()),
         }
     }
@@ -296,7 +297,7 @@ impl ProviderTask {
             .await
     }
 
-    fn store_reply(&mut self, id: String, answer: Option<OutgoingReply>) {
+    fn store_reply(&mut self, id: OwnedName, answer: Option<OutgoingReply>) {
         self.requests
             .insert(id.clone(), RequestState::Ended(answer));
         self.ended_ids.push_back(id);
@@ -333,7 +334,7 @@ impl ProviderTask {
                 && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable))
             {
                 // a caller that misses this message will ask, and find no provider
-                let _ = self.send(&answer, &id, &reply_to, replies).await;
+                let _ = self.send(&answer, &id.name, &reply_to, replies).await;
             }
         }
     }

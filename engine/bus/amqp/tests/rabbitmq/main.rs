@@ -15,4 +15,5 @@ mod line;
 mod many;
 mod services;
 mod soak;
+mod strangers;
 mod systems;
