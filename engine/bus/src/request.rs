@@ -308,7 +308,7 @@ impl ServedAddress {
     /// Creates the provider's end of a queue. `on_drop` is called on drop, after the waiting calls have failed.
     pub fn new(queue: Arc<AddressQueue>, on_drop: impl FnOnce() + Send + 'static) -> Self {
         Self {
-            queue: queue,
+            queue,
             on_drop: Some(Box::new(on_drop)),
         }
     }

@@ -223,6 +223,13 @@ impl InjectionPort {
         self.connection
     }
 
+    /// Returns the name of the reading component.
+    pub(crate) fn component_name(&self) -> &str {
+        self.name
+            .rsplit_once('.')
+            .map_or(&*self.name, |(component, _)| component)
+    }
+
     /// Returns the number of samples dropped so far.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
