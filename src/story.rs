@@ -18,7 +18,7 @@ use asmotion_component::{CallError, Losses, Time};
 use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
 use asmotion_datum::{Datum, Sample};
 use asmotion_plan::Plan;
-use asmotion_runtime::Event;
+use asmotion_runtime::{Event, WAITING_REPORT};
 
 use self::input::StoryInput;
 use self::repeats::RepeatedEntries;
@@ -156,9 +156,12 @@ impl Story {
                 port,
                 to,
                 total,
-                ..
+                reason,
             } => {
-                let what = format!("{component}.{port} → {to}: {total} so far");
+                let mut what = format!("{component}.{port} → {to}: {total} so far");
+                if let Some(reason) = reason {
+                    what += &format!(" ({reason})");
+                }
                 Some(warning_entry(NOTE, "dropped", what))
             }
             Event::Lost { count } => {
@@ -183,6 +186,10 @@ impl Story {
                 let missing = what.as_text().unwrap_or_default();
                 let what = format!("{component} has no value for `{missing}` yet");
                 Some(warning_entry(NOTE, "unsent", what))
+            }
+            WAITING_REPORT => {
+                let what = format!("{component} for {}", what.as_text().unwrap_or_default());
+                Some(warning_entry(NOTE, "waiting", what))
             }
             LOSSES_REPORT => {
                 let Losses { dropped, misfits } = what.to().ok()?;

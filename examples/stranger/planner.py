@@ -1,5 +1,5 @@
 """Plans paths over RabbitMQ in place of the built-in planner, following docs/wire.md: planner.py URL ROBOT ADDRESS"""
-import heapq, itertools, json, math, sys, time
+import heapq, itertools, json, math, sys
 import cbor2, pika
 
 READ = {"application/cbor": cbor2.loads, "application/json": json.loads}
@@ -34,9 +34,8 @@ def plan(request):
 answered = {}  # a request received twice is answered twice, but executed once
 
 def asked(channel, deliver, request, body):
-    headers, key = request.headers or {}, request.correlation_id
-    in_time = "timeout" in headers and time.time_ns() < headers.get("deadline", math.inf)
-    if request.type == "request" and key not in answered and in_time:
+    key = (request.user_id, request.correlation_id)
+    if request.type == "request" and key not in answered:
         try:
             answered[key] = "result", {}, "application/cbor", cbor2.dumps(plan(READ[request.content_type](body)))
         except Exception as fault:
@@ -44,7 +43,7 @@ def asked(channel, deliver, request, body):
     unknown = ("unavailable", {}, "application/cbor", b"") if request.type == "enquiry" else None
     if request.type in ("request", "enquiry") and (answer := answered.get(key, unknown)):
         kind, more, content_type, content = answer
-        properties = pika.BasicProperties(content_type, type=kind, headers=more, correlation_id=key)
+        properties = pika.BasicProperties(content_type, type=kind, headers=more, correlation_id=key[1])
         channel.basic_publish("", request.reply_to, content, properties)
     channel.basic_ack(deliver.delivery_tag)
     while len(answered) > 4096:

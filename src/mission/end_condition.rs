@@ -74,7 +74,7 @@ impl EndCondition {
     pub(super) fn new(plan: &Plan, until: Vec<AwaitedUpdate>, unless: Vec<AwaitedUpdate>) -> Self {
         let components = plan.components.iter();
         let specifications =
-            components.filter(|it| matches!(it.implementation, Implementation::Asm(_)));
+            components.filter(|it| matches!(it.implementation, Implementation::Asm { .. }));
         Self {
             until,
             unless,

@@ -22,6 +22,7 @@ fn envelope(topic: &str, kind: &str, message: Datum) -> Envelope {
         incarnation: 1,
         sequence: 1,
         stamp: 0,
+        age: Duration::ZERO,
         clock: Arc::from(""),
         trace: None,
         type_name: kind.into(),

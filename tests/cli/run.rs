@@ -101,3 +101,32 @@ fn two_specifications_talk_in_a_composite() {
     );
     assert!(out.contains("; 0 failed"), "{out}");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_queue_that_does_not_appear_is_reported_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let composite = folder.path().join("waiting.composite.toml");
+    let queue = format!("mqueue:/asmotion-never-{}", std::process::id());
+    let text = format!(
+        r#"
+        schema = "composite/1"
+        [composite]
+        name = "waiting"
+        [components.Rover]
+        implementation = {{ rust = "nav::sim::RoverDriver" }}
+        [[connections]]
+        from = "{queue}"
+        to = "Rover.twist"
+        "#
+    );
+    std::fs::write(&composite, text).unwrap();
+    let mut command = asmotion();
+    command
+        .args(["run", "--clock", "wall", "--for", "8"])
+        .arg(&composite);
+    let output = command.output().unwrap();
+    let story = String::from_utf8_lossy(&output.stderr);
+    let waiting = format!("Rover for {queue}");
+    assert_eq!(story.matches(&waiting).count(), 1, "{story}");
+}

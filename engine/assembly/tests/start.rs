@@ -564,6 +564,82 @@ fn o17_ports_join_over_a_message_queue() {
     );
 }
 
+/// A writer of the newest value, which is of no use after 300 ms.
+const AGEING: &str = r#"
+schema = "composite/1"
+[composite]
+name = "ageing"
+
+[components.Writer]
+implementation = { rust = "test::Echo" }
+
+[[promote]]
+port = "Writer.number"
+as = "numbers"
+
+[[connections]]
+from = "Writer.number"
+to = "mqueue:/asmotion-NAME"
+policy = { type = "data", max_age_ms = 300 }
+"#;
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_data_connection_to_a_queue_keeps_one_message_which_ages_while_the_writer_is_quiet() {
+    let name = format!("ageing-{}", std::process::id());
+    let files = files(&AGEING.replace("NAME", &name));
+    let opened = open(&files, &[]);
+    let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
+    system.observe(Log::new());
+    let mut run = system.live();
+    let layout = asmotion_mqueue::QueueLayout::of(&Number::schema()).expect("a layout");
+    let reader = || {
+        let name = asmotion_mqueue::QueueName::new(&format!("/asmotion-{name}")).expect("a name");
+        asmotion_mqueue::QueueReader::new(name, layout.clone())
+    };
+    let mut published = 0;
+    for n in 1..=5 {
+        let now = run.now();
+        run.inject(now, "Writer.number", Number { n })
+            .expect("a port");
+        let until = run.now() + 5.s();
+        run.run_until_event(until, &mut |_, event| {
+            let is_published = matches!(event, asmotion_runtime::Event::Published { .. });
+            published += u32::from(is_published);
+            is_published
+        });
+    }
+    assert_eq!(published, 5);
+    let mut first = reader();
+    let mut read = Vec::new();
+    for _ in 0..3 {
+        if let Some(asmotion_mqueue::QueueEvent::Message(datum)) =
+            first.next(std::time::Duration::from_millis(20))
+        {
+            read.push(datum.to::<Number>().expect("a number").n);
+        }
+    }
+    assert_eq!(read, [5], "the newest alone");
+    let now = run.now();
+    run.inject(now, "Writer.number", Number { n: 6 })
+        .expect("a port");
+    let until = run.now() + 5.s();
+    let mut reason = String::new();
+    run.run_until_event(until, &mut |_, event| match event {
+        asmotion_runtime::Event::Dropped {
+            total: 1,
+            reason: Some(why),
+            ..
+        } => {
+            reason = why.to_string();
+            true
+        }
+        _ => false,
+    });
+    assert!(reason.contains("not read within 300ms"), "{reason}");
+    assert_eq!(first.next(std::time::Duration::from_millis(50)), None);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn it_says_why_a_message_queue_cannot_be_made() {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::sync::Arc;
+use std::time::Duration;
 
 use asmotion_datum::{Codec, Datum, DatumError, DatumProblem, Message, Sample, Schema};
 
@@ -22,6 +23,9 @@ pub struct Envelope {
     pub stamp: i64,
     /// Name of that clock, for example `wall:rover1`; empty if it is the reader's own.
     pub clock: Arc<str>,
+    /// Time between `stamp` and the sending, measured by the sender: a message can wait for its transport, or be sent
+    /// again for a late reader.
+    pub age: Duration,
     /// Trace that the message belongs to; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
     /// Name of the payload's message type, for example `geometry_msgs/Twist`; empty if unknown.

@@ -275,6 +275,7 @@ impl Publisher for LocalPublisher {
             incarnation: self.origin.incarnation,
             sequence: self.sequence,
             stamp,
+            age: Duration::ZERO,
             clock: Arc::clone(&self.clock),
             trace: Some(trace),
             type_name: Arc::clone(&self.type_name),

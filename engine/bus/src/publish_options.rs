@@ -1,6 +1,7 @@
 //! Options of a publisher: codec, delivery assurance, and what to keep while the transport is down.
 
 use std::num::NonZeroUsize;
+use std::time::Duration;
 
 use asmotion_datum::Codec;
 
@@ -15,6 +16,9 @@ pub struct PublishOptions {
     pub outage: Outage,
     /// Keeps the last message for late subscribers; see [`Bus::repeat`](crate::Bus::repeat).
     pub init: bool,
+    /// Age beyond which no reader uses a message: a message that has waited longer, here or in the transport, is dropped
+    /// and counted. `None` keeps messages however old they are.
+    pub max_age: Option<Duration>,
 }
 
 /// Delivery assurance of a topic.
@@ -67,6 +71,13 @@ impl PublishOptions {
         self
     }
 
+    /// Sets the age beyond which no reader uses a message.
+    #[must_use]
+    pub fn max_age(mut self, max_age: Option<Duration>) -> Self {
+        self.max_age = max_age;
+        self
+    }
+
     /// Sets the encoding.
     #[must_use]
     pub fn with_codec(mut self, codec: Codec) -> Self {
@@ -82,7 +93,7 @@ pub struct PublisherCounts {
     pub published: u64,
     /// Known to have reached the transport.
     pub accepted: u64,
-    /// Dropped by the outage policy, or because they could not be encoded.
+    /// Dropped by the outage policy, because of their age, or because they could not be encoded.
     pub dropped: u64,
     /// In flight when the transport broke; may or may not have arrived.
     pub lost: u64,

@@ -143,6 +143,11 @@ impl PendingCall {
         self.slot.set(Err(CallFailure::Cancelled));
     }
 
+    /// Returns the instant at which the call ends without a reply.
+    pub fn deadline(&self) -> Instant {
+        self.deadline
+    }
+
     /// Returns whether the deadline has passed.
     pub fn is_expired(&self) -> bool {
         Instant::now() >= self.deadline
@@ -303,7 +308,7 @@ impl ServedAddress {
     /// Creates the provider's end of a queue. `on_drop` is called on drop, after the waiting calls have failed.
     pub fn new(queue: Arc<AddressQueue>, on_drop: impl FnOnce() + Send + 'static) -> Self {
         Self {
-            queue: queue,
+            queue,
             on_drop: Some(Box::new(on_drop)),
         }
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 /// Identity of a publisher or caller.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SenderId {
     /// Name of the component.
     pub source: Arc<str>,

@@ -13,8 +13,8 @@
 //! }
 //!
 //! let layout = QueueLayout::of(<Command as asmotion_datum::Message>::schema())?;
-//! let room = QueueCapacity { messages: 10, size: layout.size_or(0) };
-//! let mut writer = QueueWriter::open(QueueName::new("/commands")?, layout, room, FullQueuePolicy::Oldest)?;
+//! let capacity = QueueCapacity { messages: 10, size: layout.size_or(0) };
+//! let mut writer = QueueWriter::open(QueueName::new("/commands")?, layout, capacity, FullQueuePolicy::Oldest)?;
 //! writer.send(&Command::default())?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -28,6 +28,7 @@ mod queue;
 #[cfg(not(target_os = "linux"))]
 #[path = "queue/absent.rs"]
 mod queue;
+mod queue_priority;
 mod reader;
 mod wire;
 mod writer;
@@ -36,5 +37,5 @@ pub use capacity::QueueCapacity;
 pub use error::{QueueCheckError, UnsupportedTypeError};
 pub use layout::QueueLayout;
 pub use name::QueueName;
-pub use reader::{FirstMessage, QueueReader};
+pub use reader::{QueueEvent, QueueReader};
 pub use writer::{FullQueuePolicy, QueueWriter};

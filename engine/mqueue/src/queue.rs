@@ -1,5 +1,7 @@
 //! Message queues of the Linux kernel. Only [`KernelQueue::wait`] blocks.
 
+mod holder;
+
 use std::os::fd::AsFd;
 use std::time::Duration;
 
@@ -15,6 +17,9 @@ use nix::sys::stat::{Mode, fstat};
 use crate::capacity::QueueCapacity;
 use crate::error::QueueCheckError;
 use crate::name::QueueName;
+use crate::queue_priority::QueuePriority;
+
+pub(crate) use holder::{HolderAccess, QueueHolder};
 
 /// An open queue, which is closed on drop.
 pub(crate) struct KernelQueue {
@@ -32,18 +37,46 @@ pub(crate) enum SendOutcome {
     Full,
 }
 
+/// The process that created a queue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum QueueOrigin {
+    /// This process, when it opened the queue.
+    Created,
+    /// An earlier process: the queue was there.
+    Found,
+}
+
+/// Number of attempts to create or else open a queue.
+const ATTEMPTS: usize = 10;
+
 impl KernelQueue {
     /// Opens a queue for writing, and creates it if it does not exist. Also opens it for reading, so that the writer
     /// can remove the oldest message.
     pub(crate) fn create(
         name: &QueueName,
         capacity: QueueCapacity,
-    ) -> Result<Self, QueueCheckError> {
+    ) -> Result<(Self, QueueOrigin), QueueCheckError> {
         let member =
             |number: usize| mq_attr_member_t::try_from(number).unwrap_or(mq_attr_member_t::MAX);
         let attributes = MqAttr::new(0, member(capacity.messages), member(capacity.size), 0);
-        let flags = MQ_OFlag::O_CREAT | MQ_OFlag::O_RDWR;
-        Self::open(name, flags, Some(&attributes)).map_err(|errno| refusal(name, capacity, errno))
+        let new = MQ_OFlag::O_CREAT | MQ_OFlag::O_EXCL | MQ_OFlag::O_RDWR;
+        let mut problem = Errno::ENOENT;
+        // between the two attempts, another process may create or remove the queue
+        for _ in 0..ATTEMPTS {
+            match Self::open(name, new, Some(&attributes)) {
+                Ok(queue) => return Ok((queue, QueueOrigin::Created)),
+                Err(Errno::EEXIST) => {}
+                Err(errno) => return Err(refusal(name, capacity, errno)),
+            }
+            match Self::open(name, MQ_OFlag::O_RDWR, None) {
+                Ok(queue) => return Ok((queue, QueueOrigin::Found)),
+                Err(errno) => problem = errno,
+            }
+            if problem != Errno::ENOENT {
+                break;
+            }
+        }
+        Err(refusal(name, capacity, problem))
     }
 
     /// Opens a queue for reading. Returns `None` if it does not exist.
@@ -85,9 +118,25 @@ impl KernelQueue {
         self.size
     }
 
+    /// Number of messages in the queue.
+    pub(crate) fn count(&self) -> usize {
+        let attributes = self.descriptor().and_then(mq_getattr);
+        // cannot fail for an open queue
+        attributes.map_or(0, |attributes| {
+            usize::try_from(attributes.curmsgs()).unwrap_or(0)
+        })
+    }
+
     /// Adds a message if there is room.
-    pub(crate) fn push(&self, message: &[u8]) -> Result<SendOutcome, QueueCheckError> {
-        match self.descriptor().and_then(|open| mq_send(open, message, 0)) {
+    pub(crate) fn push(
+        &self,
+        message: &[u8],
+        priority: QueuePriority,
+    ) -> Result<SendOutcome, QueueCheckError> {
+        let sent = self
+            .descriptor()
+            .and_then(|open| mq_send(open, message, priority.number()));
+        match sent {
             Ok(()) => Ok(SendOutcome::Stored),
             Err(Errno::EAGAIN) => Ok(SendOutcome::Full),
             Err(Errno::EMSGSIZE) => Err(QueueCheckError::Smaller {
@@ -99,14 +148,17 @@ impl KernelQueue {
         }
     }
 
-    /// Removes the oldest message, if there is one. Returns its size in bytes.
-    pub(crate) fn pop(&self, buffer: &mut [u8]) -> Result<Option<usize>, QueueCheckError> {
+    /// Removes the oldest message, if there is one. Returns its size in bytes and its priority.
+    pub(crate) fn pop(
+        &self,
+        buffer: &mut [u8],
+    ) -> Result<Option<(usize, QueuePriority)>, QueueCheckError> {
         let mut priority = 0;
         let received = self
             .descriptor()
             .and_then(|open| mq_receive(open, buffer, &mut priority));
         match received {
-            Ok(bytes) => Ok(Some(bytes)),
+            Ok(bytes) => Ok(Some((bytes, QueuePriority::of(priority)))),
             Err(Errno::EAGAIN | Errno::EINTR) => Ok(None),
             Err(errno) => Err(system(&self.name, errno)),
         }
@@ -152,7 +204,7 @@ fn system(name: &QueueName, errno: Errno) -> QueueCheckError {
 
 /// Explains why a queue was not created. The kernel's error code is not specific, so this compares the request with the
 /// limits.
-fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckError {
+fn refusal(name: &QueueName, capacity: QueueCapacity, errno: Errno) -> QueueCheckError {
     let queue = name.to_string();
     let limit = |which: &str| -> Option<usize> {
         let text = std::fs::read_to_string(format!("/proc/sys/fs/mqueue/{which}")).ok()?;
@@ -167,14 +219,14 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
         Errno::ENOSPC => QueueCheckError::NoMore { queue },
         Errno::EINVAL | Errno::ENOMEM | Errno::EOVERFLOW => {
             match (limit("msg_max"), limit("msgsize_max")) {
-                (Some(limit), _) if room.messages > limit => QueueCheckError::TooMany {
+                (Some(limit), _) if capacity.messages > limit => QueueCheckError::TooMany {
                     queue,
-                    requested: room.messages,
+                    requested: capacity.messages,
                     limit,
                 },
-                (_, Some(limit)) if room.size > limit => QueueCheckError::TooLarge {
+                (_, Some(limit)) if capacity.size > limit => QueueCheckError::TooLarge {
                     queue,
-                    requested: room.size,
+                    requested: capacity.size,
                     limit,
                 },
                 _ => system(name, errno),
@@ -182,10 +234,12 @@ fn refusal(name: &QueueName, room: QueueCapacity, errno: Errno) -> QueueCheckErr
         }
         // the kernel's code for queues that are too large for the user's limit
         Errno::EMFILE => match getrlimit(Resource::RLIMIT_MSGQUEUE) {
-            Ok((limit, _)) if room.messages.saturating_mul(room.size) as u64 > limit / 2 => {
+            Ok((limit, _))
+                if capacity.messages.saturating_mul(capacity.size) as u64 > limit / 2 =>
+            {
                 QueueCheckError::NoRoom {
                     queue,
-                    requested: room.messages.saturating_mul(room.size),
+                    requested: capacity.messages.saturating_mul(capacity.size),
                     limit,
                 }
             }

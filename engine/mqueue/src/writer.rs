@@ -1,15 +1,21 @@
 //! The sending end of a queue: an output port that Orocos components read.
 
-use std::sync::Arc;
+mod upkeep;
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
-use asmotion_runtime::{PushOutcome, Sink};
+use asmotion_runtime::{PushOutcome, Sink, SinkUpkeep};
 
 use crate::capacity::QueueCapacity;
 use crate::error::QueueCheckError;
 use crate::layout::QueueLayout;
 use crate::name::QueueName;
-use crate::queue::{KernelQueue, SendOutcome};
+use crate::queue::{HolderAccess, KernelQueue, QueueOrigin, SendOutcome};
+use crate::queue_priority::QueuePriority;
+use crate::writer::upkeep::QueueUpkeep;
 
 /// The messages that are kept when the queue is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,64 +28,127 @@ pub enum FullQueuePolicy {
     Last,
 }
 
-/// Writes messages without ever waiting for a reader. The queue's name is removed on drop.
+/// Writes messages without ever waiting for a reader.
+///
+/// On drop, the queue's name is removed unless another process has the queue open, or may have: a reader that stays
+/// would never find the next writer's queue.
 pub struct QueueWriter {
+    name: QueueName,
+    /// Shared with [`QueueUpkeep`], which holds the lock for a few system calls at most.
+    state: Arc<Mutex<WriterState>>,
+}
+
+/// The queue of a writer and its content.
+struct WriterState {
     name: QueueName,
     layout: QueueLayout,
     keep: FullQueuePolicy,
-    queue: KernelQueue,
-    /// Buffer for the message being written.
+    capacity: QueueCapacity,
+    /// Age at which a message in the queue is discarded.
+    max_age: Option<Duration>,
+    queue: Arc<KernelQueue>,
+    origin: QueueOrigin,
+    /// Times of sending of the messages in the queue, oldest first; `None` for a message that only shows the layout,
+    /// which does not age.
+    waiting: VecDeque<Option<Instant>>,
+    /// Number of messages of data that were put into the queue.
+    sent: u64,
+    /// Number of messages that a reader has taken from the queue.
+    taken: u64,
+    /// Another process with the queue open has been seen, so that readers are visible. Set by the upkeep.
+    holder_seen: bool,
+    /// Buffer for the message being encoded.
     message: Vec<u8>,
-    /// Buffer for a message that is removed to make room.
-    discarded: Vec<u8>,
+    /// The last message; empty before the first one.
+    last: Vec<u8>,
+    /// Buffer for a message that is removed.
+    removed: Vec<u8>,
+    discarded: DiscardedMessages,
+}
+
+/// Messages that the writer removed from the queue and that have not been reported yet.
+#[derive(Default)]
+struct DiscardedMessages {
+    /// Left in the queue by an earlier writer.
+    left: u64,
+    /// Older than the limit.
+    expired: u64,
 }
 
 impl QueueWriter {
-    /// Opens a queue, and creates it if it does not exist. Discards messages of a previous writer, and sends a sample
-    /// of zeros as the first message.
+    /// Opens a queue, and creates it if it does not exist. Discards messages of an earlier writer.
+    ///
+    /// In a queue that it created, the first message is a sample of zeros, which shows the layout. A queue that another
+    /// process has open is used as it is: its reader would take the zeros for data. A queue that no process has open is
+    /// replaced.
     ///
     /// # Errors
     /// An error of the operating system, usually a limit; or a queue with this name exists for smaller messages.
     pub fn open(
         name: QueueName,
         layout: QueueLayout,
-        room: QueueCapacity,
+        capacity: QueueCapacity,
         keep: FullQueuePolicy,
     ) -> Result<Self, QueueCheckError> {
-        if room.size == 0 {
+        if capacity.size == 0 {
             return Err(QueueCheckError::NoSize {
                 queue: name.to_string(),
                 kind: layout.schema().to_string(),
             });
         }
-        let queue = KernelQueue::create(&name, room)?;
-        if queue.size() < room.size {
+        let (mut queue, mut origin) = KernelQueue::create(&name, capacity)?;
+        let mut left = 0;
+        if origin == QueueOrigin::Found {
+            let others = queue.find_holders(HolderAccess::Any);
+            if others.found.is_empty() && others.complete {
+                left = queue.count();
+                queue.unlink();
+                (queue, origin) = KernelQueue::create(&name, capacity)?;
+            }
+        }
+        if queue.size() < capacity.size {
             return Err(QueueCheckError::Smaller {
                 queue: name.to_string(),
                 required: queue.size(),
-                size: room.size,
+                size: capacity.size,
             });
         }
-        let mut old = vec![0; queue.size()];
-        while queue.pop(&mut old)?.is_some() {}
-        let mut writer = Self {
-            name,
+        let mut removed = vec![0; queue.size()];
+        while queue.pop(&mut removed)?.is_some() {
+            left += 1;
+        }
+        let mut state = WriterState {
+            name: name.clone(),
             layout,
             keep,
-            message: Vec::with_capacity(room.size),
-            discarded: old,
-            queue,
+            capacity,
+            max_age: None,
+            queue: Arc::new(queue),
+            origin,
+            waiting: VecDeque::with_capacity(capacity.messages),
+            sent: 0,
+            taken: 0,
+            holder_seen: false,
+            message: Vec::with_capacity(capacity.size),
+            last: Vec::with_capacity(capacity.size),
+            removed,
+            discarded: DiscardedMessages {
+                left: left as u64,
+                expired: 0,
+            },
         };
-        writer.send_zeros().map(|()| writer)
+        state.show_layout()?;
+        Ok(Self {
+            name,
+            state: Arc::new(Mutex::new(state)),
+        })
     }
 
-    /// Sends a sample that shows the layout, for which a reader of RTT waits after connecting.
-    fn send_zeros(&mut self) -> Result<(), QueueCheckError> {
-        // fails only for types that a layout refuses
-        match self.layout.encode_zeros(&mut self.message) {
-            Ok(()) => self.push().map(drop),
-            Err(_) => Ok(()),
-        }
+    /// Sets the age at which a message that nobody has read is discarded (default: none).
+    #[must_use]
+    pub fn max_age(self, max_age: Option<Duration>) -> Self {
+        lock(&self.state).max_age = max_age;
+        self
     }
 
     /// Sends a message, or drops it if the queue is full.
@@ -87,34 +156,129 @@ impl QueueWriter {
     /// # Errors
     /// An error if the message has another type or is too large for the queue.
     pub fn send(&mut self, sample: &dyn Sample) -> Result<PushOutcome, DatumError> {
+        lock(&self.state).send(sample)
+    }
+}
+
+impl WriterState {
+    fn send(&mut self, sample: &dyn Sample) -> Result<PushOutcome, DatumError> {
         self.message.clear();
         match sample.downcast_ref::<Datum>() {
             Some(datum) => self.layout.encode(datum, &mut self.message)?,
             None => self.layout.encode(&sample.to_datum()?, &mut self.message)?,
         }
-        self.push().map_err(to_datum_error)
+        let now = Instant::now();
+        self.expire(now).map_err(to_datum_error)?;
+        let outcome = self.store(now).map_err(to_datum_error)?;
+        std::mem::swap(&mut self.message, &mut self.last);
+        Ok(outcome)
     }
 
-    fn push(&mut self) -> Result<PushOutcome, QueueCheckError> {
-        if self.queue.push(&self.message)? == SendOutcome::Stored {
+    fn store(&mut self, now: Instant) -> Result<PushOutcome, QueueCheckError> {
+        // a queue that was found may have room for more messages than this connection wants
+        if self.queue.count() < self.capacity.messages && self.push(now)? == SendOutcome::Stored {
             return Ok(PushOutcome::Stored);
         }
         if self.keep == FullQueuePolicy::Oldest {
             return Ok(PushOutcome::DroppedNewest);
         }
         // a reader may have emptied the queue in the meantime, in which case nothing is lost
-        let taken = self.queue.pop(&mut self.discarded)?;
-        Ok(match (self.queue.push(&self.message)?, taken, self.keep) {
+        let replaced = self.remove_oldest()?;
+        Ok(match (self.push(now)?, replaced, self.keep) {
             (SendOutcome::Full, ..) => PushOutcome::DroppedNewest,
-            (SendOutcome::Stored, Some(_), FullQueuePolicy::Newest) => PushOutcome::DroppedOldest,
+            (SendOutcome::Stored, Some(QueuePriority::Data), FullQueuePolicy::Newest) => {
+                PushOutcome::DroppedOldest
+            }
             (SendOutcome::Stored, ..) => PushOutcome::Stored,
         })
+    }
+
+    fn push(&mut self, now: Instant) -> Result<SendOutcome, QueueCheckError> {
+        let outcome = self.queue.push(&self.message, QueuePriority::Data)?;
+        if outcome == SendOutcome::Stored {
+            self.waiting.push_back(Some(now));
+            self.sent += 1;
+        }
+        Ok(outcome)
+    }
+
+    /// Sends a message that shows the layout, for which a reader of RTT waits after connecting: the last message, or
+    /// zeros in a queue that this writer created. The queue must be empty, and no connected reader may be waiting for
+    /// data.
+    fn show_layout(&mut self) -> Result<(), QueueCheckError> {
+        if !self.last.is_empty() {
+            self.message.clone_from(&self.last);
+        } else if self.origin == QueueOrigin::Created {
+            self.message.clear();
+            // fails only for types that a layout refuses
+            if self.layout.encode_zeros(&mut self.message).is_err() {
+                return Ok(());
+            }
+        } else {
+            return Ok(());
+        }
+        if self.queue.push(&self.message, QueuePriority::Layout)? == SendOutcome::Stored {
+            self.waiting.push_back(None);
+        }
+        Ok(())
+    }
+
+    /// Removes the oldest message. Returns its priority.
+    fn remove_oldest(&mut self) -> Result<Option<QueuePriority>, QueueCheckError> {
+        let removed = self.queue.pop(&mut self.removed)?;
+        if removed.is_some() {
+            self.waiting.pop_front();
+        }
+        Ok(removed.map(|(_, priority)| priority))
+    }
+
+    /// Counts the messages that a reader has taken. Returns the number of messages left in the queue.
+    fn update_taken(&mut self) -> usize {
+        let count = self.queue.count();
+        let taken = self.waiting.len().saturating_sub(count);
+        self.waiting.drain(..taken);
+        self.taken += taken as u64;
+        count
+    }
+
+    /// Removes the messages that are too old, and a message before them that shows the layout.
+    fn expire(&mut self, now: Instant) -> Result<(), QueueCheckError> {
+        self.update_taken();
+        let Some(max_age) = self.max_age else {
+            return Ok(());
+        };
+        let is_old = |sent: &Option<Instant>| {
+            sent.is_some_and(|sent| now.saturating_duration_since(sent) > max_age)
+        };
+        let newest = self.waiting.iter().rposition(is_old);
+        for _ in 0..newest.map_or(0, |newest| newest + 1) {
+            match self.remove_oldest()? {
+                Some(QueuePriority::Data) => self.discarded.expired += 1,
+                Some(QueuePriority::Layout | QueuePriority::Foreign) => {}
+                // a reader was faster
+                None => break,
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns whether no reader can have the queue open, given that none was found: all processes were examined,
+    /// readers have been visible so far, or none has ever taken a message.
+    fn is_unread(&self, complete: bool) -> bool {
+        let untouched = self.origin == QueueOrigin::Created && self.taken == 0;
+        complete || self.holder_seen || untouched
     }
 }
 
 impl Drop for QueueWriter {
     fn drop(&mut self) {
-        self.queue.unlink();
+        let mut state = lock(&self.state);
+        let others = state.queue.find_holders(HolderAccess::Any);
+        state.update_taken();
+        if others.found.is_empty() && state.is_unread(others.complete) && !state.queue.is_unlinked()
+        {
+            state.queue.unlink();
+        }
     }
 }
 
@@ -126,9 +290,22 @@ impl Sink for QueueWriter {
     fn send(&mut self, sample: Arc<dyn Sample>) -> Result<PushOutcome, DatumError> {
         QueueWriter::send(self, &*sample)
     }
+
+    fn upkeep(&mut self) -> Option<Box<dyn SinkUpkeep>> {
+        Some(Box::new(QueueUpkeep::new(Arc::clone(&self.state))))
+    }
+}
+
+fn lock(state: &Mutex<WriterState>) -> MutexGuard<'_, WriterState> {
+    state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Converts a problem of the queue to an error of the sample.
 pub(crate) fn to_datum_error(error: QueueCheckError) -> DatumError {
-    DatumError::new(DatumProblem::Mismatch(error.to_string()))
+    problem(error.to_string())
+}
+
+/// A problem with a message, in words.
+pub(crate) fn problem(reason: String) -> DatumError {
+    DatumError::new(DatumProblem::Mismatch(reason))
 }

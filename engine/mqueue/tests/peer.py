@@ -75,6 +75,36 @@ def main(role, name, *rest):
         while (message := receive(there, 5)) is not None:
             send(back, message)
         libc.mq_unlink(rest[0].encode())
+    elif role == "serve":
+        serve(name)
+
+
+def serve(name):
+    """Obeys commands, one a line, and answers each with a line."""
+    queue = None
+    for line in sys.stdin:
+        command, *words = line.split()
+        answer = "done"
+        try:
+            if command == "make":
+                queue = opened(name, os.O_CREAT | os.O_RDONLY, 128)
+            elif command == "open":
+                queue = opened(name, os.O_RDONLY)
+            elif command == "read":
+                message = receive(queue, float(words[0]))
+                answer = "nothing" if message is None else str(unpack(message)["errors"][0])
+            elif command == "offer":
+                queue = opened(name, os.O_CREAT | os.O_WRONLY | os.O_NONBLOCK, 128)
+                # as RTT: the first message shows the layout
+                send(queue, pack(False, [999, 0, 0], []))
+            elif command == "write":
+                number = int(words[0])
+                send(queue, pack(True, [number, 2, 3], [number / 2] * number))
+            elif command == "unlink":
+                libc.mq_unlink(name.encode())
+        except OSError as error:
+            answer = error.strerror
+        print(answer, flush=True)
 
 
 main(*sys.argv[1:])

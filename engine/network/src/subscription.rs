@@ -51,6 +51,15 @@ struct DeliveryGate {
     route: Mutex<Option<TopicRoute>>,
 }
 
+/// Treatment of the time that messages have waited at their senders.
+#[derive(Debug, Clone, Copy)]
+enum Ages {
+    /// It counts towards the age limits of the connections.
+    Counted,
+    /// The clock of a simulation and the time that messages take in the world outside have nothing in common.
+    Ignored,
+}
+
 /// The route from a topic to a port.
 struct TopicRoute {
     subscription: Subscription,
@@ -119,7 +128,7 @@ impl TopicSubscription {
 
     /// Moves the arrived messages into the port.
     pub(crate) fn deliver(&self, now: Time, effects: &mut dyn Effects) {
-        self.0.drain(|| now, effects);
+        self.0.drain(|| now, Ages::Ignored, effects);
     }
 }
 
@@ -127,13 +136,13 @@ impl DeliveryGate {
     /// Called by a thread of the bus after it has queued a message.
     fn notify(&self) {
         match self.context.get() {
-            Some(context) => self.drain(|| context.now(), &mut context.clone()),
+            Some(context) => self.drain(|| context.now(), Ages::Counted, &mut context.clone()),
             None => self.notifier.notify(),
         }
     }
 
     /// Moves the queued messages into the port, or leaves that to the thread that is doing so.
-    fn drain(&self, now: impl Fn() -> Time, effects: &mut dyn Effects) {
+    fn drain(&self, now: impl Fn() -> Time, ages: Ages, effects: &mut dyn Effects) {
         self.pending.swap(true, Ordering::AcqRel);
         fence(Ordering::SeqCst);
         loop {
@@ -145,7 +154,7 @@ impl DeliveryGate {
             };
             self.pending.swap(false, Ordering::AcqRel);
             if let Some(route) = &mut *route {
-                route.drain(now(), effects);
+                route.drain(now(), ages, effects);
             }
             drop(route);
             fence(Ordering::SeqCst);
@@ -157,7 +166,7 @@ impl DeliveryGate {
 }
 
 impl TopicRoute {
-    fn drain(&mut self, now: Time, effects: &mut dyn Effects) {
+    fn drain(&mut self, now: Time, ages: Ages, effects: &mut dyn Effects) {
         while let Some(envelope) = self.subscription.try_next() {
             if self.own_incarnation == Some(envelope.incarnation) {
                 continue;
@@ -167,7 +176,11 @@ impl TopicRoute {
                     if let Some(trace) = envelope.trace {
                         self.cause.record(trace);
                     }
-                    self.port.inject(&sample, now, effects);
+                    let written = match ages {
+                        Ages::Counted => now - envelope.age,
+                        Ages::Ignored => now,
+                    };
+                    self.port.inject_written(&sample, written, now, effects);
                 }
                 Err(reason) => self.port.count_dropped(1, Some(&reason), now, effects),
             }

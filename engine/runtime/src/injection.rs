@@ -160,7 +160,7 @@ impl InjectionPorts {
             },
         );
         for injection in self.target_ports(target) {
-            injection.send(sample, now, effects);
+            injection.send(sample, now, now, effects);
         }
     }
 
@@ -223,6 +223,13 @@ impl InjectionPort {
         self.connection
     }
 
+    /// Returns the name of the reading component.
+    pub(crate) fn component_name(&self) -> &str {
+        self.name
+            .rsplit_once('.')
+            .map_or(&*self.name, |(component, _)| component)
+    }
+
     /// Returns the number of samples dropped so far.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
@@ -258,6 +265,18 @@ impl InjectionPort {
 
     /// Puts a sample into this port alone and reports it to the observers.
     pub fn inject(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
+        self.inject_written(sample, now, now, effects);
+    }
+
+    /// Puts a sample that was written at the instant `written` into this port alone and reports it to the observers. Age
+    /// limits of connections count from `written`.
+    pub fn inject_written(
+        &mut self,
+        sample: &Arc<dyn Sample>,
+        written: Time,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
         effects.emit(
             now,
             &Event::Injected {
@@ -265,12 +284,18 @@ impl InjectionPort {
                 sample: &**sample,
             },
         );
-        self.send(sample, now, effects);
+        self.send(sample, written, now, effects);
     }
 
-    fn send(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
+    fn send(
+        &mut self,
+        sample: &Arc<dyn Sample>,
+        written: Time,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
         let order = effects.next_order();
-        let delivery = self.sender.send_sample(Arc::clone(sample), now, order);
+        let delivery = self.sender.send_sample(Arc::clone(sample), written, order);
         if self.trigger
             && matches!(
                 delivery,

@@ -52,6 +52,6 @@ pub use service::{
     CallKey, ComponentReply, ProviderMessage, RemoteCaller, ReplyTo, RequestQueue, ServiceRequest,
 };
 pub use simulated::{Pace, Simulation};
-pub use stream::{Sink, Source};
+pub use stream::{Sink, SinkUpkeep, Source, SourceEvent, WAITING_REPORT};
 pub use system::{ComponentId, System};
 pub use topic::SystemTopic;

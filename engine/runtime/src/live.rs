@@ -26,7 +26,7 @@ use crate::handle::RunHandle;
 use crate::health;
 use crate::injection::{InjectionPorts, InjectionTarget};
 use crate::run::{Act, Executor, Watch};
-use crate::stream::SourceThreads;
+use crate::stream::{SinkThread, SourceThreads};
 use crate::system::System;
 
 /// Longest sleep of the owner's thread between two looks at the event queue.
@@ -47,6 +47,8 @@ pub struct Live {
     grace_period: Duration,
     /// Calls the adapters; `None` without adapters.
     bus_thread: Option<BusThread>,
+    /// Does the upkeep of sinks; `None` without sinks.
+    sinks: Option<SinkThread>,
     /// The threads that read sources; `None` without sources.
     sources: Option<SourceThreads>,
 }
@@ -80,6 +82,7 @@ impl Live {
             topics,
             adapters,
             notifier,
+            sinks,
             streams,
             mut connections,
             ..
@@ -106,6 +109,7 @@ impl Live {
             planned: Vec::new(),
             grace_period: Duration::from_secs(5),
             bus_thread: None,
+            sinks: None,
             sources: None,
         };
         live.start_up();
@@ -115,6 +119,9 @@ impl Live {
         } else {
             let bus_thread = BusThread::new(adapters, notifier, live.context.clone());
             live.bus_thread = Some(bus_thread);
+        }
+        if !sinks.is_empty() {
+            live.sinks = Some(SinkThread::new(sinks, live.context.clone()));
         }
         if !streams.is_empty() {
             live.sources = Some(SourceThreads::new(streams, &live.context));

@@ -18,7 +18,7 @@ use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
 use crate::event::Observer;
-use crate::stream::SourceStream;
+use crate::stream::{SinkStream, SourceStream};
 use crate::topic::SystemTopic;
 
 pub(crate) use join::operation_indices;
@@ -69,6 +69,8 @@ pub struct System {
     /// Wakes the thread that calls the adapters.
     pub(crate) notifier: Arc<Notifier>,
     pub(crate) connections: ConnectionTable,
+    /// Upkeeps of sinks.
+    pub(crate) sinks: Vec<SinkStream>,
     /// Sources and the inputs that they feed.
     pub(crate) streams: Vec<SourceStream>,
 }

@@ -245,7 +245,7 @@ impl Building<'_> {
                 queue::to(&mut self.system, from, queue, joint)?;
             }
             (Terminal::Mqueue(queue), Terminal::Port(to)) if self.part.has(&to.component) => {
-                queue::from(&mut self.system, queue, to, joint, &policy)?;
+                queue::from(&mut self.system, queue, to, &policy)?;
             }
             (Terminal::Port(from), Terminal::Topic(topic)) if self.part.has(&from.component) => {
                 self.system.publish(&from.to_string(), topic)?;

@@ -1,17 +1,16 @@
 //! Connects ports to Orocos components over POSIX message queues.
 
+use std::time::Duration;
+
 use asmotion_component::Policy;
 use asmotion_component::declaration::{Declaration, PortDeclaration};
 use asmotion_mqueue::{
-    FirstMessage, FullQueuePolicy, QueueCapacity, QueueLayout, QueueName, QueueReader, QueueWriter,
+    FullQueuePolicy, QueueCapacity, QueueLayout, QueueName, QueueReader, QueueWriter,
 };
 use asmotion_runtime::System;
 
 use super::StartError;
 use asmotion_composite::model::ConnectionType;
-
-/// Default capacity of a queue in messages; the same as in RTT.
-const MESSAGES: usize = 10;
 
 /// Connects an output port to a queue.
 pub(super) fn to(
@@ -23,14 +22,16 @@ pub(super) fn to(
     let layout = layout(system, from, Declaration::output)?;
     let number = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
     let (keep, messages) = match policy.kind {
-        ConnectionType::Data => (FullQueuePolicy::Last, MESSAGES),
+        ConnectionType::Data => (FullQueuePolicy::Last, 1),
         ConnectionType::Buffer => (FullQueuePolicy::Oldest, number(policy.size)),
         ConnectionType::Circular => (FullQueuePolicy::Newest, number(policy.size)),
     };
     let size = layout.size_or(policy.data_size.map_or(0, number));
-    let room = QueueCapacity { messages, size };
-    let writer = QueueName::new(queue).and_then(|name| QueueWriter::open(name, layout, room, keep));
+    let capacity = QueueCapacity { messages, size };
+    let writer =
+        QueueName::new(queue).and_then(|name| QueueWriter::open(name, layout, capacity, keep));
     let writer = writer.map_err(|error| refused(from, error))?;
+    let writer = writer.max_age(policy.max_age_ms.map(Duration::from_millis));
     Ok(system.connect_sink(&from.to_string(), Box::new(writer))?)
 }
 
@@ -39,17 +40,11 @@ pub(super) fn from(
     system: &mut System,
     queue: &str,
     to: &asmotion_plan::End,
-    joint: &asmotion_plan::Policy,
     policy: &Policy,
 ) -> Result<(), StartError> {
     let layout = layout(system, to, Declaration::input)?;
     let name = QueueName::new(queue).map_err(|error| refused(to, error))?;
-    let first = if joint.init {
-        FirstMessage::Data
-    } else {
-        FirstMessage::Shape
-    };
-    let reader = QueueReader::new(name, layout, first);
+    let reader = QueueReader::new(name, layout).max_age(policy.max_age);
     Ok(system.connect_source(Box::new(reader), &to.to_string(), policy)?)
 }
 

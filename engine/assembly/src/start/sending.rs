@@ -1,9 +1,10 @@
 //! Publish options of topics sent over a bus, derived from the connections at both ends.
 
 use std::num::NonZeroUsize;
+use std::time::Duration;
 
 use asmotion_bus::{Assurance, Outage, PublishOptions};
-use asmotion_component::BufferKind;
+use asmotion_component::{BufferKind, OnStale};
 use asmotion_datum::Codec;
 
 use super::policy;
@@ -27,7 +28,12 @@ pub(super) fn of_topics<'p>(
         let connections = plan.connections.iter();
         let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
         let publisher = topic.publishers.iter().find(|end| part.has(&end.component));
-        let sending = of_connections(plan, connections, publisher);
+        let limits = topic.subscribers.iter().map(|reader| {
+            let mut read = connections.clone();
+            let read = read.find(|it| it.to == Terminal::Port(reader.clone()));
+            read.and_then(age_limit)
+        });
+        let sending = of_connections(plan, connections.clone(), publisher).max_age(longest(limits));
         (topic.name.as_str(), as_written(&topic.sending, sending))
     })
 }
@@ -38,7 +44,21 @@ pub(super) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
         let to_port = matches!(connection.to, Terminal::Port(_));
         to_port && connection.from == Terminal::Port(port.clone())
     });
-    of_connections(plan, from, Some(port))
+    let limits = from.clone().map(age_limit);
+    of_connections(plan, from, Some(port)).max_age(longest(limits))
+}
+
+/// Returns the age beyond which the reader of a connection does not use a sample, if there is one. A reader that holds stale
+/// samples uses each of them.
+fn age_limit(connection: &Connection) -> Option<Duration> {
+    let policy = policy::of(connection);
+    policy.max_age.filter(|_| policy.on_stale != OnStale::Hold)
+}
+
+/// Returns the age beyond which no reader uses a sample; `None` if one uses it at any age, or if there is no reader.
+fn longest(limits: impl Iterator<Item = Option<Duration>>) -> Option<Duration> {
+    let limits: Option<Vec<Duration>> = limits.collect();
+    limits?.into_iter().max()
 }
 
 /// Derives the options from a set of connections.
@@ -132,6 +152,22 @@ mod tests {
         assert_eq!(as_written(&topic, PublishOptions::state()), wanted);
         topic.outage = Some(model::Outage::Drop);
         assert_eq!(as_written(&topic, wanted).outage, Outage::Drop);
+    }
+
+    #[test]
+    fn a_message_is_discarded_once_no_reader_uses_it() {
+        let (short, long) = (
+            Some(Duration::from_millis(200)),
+            Some(Duration::from_millis(500)),
+        );
+        for (limits, expected) in [
+            (vec![], None),
+            (vec![short], short),
+            (vec![short, long, short], long),
+            (vec![short, None], None),
+        ] {
+            assert_eq!(longest(limits.into_iter()), expected);
+        }
     }
 
     #[test]

@@ -152,6 +152,7 @@ impl Bus for AmqpBus {
             shared: Arc::clone(&publisher),
             key,
             author: MessageSource {
+                max_age: sending.max_age,
                 source: Arc::clone(&origin.source),
                 incarnation: origin.incarnation,
                 stream: format!("{}.{}", self.lifetime_id, self.next_number()),

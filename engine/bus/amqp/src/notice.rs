@@ -1,6 +1,7 @@
 //! Events of a bus that no call returns, for a log.
 
 use std::fmt;
+use std::time::Duration;
 
 /// An event in the life of a bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,6 +34,31 @@ pub enum BusNotice {
         /// Decoding error.
         reason: String,
     },
+    /// The numbers of a stream jumped too far for a loss: its publisher is faulty, or its messages are forged.
+    SequenceJump {
+        /// Topic of the message.
+        topic: String,
+        /// The sender's AMQP user, which the broker verifies; empty if the message names none.
+        user: String,
+        /// The highest number before.
+        from: u64,
+        /// The number of the message.
+        to: u64,
+    },
+    /// A request came so late that its caller has given up; it was not executed.
+    Late {
+        /// Address of the request.
+        what: String,
+        /// Name of the caller.
+        source: String,
+    },
+    /// The clock of a caller differs from that of this machine by more than a timeout.
+    ClockOffset {
+        /// Name of the caller.
+        source: String,
+        /// Difference of the clocks.
+        difference: Duration,
+    },
     /// A message could not be encoded.
     Unwritable {
         /// Topic or address of the message.
@@ -53,6 +79,24 @@ impl fmt::Display for BusNotice {
             Self::Unreadable { what, reason } => {
                 write!(f, "cannot decode a message on `{what}`: {reason}")
             }
+            Self::SequenceJump {
+                topic,
+                user,
+                from,
+                to,
+            } => write!(
+                f,
+                "the numbers of a stream of user `{user}` on `{topic}` jump from {from} to {to}"
+            ),
+            Self::Late { what, source } => write!(
+                f,
+                "a request of `{source}` to `{what}` came too late and was not executed"
+            ),
+            Self::ClockOffset { source, difference } => write!(
+                f,
+                "the clock of `{source}` differs from that of this machine by {:.1} s: synchronise them",
+                difference.as_secs_f64()
+            ),
             Self::Unwritable { what, reason } => {
                 write!(f, "cannot encode a message for `{what}`: {reason}")
             }

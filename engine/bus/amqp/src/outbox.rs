@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use amqprs::BasicProperties;
 use asmotion_bus::{Assurance, Outage, Payload, PublishOptions, PublisherCounts, TraceContext};
 
 /// Capacity of the queue while the link is open: absorbs a burst, not an outage.
@@ -16,16 +16,32 @@ const WINDOW_BYTES: usize = 2 << 20;
 /// A message of this publisher, not yet encoded.
 #[derive(Clone)]
 pub(crate) struct OutgoingMessage {
-    pub sequence: u64,
-    pub stamp: i64,
+    pub header: MessageHeader,
     pub payload: Payload,
+}
+
+/// Metadata of one message.
+#[derive(Clone, Copy)]
+pub(crate) struct MessageHeader {
+    pub sequence: u64,
+    /// Time of publication, in nanoseconds of the component's clock.
+    pub stamp: i64,
+    /// The same instant, for measuring the message's age.
+    pub published: Instant,
     pub trace: TraceContext,
+}
+
+impl MessageHeader {
+    /// Returns how long ago the component published the message.
+    pub(crate) fn age(&self) -> Duration {
+        self.published.elapsed()
+    }
 }
 
 /// An encoded message; kept until its delivery is confirmed.
 #[derive(Clone)]
 pub(crate) struct EncodedMessage {
-    pub properties: Box<BasicProperties>,
+    pub header: MessageHeader,
     pub bytes: Arc<[u8]>,
 }
 
@@ -116,9 +132,12 @@ impl PublisherOutbox {
 
     /// Enqueues the retained message again, unless it is still waiting. Returns whether it was enqueued.
     pub(crate) fn push_retained(&mut self, open: bool) -> bool {
-        let waits =
-            |last: &OutgoingMessage| self.waiting.iter().any(|one| one.sequence == last.sequence);
-        match self.retained.clone().filter(|last| !waits(last)) {
+        let waits = |last: &OutgoingMessage| {
+            let mut waiting = self.waiting.iter();
+            waiting.any(|one| one.header.sequence == last.header.sequence)
+        };
+        let useful = |last: &OutgoingMessage| !waits(last) && !self.is_expired(&last.header);
+        match self.retained.clone().filter(useful) {
             Some(last) => self.push(last, open),
             None => false,
         }
@@ -139,6 +158,7 @@ impl PublisherOutbox {
 
     /// Returns the next message to send, if the window has room.
     pub(crate) fn next(&mut self) -> Option<NextToSend> {
+        self.drop_expired();
         let one_by_one = self.single_sends > 0 || self.probing;
         let window = if one_by_one { 1 } else { WINDOW };
         if self.in_flight.len() >= window || self.in_flight_bytes > WINDOW_BYTES {
@@ -146,6 +166,28 @@ impl PublisherOutbox {
         }
         let again = self.resend.pop_front().map(NextToSend::Resend);
         again.or_else(|| self.waiting.pop_front().map(NextToSend::New))
+    }
+
+    /// Returns whether a message has waited longer than any reader would accept.
+    fn is_expired(&self, header: &MessageHeader) -> bool {
+        let limit = self.sending.max_age;
+        limit.is_some_and(|max_age| header.age() > max_age)
+    }
+
+    /// Drops the waiting messages that are too old for every reader. Messages wait in order, so the oldest is in front.
+    fn drop_expired(&mut self) {
+        while let Some(oldest) = self.resend.front()
+            && self.is_expired(&oldest.header)
+        {
+            self.resend.pop_front();
+            self.counts.dropped += 1;
+        }
+        while let Some(oldest) = self.waiting.front()
+            && self.is_expired(&oldest.header)
+        {
+            self.waiting.pop_front();
+            self.counts.dropped += 1;
+        }
     }
 
     /// Records a sent message. Returns it for publishing, and keeps a copy if it may have to be sent again.
@@ -282,10 +324,13 @@ mod tests {
 
     fn item(sequence: u64) -> OutgoingMessage {
         OutgoingMessage {
-            sequence,
-            stamp: 0,
+            header: MessageHeader {
+                sequence,
+                stamp: 0,
+                published: Instant::now(),
+                trace: asmotion_bus::SpanGenerator::new("", 0, "").of(sequence, None),
+            },
             payload: Payload::of(Datum::Null),
-            trace: asmotion_bus::SpanGenerator::new("", 0, "").of(sequence, None),
         }
     }
 
@@ -298,7 +343,11 @@ mod tests {
     }
 
     fn waiting(outbox: &PublisherOutbox) -> Vec<u64> {
-        outbox.waiting.iter().map(|item| item.sequence).collect()
+        outbox
+            .waiting
+            .iter()
+            .map(|item| item.header.sequence)
+            .collect()
     }
 
     fn send(outbox: &mut PublisherOutbox, tags: std::ops::RangeInclusive<u64>) {
@@ -307,8 +356,8 @@ mod tests {
             let written = match next {
                 NextToSend::Resend(written) => written,
                 NextToSend::New(item) => EncodedMessage {
-                    properties: Box::default(),
-                    bytes: vec![0; item.sequence as usize].into(),
+                    bytes: vec![0; item.header.sequence as usize].into(),
+                    header: item.header,
                 },
             };
             outbox.record_sent(tag, written);
@@ -414,6 +463,29 @@ mod tests {
     }
 
     #[test]
+    fn a_message_that_is_too_old_for_its_readers_is_dropped_and_counted() {
+        let mut old = outbox(events(9).max_age(Some(Duration::ZERO)), 2, true);
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(old.next().is_none());
+        assert_eq!((old.counts.dropped, old.counts.pending()), (2, 0));
+        let mut resent = outbox(events(9).max_age(Some(Duration::from_millis(200))), 2, true);
+        send(&mut resent, 1..=2);
+        resent.connection_lost(false);
+        std::thread::sleep(Duration::from_millis(201));
+        resent.push(item(3), true);
+        let next = resent.next();
+        assert!(matches!(next, Some(NextToSend::New(new)) if new.header.sequence == 3));
+        assert_eq!(resent.counts.dropped, 2);
+        let retained = PublishOptions::state()
+            .init(true)
+            .max_age(Some(Duration::ZERO));
+        let mut retained = outbox(retained, 1, true);
+        std::thread::sleep(Duration::from_millis(1));
+        retained.next();
+        assert!(!retained.push_retained(true));
+    }
+
+    #[test]
     fn the_one_that_is_refused_is_found_and_the_others_go() {
         let mut outbox = outbox(events(9), 3, true);
         send(&mut outbox, 1..=3);
@@ -436,7 +508,7 @@ mod tests {
         let mut big = outbox(events(9), 2, true);
         big.next();
         let written = EncodedMessage {
-            properties: Box::default(),
+            header: item(1).header,
             bytes: vec![0; WINDOW_BYTES + 1].into(),
         };
         big.record_sent(1, written);

@@ -20,7 +20,7 @@ use tokio::time::{Instant, sleep, sleep_until};
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::link::{ConnectionPair, Link};
 use crate::notice::BusNotice;
-use crate::outbox::{EncodedMessage, NextToSend, OutgoingMessage, PublisherOutbox};
+use crate::outbox::{EncodedMessage, MessageHeader, NextToSend, OutgoingMessage, PublisherOutbox};
 use crate::wire::MessageSource;
 
 /// Number of unacknowledged messages after which a barrier is set.
@@ -84,10 +84,13 @@ impl Publisher for AmqpPublisher {
     ) -> Result<(), BusError> {
         self.sequence += 1;
         let item = OutgoingMessage {
-            sequence: self.sequence,
-            stamp,
+            header: MessageHeader {
+                sequence: self.sequence,
+                stamp,
+                published: std::time::Instant::now(),
+                trace: self.spans.of(self.sequence, cause),
+            },
             payload,
-            trace: self.spans.of(self.sequence, cause),
         };
         if !self.shared.outbox().push(item, self.link.is_open()) {
             let reason = match self.link.health().link {
@@ -229,7 +232,11 @@ impl PublisherTask {
             let written = self.shared.outbox().record_sent(session.tag, written);
             session
                 .channel
-                .basic_publish(*written.properties, written.bytes.to_vec(), arguments)
+                .basic_publish(
+                    self.author.properties(&written.header),
+                    written.bytes.to_vec(),
+                    arguments,
+                )
                 .await
                 .map_err(|_| channel::close_reason(&mut session.events))?;
             if session.may_set_barrier() && session.tag >= session.confirmed_tag + BARRIER {
@@ -243,11 +250,10 @@ impl PublisherTask {
             .payload
             .encode(self.author.codec, &self.author.schema)
             .map_err(|error| error.to_string())?;
-        let properties = self
-            .author
-            .properties(item.sequence, item.stamp, item.trace);
-        let properties = Box::new(properties);
-        Ok(EncodedMessage { properties, bytes })
+        Ok(EncodedMessage {
+            header: item.header,
+            bytes,
+        })
     }
 
     fn handle(

@@ -7,6 +7,7 @@
 //! execute an id once.
 
 mod caller;
+mod lateness;
 mod message;
 mod provider;
 
@@ -14,7 +15,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_bus::{
     AddressQueue, BusError, CallFailure, Notifier, PendingCall, Request, ServedAddress,
@@ -164,7 +165,7 @@ impl Services {
             source: Arc::clone(&request.origin.source),
             incarnation: request.origin.incarnation,
             timeout: request.timeout,
-            deadline: message::deadline(request.timeout),
+            begun: Instant::now(),
             callback: request.callback.clone(),
             trace: request.trace,
             user: self.link.settings.credentials.user().to_owned(),

@@ -232,6 +232,14 @@ impl SubscriberTask {
             self.sender.count_duplicate();
             return Some(deliver.delivery_tag());
         }
+        if let Some(jump) = repeats.take_jump() {
+            self.link.report(BusNotice::SequenceJump {
+                topic: topic.to_owned(),
+                user: jump.user,
+                from: jump.from,
+                to: jump.to,
+            });
+        }
         if self.policy != QueuePolicy::Latest {
             self.sender.set_missed(repeats.missed());
         }

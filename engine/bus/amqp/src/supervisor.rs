@@ -15,7 +15,7 @@ use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsConnector;
 
 use crate::backoff::Backoff;
-use crate::channel::{self, AmqpResult};
+use crate::channel::{self, AmqpResult, ChannelError};
 use crate::link::{ConnectionPair, Link};
 use crate::notice::BusNotice;
 use crate::probe::probe;
@@ -25,6 +25,9 @@ use crate::tls::TlsSettings;
 
 /// Minimum lifetime of a connection that counts as having worked.
 const SHORT: Duration = Duration::from_secs(3);
+
+/// Reply code of a channel closed because something of this name exists with other properties.
+const PRECONDITION_FAILED: u16 = 406;
 
 /// Connects, watches and reconnects until the bus is closed.
 pub(crate) async fn supervise(link: Arc<Link>) {
@@ -165,20 +168,31 @@ async fn open(
     Ok(connection)
 }
 
-/// Declares an exchange or, without permission to do so, checks that it exists.
-async fn declare(connection: &Connection, exchange: &str, kind: &str) -> AmqpResult<()> {
+/// Declares an exchange or, without permission to do so, checks that it exists. An exchange of another type is an error: it
+/// would route messages to other queues than those bound for them.
+async fn declare(connection: &Connection, exchange: &str, kind: &str) -> Result<(), String> {
     let mut arguments = ExchangeDeclareArguments::new(exchange, kind);
     arguments.durable(true);
     let mut end = Ok(());
     for passive in [false, true] {
         arguments.passive(passive);
         let arguments = arguments.clone();
-        let (channel, _words) = channel::open(connection).await?;
-        end = channel::run_to_completion(async move { channel.exchange_declare(arguments).await })
-            .await;
-        if end.is_ok() {
-            break;
-        }
+        let (channel, mut words) = channel::open(connection)
+            .await
+            .map_err(|error| error.to_string())?;
+        let declared =
+            channel::run_to_completion(async move { channel.exchange_declare(arguments).await });
+        end = match declared.await {
+            Ok(()) => return Ok(()),
+            Err(error) => match channel::close_reason(&mut words) {
+                ChannelError::Closed {
+                    code: PRECONDITION_FAILED,
+                    reason,
+                } => return Err(reason),
+                ChannelError::Closed { reason, .. } => Err(reason),
+                ChannelError::Cancelled | ChannelError::Lost => Err(error.to_string()),
+            },
+        };
     }
     end
 }

@@ -7,6 +7,8 @@ use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
 use asmotion_bus::{Envelope, Payload, TraceContext};
 use asmotion_datum::{Codec, Schema};
 
+use crate::outbox::MessageHeader;
+
 /// Header: name of the sending component.
 pub const SOURCE: &str = "source";
 /// Header: number of the current run of the sender's process.
@@ -15,13 +17,15 @@ pub const INCARNATION: &str = "incarnation";
 pub const SEQUENCE: &str = "sequence";
 /// Header: time of sending in nanoseconds; AMQP's own `timestamp` has seconds.
 pub const STAMP: &str = "stamp";
+/// Header: nanoseconds between `stamp` and this sending, by the sender's clock.
+pub const AGE: &str = "age";
 /// Header: name of the sender's clock, for example `wall:rover1`.
 pub const CLOCK: &str = "clock";
 /// Header: W3C trace context of the message.
 pub const TRACE: &str = "traceparent";
-/// Header of a request: instant at which the caller gives up, in nanoseconds of Unix time.
+/// Header of a request: instant at which its caller gives up, in nanoseconds of Unix time by the caller's clock.
 pub const DEADLINE: &str = "deadline";
-/// Header of a request: time limit in nanoseconds.
+/// Header of a request: time, in nanoseconds from its sending, after which the caller gives up.
 pub const TIMEOUT: &str = "timeout";
 /// Header of a request: address at which the caller can be called back.
 pub const CALLBACK: &str = "callback";
@@ -42,6 +46,11 @@ pub const RESULT: &str = "result";
 pub const REFUSAL: &str = "refusal";
 /// `type` of the reply that no provider is there.
 pub const UNAVAILABLE: &str = "unavailable";
+
+/// Limit on the `timeout` of a request: a day, as for the keys of a composite.
+const LONGEST_TIMEOUT: Duration = Duration::from_secs(24 * 3600);
+/// `timeout` of a request that has none.
+const DEFAULT_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Builder of a header table. Names are short and ASCII.
 #[derive(Default)]
@@ -125,6 +134,8 @@ pub(crate) struct MessageSource {
     pub clock: String,
     pub user: String,
     pub persistent: bool,
+    /// Age beyond which the broker discards a message.
+    pub max_age: Option<Duration>,
     pub codec: Codec,
     /// Schema of its messages.
     pub schema: Schema,
@@ -132,67 +143,99 @@ pub(crate) struct MessageSource {
 
 impl MessageSource {
     /// The properties of one message.
-    pub(crate) fn properties(
-        &self,
-        sequence: u64,
-        stamp: i64,
-        trace: TraceContext,
-    ) -> BasicProperties {
+    pub(crate) fn properties(&self, header: &MessageHeader) -> BasicProperties {
+        let MessageHeader {
+            sequence,
+            stamp,
+            trace,
+            published: _,
+        } = *header;
+        let age = header.age();
         let headers = Headers::default()
             .text(SOURCE, &self.source)
             .count(INCARNATION, self.incarnation)
             .count(SEQUENCE, sequence)
             .number(STAMP, stamp)
+            .count(AGE, nanoseconds(age))
             .text(CLOCK, &self.clock)
             .text(TRACE, &trace.to_string())
             .into_table();
-        BasicProperties::default()
+        let mut properties = BasicProperties::default();
+        properties
             .with_content_type(self.codec.content_type())
             .with_headers(headers)
             .with_persistence(self.persistent)
             .with_message_id(&format!("{}-{sequence}", self.stream))
             .with_message_type(&self.schema.name)
-            .with_user_id(&self.user)
-            .finish()
+            .with_user_id(&self.user);
+        if let Some(max_age) = self.max_age {
+            properties.with_expiration(&expiration(max_age.saturating_sub(age)));
+        }
+        properties.finish()
     }
 }
 
+/// Returns a duration in nanoseconds, limited to the range of a header.
+pub(crate) fn nanoseconds(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}
+
+/// Returns AMQP's `expiration` for a message that the broker keeps for at most this time.
+pub(crate) fn expiration(time: Duration) -> String {
+    // the limit of the broker
+    time.as_millis().clamp(1, u32::MAX.into()).to_string()
+}
+
 /// Identity of a message, for the detection of duplicates.
+///
+/// Ids are claims of the sender, so they are compared only among messages of one AMQP user: `user` is the property
+/// `user_id`, which the broker verifies, and is empty if the sender has left it out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum MessageIdentity {
     /// A message of a numbered stream.
-    Numbered { stream: String, sequence: u64 },
+    Numbered { stream: StreamId, sequence: u64 },
     /// A message with an id of its own.
-    Named(String),
+    Named { user: String, id: String },
     /// No identity: never a duplicate.
     Unknown,
+}
+
+/// A numbered stream of one user.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct StreamId {
+    pub user: String,
+    pub name: String,
 }
 
 /// Returns a message's identity: an id that ends in its number (`<stream>-<sequence>`) belongs to a stream; otherwise
 /// the number counts the component's messages on the topic; otherwise the message id, if any.
 pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> MessageIdentity {
+    let user = properties.user_id().cloned().unwrap_or_default();
     let id = properties.message_id();
     let Some(sequence) = count(properties, SEQUENCE) else {
-        return id
-            .cloned()
-            .map_or(MessageIdentity::Unknown, MessageIdentity::Named);
+        return match id.cloned() {
+            Some(id) => MessageIdentity::Named { user, id },
+            None => MessageIdentity::Unknown,
+        };
     };
     let ours = id.and_then(|id| {
         let (stream, number) = id.rsplit_once('-')?;
         (number.parse() == Ok(sequence)).then(|| stream.to_owned())
     });
-    let numbered = |stream| MessageIdentity::Numbered { stream, sequence };
-    if let Some(stream) = ours {
-        return numbered(stream);
-    }
-    match text(properties, SOURCE) {
-        Some(source) => {
-            let incarnation = count(properties, INCARNATION).unwrap_or(0);
-            numbered(format!("{source}/{incarnation}/{topic}"))
-        }
-        None => id
-            .cloned()
-            .map_or(MessageIdentity::Unknown, MessageIdentity::Named),
+    let of_source = |source| {
+        let incarnation = count(properties, INCARNATION).unwrap_or(0);
+        format!("{source}/{incarnation}/{topic}")
+    };
+    match (ours.or_else(|| text(properties, SOURCE).map(of_source)), id) {
+        (Some(name), _) => MessageIdentity::Numbered {
+            stream: StreamId { user, name },
+            sequence,
+        },
+        (None, Some(id)) => MessageIdentity::Named {
+            user,
+            id: id.clone(),
+        },
+        (None, None) => MessageIdentity::Unknown,
     }
 }
 
@@ -224,6 +267,7 @@ pub(crate) fn envelope(topic: &str, properties: &BasicProperties, payload: Paylo
         incarnation: count(properties, INCARNATION).unwrap_or(0),
         sequence: count(properties, SEQUENCE).unwrap_or(0),
         stamp: number(properties, STAMP).unwrap_or(0),
+        age: Duration::from_nanos(count(properties, AGE).unwrap_or(0)),
         clock: text(CLOCK).unwrap_or_default().into(),
         trace: trace(properties),
         type_name: properties.message_type().map_or("", String::as_str).into(),
@@ -237,16 +281,11 @@ pub(crate) fn unix_now() -> i64 {
     i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX)
 }
 
-/// Returns the time a request has left; `None` if the caller has given up.
-///
-/// The deadline refers to the caller's clock. If the clocks differ, a request still never has more time than its
-/// timeout.
-pub(crate) fn time_left(properties: &BasicProperties) -> Option<Duration> {
-    let timeout = count(properties, TIMEOUT).map(Duration::from_nanos)?;
-    let left = match number(properties, DEADLINE) {
-        Some(deadline) => deadline.saturating_sub(unix_now()),
-        None => i64::MAX,
-    };
-    let left = u64::try_from(left).ok().filter(|left| *left > 0)?;
-    Some(timeout.min(Duration::from_nanos(left)))
+/// Returns the time that a request has left: `timeout`, which its sender reduces by the time that the request has waited
+/// there, at most [`LONGEST_TIMEOUT`]. The broker discards a request that waits there for longer.
+pub(crate) fn time_left(properties: &BasicProperties) -> Duration {
+    match count(properties, TIMEOUT) {
+        Some(timeout) => Duration::from_nanos(timeout).min(LONGEST_TIMEOUT),
+        None => DEFAULT_TIMEOUT,
+    }
 }

@@ -78,7 +78,7 @@ fn connection(
     report: &mut Report,
 ) {
     policy(&connection.policy, report);
-    queue::size_elsewhere(connection, report);
+    queue::idle_keys(connection, report);
     let before = report.diagnostics.len();
     let from = terminals(scene, &connection.from, PortDirection::Out, report);
     // ends that could not be parsed are missing from the list

@@ -46,14 +46,23 @@ pub(super) fn check(
     }
 }
 
-/// Reports `data_size` on connections without a message queue.
-pub(super) fn size_elsewhere(connection: &Connection, report: &mut Report) {
+/// Reports policy keys that have no effect: `data_size` without a message queue, and `init` with one.
+pub(super) fn idle_keys(connection: &Connection, report: &mut Report) {
     let mut ends = connection.from.iter().chain(&connection.to);
+    let has_queue = ends.any(|end| matches!(end, Terminal::Mqueue(_)));
     if let Some(size) = &connection.policy.data_size
-        && !ends.any(|end| matches!(end, Terminal::Mqueue(_)))
+        && !has_queue
     {
         let reason = "only messages of a queue `mqueue:/name` have a size";
         let (key, at) = ("data_size", size.span);
+        report.found(IdleKey { key, at, reason });
+    }
+    if let Some(init) = &connection.policy.init
+        && init.value
+        && has_queue
+    {
+        let reason = "messages of a queue are not repeated for new readers";
+        let (key, at) = ("init", init.span);
         report.found(IdleKey { key, at, reason });
     }
 }

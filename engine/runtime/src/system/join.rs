@@ -14,7 +14,7 @@ use crate::build_error::BuildError;
 use crate::component_end::{self, ComponentEnd, EndTable, inputs, outputs, references, services};
 use crate::injection::InjectionPort;
 use crate::service::{RequiredReference, Wiring};
-use crate::stream::{Sink, SinkSender, Source, SourceStream};
+use crate::stream::{Sink, SinkSender, SinkStream, Source, SourceStream};
 use crate::topic::SystemTopic;
 
 impl System {
@@ -118,10 +118,20 @@ impl System {
     ///
     /// # Errors
     /// There is no such output.
-    pub fn connect_sink(&mut self, from: &str, sink: Box<dyn Sink>) -> Result<(), BuildError> {
+    pub fn connect_sink(&mut self, from: &str, mut sink: Box<dyn Sink>) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
+        let unit = &mut self.units[from.unit];
         let link = OutputLink::external(sink.name());
-        self.units[from.unit].body.outputs[from.index].connect(Box::new(SinkSender(sink)), link);
+        if let Some(upkeep) = sink.upkeep() {
+            self.sinks.push(SinkStream {
+                upkeep,
+                component: Arc::clone(&unit.name),
+                port: unit.body.declaration.outputs[from.index].name.clone(),
+                to: sink.name(),
+                dropped: Arc::clone(&link.dropped),
+            });
+        }
+        unit.body.outputs[from.index].connect(Box::new(SinkSender(sink)), link);
         Ok(())
     }
 

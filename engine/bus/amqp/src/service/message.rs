@@ -1,7 +1,7 @@
 //! Messages of services: requests, replies, and messages about requests.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use amqprs::BasicProperties;
 use asmotion_bus::{CallFailure, Payload, Refusal, Request, SenderId, TraceContext};
@@ -22,36 +22,30 @@ pub(crate) struct OutgoingRequest {
     pub source: Arc<str>,
     pub incarnation: u64,
     pub timeout: Duration,
-    /// In nanoseconds since the Unix epoch.
-    pub deadline: i64,
+    /// Instant of the call, from which the timeout counts.
+    pub begun: Instant,
     pub callback: Option<Arc<str>>,
     pub trace: Option<TraceContext>,
     pub user: String,
 }
 
-/// The deadline of a request made now, in nanoseconds since the Unix epoch.
-pub(crate) fn deadline(timeout: Duration) -> i64 {
-    let timeout = i64::try_from(timeout.as_nanos()).unwrap_or(i64::MAX);
-    wire::unix_now().saturating_add(timeout)
-}
-
 impl OutgoingRequest {
     /// The properties of the request itself. The broker discards it when its time has expired.
     pub(crate) fn request(&self, kind: &str) -> BasicProperties {
-        let nanos = u64::try_from(self.timeout.as_nanos()).unwrap_or(u64::MAX);
+        let remaining = self.timeout.saturating_sub(self.begun.elapsed());
+        let left = i64::try_from(remaining.as_nanos()).unwrap_or(i64::MAX);
+        let deadline = wire::unix_now().saturating_add(left);
         let headers = Headers::default()
             .text(wire::SOURCE, &self.source)
             .count(wire::INCARNATION, self.incarnation)
-            .count(wire::TIMEOUT, nanos)
-            .number(wire::DEADLINE, self.deadline)
+            .count(wire::TIMEOUT, wire::nanoseconds(remaining))
+            .number(wire::DEADLINE, deadline)
             .maybe(wire::CALLBACK, self.callback.as_deref())
             .maybe(wire::TRACE, self.trace.map(|it| it.to_string()).as_deref());
-        // the broker's limit on a TTL
-        let milliseconds = self.timeout.as_millis().clamp(1, u32::MAX.into());
         self.notice(kind)
             .with_content_type(self.codec.content_type())
             .with_headers(headers.into_table())
-            .with_expiration(&milliseconds.to_string())
+            .with_expiration(&wire::expiration(remaining))
             .finish()
     }
 
@@ -67,25 +61,22 @@ impl OutgoingRequest {
     }
 }
 
-/// Decodes a request. Returns `None` if its deadline has passed.
+/// Decodes a request.
 pub(crate) fn read_request(
     properties: &BasicProperties,
     content: Vec<u8>,
-) -> Result<Option<Request>, String> {
-    let Some(timeout) = wire::time_left(properties) else {
-        return Ok(None);
-    };
+) -> Result<Request, String> {
     let argument = wire::payload(properties, content)?;
     let source = wire::text(properties, wire::SOURCE).unwrap_or_default();
     let incarnation = wire::number(properties, wire::INCARNATION).unwrap_or(0);
     let origin = SenderId::new(source, u64::try_from(incarnation).unwrap_or(0));
-    Ok(Some(Request {
+    Ok(Request {
         origin,
         argument,
-        timeout,
+        timeout: wire::time_left(properties),
         callback: wire::text(properties, wire::CALLBACK).map(Into::into),
         trace: wire::trace(properties),
-    }))
+    })
 }
 
 /// A reply, encoded for sending. Kept in case the request arrives again.

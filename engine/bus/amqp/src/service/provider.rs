@@ -3,7 +3,7 @@
 use std::collections::{HashMap, VecDeque};
 use std::pin::pin;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use amqprs::BasicProperties;
 use amqprs::channel::{
@@ -15,6 +15,7 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
+use super::lateness::LatenessEstimate;
 use super::message::{self, OutgoingReply};
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::first_declaration::FirstDeclaration;
@@ -24,8 +25,17 @@ use crate::wire::{self, Headers};
 
 /// Limit of unacknowledged requests delivered to a provider.
 const PREFETCH: u16 = 256;
-/// Limit of remembered requests that have ended. If one arrives again, its reply is sent again without executing it.
+/// Limit of remembered requests that have ended.
 const REMEMBERED: usize = 4096;
+/// Limit of bytes of remembered replies. Of a request whose reply is forgotten, the id is still known: it is not executed
+/// again.
+const REMEMBERED_BYTES: usize = 8 << 20;
+/// Limit of the time for which an ended request is remembered. A caller sends a request again at most until its timeout.
+const REMEMBERED_FOR: Duration = Duration::from_secs(600);
+/// Time before an enquiry about a held request counts: one that comes at once has waited in the same socket.
+const LEAST_HELD: Duration = Duration::from_millis(150);
+/// Time for which a request waits for an enquiry of its caller; callers enquire four times a second.
+const HELD: Duration = Duration::from_secs(1);
 /// Interval at which expired requests are removed.
 const TICK: Duration = Duration::from_millis(500);
 /// Pause before the queue is declared again.
@@ -42,26 +52,64 @@ pub(crate) struct ProviderSetup {
     pub ready: FirstDeclaration,
 }
 
-/// State of a request, stored by its id.
+/// Identity of a request. Ids are claims of the sender, so they are compared only among requests of one AMQP user, which the
+/// broker verifies: nobody cancels or pre-empts the request of another user.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct RequestId {
+    user: String,
+    id: String,
+}
+
+impl RequestId {
+    fn of(properties: &BasicProperties) -> Self {
+        let id = properties.correlation_id().or(properties.message_id());
+        Self {
+            user: properties.user_id().cloned().unwrap_or_default(),
+            id: id.cloned().unwrap_or_default(),
+        }
+    }
+}
+
+/// State of a request.
 enum RequestState {
     /// Passed to the provider; the reply goes to `reply_to`.
     Running {
         pending: PendingCall,
         reply_to: String,
     },
-    /// Ended, with the reply that was sent.
+    /// Not executed yet, because its caller may have given up; an enquiry shows that it still waits.
+    Held {
+        request: Request,
+        properties: Box<BasicProperties>,
+        since: Instant,
+    },
+    /// Ended, with the reply that was sent, if there was one.
     Ended(Option<OutgoingReply>),
+    /// Ended, with a reply that is no longer remembered.
+    Forgotten,
+}
+
+/// An ended request.
+struct EndedRequest {
+    id: RequestId,
+    /// Size of the remembered reply.
+    size: usize,
+    /// Time at which the request is forgotten.
+    until: Instant,
 }
 
 /// Task that serves one address.
 pub(crate) struct ProviderTask {
     setup: ProviderSetup,
-    requests: HashMap<String, RequestState>,
-    /// Ids of ended requests, oldest first.
-    ended_ids: VecDeque<String>,
+    requests: HashMap<RequestId, RequestState>,
+    /// Ended requests, oldest first.
+    ended: VecDeque<EndedRequest>,
+    /// Size of the remembered replies.
+    reply_bytes: usize,
     /// Ids of requests that have a reply to be sent.
-    ended_calls: UnboundedReceiver<String>,
-    end_sender: UnboundedSender<String>,
+    ended_calls: UnboundedReceiver<RequestId>,
+    lateness: LatenessEstimate,
+    end_sender: UnboundedSender<RequestId>,
 }
 
 impl ProviderTask {
@@ -70,7 +118,9 @@ impl ProviderTask {
         Self {
             setup,
             requests: HashMap::new(),
-            ended_ids: VecDeque::new(),
+            ended: VecDeque::new(),
+            reply_bytes: 0,
+            lateness: LatenessEstimate::default(),
             ended_calls,
             end_sender,
         }
@@ -188,8 +238,7 @@ impl ProviderTask {
         content: Vec<u8>,
     ) -> Option<OutgoingReply> {
         let kind = properties.message_type().map_or("", String::as_str);
-        let id = properties.correlation_id().or(properties.message_id());
-        let id = id.cloned().unwrap_or_default();
+        let id = RequestId::of(properties);
         if let Some(known) = self.requests.get_mut(&id) {
             return match (known, kind) {
                 (RequestState::Running { pending, .. }, wire::CANCEL) => {
@@ -201,27 +250,36 @@ impl ProviderTask {
                     *reply_to = properties.reply_to().cloned().unwrap_or_default();
                     None
                 }
-                (RequestState::Ended(_), wire::CANCEL) => None,
-                (RequestState::Ended(answer), _) => answer.clone(),
+                (RequestState::Held { since, .. }, wire::ENQUIRY) => {
+                    if since.elapsed() >= LEAST_HELD {
+                        self.start_held(id, properties.reply_to());
+                    }
+                    None
+                }
+                (RequestState::Held { .. }, wire::CANCEL) => {
+                    self.requests.remove(&id);
+                    None
+                }
+                (RequestState::Held { .. }, _) => None,
+                (RequestState::Ended(_) | RequestState::Forgotten, wire::CANCEL) => None,
+                (RequestState::Ended(reply), _) => reply.clone(),
+                (RequestState::Forgotten, _) => refusal(
+                    "REPLY_FORGOTTEN",
+                    "executed; its reply was too large to be kept for a repetition".to_owned(),
+                ),
             };
         }
         match kind {
             wire::CANCEL => None,
             wire::ENQUIRY => OutgoingReply::of(Err(CallFailure::Unavailable)),
             _ => match message::read_request(properties, content) {
-                Ok(Some(request)) => {
-                    self.start_request(id, request, kind == wire::TELLING, properties.reply_to());
+                Ok(request) => {
+                    self.receive(id, request, kind == wire::TELLING, properties);
                     None
                 }
-                // the caller has stopped waiting
-                Ok(None) => None,
                 Err(reason) => {
                     let what = self.setup.key.clone();
-                    let answer =
-                        OutgoingReply::of(Err(CallFailure::Refused(asmotion_bus::Refusal {
-                            code: "UNREADABLE".to_owned(),
-                            detail: reason.clone(),
-                        })));
+                    let answer = refusal("UNREADABLE", reason.clone());
                     self.setup
                         .link
                         .report(BusNotice::Unreadable { what, reason });
@@ -231,18 +289,71 @@ impl ProviderTask {
         }
     }
 
+    /// Executes a request, or holds it until its caller shows that it still waits. Nobody enquires about a one-way request: it
+    /// is dropped only if the caller's clock is known.
+    fn receive(
+        &mut self,
+        id: RequestId,
+        mut request: Request,
+        one_way: bool,
+        properties: &BasicProperties,
+    ) {
+        let left = self.lateness.time_left(properties, request.timeout);
+        if left.is_none() && !one_way {
+            let held = RequestState::Held {
+                request,
+                properties: Box::new(properties.clone()),
+                since: Instant::now(),
+            };
+            self.requests.insert(id, held);
+        } else if left.is_none() && self.lateness.knows_clock_of(properties) {
+            self.report_late(&request);
+        } else {
+            request.timeout = left.unwrap_or(request.timeout);
+            self.start_request(id, request, one_way, properties.reply_to());
+        }
+    }
+
+    fn report_late(&self, request: &Request) {
+        self.setup.link.report(BusNotice::Late {
+            what: self.setup.key.clone(),
+            source: request.origin.source.to_string(),
+        });
+    }
+
+    /// Executes a request whose caller has shown that it still waits.
+    fn start_held(&mut self, id: RequestId, reply_to: Option<&String>) {
+        let Some(RequestState::Held {
+            mut request,
+            properties,
+            since,
+        }) = self.requests.remove(&id)
+        else {
+            return;
+        };
+        let news = self.lateness.record_waiting(&properties, request.timeout);
+        if let Some(difference) = news {
+            let source = request.origin.source.to_string();
+            self.setup
+                .link
+                .report(BusNotice::ClockOffset { source, difference });
+        }
+        request.timeout = request.timeout.saturating_sub(since.elapsed());
+        self.start_request(id, request, false, reply_to);
+    }
+
     fn start_request(
         &mut self,
-        id: String,
+        id: RequestId,
         request: Request,
         one_way: bool,
         reply_to: Option<&String>,
     ) {
         if one_way {
-            let (_, call, _) = PendingCall::one_way(request, Arc::new(Notifier::new()));
+            let (pending, call, _) = PendingCall::one_way(request, Arc::new(Notifier::new()));
             // if the queue rejects the request, it ends it, and its caller does not wait
             let _ = self.setup.requests.push(call);
-            self.store_reply(id, None);
+            self.store_reply(id, None, pending.deadline());
             return;
         }
         let (answering, answered) = (self.end_sender.clone(), id.clone());
@@ -259,7 +370,7 @@ impl ProviderTask {
     }
 
     /// Sends the reply to a request, or forgets a cancelled one.
-    async fn send_reply(&mut self, id: Option<String>, replies: &Channel) -> AmqpResult<()> {
+    async fn send_reply(&mut self, id: Option<RequestId>, replies: &Channel) -> AmqpResult<()> {
         let Some(id) = id else { return Ok(()) };
         let Some(RequestState::Running { pending, reply_to }) = self.requests.get(&id) else {
             return Ok(());
@@ -268,9 +379,10 @@ impl ProviderTask {
             return Ok(());
         };
         let (answer, reply_to) = (OutgoingReply::of(end), reply_to.clone());
-        self.store_reply(id.clone(), answer.clone());
+        let deadline = pending.deadline();
+        self.store_reply(id.clone(), answer.clone(), deadline);
         match answer {
-            Some(answer) => self.send(&answer, &id, &reply_to, replies).await,
+            Some(answer) => self.send(&answer, &id.id, &reply_to, replies).await,
             None => Ok(()),
         }
     }
@@ -296,31 +408,58 @@ impl ProviderTask {
             .await
     }
 
-    fn store_reply(&mut self, id: String, answer: Option<OutgoingReply>) {
-        self.requests
-            .insert(id.clone(), RequestState::Ended(answer));
-        self.ended_ids.push_back(id);
-        if self.ended_ids.len() > REMEMBERED
-            && let Some(oldest) = self.ended_ids.pop_front()
+    /// Remembers that a request has ended, and with which reply, until its deadline: its caller may send it again until
+    /// then.
+    fn store_reply(&mut self, id: RequestId, reply: Option<OutgoingReply>, deadline: Instant) {
+        let size = reply.as_ref().map_or(0, |reply| reply.bytes.len());
+        self.reply_bytes += size;
+        self.requests.insert(id.clone(), RequestState::Ended(reply));
+        let until = deadline.min(Instant::now() + REMEMBERED_FOR);
+        self.ended.push_back(EndedRequest { id, size, until });
+        if self.ended.len() > REMEMBERED
+            && let Some(oldest) = self.ended.pop_front()
         {
-            self.requests.remove(&oldest);
+            self.requests.remove(&oldest.id);
+            self.reply_bytes -= oldest.size;
+        }
+        for oldest in &mut self.ended {
+            if self.reply_bytes <= REMEMBERED_BYTES {
+                break;
+            }
+            if oldest.size > 0 {
+                self.reply_bytes -= std::mem::take(&mut oldest.size);
+                self.requests
+                    .insert(oldest.id.clone(), RequestState::Forgotten);
+            }
         }
     }
 
-    /// Ends expired requests: reading the result of an expired call times it out.
+    /// Ends expired requests, and forgets those that ended and are past their deadline. Reading the result of an expired
+    /// call times it out.
     fn evict(&mut self) {
-        let over = |known: &RequestState| match known {
-            RequestState::Running { pending, .. } => pending.is_expired(),
-            RequestState::Ended(_) => false,
-        };
-        let over: Vec<_> = self
-            .requests
-            .iter()
-            .filter(|(_, known)| over(known))
-            .map(|(id, _)| id.clone())
-            .collect();
-        for id in over {
-            self.store_reply(id, None);
+        let now = Instant::now();
+        self.ended.retain(|ended| {
+            let kept = now < ended.until;
+            if !kept {
+                self.requests.remove(&ended.id);
+                self.reply_bytes -= ended.size;
+            }
+            kept
+        });
+        let mut late = Vec::new();
+        self.requests.retain(|_, known| match known {
+            RequestState::Running { pending, .. } => !pending.is_expired(),
+            RequestState::Held { request, since, .. } => {
+                let waits = since.elapsed() < HELD;
+                if !waits {
+                    late.push(request.clone());
+                }
+                waits
+            }
+            RequestState::Ended(_) | RequestState::Forgotten => true,
+        });
+        for request in &late {
+            self.report_late(request);
         }
     }
 
@@ -333,10 +472,17 @@ impl ProviderTask {
                 && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable))
             {
                 // a caller that misses this message will ask, and find no provider
-                let _ = self.send(&answer, &id, &reply_to, replies).await;
+                let _ = self.send(&answer, &id.id, &reply_to, replies).await;
             }
         }
     }
+}
+
+fn refusal(code: &str, detail: String) -> Option<OutgoingReply> {
+    OutgoingReply::of(Err(CallFailure::Refused(asmotion_bus::Refusal {
+        code: code.to_owned(),
+        detail,
+    })))
 }
 
 fn broken(word: Option<BrokerEvent>) -> ChannelError {

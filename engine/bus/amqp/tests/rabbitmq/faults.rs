@@ -10,6 +10,7 @@ use crate::common::{
     LONG, all, connect, events, eventually, is_down, noted, number, numbers, publisher, quick,
     settings, subscribe,
 };
+use crate::raw;
 
 /// Publishes events before and after a fault: none is lost or repeated.
 fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) {
@@ -418,84 +419,4 @@ fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
     });
     std::thread::sleep(Duration::from_millis(2500));
     assert!(bus.health().is_up());
-}
-
-/// The bare client, without our additions.
-mod raw {
-    use amqprs::channel::{
-        BasicPublishArguments, Channel, QueueBindArguments, QueueDeclareArguments,
-    };
-    use amqprs::connection::{Connection, OpenConnectionArguments};
-    use amqprs::{BasicProperties, FieldTable};
-
-    pub async fn open(broker: &asmotion_broker::TestBroker, vhost: &str) -> (Connection, Channel) {
-        let address = broker.address();
-        let mut arguments = OpenConnectionArguments::new(
-            "127.0.0.1",
-            address.port(),
-            broker.user(),
-            broker.password(),
-        );
-        arguments.virtual_host(vhost);
-        let connection = Connection::open(&arguments).await.unwrap();
-        let channel = connection.open_channel(None).await.unwrap();
-        (connection, channel)
-    }
-
-    /// Declares a queue that holds `size` messages and rejects more.
-    pub async fn full_queue(channel: &Channel, queue: &str, exchange: &str, key: &str, size: i64) {
-        let mut declare = QueueDeclareArguments::new(queue);
-        let mut arguments = FieldTable::new();
-        let name = |name: &str| name.try_into().unwrap();
-        arguments.insert(name("x-max-length"), amqprs::FieldValue::l(size));
-        arguments.insert(name("x-overflow"), "reject-publish".into());
-        declare.durable(true).arguments(arguments);
-        channel.queue_declare(declare).await.unwrap();
-        let bind = QueueBindArguments::new(queue, exchange, key);
-        channel.queue_bind(bind).await.unwrap();
-    }
-
-    pub async fn publish(
-        broker: &asmotion_broker::TestBroker,
-        vhost: &str,
-        key: &str,
-        content_type: Option<&str>,
-        bytes: &[u8],
-    ) {
-        let (connection, channel) = open(broker, vhost).await;
-        let mut properties = BasicProperties::default();
-        if let Some(content_type) = content_type {
-            properties.with_content_type(content_type);
-        }
-        let arguments = BasicPublishArguments::new("robots", key);
-        channel
-            .basic_publish(properties, bytes.to_vec(), arguments)
-            .await
-            .unwrap();
-        channel.close().await.unwrap();
-        connection.close().await.unwrap();
-    }
-
-    /// Publishes with a given user id. Returns whether the channel survived.
-    pub async fn publish_as(
-        broker: &asmotion_broker::TestBroker,
-        vhost: &str,
-        user: &str,
-        key: &str,
-    ) -> bool {
-        let (connection, channel) = open(broker, vhost).await;
-        let mut properties = BasicProperties::default();
-        properties
-            .with_content_type("application/json")
-            .with_user_id(user);
-        let arguments = BasicPublishArguments::new("robots", key);
-        channel
-            .basic_publish(properties, b"1".to_vec(), arguments)
-            .await
-            .unwrap();
-        let alive = channel.flow(true).await.is_ok();
-        // the client may fail if the broker closed the channel
-        let _ = connection.close().await;
-        alive
-    }
 }

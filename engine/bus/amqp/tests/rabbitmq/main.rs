@@ -13,6 +13,8 @@ mod faults;
 mod life;
 mod line;
 mod many;
+mod raw;
 mod services;
 mod soak;
+mod stranger;
 mod systems;
