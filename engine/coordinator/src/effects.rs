@@ -1,7 +1,7 @@
 //! Turns updates of out functions into messages and calls.
 
 use crate::bind_error::BindError;
-use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
+use crate::binding::{Action, Argument, Binding, BoundOperation, Effect, PublishWhen, Published};
 use crate::convert::{datum_of, literal_value};
 use crate::inputs::MessageInputs;
 use crate::requests::{Requests, WaitingCaller, superseded_fault};
@@ -21,8 +21,7 @@ use std::collections::BTreeMap;
 pub(crate) struct EffectHandles {
     pub inputs: Vec<(String, In<Datum>)>,
     pub outputs: Vec<(String, Out<Datum>)>,
-    /// By names of the reference and the operation.
-    pub operations: Vec<((String, String), Required<Dynamic>)>,
+    pub operations: Vec<(BoundOperation, Required<Dynamic>)>,
 }
 
 /// The bound out functions of a specification, and their calls under way.
@@ -111,7 +110,7 @@ impl EffectOutbox {
                 .function(&out.function, 0)
                 .ok_or_else(unknown)?;
             let effect = match &out.effect {
-                Effect::Publish { port, field, when } => BoundEffect::Publish {
+                Effect::Publish(Published { port, field, when }) => BoundEffect::Publish {
                     port: handles.output(port)?,
                     field: field.clone(),
                     when: *when,
@@ -321,13 +320,10 @@ impl EffectHandles {
                 value: value.clone(),
             }),
             Action::Call(call) => {
-                let name = (call.reference.clone(), call.operation.clone());
-                let found = self.operations.iter().find(|(known, _)| *known == name);
+                let mut operations = self.operations.iter();
+                let found = operations.find(|(known, _)| *known == call.operation);
                 let Some((_, operation)) = found else {
-                    return Err(BindError::UnknownOperation {
-                        reference: name.0,
-                        operation: name.1,
-                    });
+                    return Err(BindError::UnknownOperation(call.operation.clone()));
                 };
                 let event = match &call.event {
                     Some(event) => Some(inbox.event(event, specification)?),
@@ -438,7 +434,6 @@ fn evaluate(
     cycle: &Cycle<'_>,
 ) -> Result<Datum, String> {
     match argument {
-        Argument::Default => Ok(Datum::Record(Vec::new())),
         Argument::Value(value) => Ok(value.datum.clone()),
         Argument::Record(fields) => {
             let compose_field = |(name, field): &(String, Argument)| {

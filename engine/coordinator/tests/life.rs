@@ -8,7 +8,7 @@ use asmotion_component::{
     Transition, Wire,
 };
 use asmotion_coordinator::{
-    Action, Argument, Binding, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
+    Action, Binding, BoundOperation, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
     Monitored, Out, Receive, STEP_REPORT, Source, StepRecord,
 };
 use asmotion_datum::{Datum, Schema};
@@ -73,31 +73,22 @@ fn system(activity: Activity) -> System {
     let named = |name: &str| Some(name.to_owned());
     let binding = Binding {
         monitored: vec![Monitored {
-            function: "event".to_owned(),
-            from: Source::Port("event".to_owned()),
-            is: Vec::new(),
             receive: Receive::All,
-            field: None,
-            map: None,
-            none: None,
-            stale_ms: None,
-            on_stale: None,
+            ..Monitored::new("event", Source::Port("event".to_owned()))
         }],
         out: vec![Out {
             function: "command".to_owned(),
             effect: Effect::Literals(vec![Case {
                 literal: "WORK".to_owned(),
                 actions: vec![Action::Call(Call {
-                    reference: "works".to_owned(),
-                    operation: "work".to_owned(),
-                    with: Argument::Default,
-                    keep: None,
                     event: named("event"),
                     ok: named("DONE"),
                     failed: named("FAILED"),
-                    timeout: None,
                     unavailable: named("NOBODY"),
-                    reply: None,
+                    ..Call::new(BoundOperation {
+                        service: "works".to_owned(),
+                        operation: "work".to_owned(),
+                    })
                 })],
             }]),
         }],

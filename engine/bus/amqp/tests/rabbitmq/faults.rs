@@ -74,7 +74,7 @@ fn a_broker_that_has_forgotten_the_queue_of_a_reader_that_is_back_later() {
     slow.timing.first_retry = Duration::from_secs(3);
     slow.timing.last_retry = Duration::from_secs(3);
     slow.timing.jitter = 0.0;
-    slow.timing.remembered = Duration::from_secs(1);
+    slow.timing.reply_retention = Duration::from_secs(1);
     let (reader, writer) = (connect(slow), connect(settings(&vhost.url())));
     let subscription = subscribe(&reader, "events", all(10_000));
     let mut events = publisher(&writer, "events", events());
@@ -90,8 +90,8 @@ fn a_broker_that_has_forgotten_the_queue_of_a_reader_that_is_back_later() {
     }
     let received = numbers(&subscription, Duration::from_secs(4));
     assert_eq!(received, (1..100).collect::<Vec<_>>());
-    let sent = events.sent();
-    assert_eq!((sent.arrived, sent.unheard, sent.dropped), (100, 0, 0));
+    let sent = events.counts();
+    assert_eq!((sent.accepted, sent.unrouted, sent.dropped), (100, 0, 0));
 }
 
 #[test]
