@@ -186,8 +186,10 @@ pub struct Call {
     pub event: Option<String>,
     /// Literal for a response.
     pub ok: Option<String>,
-    /// Literal for a fault.
+    /// Literal for a fault whose code is not in `faults`.
     pub failed: Option<String>,
+    /// Fault codes and their literals.
+    pub faults: Vec<(String, String)>,
     /// Literal for a timeout; `failed` if not given.
     pub timeout: Option<String>,
     /// Literal for an unavailable provider; `failed` if not given.
@@ -206,6 +208,7 @@ impl Call {
             event: None,
             ok: None,
             failed: None,
+            faults: Vec::new(),
             timeout: None,
             unavailable: None,
             reply: None,

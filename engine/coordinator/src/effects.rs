@@ -80,6 +80,8 @@ pub(crate) struct OutcomeEffect {
     event: Option<usize>,
     ok: Option<Value>,
     failed: Option<Value>,
+    /// Fault codes and their literals.
+    faults: Vec<(String, Value)>,
     timeout: Option<Value>,
     unavailable: Option<Value>,
     /// Name of the service whose caller gets the outcome.
@@ -170,7 +172,11 @@ impl EffectOutbox {
                     }
                     Err(CallError::Timeout) => outcome.timeout.or(outcome.failed),
                     Err(CallError::Unavailable) => outcome.unavailable.or(outcome.failed),
-                    Err(CallError::Fault(_)) => outcome.failed,
+                    Err(CallError::Fault(fault)) => {
+                        let mut faults = outcome.faults.into_iter();
+                        let known = faults.find(|(code, _)| *code == fault.code);
+                        known.map(|(_, literal)| literal).or(outcome.failed)
+                    }
                     Err(CallError::Cancelled) => None,
                 };
                 if let (Some(input), Some(event)) = (outcome.event, event) {
@@ -339,6 +345,11 @@ impl EffectHandles {
                         }),
                     _ => Ok(None),
                 };
+                let mut faults = Vec::new();
+                for (code, name) in &call.faults {
+                    let literal = literal(&Some(name.clone()))?;
+                    faults.extend(literal.map(|literal| (code.clone(), literal)));
+                }
                 let outcome = OutcomeEffect {
                     // assigned once all calls are known
                     number: 0,
@@ -347,6 +358,7 @@ impl EffectHandles {
                     event,
                     ok: literal(&call.ok)?,
                     failed: literal(&call.failed)?,
+                    faults,
                     timeout: literal(&call.timeout)?,
                     unavailable: literal(&call.unavailable)?,
                     reply: call.reply.clone(),

@@ -10,6 +10,7 @@ use super::component::MessagePath;
 use super::limits::DAY_MS;
 use super::wiring::End;
 use crate::at::At;
+use crate::table::NamedValue;
 use crate::tree::Node;
 
 /// Bindings of the functions of an ASM to ports and services.
@@ -171,9 +172,12 @@ pub struct Call {
     /// Literal of `event` for a reply.
     #[key(example = "\"PATH_OK\"")]
     pub ok: Option<At<String>>,
-    /// Literal for a fault.
+    /// Literal for a fault whose code is not in `faults`.
     #[key(example = "\"CALL_FAILED\"")]
     pub failed: Option<At<String>>,
+    /// Literals by fault code, such as the planner's `NO_PATH`.
+    #[key(example = "{ NO_PATH = \"UNREACHABLE\" }")]
+    pub faults: Vec<NamedValue<At<String>>>,
     /// Literal for a reply that did not come in time; `failed`, if absent.
     #[key(example = "\"CALL_FAILED\"")]
     pub timeout: Option<At<String>>,
@@ -191,9 +195,9 @@ pub struct Call {
 impl Call {
     /// Iterates over the literals of `event` that report the outcome.
     pub fn literals(&self) -> impl Iterator<Item = &At<String>> {
-        [&self.ok, &self.failed, &self.timeout, &self.unavailable]
-            .into_iter()
-            .flatten()
+        let single = [&self.ok, &self.failed, &self.timeout, &self.unavailable];
+        let faults = self.faults.iter().map(|fault| &fault.value);
+        single.into_iter().flatten().chain(faults)
     }
 }
 
