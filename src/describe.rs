@@ -264,10 +264,10 @@ impl<'a> Declarations<'a> {
 
 /// The program of a component that runs a specification.
 fn program(component: &Component) -> Option<Arc<Program>> {
-    let Implementation::Asm(asm) = &component.implementation else {
+    let Implementation::Asm { file, .. } = &component.implementation else {
         return None;
     };
-    Some(asmotion_lang::open(&asm.path, &DiskLoader).ok()?.program)
+    Some(asmotion_lang::open(file, &DiskLoader).ok()?.program)
 }
 
 /// The declaration of a component; `None` if this binary cannot create it, for example a ROS node.
@@ -286,15 +286,9 @@ fn declaration(component: &Component, plan: &Plan) -> Option<Declaration> {
 
 /// The implementation of a component as text.
 pub fn implementation(component: &Component) -> String {
-    match &component.implementation {
-        Implementation::Rust(name) => name.clone(),
-        Implementation::Asm(asm) => {
-            let file = std::path::Path::new(&asm.path).file_name();
-            file.map_or(asm.path.clone(), |name| name.to_string_lossy().into_owned())
-        }
-        Implementation::Builtin(settings) => settings.kind.to_string(),
-        Implementation::Process(words)
-        | Implementation::Ros(words)
-        | Implementation::Orocos(words) => words.join(" "),
+    if let Implementation::Asm { file, .. } = &component.implementation {
+        let name = std::path::Path::new(file).file_name();
+        return name.map_or(file.clone(), |name| name.to_string_lossy().into_owned());
     }
+    component.implementation.words().join(" ")
 }

@@ -57,8 +57,8 @@ pub fn word(input: TokenStream) -> TokenStream {
 
 /// Declares a struct or an enum as a table of the composite dialect. Its fields, their doc comments
 /// and `#[key(…)]` generate the reader, the schema with its hover texts, the rows of the reference
-/// page and, with `#[table(resolved = Name)]`, the same table without source spans together with
-/// its writer. Usable only in the crate that has the module `table`.
+/// page and, with `#[table(resolved = Name)]` or `#[table(into = path)]`, the same table without
+/// source spans together with its writer. Usable only in the crate that has the module `table`.
 #[proc_macro_derive(Table, attributes(table, key))]
 pub fn table(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), table::derive)

@@ -3,7 +3,8 @@
 //! The struct mirrors the file: `At<T>` for a value with its span, `Option` for an optional key,
 //! `Vec` for a key that may occur several times. The derive generates the reader, the rows of the
 //! schema and of the reference page, and, with `resolved = Name`, the same table without spans and
-//! with its defaults filled in, together with its writer.
+//! with its defaults filled in, together with its writer. With `into = path` it fills an existing
+//! type in, whose fields and variants have the same names and, up to `From`, the resolved types.
 
 mod common;
 mod key;

@@ -42,15 +42,15 @@ pub(super) fn awaited_updates(
 /// Machines of the plan's specifications; errors of their initial states are reported at the start.
 fn machines(plan: &Plan) -> Vec<(String, Machine)> {
     let of = |component: &asmotion_plan::Component| match &component.implementation {
-        Implementation::Asm(asm) => {
-            let specification = asmotion_lang::open(&asm.path, &DiskLoader).ok()?;
-            Some((asm.path.clone(), specification.machine().ok()?))
+        Implementation::Asm { file, .. } => {
+            let specification = asmotion_lang::open(file, &DiskLoader).ok()?;
+            Some((file.clone(), specification.machine().ok()?))
         }
         Implementation::Rust(_)
-        | Implementation::Builtin(_)
-        | Implementation::Process(_)
-        | Implementation::Ros(_)
-        | Implementation::Orocos(_) => None,
+        | Implementation::Builtin { .. }
+        | Implementation::Process { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => None,
     };
     plan.components.iter().filter_map(of).collect()
 }

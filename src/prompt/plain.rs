@@ -17,7 +17,7 @@ impl Prompt {
     }
 
     /// Does nothing: there is no completion.
-    pub fn know(&mut self, _: Vec<String>) {}
+    pub fn set_names(&mut self, _: Vec<String>) {}
 
     /// Reads the next line. The prompt is printed only on a terminal.
     pub fn read(&mut self, prompt: &str) -> PromptLine {
@@ -34,5 +34,5 @@ impl Prompt {
     }
 
     /// Does nothing: there is no history.
-    pub fn keep(&mut self) {}
+    pub fn save_history(&mut self) {}
 }

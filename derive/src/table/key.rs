@@ -1,7 +1,7 @@
 //! `#[key(…)]`: the key that a field or variant stands for.
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{format_ident, quote};
 use syn::{
     Error, Expr, ExprLit, ExprRange, Field, GenericArgument, Ident, Lit, LitStr, PathArguments,
     Result, Type,
@@ -22,6 +22,7 @@ pub(super) struct KeyDeclaration {
     pub default: Option<Option<Expr>>,
     pub needed: bool,
     pub flatten: bool,
+    /// An absent key stands for the default of its type, which the documentation does not show.
     pub or_default: bool,
     /// A name that is prefixed with the path of the enclosing composites when it is resolved.
     pub local: bool,
@@ -251,7 +252,9 @@ impl KeyDeclaration {
         let resolved = quote!(<#inner as crate::table::Resolve>::Resolved);
         match self.shape() {
             FieldShape::Vec(_) => quote!(Vec<#resolved>),
-            FieldShape::Option(_) if self.default.is_none() => quote!(Option<#resolved>),
+            FieldShape::Option(_) if self.default.is_none() && !self.or_default => {
+                quote!(Option<#resolved>)
+            }
             FieldShape::One(_) if self.unresolved => quote!(Option<#resolved>),
             FieldShape::Option(_) | FieldShape::One(_) => resolved,
         }
@@ -268,27 +271,36 @@ impl KeyDeclaration {
         }
     }
 
-    /// Generates the conversion to the value without its span.
-    pub(super) fn resolve(&self, key: &TokenStream) -> TokenStream {
-        let ident = &self.ident;
-        let local = if self.local {
-            quote!(.map(|it| to.local(&it)))
-        } else {
-            quote!()
-        };
-        let one = quote!(it.resolve(#key, to)#local);
+    /// Returns `true` if the resolved table contains the key.
+    pub(super) fn is_resolved(&self) -> bool {
+        !self.written && self.ident != "span" && !self.is("FileId")
+    }
+
+    /// Returns the variable that holds the value in generated code; the prefix keeps it apart from other names there.
+    pub(super) fn variable(&self) -> Ident {
+        format_ident!("field_{}", snake(&self.ident.to_string()))
+    }
+
+    /// Generates the conversion of the key's variable to the resolved value; with `into`, followed by one to the type of
+    /// the field in an existing table.
+    pub(super) fn resolve(&self, key: &TokenStream, into: bool) -> TokenStream {
+        let variable = self.variable();
+        let local = self.local.then(|| quote!(.map(|it| to.local(&it))));
+        let into = into.then(|| quote!(.map(Into::into)));
+        let one = quote!(crate::table::Resolve::resolve(it, #key, to)#local #into);
         match self.shape() {
-            FieldShape::Vec(_) => quote!(self.#ident.iter().filter_map(|it| #one).collect()),
+            FieldShape::Vec(_) => quote!(#variable.iter().filter_map(|it| #one).collect()),
             FieldShape::Option(_) => {
-                let found = quote!(self.#ident.as_ref().and_then(|it| #one));
+                let found = quote!(#variable.as_ref().and_then(|it| #one));
                 let default = self.default_value();
                 match self.default {
                     Some(_) => quote!(#found.unwrap_or_else(|| #default)),
+                    None if self.or_default => quote!(#found.unwrap_or_default()),
                     None => found,
                 }
             }
             FieldShape::One(_) => {
-                let found = quote!({ let it = &self.#ident; #one });
+                let found = quote!({ let it = #variable; #one });
                 if self.unresolved {
                     found
                 } else {
@@ -298,13 +310,18 @@ impl KeyDeclaration {
         }
     }
 
+    /// Generates the statement that serialises the key's variable.
     pub(super) fn write(&self) -> TokenStream {
-        let (ident, name, within) = (&self.ident, &self.name, &self.within);
-        let value = match (self.one, self.needed, self.shape()) {
-            (true, _, _) => quote!(crate::table::one_or_many(&self.#ident)),
-            // an empty list is written, unlike an absent key
-            (false, true, FieldShape::Vec(_)) => quote!(Some(crate::table::list(&self.#ident))),
-            (false, _, _) => quote!(crate::table::Written::toml(&self.#ident)),
+        let (variable, name, within) = (self.variable(), &self.name, &self.within);
+        if self.flatten {
+            return quote!(keys.append(crate::table::WrittenTable::keys(#variable, within)););
+        }
+        let value = match (self.one, self.needed && !self.unresolved, self.shape()) {
+            (true, _, _) => quote!(crate::table::one_or_many(#variable)),
+            // an empty value is written, unlike an absent key
+            (false, true, FieldShape::Vec(_)) => quote!(Some(crate::table::list(#variable))),
+            (false, true, FieldShape::One(_)) => quote!(Some(crate::table::present(#variable))),
+            (false, _, _) => quote!(crate::table::Written::toml(#variable)),
         };
         let write = quote!(keys.put_some(#name, #value););
         if within.is_empty() {

@@ -7,7 +7,8 @@ use syn::{DataEnum, DeriveInput, Error, Fields, Ident, Result, Type, Variant};
 use super::common::common;
 use super::key::KeyDeclaration;
 use super::options::TableOptions;
-use crate::word::snake;
+use super::resolved::{self, ResolvedVariant};
+use crate::word::{doc, snake};
 
 /// A variant and its keys; the first key selects the variant.
 struct VariantKeys {
@@ -17,11 +18,12 @@ struct VariantKeys {
     /// The variant has named fields.
     named: bool,
     ident: Ident,
+    doc: String,
 }
 
 impl VariantKeys {
     fn of(variant: &Variant) -> Result<Self> {
-        let ident = variant.ident.clone();
+        let (ident, doc) = (variant.ident.clone(), doc(&variant.attrs));
         match &variant.fields {
             Fields::Named(fields) => Ok(Self {
                 rows: fields
@@ -32,6 +34,7 @@ impl VariantKeys {
                 inner: None,
                 named: true,
                 ident,
+                doc,
             }),
             Fields::Unnamed(fields) if fields.unnamed.len() == 1 => {
                 let kind = &fields.unnamed[0].ty;
@@ -42,12 +45,31 @@ impl VariantKeys {
                     inner,
                     named: false,
                     ident,
+                    doc,
                 })
             }
             Fields::Unnamed(_) | Fields::Unit => Err(Error::new_spanned(
                 variant,
                 "a variant has named fields, or one",
             )),
+        }
+    }
+
+    fn resolved(&self) -> ResolvedVariant<'_> {
+        let constant = constant(&self.ident);
+        let keys = self.rows.iter().enumerate().map(|(at, row)| {
+            if self.inner.is_some() {
+                (row, quote!(&crate::table::Key::NAME))
+            } else {
+                (row, quote!(&Self::#constant[#at]))
+            }
+        });
+        ResolvedVariant {
+            ident: &self.ident,
+            doc: self.doc.clone(),
+            named: self.named,
+            written: !self.named && self.rows.iter().any(|row| row.written),
+            keys: keys.filter(|(row, _)| row.is_resolved()).collect(),
         }
     }
 }
@@ -105,6 +127,8 @@ pub(super) fn of_enum(
         quote!(Some(#at) => { #(#reads)* #made })
     });
     let common = common(input, options, None);
+    let variants: Vec<_> = choices.iter().map(VariantKeys::resolved).collect();
+    let resolved = resolved::of_enum(input, options, &variants);
     Ok(quote! {
         impl #name {
             #(#constants)*
@@ -130,6 +154,7 @@ pub(super) fn of_enum(
         }
 
         #common
+        #resolved
     })
 }
 

@@ -7,7 +7,7 @@ use syn::{DataStruct, DeriveInput, Error, ExprRange, Fields, RangeLimits, Result
 use super::common::common;
 use super::key::KeyDeclaration;
 use super::options::TableOptions;
-use super::resolved::resolved;
+use super::resolved;
 
 pub(super) fn of_struct(
     input: &DeriveInput,
@@ -57,20 +57,20 @@ pub(super) fn of_struct(
         }
     });
     let reads = rows.iter().map(|row| {
-        let (ident, read) = (&row.ident, row.read(&index(row)));
-        quote!(let #ident = #read;)
+        let (variable, read) = (row.variable(), row.read(&index(row)));
+        quote!(let #variable = #read;)
     });
     let made = rows.iter().map(|row| {
-        let ident = &row.ident;
+        let (ident, variable) = (&row.ident, row.variable());
         if row.is_unwrapped() {
-            quote!(#ident: #ident?)
+            quote!(#ident: #variable?)
         } else {
-            quote!(#ident)
+            quote!(#ident: #variable)
         }
     });
     let after = options.after.iter();
     let common = common(input, options, rows.iter().find_map(|it| it.entry.as_ref()));
-    let resolved = resolved(input, options, &rows, &index);
+    let resolved = resolved::of_struct(input, options, &rows, &index);
     Ok(quote! {
         impl #name {
             const KEYS: &'static [crate::table::Key] = &[#(#consts),*];

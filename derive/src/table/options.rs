@@ -1,6 +1,8 @@
 //! Parsing of `#[table(…)]`.
 
-use syn::{DeriveInput, Error, Expr, Ident, LitStr, Result};
+use syn::{DeriveInput, Error, Expr, LitStr, Result};
+
+use super::resolved::Twin;
 
 /// The options of `#[table(…)]`.
 pub(super) struct TableOptions {
@@ -12,8 +14,8 @@ pub(super) struct TableOptions {
     pub example: String,
     /// Message that explains why only one variant of an enum may be given.
     pub reason: String,
-    /// Name of the generated table without spans.
-    pub resolved: Option<Ident>,
+    /// The table without spans: `resolved = Name` declares it, `into = path` names an existing type.
+    pub twin: Option<Twin>,
     /// A function that checks or completes the table after its keys were read.
     pub after: Option<Expr>,
     /// The key that is meant when a plain value stands in place of the table.
@@ -27,7 +29,7 @@ impl TableOptions {
             elsewhere: None,
             example: "{ }".to_owned(),
             reason: String::new(),
-            resolved: None,
+            twin: None,
             after: None,
             short: None,
         };
@@ -48,7 +50,8 @@ impl TableOptions {
                     "example" => options.example = value.parse::<LitStr>()?.value(),
                     "reason" => options.reason = value.parse::<LitStr>()?.value(),
                     "short" => options.short = Some(value.parse::<LitStr>()?.value()),
-                    "resolved" => options.resolved = Some(value.parse()?),
+                    "resolved" => options.twin = Some(Twin::New(value.parse()?)),
+                    "into" => options.twin = Some(Twin::Existing(value.parse()?)),
                     "after" => options.after = Some(value.parse()?),
                     _ => return Err(meta.error("not an attribute of a table")),
                 }

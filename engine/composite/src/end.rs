@@ -1,5 +1,7 @@
 //! Ends of connections and wires in a plan.
 
+use asmotion_coordinator::BoundOperation;
+
 /// A port, service or reference of a component; displayed as `Component.name`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct End {
@@ -23,6 +25,16 @@ pub enum Terminal {
 impl std::fmt::Display for End {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}.{}", self.component, self.name)
+    }
+}
+
+/// The component of the end is a service or reference, its name an operation.
+impl From<End> for BoundOperation {
+    fn from(end: End) -> Self {
+        Self {
+            service: end.component,
+            operation: end.name,
+        }
     }
 }
 

@@ -246,12 +246,13 @@ impl Grower<'_> {
         })
     }
 
-    /// Returns the range between the quotes, so that parts of a string can be located and replaced.
+    /// Returns the range between the quotes, so that parts of a string can be located and replaced. A string that is not
+    /// closed, which is a syntax error, has no range between quotes.
     fn content(&self, range: std::ops::Range<usize>) -> Span {
         let raw = self.text.get(range.clone()).unwrap_or("");
-        let quote = ["\"\"\"", "'''", "\"", "'"]
-            .into_iter()
-            .find(|quote| raw.len() >= 2 * quote.len() && raw.starts_with(quote));
+        let quote = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|quote| {
+            raw.len() >= 2 * quote.len() && raw.starts_with(quote) && raw.ends_with(quote)
+        });
         let margin = quote.map_or(0, str::len);
         Span::new(self.file, range.start + margin, range.end - margin)
     }

@@ -19,7 +19,8 @@ use asmotion_bus::{
 };
 use asmotion_component::{Activity, Policy};
 use asmotion_coordinator::{
-    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive, Source,
+    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Published, Receive,
+    Source,
 };
 use asmotion_datum::{Datum, Message, Schema};
 use asmotion_lang::MemoryFiles;
@@ -109,23 +110,16 @@ fn coordinator() -> System {
     let specification = Arc::new(asmotion_lang::open("echo.asm", &files).unwrap());
     let binding = Binding {
         monitored: vec![Monitored {
-            function: "event".to_owned(),
-            from: Source::Port("event".to_owned()),
-            is: Vec::new(),
             receive: Receive::All,
-            field: None,
-            map: None,
-            none: None,
-            stale_ms: None,
-            on_stale: None,
+            ..Monitored::new("event", Source::Port("event".to_owned()))
         }],
         out: vec![Out {
             function: "command".to_owned(),
-            effect: Effect::Publish {
+            effect: Effect::Publish(Published {
                 port: "command".to_owned(),
                 field: None,
                 when: PublishWhen::OnUpdate,
-            },
+            }),
         }],
     };
     let typed = |name: &str| vec![(name.to_owned(), Schema::opaque("test/Number"))];

@@ -1,5 +1,7 @@
 //! Errors of a binding.
 
+use crate::binding::BoundOperation;
+
 /// A binding that does not fit its specification or component.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BindError {
@@ -15,14 +17,9 @@ pub enum BindError {
         /// Name of the port in the binding.
         port: String,
     },
-    /// The component has no such reference.
-    #[error("the component has no reference `{reference}` with an operation `{operation}`")]
-    UnknownOperation {
-        /// Name of the reference in the binding.
-        reference: String,
-        /// Name of the operation in the binding.
-        operation: String,
-    },
+    /// The component has no such service or reference.
+    #[error("the component has no reference `{}` with an operation `{}`", .0.service, .0.operation)]
+    UnknownOperation(BoundOperation),
     /// The function's codomain does not contain the value.
     #[error("invalid value `{value}` for `{function}`")]
     NotAValue {

@@ -7,10 +7,9 @@ use std::fmt;
 
 use asmotion_datum::{Datum, Schema};
 use asmotion_derive::Word;
-use serde::{Serialize, Serializer};
 
 /// The messages that supply monitored functions, and the effects of updates of out functions.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Binding {
     /// Bindings of monitored functions.
     pub monitored: Vec<Monitored>,
@@ -32,54 +31,72 @@ pub struct Interfaces {
 }
 
 /// The binding of a monitored function.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Monitored {
     /// Name of the function.
     pub function: String,
     /// Origin of its value.
-    #[serde(flatten)]
     pub from: Source,
     /// The messages that count as its value.
     pub receive: Receive,
     /// Path of the value in the message, for example `pose.position.x`. Without it, the message itself or its only
     /// field.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<String>,
     /// Path of a text that names an enum literal; an alternative to `field`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<String>,
     /// The texts for which a Boolean function is true. If empty, the value itself is used.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub is: Vec<String>,
     /// Value in a step without a message; undef if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub none: Option<Constant>,
     /// Age in milliseconds after which the last message is stale; unlimited if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stale_ms: Option<u64>,
     /// Value if the last message is stale, or if there has been none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub on_stale: Option<Constant>,
 }
 
+impl Monitored {
+    /// Binds a function to a source, with the default of every optional setting.
+    pub fn new(function: &str, from: Source) -> Self {
+        Self {
+            function: function.to_owned(),
+            from,
+            receive: Receive::default(),
+            field: None,
+            map: None,
+            is: Vec::new(),
+            none: None,
+            stale_ms: None,
+            on_stale: None,
+        }
+    }
+}
+
 /// Origin of a monitored function's value.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
     /// Messages on an input port, given by its name.
     Port(String),
     /// Requests for an operation that the component provides.
-    Request {
-        /// Name of the service.
-        service: String,
-        /// Name of the operation within the interface.
-        operation: String,
-    },
+    Request(BoundOperation),
+}
+
+/// An operation that the component provides or calls; displayed as `service.operation`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BoundOperation {
+    /// Name of the component's service, or of its reference to one.
+    pub service: String,
+    /// Name of the operation within the interface.
+    pub operation: String,
+}
+
+impl fmt::Display for BoundOperation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.service, self.operation)
+    }
 }
 
 /// The messages that count as the value of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Receive {
     /// The newest message, however old (TCA's `receiveLast`).
     #[default]
@@ -91,7 +108,7 @@ pub enum Receive {
 }
 
 /// The binding of an out function.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Out {
     /// Name of the function.
     pub function: String,
@@ -100,26 +117,27 @@ pub struct Out {
 }
 
 /// The effect of updates of an out function.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// Publishes the value itself.
-    Publish {
-        /// Name of the output port.
-        port: String,
-        /// The field that takes the value. Without it, the message itself.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        field: Option<String>,
-        /// The steps after which it is published.
-        when: PublishWhen,
-    },
+    Publish(Published),
     /// Runs actions that depend on the literal; literals that are not listed have no effect.
     Literals(Vec<Case>),
 }
 
+/// The publication of the value of an out function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Published {
+    /// Name of the output port.
+    pub port: String,
+    /// The field that takes the value. Without it, the message itself.
+    pub field: Option<String>,
+    /// The steps after which it is published.
+    pub when: PublishWhen,
+}
+
 /// The steps after which the value of an out function is published.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum PublishWhen {
     /// Steps that updated the function, even to the same value.
     #[default]
@@ -131,7 +149,7 @@ pub enum PublishWhen {
 }
 
 /// The actions of an update of an out function to one literal, in order.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// The enum literal.
     pub literal: String,
@@ -140,8 +158,7 @@ pub struct Case {
 }
 
 /// An action of an update.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// Calls an operation of a service.
     Call(Call),
@@ -157,55 +174,68 @@ pub enum Action {
 /// A call of a service, whose outcome comes back as an event.
 ///
 /// A later update of the same out function cancels the call, because its outcome would no longer be relevant.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Call {
-    /// Name of the component's reference.
-    pub reference: String,
-    /// Name of the operation within the interface.
-    pub operation: String,
-    /// The request.
+    /// The operation of one of the component's references.
+    pub operation: BoundOperation,
+    /// The request; the default of its type, if empty.
     pub with: Argument,
     /// Name under which the response is kept for later arguments.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keep: Option<String>,
     /// The monitored function that takes one of the following literals when the call ends.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub event: Option<String>,
     /// Literal for a response.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ok: Option<String>,
-    /// Literal for a fault.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Literal for a fault whose code is not in `faults`.
     pub failed: Option<String>,
+    /// Fault codes and their literals.
+    pub faults: Vec<(String, String)>,
     /// Literal for a timeout; `failed` if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub timeout: Option<String>,
     /// Literal for an unavailable provider; `failed` if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub unavailable: Option<String>,
     /// The service whose request this call is made for: the caller gets the outcome as its reply.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reply: Option<String>,
 }
 
-/// The content of a message or request.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+impl Call {
+    /// Calls an operation with an empty request and ignores the outcome.
+    pub fn new(operation: BoundOperation) -> Self {
+        Self {
+            operation,
+            with: Argument::default(),
+            keep: None,
+            event: None,
+            ok: None,
+            failed: None,
+            faults: Vec::new(),
+            timeout: None,
+            unavailable: None,
+            reply: None,
+        }
+    }
+}
+
+/// The content of a message or request; an empty record, the default of each type, by default.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Argument {
-    /// The default of the type.
-    Default,
     /// A response that was kept, the newest message of an input port, or the newest request of a service.
     Kept {
         /// Name of the kept response, port or service.
         name: String,
         /// Path within it, for example `pose.position`; all of it if not given.
-        #[serde(skip_serializing_if = "Option::is_none")]
         path: Option<String>,
     },
     /// A record; omitted fields have their initial values.
     Record(Vec<(String, Argument)>),
     /// A literal value.
     Value(Constant),
+}
+
+impl Default for Argument {
+    fn default() -> Self {
+        Self::Record(Vec::new())
+    }
 }
 
 /// A value given by the composite; displayed as `***` if it contains a secret.
@@ -234,20 +264,10 @@ impl fmt::Debug for Constant {
     }
 }
 
-impl Serialize for Constant {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if self.secret {
-            serializer.serialize_str("***")
-        } else {
-            self.datum.serialize(serializer)
-        }
-    }
-}
-
 pub(crate) fn calls(binding: &Binding) -> impl Iterator<Item = &Call> {
     let cases = binding.out.iter().flat_map(|out| match &out.effect {
         Effect::Literals(cases) => cases.as_slice(),
-        Effect::Publish { .. } => &[],
+        Effect::Publish(_) => &[],
     });
     cases
         .flat_map(|case| &case.actions)

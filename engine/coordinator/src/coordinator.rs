@@ -201,27 +201,28 @@ fn declare(
         handles.outputs.push((name.clone(), port));
     }
     for call in calls(binding) {
-        let name = (call.reference.clone(), call.operation.clone());
-        if handles.operations.iter().any(|(known, _)| *known == name) {
+        let operation = &call.operation;
+        if handles
+            .operations
+            .iter()
+            .any(|(known, _)| known == operation)
+        {
             continue;
         }
         let declared = interfaces
             .references
             .iter()
-            .find(|(reference, _)| *reference == call.reference);
-        let Some((_, service)) = declared else {
-            return Err(BindError::UnknownOperation {
-                reference: name.0,
-                operation: name.1,
-            });
+            .find(|(reference, _)| *reference == operation.service);
+        let Some((reference, service)) = declared else {
+            return Err(BindError::UnknownOperation(operation.clone()));
         };
-        let operation = interface.require_of(
-            &call.reference,
+        let handle = interface.require_of(
+            reference,
             service,
-            &call.operation,
+            &operation.operation,
             "called by the specification",
         );
-        handles.operations.push((name, operation));
+        handles.operations.push((operation.clone(), handle));
     }
     Ok(handles)
 }

@@ -1,7 +1,7 @@
 //! Turns updates of out functions into messages and calls.
 
 use crate::bind_error::BindError;
-use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
+use crate::binding::{Action, Argument, Binding, BoundOperation, Effect, PublishWhen, Published};
 use crate::convert::{datum_of, literal_value};
 use crate::inputs::MessageInputs;
 use crate::requests::{Requests, WaitingCaller, superseded_fault};
@@ -21,8 +21,7 @@ use std::collections::BTreeMap;
 pub(crate) struct EffectHandles {
     pub inputs: Vec<(String, In<Datum>)>,
     pub outputs: Vec<(String, Out<Datum>)>,
-    /// By names of the reference and the operation.
-    pub operations: Vec<((String, String), Required<Dynamic>)>,
+    pub operations: Vec<(BoundOperation, Required<Dynamic>)>,
 }
 
 /// The bound out functions of a specification, and their calls under way.
@@ -81,6 +80,8 @@ pub(crate) struct OutcomeEffect {
     event: Option<usize>,
     ok: Option<Value>,
     failed: Option<Value>,
+    /// Fault codes and their literals.
+    faults: Vec<(String, Value)>,
     timeout: Option<Value>,
     unavailable: Option<Value>,
     /// Name of the service whose caller gets the outcome.
@@ -111,7 +112,7 @@ impl EffectOutbox {
                 .function(&out.function, 0)
                 .ok_or_else(unknown)?;
             let effect = match &out.effect {
-                Effect::Publish { port, field, when } => BoundEffect::Publish {
+                Effect::Publish(Published { port, field, when }) => BoundEffect::Publish {
                     port: handles.output(port)?,
                     field: field.clone(),
                     when: *when,
@@ -171,7 +172,11 @@ impl EffectOutbox {
                     }
                     Err(CallError::Timeout) => outcome.timeout.or(outcome.failed),
                     Err(CallError::Unavailable) => outcome.unavailable.or(outcome.failed),
-                    Err(CallError::Fault(_)) => outcome.failed,
+                    Err(CallError::Fault(fault)) => {
+                        let mut faults = outcome.faults.into_iter();
+                        let known = faults.find(|(code, _)| *code == fault.code);
+                        known.map(|(_, literal)| literal).or(outcome.failed)
+                    }
                     Err(CallError::Cancelled) => None,
                 };
                 if let (Some(input), Some(event)) = (outcome.event, event) {
@@ -321,13 +326,10 @@ impl EffectHandles {
                 value: value.clone(),
             }),
             Action::Call(call) => {
-                let name = (call.reference.clone(), call.operation.clone());
-                let found = self.operations.iter().find(|(known, _)| *known == name);
+                let mut operations = self.operations.iter();
+                let found = operations.find(|(known, _)| *known == call.operation);
                 let Some((_, operation)) = found else {
-                    return Err(BindError::UnknownOperation {
-                        reference: name.0,
-                        operation: name.1,
-                    });
+                    return Err(BindError::UnknownOperation(call.operation.clone()));
                 };
                 let event = match &call.event {
                     Some(event) => Some(inbox.event(event, specification)?),
@@ -343,6 +345,11 @@ impl EffectHandles {
                         }),
                     _ => Ok(None),
                 };
+                let mut faults = Vec::new();
+                for (code, name) in &call.faults {
+                    let literal = literal(&Some(name.clone()))?;
+                    faults.extend(literal.map(|literal| (code.clone(), literal)));
+                }
                 let outcome = OutcomeEffect {
                     // assigned once all calls are known
                     number: 0,
@@ -351,6 +358,7 @@ impl EffectHandles {
                     event,
                     ok: literal(&call.ok)?,
                     failed: literal(&call.failed)?,
+                    faults,
                     timeout: literal(&call.timeout)?,
                     unavailable: literal(&call.unavailable)?,
                     reply: call.reply.clone(),
@@ -438,7 +446,6 @@ fn evaluate(
     cycle: &Cycle<'_>,
 ) -> Result<Datum, String> {
     match argument {
-        Argument::Default => Ok(Datum::Record(Vec::new())),
         Argument::Value(value) => Ok(value.datum.clone()),
         Argument::Record(fields) => {
             let compose_field = |(name, field): &(String, Argument)| {

@@ -277,14 +277,11 @@ fn origin(
             let (_, port) = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
             Ok(MessageOrigin::Port(*port))
         }
-        Source::Request { service, operation } => {
-            let position = requests.position(service, operation);
+        Source::Request(operation) => {
+            let position = requests.position(operation);
             position
                 .map(MessageOrigin::Requests)
-                .ok_or_else(|| BindError::UnknownOperation {
-                    reference: service.clone(),
-                    operation: operation.clone(),
-                })
+                .ok_or_else(|| BindError::UnknownOperation(operation.clone()))
         }
     }
 }

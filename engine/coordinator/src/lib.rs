@@ -19,8 +19,8 @@ mod step;
 
 pub use bind_error::BindError;
 pub use binding::{
-    Action, Argument, Binding, Call, Case, Constant, Effect, Interfaces, Monitored, Out,
-    PublishWhen, Receive, Source,
+    Action, Argument, Binding, BoundOperation, Call, Case, Constant, Effect, Interfaces, Monitored,
+    Out, PublishWhen, Published, Receive, Source,
 };
 pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::UNSENT_REPORT;

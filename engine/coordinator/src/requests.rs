@@ -4,7 +4,7 @@
 
 use crate::bind_error::BindError;
 use crate::binding::calls;
-use crate::binding::{Binding, Interfaces, Source};
+use crate::binding::{Binding, BoundOperation, Interfaces, Source};
 use asmotion_component::{Cycle, Dynamic, Interface, Provided, RequestId, ServiceFault};
 use asmotion_datum::Datum;
 
@@ -15,8 +15,7 @@ pub(crate) struct Requests {
 }
 
 pub(crate) struct RequestInput {
-    service: String,
-    operation: String,
+    operation: BoundOperation,
     pub handle: Provided<Dynamic>,
     /// A call made on the request's behalf supplies the reply.
     is_forwarded: bool,
@@ -46,22 +45,19 @@ impl Requests {
     ) -> Result<Self, BindError> {
         let mut requests = Self::default();
         for monitored in &binding.monitored {
-            let Source::Request { service, operation } = &monitored.from else {
+            let Source::Request(bound) = &monitored.from else {
                 continue;
             };
-            if requests.position(service, operation).is_some() {
+            if requests.position(bound).is_some() {
                 continue;
             }
+            let BoundOperation { service, operation } = bound;
             let mut services = interfaces.services.iter();
             let known = services.find(|(name, _)| name == service);
-            let (_, kind) = known.ok_or_else(|| BindError::UnknownOperation {
-                reference: service.clone(),
-                operation: operation.clone(),
-            })?;
+            let (_, kind) = known.ok_or_else(|| BindError::UnknownOperation(bound.clone()))?;
             let doc = "read by the specification";
             requests.served.push(RequestInput {
-                service: service.clone(),
-                operation: operation.clone(),
+                operation: bound.clone(),
                 handle: interface.serve_of(service, kind, operation, doc),
                 is_forwarded: calls(binding).any(|call| call.reply.as_ref() == Some(service)),
                 received: Vec::new(),
@@ -73,9 +69,9 @@ impl Requests {
     }
 
     /// Position of an operation.
-    pub fn position(&self, service: &str, operation: &str) -> Option<usize> {
-        let is = |served: &RequestInput| served.service == service && served.operation == operation;
-        self.served.iter().position(is)
+    pub fn position(&self, operation: &BoundOperation) -> Option<usize> {
+        let mut served = self.served.iter();
+        served.position(|served| served.operation == *operation)
     }
 
     /// The requests of this cycle for an operation.
@@ -89,7 +85,7 @@ impl Requests {
     pub fn last(&self, service: &str) -> Option<&Datum> {
         let mut served = self.served.iter();
         served
-            .find(|served| served.service == service)?
+            .find(|served| served.operation.service == service)?
             .last
             .as_ref()
     }
@@ -112,7 +108,7 @@ impl Requests {
     /// superseded: a step makes one call, with the newest request's content.
     pub fn take_newest(&mut self, service: &str, cycle: &mut Cycle<'_>) -> Option<WaitingCaller> {
         let mut served = self.served.iter_mut().enumerate();
-        let (position, served) = served.find(|(_, served)| served.service == service)?;
+        let (position, served) = served.find(|(_, served)| served.operation.service == service)?;
         let last = served.open.pop()?;
         for request in served.open.drain(..) {
             cycle.reply(served.handle, request, Err(superseded_fault()));

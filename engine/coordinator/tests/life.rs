@@ -4,11 +4,11 @@
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
-    Activity, Component, Cycle, Fault, Interface, Losses, Operation, Policy, Provided, Span, Time,
-    Transition, Wire,
+    Activity, Component, Cycle, Fault, Interface, Losses, Operation, Policy, Provided,
+    ServiceFault, Span, Time, Transition, Wire,
 };
 use asmotion_coordinator::{
-    Action, Argument, Binding, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
+    Action, Binding, BoundOperation, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
     Monitored, Out, Receive, STEP_REPORT, Source, StepRecord,
 };
 use asmotion_datum::{Datum, Schema};
@@ -33,12 +33,17 @@ impl Operation for Work {
     const NAME: &'static str = "work";
 }
 
-/// Takes requests and never replies.
-struct Deaf(Provided<Work>);
+/// Takes requests; replies with a fault of a certain code, or never.
+struct Deaf(Provided<Work>, Option<&'static str>);
 
 impl Component for Deaf {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        cycle.requests(self.0);
+        for request in cycle.requests(self.0) {
+            if let Some(code) = self.1 {
+                let fault = ServiceFault::new(code, "of no use");
+                cycle.reply(self.0, request.id, Err(fault));
+            }
+        }
         Ok(())
     }
 }
@@ -47,7 +52,7 @@ const WORKER: &str = "
 asm worker
 import StandardLibrary
 signature:
-	enum domain Event = {GO | DONE | FAILED | NOBODY}
+	enum domain Event = {GO | DONE | FAILED | TOO_HEAVY | NOBODY}
 	enum domain Command = {NONE | WORK}
 	monitored event: Event
 	controlled seen: Seq(Event)
@@ -65,39 +70,31 @@ default init s0:
 	function command = NONE
 ";
 
-/// A coordinator that receives events, and calls a service that never replies.
-fn system(activity: Activity) -> System {
+/// A coordinator that receives events, and calls a service that replies with a fault of the code `fault`, or never.
+fn system(activity: Activity, fault: Option<&'static str>) -> System {
     let mut files = MemoryFiles::new();
     files.add("worker.asm", WORKER);
     let specification = Arc::new(asmotion_lang::open("worker.asm", &files).unwrap());
     let named = |name: &str| Some(name.to_owned());
     let binding = Binding {
         monitored: vec![Monitored {
-            function: "event".to_owned(),
-            from: Source::Port("event".to_owned()),
-            is: Vec::new(),
             receive: Receive::All,
-            field: None,
-            map: None,
-            none: None,
-            stale_ms: None,
-            on_stale: None,
+            ..Monitored::new("event", Source::Port("event".to_owned()))
         }],
         out: vec![Out {
             function: "command".to_owned(),
             effect: Effect::Literals(vec![Case {
                 literal: "WORK".to_owned(),
                 actions: vec![Action::Call(Call {
-                    reference: "works".to_owned(),
-                    operation: "work".to_owned(),
-                    with: Argument::Default,
-                    keep: None,
                     event: named("event"),
                     ok: named("DONE"),
                     failed: named("FAILED"),
-                    timeout: None,
+                    faults: vec![("WEIGHT".to_owned(), "TOO_HEAVY".to_owned())],
                     unavailable: named("NOBODY"),
-                    reply: None,
+                    ..Call::new(BoundOperation {
+                        service: "works".to_owned(),
+                        operation: "work".to_owned(),
+                    })
                 })],
             }]),
         }],
@@ -114,7 +111,8 @@ fn system(activity: Activity) -> System {
     });
     made.unwrap();
     let deaf = |interface: &mut Interface| {
-        Box::new(Deaf(interface.serve("works", "answers none"))) as Box<dyn Component>
+        let work = interface.serve("works", "answers none");
+        Box::new(Deaf(work, fault)) as Box<dyn Component>
     };
     system.add("Deaf", Activity::event(), deaf).unwrap();
     let wire = Wire::timeout(60.s());
@@ -129,7 +127,11 @@ type Told = Arc<Mutex<Vec<(String, Datum)>>>;
 
 /// Runs the system in simulated time and collects its reports.
 fn simulate(activity: Activity) -> (Simulation, Told) {
-    let mut system = system(activity);
+    simulate_with(activity, None)
+}
+
+fn simulate_with(activity: Activity, fault: Option<&'static str>) -> (Simulation, Told) {
+    let mut system = system(activity, fault);
     let told = Told::default();
     let teller = Arc::clone(&told);
     system.observe(move |_: Time, event: &Event<'_>| {
@@ -206,6 +208,17 @@ fn a_call_that_nobody_takes_has_a_literal_of_its_own() {
     tell(&mut run, now, "GO");
     run.run_for(1.s());
     assert_eq!(seen(&told), ["[GO]", "[GO, NOBODY]"]);
+}
+
+#[test]
+fn a_fault_has_the_literal_of_its_code() {
+    for (code, literal) in [("WEIGHT", "TOO_HEAVY"), ("COLOUR", "FAILED")] {
+        let (mut run, told) = simulate_with(Activity::periodic(10.ms()), Some(code));
+        let now = run.now();
+        tell(&mut run, now, "GO");
+        run.run_for(1.s());
+        assert_eq!(seen(&told), ["[GO]", &format!("[GO, {literal}]")]);
+    }
 }
 
 #[test]

@@ -116,18 +116,19 @@ impl Picture {
 
 /// The implementation of a component, abbreviated.
 fn note(component: &Component) -> String {
-    let file = |path: &str| path.rsplit('/').next().unwrap_or(path).to_owned();
-    match &component.implementation {
-        Implementation::Rust(name) => name.clone(),
-        Implementation::Asm(asm) => file(&asm.path),
-        Implementation::Builtin(builtin) => builtin.kind.to_string(),
-        Implementation::Process(words) => words
-            .iter()
-            .map(|it| file(it))
-            .collect::<Vec<_>>()
-            .join(" "),
-        Implementation::Ros(words) | Implementation::Orocos(words) => words.join(" "),
-    }
+    let implementation = &component.implementation;
+    let is_path = match implementation {
+        Implementation::Asm { .. } | Implementation::Process { .. } => true,
+        Implementation::Rust(_)
+        | Implementation::Builtin { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => false,
+    };
+    let words = implementation
+        .words()
+        .into_iter()
+        .map(|word| word.rsplit('/').next().filter(|_| is_path).unwrap_or(word));
+    words.collect::<Vec<_>>().join(" ")
 }
 
 struct PictureBuilder<'d> {

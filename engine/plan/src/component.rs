@@ -1,9 +1,7 @@
 //! Components of a plan.
 
-use crate::plan::{Lifecycle, Pace, PropertyValues};
-use asmotion_composite::model::{
-    BuiltinComponent, PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedVerify,
-};
+use crate::plan::{Implementation, Lifecycle, Pace, PropertyValues};
+use asmotion_composite::model::PlannedSpecialKeys;
 use asmotion_coordinator::Binding;
 
 /// A component of a plan.
@@ -31,57 +29,10 @@ pub struct Component {
     pub properties: PropertyValues,
     /// `bind` of an ASM component; `None` for other implementations.
     pub binding: Option<Binding>,
-    /// `verify` of an ASM component.
-    pub verify: Option<PlannedVerify>,
-    /// `map` of a port-proxy; empty for other components.
-    pub proxy: Vec<PlannedProxyEntry>,
-    /// `notify` of a port-proxy.
-    pub notify: Option<PlannedNotify>,
     /// `map` and `notify` compiled for the bridge; `None` for components other than port-proxies.
     pub bridge: Option<asmotion_bridge::ProxySettings>,
-    /// `map` of a ros-bridge.
-    pub ros: Vec<PlannedRosEntry>,
-    /// `plots` of a web-monitor.
-    pub plots: Vec<PlannedPlot>,
-}
-
-/// Implementation of a component.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Implementation {
-    /// Name in the catalogue.
-    Rust(String),
-    /// An ASM specification.
-    Asm(Asm),
-    /// A built-in component.
-    Builtin(BuiltinSettings),
-    /// Command line of an external program.
-    Process(Vec<String>),
-    /// Package and executable of a ROS node.
-    Ros(Vec<String>),
-    /// Component name in a running Orocos system and address of the name service.
-    Orocos(Vec<String>),
-}
-
-/// An ASM specification.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Asm {
-    /// Resolved path of the file.
-    pub path: String,
-    /// Main rule; `None` if the composite does not name it.
-    pub main: Option<String>,
-}
-
-/// Settings of a built-in component.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BuiltinSettings {
-    /// Kind of built-in component.
-    pub kind: BuiltinComponent,
-    /// `port-proxy`: component whose ports are accessed.
-    pub target: Option<String>,
-    /// `ros-bridge`: name of the bridge.
-    pub bridge: Option<String>,
-    /// `web-monitor`, `http-gateway`: TCP port.
-    pub port: Option<u64>,
+    /// Keys that only its kind of implementation has.
+    pub special: PlannedSpecialKeys,
 }
 
 /// A port of a component.

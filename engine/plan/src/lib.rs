@@ -14,7 +14,7 @@ mod plan;
 mod route;
 
 pub use codes::CODES;
-pub use component::{Asm, BuiltinSettings, Component, Implementation, Port, Service};
+pub use component::{Component, Port, Service};
 pub use connection_route::{ConnectionRoute, RouteTransport};
 pub use expand::{beside, expand};
 pub use graph::Dependency;
@@ -22,6 +22,6 @@ pub use joint::{Connection, Promoted, Topic};
 pub use opened::{Opened, open, summary};
 pub use part::Part;
 pub use plan::{
-    Bridge, Broker, End, Endpoint, Gateway, Lifecycle, Pace, Plan, Policy, Process, PropertyValues,
-    Record, Restart, Terminal, Wire,
+    Bridge, Broker, End, Endpoint, Gateway, Implementation, Lifecycle, Pace, Plan, Policy, Process,
+    PropertyValues, Record, Restart, Terminal, Wire,
 };

@@ -11,9 +11,9 @@ pub use asmotion_composite::address::Endpoint;
 pub use asmotion_composite::end::{End, Terminal};
 pub use asmotion_composite::model::{
     PlannedBridge as Bridge, PlannedBroker as Broker, PlannedGateway as Gateway,
-    PlannedLifecycle as Lifecycle, PlannedPace as Pace, PlannedPolicy as Policy,
-    PlannedProcess as Process, PlannedRecord as Record, PlannedRestart as Restart,
-    PlannedWire as Wire,
+    PlannedImplementation as Implementation, PlannedLifecycle as Lifecycle, PlannedPace as Pace,
+    PlannedPolicy as Policy, PlannedProcess as Process, PlannedRecord as Record,
+    PlannedRestart as Restart, PlannedWire as Wire,
 };
 pub use asmotion_composite::value::PropertyValues;
 

@@ -98,6 +98,15 @@ fn c12_a_promoted_property_overrides_the_one_inside() {
 }
 
 #[test]
+fn it_writes_the_tables_within_a_binding() {
+    let expansions = expansions("tests/composites", "calls_are_fine.toml");
+    let text = expansions.first().expect("an expansion");
+    let call = "with = { map = \"@map\", start = \"@goal\", goal = \"@goal\" }, keep = \"path\", ok = \"PATH_OK\", \
+        failed = \"CALL_FAILED\", faults = { NO_PATH = \"CALL_FAILED\" }, timeout = \"CALL_FAILED\"";
+    assert!(text.contains(call), "{text}");
+}
+
+#[test]
 fn it_expands_every_composite_of_this_repository_to_itself() {
     for folder in ["navigation", "youbot", "courier"] {
         let folder = format!("../../specs/{folder}");

@@ -4,6 +4,7 @@
 mod support;
 
 use asmotion_composite::{AsmFiles, Context, Tables};
+use asmotion_diagnostics::Span;
 use asmotion_lang::MemoryFiles;
 use asmotion_plan::Opened;
 use proptest::prelude::*;
@@ -222,23 +223,31 @@ fn pieces() -> impl Strategy<Value = String> {
     proptest::collection::vec(piece, 0..12).prop_map(|pieces| format!("{HEAD}{}", pieces.concat()))
 }
 
+/// Returns whether every reported location lies within the text, between two characters.
+fn locations_are_valid(opened: &Opened) -> bool {
+    let is_valid = |span: Span| {
+        let text = opened.sources.text(span.file);
+        text.get(span.range()).is_some()
+    };
+    opened.report.diagnostics.iter().all(|finding| {
+        let mut labels = finding.primary.iter().chain(&finding.secondary);
+        let mut edits = finding.fix.iter().flat_map(|fix| &fix.edits);
+        labels.all(|label| is_valid(label.span)) && edits.all(|edit| is_valid(edit.span))
+    })
+}
+
+#[test]
+fn it_locates_a_string_that_is_not_closed() {
+    assert!(locations_are_valid(&opened(&format!("{HEAD}[=\n\"é"))));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn it_never_panics(text in pieces()) {
         let opened = opened(&text);
-        // every reported location lies within the text
-        for finding in &opened.report.diagnostics {
-            let labels = finding.primary.iter().chain(&finding.secondary);
-            for label in labels {
-                let text = opened.sources.text(label.span.file);
-                prop_assert!(text.get(label.span.range()).is_some(), "{finding:?}");
-            }
-            for edit in finding.fix.iter().flat_map(|fix| &fix.edits) {
-                prop_assert!(opened.sources.text(edit.span.file).get(edit.span.range()).is_some());
-            }
-        }
+        prop_assert!(locations_are_valid(&opened), "{:?}", opened.report.diagnostics);
     }
 
     #[test]

@@ -9,18 +9,16 @@ use asmotion_datum::Schema;
 use asmotion_diagnostics::Loader;
 
 use super::Make;
-use asmotion_plan::Asm;
 
 /// Loads the specification and creates the component that executes it.
 pub(super) fn make(
     component: &asmotion_plan::Component,
-    asm: &Asm,
+    file: &str,
     types: &BTreeMap<String, Schema>,
     loader: &dyn Loader,
     seed: u64,
 ) -> Result<Make, String> {
-    let specification =
-        asmotion_lang::open(&asm.path, loader).map_err(|failure| failure.to_string())?;
+    let specification = asmotion_lang::open(file, loader).map_err(|failure| failure.to_string())?;
     let specification = Arc::new(specification);
     let binding = component.binding.clone().unwrap_or_default();
     let interfaces = interfaces(component, types);

@@ -43,27 +43,27 @@ impl Workshop for Standard<'_> {
                     .map(of_build)
                     .ok_or(format!("`{name}` is not in this build"))
             }
-            Implementation::Asm(asm) => {
+            Implementation::Asm { file, .. } => {
                 let position = plan
                     .components
                     .iter()
                     .position(|it| it.name == component.name);
                 let seed = self.seed.wrapping_add(position.unwrap_or(0) as u64);
-                coordinator::make(component, asm, &plan.types, self.loader, seed)
+                coordinator::make(component, file, &plan.types, self.loader, seed)
             }
-            Implementation::Builtin(_) if let Some(settings) = &component.bridge => {
+            Implementation::Builtin { .. } if let Some(settings) = &component.bridge => {
                 let settings = settings.clone();
                 Ok(Box::new(move |interface: &mut Interface| {
                     Ok(Box::new(PortProxy::new(&settings, interface)) as Box<dyn Component>)
                 }))
             }
-            Implementation::Builtin(settings) => (self.builtins)(component, plan).ok_or(format!(
-                "the built-in `{}` is not in this build",
-                settings.kind
-            )),
-            Implementation::Process(_) => Err("other programs cannot be started yet".to_owned()),
-            Implementation::Ros(_) => Err("ROS nodes cannot be started yet".to_owned()),
-            Implementation::Orocos(_) => {
+            Implementation::Builtin { name, .. } => (self.builtins)(component, plan)
+                .ok_or(format!("the built-in `{name}` is not in this build")),
+            Implementation::Process { .. } => {
+                Err("other programs cannot be started yet".to_owned())
+            }
+            Implementation::Ros { .. } => Err("ROS nodes cannot be started yet".to_owned()),
+            Implementation::Orocos { .. } => {
                 Err("Orocos components cannot be connected yet".to_owned())
             }
         }

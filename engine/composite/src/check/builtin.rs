@@ -66,7 +66,7 @@ fn ros_bridge(
         }
         Some(_) => {}
     }
-    for entry in &component.map {
+    for entry in &component.special.map {
         if let MapEntry::Ros(entry) = entry {
             ros_entry(scene, component, entry, report);
         }

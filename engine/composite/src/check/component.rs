@@ -102,7 +102,7 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
 
 /// Reports keys of `verify`, which this version does not act on.
 fn verify(component: &Component, report: &mut Report) {
-    let Some(verify) = &component.verify else {
+    let Some(verify) = &component.special.verify else {
         return;
     };
     let wanted = |key: &Option<At<bool>>| key.as_ref().filter(|key| key.value).map(|key| key.span);

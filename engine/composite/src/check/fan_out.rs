@@ -61,16 +61,9 @@ fn by_binding(part: &CheckedComponent<'_>, reference: &str) -> Option<(String, O
         let Action::Call(call) = action else {
             continue;
         };
-        let awaits = [
-            &call.keep,
-            &call.event,
-            &call.ok,
-            &call.failed,
-            &call.timeout,
-            &call.unavailable,
-        ];
+        let names = [&call.keep, &call.event].into_iter().flatten();
         if call.operation.component.value == reference
-            && let Some(place) = awaits.into_iter().flatten().next()
+            && let Some(place) = names.chain(call.literals()).next()
         {
             let who = format!("its binding waits for `{}`", call.operation);
             return Some((who, Some(place.span)));

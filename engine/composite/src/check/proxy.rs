@@ -40,13 +40,13 @@ pub(super) fn check(
     };
     scene.part(target, report)?;
     let mut face = listed.clone();
-    for entry in &component.map {
+    for entry in &component.special.map {
         if let MapEntry::Proxy(entry) = entry {
             mirror(scene, entry, target, &mut face, report);
-            motion(entry, component.notify.as_ref(), report);
+            motion(entry, component.special.notify.as_ref(), report);
         }
     }
-    if let Some(told) = &component.notify {
+    if let Some(told) = &component.special.notify {
         notify(scene, told, &face, report);
         pace(scene, component, told, report);
     }

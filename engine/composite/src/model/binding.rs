@@ -1,19 +1,25 @@
-//! The binding of an ASM component as written; [`asmotion_coordinator::Binding`] is the same without places.
+//! The binding of an ASM component as written. It resolves into the [`Binding`](asmotion_coordinator::Binding) of the
+//! coordinator, whose types have the same fields without source spans.
 
 use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
 
-use asmotion_coordinator::{PublishWhen, Receive};
+use asmotion_coordinator::{self as coordinator, PublishWhen, Receive};
 
 use super::component::MessagePath;
 use super::limits::DAY_MS;
 use super::wiring::End;
 use crate::at::At;
+use crate::table::NamedValue;
 use crate::tree::Node;
 
 /// Bindings of the functions of an ASM to ports and services.
 #[derive(Clone, Debug, Default, Table)]
-#[table(of = "`bind`", example = "{ monitored = { }, out = { } }")]
+#[table(
+    of = "`bind`",
+    example = "{ monitored = { }, out = { } }",
+    into = coordinator::Binding
+)]
 pub struct Bind {
     /// Sources of the values of monitored functions.
     #[key(example = "{ }")]
@@ -28,7 +34,8 @@ pub struct Bind {
 #[table(
     of = "a bound monitored function",
     example = "{ topic = \"estop\", field = \"data\" }",
-    after = super::binding_reader::monitored
+    into = coordinator::Monitored,
+    after = super::binding_value::monitored
 )]
 pub struct Monitored {
     /// Name of the function in the specification.
@@ -38,8 +45,10 @@ pub struct Monitored {
     #[key(flatten)]
     pub from: Source,
     /// The messages that count as the value of a step.
+    #[key(or_default)]
     pub receive: Option<At<Receive>>,
     /// The same as `receive = "edge"`.
+    #[key(written)]
     pub edge: Option<At<bool>>,
     /// The part of the message that is the value; its only field, `data` or `code`, if absent.
     #[key(example = "\"data\"")]
@@ -71,12 +80,13 @@ impl Monitored {
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a bound monitored function",
-    reason = "a value comes from one source"
+    reason = "a value comes from one source",
+    into = coordinator::Source
 )]
 pub enum Source {
     /// A name under `subscribe` or `ports.in`.
-    #[key(example = "\"estop\"")]
-    Topic(At<String>),
+    #[key(name = "topic", example = "\"estop\"")]
+    Port(At<String>),
     /// `service.operation`: requests that the component answers; the `component` of the end is the service.
     #[key(name = "service", example = "\"move.moveTo\"")]
     Request(End),
@@ -104,17 +114,18 @@ pub enum Effect {
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a bound out function",
-    example = "{ topic = \"command\", publish = \"on_update\" }"
+    example = "{ topic = \"command\", publish = \"on_update\" }",
+    into = coordinator::Published
 )]
 pub struct Published {
     /// The name under `publish` or `ports.out`.
-    #[key(example = "\"command\"")]
-    pub topic: At<String>,
+    #[key(name = "topic", example = "\"command\"")]
+    pub port: At<String>,
     /// Message field that receives the value.
     #[key(example = "\"data\"")]
     pub field: Option<MessagePath>,
     /// The steps after which it is published.
-    #[key(name = "publish")]
+    #[key(name = "publish", or_default)]
     pub when: Option<At<PublishWhen>>,
 }
 
@@ -123,7 +134,8 @@ pub struct Published {
 #[table(
     of = "an action",
     example = "{ call = \"planner.plan\", ok = \"PATH_OK\", event = \"ev\" }",
-    reason = "an action has one effect; use a list for several"
+    reason = "an action has one effect; use a list for several",
+    into = coordinator::Action
 )]
 pub enum Action {
     /// Calls a service.
@@ -133,7 +145,7 @@ pub enum Action {
     Publish {
         /// Publishes a message: the name under `publish` or `ports.out`.
         #[key(name = "publish", example = "\"plan\"")]
-        topic: At<String>,
+        port: At<String>,
         /// Content of the message: a literal value, a record or `@name`.
         #[key(example = "\"@path\"")]
         value: Argument,
@@ -142,12 +154,17 @@ pub enum Action {
 
 /// A call of a service.
 #[derive(Clone, Debug, Table)]
-#[table(of = "an action", after = super::binding_reader::call)]
+#[table(
+    of = "an action",
+    into = coordinator::Call,
+    after = super::binding_value::call
+)]
 pub struct Call {
     /// Calls a service: `reference.operation`; the `component` of the end is the reference.
     #[key(name = "call", example = "\"planner.plan\"")]
     pub operation: End,
     /// The request.
+    #[key(or_default)]
     pub with: Option<Argument>,
     /// Name under which the reply is kept.
     #[key(example = "\"path\"")]
@@ -155,9 +172,12 @@ pub struct Call {
     /// Literal of `event` for a reply.
     #[key(example = "\"PATH_OK\"")]
     pub ok: Option<At<String>>,
-    /// Literal for a fault.
+    /// Literal for a fault whose code is not in `faults`.
     #[key(example = "\"CALL_FAILED\"")]
     pub failed: Option<At<String>>,
+    /// Literals by fault code, such as the planner's `NO_PATH`.
+    #[key(example = "{ NO_PATH = \"UNREACHABLE\" }")]
+    pub faults: Vec<NamedValue<At<String>>>,
     /// Literal for a reply that did not come in time; `failed`, if absent.
     #[key(example = "\"CALL_FAILED\"")]
     pub timeout: Option<At<String>>,
@@ -170,6 +190,15 @@ pub struct Call {
     /// Service whose pending request is completed with the outcome of this call.
     #[key(example = "\"move\"")]
     pub reply: Option<At<String>>,
+}
+
+impl Call {
+    /// Iterates over the literals of `event` that report the outcome.
+    pub fn literals(&self) -> impl Iterator<Item = &At<String>> {
+        let single = [&self.ok, &self.failed, &self.timeout, &self.unavailable];
+        let faults = self.faults.iter().map(|fault| &fault.value);
+        single.into_iter().flatten().chain(faults)
+    }
 }
 
 /// Content of a message or argument of a call.

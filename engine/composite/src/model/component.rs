@@ -70,6 +70,22 @@ pub struct Component {
     /// Bindings of the functions of an ASM to ports and services.
     #[key(or_default, example = "{ monitored = { }, out = { } }")]
     pub bind: Bind,
+    /// Keys that only one kind of implementation has.
+    #[key(flatten)]
+    pub special: SpecialKeys,
+}
+
+impl Component {
+    /// Returns `task` or `activity`, whichever is given.
+    pub fn pace(&self) -> Option<&Pace> {
+        self.task.as_ref().or(self.activity.as_ref())
+    }
+}
+
+/// Keys of a component that only one kind of implementation has.
+#[derive(Clone, Debug, Table)]
+#[table(of = "a component", resolved = PlannedSpecialKeys)]
+pub struct SpecialKeys {
     /// Properties of an ASM verified before it starts.
     #[key(example = "{ ctl = true }")]
     pub verify: Option<Verify>,
@@ -84,13 +100,6 @@ pub struct Component {
     /// `web-monitor`: charts of the dashboard.
     #[key(example = "[{ title = \"Speed\", series = [\"velocity\"] }]")]
     pub plots: Vec<Plot>,
-}
-
-impl Component {
-    /// Returns `task` or `activity`, whichever is given.
-    pub fn pace(&self) -> Option<&Pace> {
-        self.task.as_ref().or(self.activity.as_ref())
-    }
 }
 
 /// Ports used by connections.
@@ -164,7 +173,8 @@ pub struct Verify {
 #[table(
     of = "an entry of `map`",
     example = "{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }",
-    reason = "an entry maps either an operation or a topic"
+    reason = "an entry maps either an operation or a topic",
+    resolved = PlannedMapEntry
 )]
 pub enum MapEntry {
     /// Mapping of a port-proxy.

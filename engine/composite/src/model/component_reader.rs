@@ -4,10 +4,9 @@ use serde_json::{Value as Json, json};
 
 use super::component::{Component, Listed, MapEntry, Rename};
 use super::implementation::{BuiltinComponent, Implementation};
-use super::setting::Setting;
 use crate::at::At;
 use crate::table::derived::{Keys, Reader, name};
-use crate::table::{Key, Many, Value, templates};
+use crate::table::{Key, Many, Value};
 use crate::tree::Node;
 
 /// Reads names with message types or interfaces, such as `scan = "sensor_msgs/LaserScan"`.
@@ -37,21 +36,6 @@ impl Value for Rename {
         let to = reader.text(key, node, "\"plan\"")?;
         let (from, to) = (key.clone(), name::topic(reader, &to)?);
         Some(Self { from, to })
-    }
-}
-
-/// Reads a property assignment.
-impl Value for Setting {
-    const MANY: Many = Many::Names;
-
-    fn schema(_: &Key) -> Json {
-        json!({})
-    }
-
-    fn read(reader: &mut Reader<'_>, key: &At<String>, _: &Key, node: &Node) -> Option<Self> {
-        templates(reader, key, node);
-        let (name, value) = (key.clone(), node.clone());
-        Some(Self { name, value })
     }
 }
 
@@ -97,7 +81,7 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
             keys.excluded(first, (key, at), reason);
         }
     }
-    for entry in &component.map {
+    for entry in &component.special.map {
         let (at, reason) = match entry {
             MapEntry::Proxy(entry) if ros => {
                 (entry.span, "a ros-bridge maps topics with `from` and `ros`")

@@ -11,7 +11,8 @@ use crate::at::At;
 #[table(
     of = "an implementation",
     example = "{ rust = \"nav::MapServer\" }",
-    reason = "a component has one implementation"
+    reason = "a component has one implementation",
+    resolved = PlannedImplementation
 )]
 pub enum Implementation {
     /// Component linked into the executable, by its name in the catalogue.
@@ -27,7 +28,7 @@ pub enum Implementation {
         main: Option<At<String>>,
     },
     /// File of a nested composite.
-    #[key(example = "\"driver.composite.toml\"")]
+    #[key(example = "\"driver.composite.toml\"", written)]
     Composite(At<String>),
     /// Component provided by the engine.
     Builtin {
@@ -35,10 +36,10 @@ pub enum Implementation {
         #[key(name = "builtin", example = "\"port-proxy\"")]
         name: At<String>,
         /// `port-proxy`: component whose ports are accessed through services.
-        #[key(example = "\"youBotDriver\"")]
+        #[key(example = "\"youBotDriver\"", local)]
         target: Option<At<String>>,
         /// `ros-bridge`: name of the bridge.
-        #[key(example = "\"ros\"")]
+        #[key(example = "\"ros\"", local)]
         bridge: Option<At<String>>,
         /// `web-monitor`, `http-gateway`: TCP port.
         #[key(range = 0..=65_535)]
@@ -97,6 +98,29 @@ impl Implementation {
             | Self::Ros { .. }
             | Self::Orocos { .. } => None,
         }
+    }
+}
+
+impl PlannedImplementation {
+    /// Returns the name, file or command, and the words that follow it on a command line.
+    pub fn words(&self) -> Vec<&str> {
+        let (first, rest) = match self {
+            Self::Rust(name) | Self::Builtin { name, .. } => (name, [].as_slice()),
+            Self::Asm { file, .. } => (file, [].as_slice()),
+            Self::Process { command, arguments } => (command, arguments.as_slice()),
+            Self::Ros {
+                package,
+                executable,
+            } => (package, executable.as_slice()),
+            Self::Orocos {
+                component,
+                name_service,
+            } => (component, name_service.as_slice()),
+        };
+        std::iter::once(first)
+            .chain(rest)
+            .map(String::as_str)
+            .collect()
     }
 }
 

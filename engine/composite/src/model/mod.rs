@@ -1,7 +1,7 @@
 //! Syntactic model of a composite file: typed values with source locations, not yet checked.
 
 pub mod binding;
-mod binding_reader;
+mod binding_value;
 mod component;
 mod component_reader;
 mod composite;
@@ -22,8 +22,9 @@ pub use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Sc
 pub use asmotion_datum::Codec;
 pub use component::{
     Busy, Component, Condition, Direction, Idle, Listed, MapEntry, MessagePath, Notify,
-    PlannedIdle, PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedVerify,
-    Plot, Ports, ProxyEntry, ProxyMode, Rename, RosEntry, Verify, Wanted,
+    PlannedIdle, PlannedMapEntry, PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry,
+    PlannedSpecialKeys, PlannedVerify, Plot, Ports, ProxyEntry, ProxyMode, Rename, RosEntry,
+    SpecialKeys, Verify, Wanted,
 };
 pub use composite::{Composite, Head};
 pub use deploy::{
@@ -33,7 +34,7 @@ pub use endpoint::{
     Address, Bridge, BridgeKind, Broker, Gateway, PlannedBridge, PlannedBroker, PlannedGateway,
     PlannedReconnect, Reconnect, Tls,
 };
-pub use implementation::{BuiltinComponent, Implementation};
+pub use implementation::{BuiltinComponent, Implementation, PlannedImplementation};
 pub use limits::DEFAULT_TIMEOUT_MS;
 pub use pace::{Lifecycle, Pace, PlannedLifecycle, PlannedPace};
 pub use promote::{Promoted, Promotion};

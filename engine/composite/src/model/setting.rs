@@ -4,6 +4,7 @@ use asmotion_derive::{Table, Word};
 use std::fmt;
 
 use crate::at::At;
+use crate::table::NamedValue;
 use crate::template::Template;
 use crate::tree::Node;
 
@@ -79,13 +80,7 @@ pub enum Scalar {
 }
 
 /// An assignment to a property of a component or nested composite.
-#[derive(Clone, Debug)]
-pub struct Setting {
-    /// Property name.
-    pub name: At<String>,
-    /// Assigned value; strings may contain substitutions.
-    pub value: Node,
-}
+pub type Setting = NamedValue<Node>;
 
 /// Masks the default value of secrets.
 impl fmt::Debug for Property {

@@ -24,9 +24,10 @@ pub(crate) mod derived {
 
 use self::keys::{Keys, Reader};
 pub use self::resolve::{Resolve, Resolver};
+pub use self::value::NamedValue;
 pub(crate) use self::value::{Dialect, templates};
 pub use self::write::{
-    Lines, Written, WrittenTable, constant, list, one_or_many, table, tables, tables_of, toml,
+    Lines, Written, WrittenTable, list, named, one_or_many, present, table, tables, tables_of, toml,
 };
 use crate::at::At;
 use crate::tree::Node;

@@ -2,7 +2,7 @@
 
 use asmotion_diagnostics::Span;
 
-use super::Key;
+use super::{Key, NamedValue};
 use crate::at::At;
 use crate::scope::{PropertyScope, SubstitutionNotes};
 use crate::tree::Node;
@@ -73,6 +73,23 @@ impl<T: Resolve> Resolve for At<T> {
     fn resolve(&self, key: &Key, to: &mut Resolver<'_>) -> Option<T::Resolved> {
         to.at = self.span;
         self.value.resolve(key, to)
+    }
+}
+
+impl<T: Resolve> Resolve for NamedValue<T> {
+    type Resolved = (String, T::Resolved);
+
+    fn resolve(&self, key: &Key, to: &mut Resolver<'_>) -> Option<(String, T::Resolved)> {
+        let value = self.value.resolve(key, to)?;
+        Some((self.name.value.clone(), value))
+    }
+}
+
+impl<T: Resolve> Resolve for Box<T> {
+    type Resolved = T::Resolved;
+
+    fn resolve(&self, key: &Key, to: &mut Resolver<'_>) -> Option<T::Resolved> {
+        T::resolve(self, key, to)
     }
 }
 

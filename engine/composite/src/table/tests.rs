@@ -5,7 +5,7 @@ use asmotion_diagnostics::{FileId, Sources, Span};
 use serde_json::json;
 
 use super::keys::Reader;
-use super::{Resolver, Table as _, WrittenTable};
+use super::{NamedValue, Resolver, Table as _, WrittenTable};
 use crate::at::At;
 use crate::environment::EmptyEnvironment;
 use crate::model::{Amount, Delivery};
@@ -35,7 +35,7 @@ struct Lamp {
 
 /// Suspension of a lamp.
 #[derive(Clone, Debug, PartialEq, Table)]
-#[table(of = "a lamp", reason = "it hangs once")]
+#[table(of = "a lamp", reason = "it hangs once", resolved = PlannedHook)]
 enum Hook {
     /// The wall.
     Wall(bool),
@@ -45,16 +45,39 @@ enum Hook {
         #[key(name = "ceiling", range = 0.0..=4.5)]
         height: f64,
         /// The room.
+        #[key(local)]
         room: Option<String>,
     },
 }
 
-/// The hook is reduced to whether it is on the wall.
-impl super::Resolve for Hook {
-    type Resolved = bool;
+/// Looks of a lamp.
+#[derive(Clone, Debug, Table)]
+#[table(of = "looks", into = PaintedLamp)]
+struct Looks {
+    /// Colour.
+    colour: At<String>,
+    /// Delivery mode of its changes.
+    #[key(or_default)]
+    delivery: Option<At<Delivery>>,
+    /// Materials of its parts.
+    parts: Vec<NamedValue<At<String>>>,
+    /// The same in words.
+    #[key(written)]
+    #[expect(dead_code, reason = "only read")]
+    words: Option<String>,
+}
 
-    fn resolve(&self, _: &super::Key, _: &mut Resolver<'_>) -> Option<bool> {
-        Some(matches!(self, Self::Wall(true)))
+/// A lamp of another crate.
+#[derive(Debug, PartialEq)]
+struct PaintedLamp {
+    colour: Box<str>,
+    delivery: Delivery,
+    parts: Vec<(String, String)>,
+}
+
+impl super::Written for Box<str> {
+    fn toml(&self) -> Option<toml_edit::Value> {
+        Some((&**self).into())
     }
 }
 
@@ -113,7 +136,38 @@ fn its_twin_has_the_defaults_and_is_written_again() {
     let written = lamp.keys("").inline().unwrap().to_string();
     assert_eq!(
         written.trim(),
-        "{ watt = 5, time = 9, when = \"event\", near = [\"house/b\"], from = true }"
+        "{ watt = 5, time = 9, when = \"event\", near = [\"house/b\"], wall = true }"
+    );
+    let room = Some("hall".to_owned());
+    let hook = to.of(&Hook::Ceiling { height: 2.5, room }).unwrap();
+    assert_eq!(
+        hook.keys("").inline().unwrap().to_string(),
+        "{ ceiling = 2.5, room = \"house/hall\" }"
+    );
+}
+
+#[test]
+fn it_resolves_into_a_type_of_another_crate() {
+    let text = "colour = \"red\"\nwords = \"red\"\nparts = { shade = \"paper\", foot = \"tin\" }";
+    let (table, _) = tree::parse(FileId::default(), text);
+    let mut reader = Reader::new(text);
+    let mut keys = reader.keys(&table, "looks", Span::default());
+    let name = At::new(String::new(), Span::default());
+    let looks = Looks::read_keys(&mut keys, &name).unwrap();
+    let (sources, mut notes) = (Sources::new(), SubstitutionNotes::default());
+    let scope = PropertyScope::new(&EmptyEnvironment, &sources);
+    let lamp = Resolver::new(&scope, "", &mut notes).of(&looks).unwrap();
+    let part = |name: &str, material: &str| (name.to_owned(), material.to_owned());
+    let painted = PaintedLamp {
+        colour: "red".into(),
+        delivery: Delivery::Event,
+        parts: vec![part("shade", "paper"), part("foot", "tin")],
+    };
+    assert_eq!(lamp, painted);
+    let written = lamp.keys("").inline().unwrap().to_string();
+    assert_eq!(
+        written,
+        "{ colour = \"red\", delivery = \"event\", parts = { shade = \"paper\", foot = \"tin\" } }"
     );
 }
 

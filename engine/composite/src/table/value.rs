@@ -98,6 +98,36 @@ impl Value for f64 {
     }
 }
 
+/// A value in a table of names, such as a property that a component sets.
+#[derive(Clone, Debug)]
+pub struct NamedValue<T> {
+    /// Name, which is the key in the table.
+    pub name: At<String>,
+    /// Value; strings may contain substitutions if it is a [`Node`].
+    pub value: T,
+}
+
+impl<T: Value> Value for NamedValue<T> {
+    const MANY: Many = Many::Names;
+
+    fn schema(key: &Key) -> Json {
+        T::schema(key)
+    }
+
+    fn read(reader: &mut Reader<'_>, name: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
+        // the example of the key is a whole table
+        let one = Key {
+            example: "\"text\"",
+            ..*spec
+        };
+        let value = T::read(reader, name, &one, node)?;
+        Some(Self {
+            name: name.clone(),
+            value,
+        })
+    }
+}
+
 /// Reads any TOML value; strings may contain substitutions.
 impl Value for Node {
     fn schema(_: &Key) -> Json {

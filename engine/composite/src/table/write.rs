@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::net::SocketAddr;
 
-use asmotion_coordinator::Constant;
+use asmotion_coordinator::{BoundOperation, Constant};
 use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Key as Name, Table, Value as Toml};
 
 use crate::address::Endpoint;
@@ -106,6 +106,22 @@ pub fn tables_of(items: &[impl Written]) -> Option<Toml> {
     (!list.is_empty()).then(|| list.into())
 }
 
+/// Serialises named tables as a table of their names; `None` if there are none.
+pub fn named<'t, T: Written + 't>(
+    items: impl Iterator<Item = (&'t String, &'t T)>,
+) -> Option<Toml> {
+    let mut keys = Lines::new();
+    for (name, item) in items {
+        keys.put_some(name, Some(present(item)));
+    }
+    keys.inline()
+}
+
+/// Serialises a value; an empty table if it would be omitted.
+pub fn present(value: &impl Written) -> Toml {
+    value.toml().unwrap_or_else(|| InlineTable::new().into())
+}
+
 /// Serialises a list, even if it is empty.
 pub fn list<T: Written>(items: &[T]) -> Toml {
     T::list(items).unwrap_or_else(|| Array::new().into())
@@ -130,7 +146,7 @@ macro_rules! shown {
     };
 }
 
-shown! { SocketAddr End Terminal }
+shown! { SocketAddr End Terminal BoundOperation }
 
 fn text(value: &impl Display) -> Toml {
     value.to_string().into()
@@ -191,6 +207,17 @@ impl<T: Written> Written for Vec<T> {
     }
 }
 
+/// Serialises a value of a table of names.
+impl<T: Written> Written for (String, T) {
+    fn toml(&self) -> Option<Toml> {
+        self.1.toml()
+    }
+
+    fn list(items: &[Self]) -> Option<Toml> {
+        named(items.iter().map(|(name, value)| (name, value)))
+    }
+}
+
 impl Written for PropertyValues {
     fn toml(&self) -> Option<Toml> {
         let mut keys = Lines::new();
@@ -222,7 +249,7 @@ pub fn toml(value: &SettingValue) -> Toml {
 }
 
 /// Serialises a constant of a binding; secrets are masked.
-pub fn constant(constant: &Constant) -> Toml {
+fn constant(constant: &Constant) -> Toml {
     match (constant.secret, SettingValue::of_datum(&constant.datum)) {
         (false, Some(shown)) => toml(&shown),
         (true, _) | (_, None) => REDACTED.into(),

@@ -4,23 +4,20 @@ use toml_edit::{Item, Table};
 
 use super::beside;
 use super::binding;
-use crate::component::{Component, Implementation, Port, Service};
-use crate::plan::{Pace, Plan, Terminal};
-use asmotion_composite::model::BuiltinComponent;
+use crate::component::{Component, Port, Service};
+use crate::plan::{Implementation, Pace, Plan, Terminal};
 use asmotion_composite::table::{Lines, WrittenTable, table};
 
 pub(super) fn component(component: &Component, plan: &Plan, root: &str) -> Table {
     let mut keys = Lines::new();
-    let made_of = implementation(&component.implementation, root);
-    keys.put_table("implementation", made_of);
+    keys.put("implementation", &implementation(component, root));
     pace(component, &mut keys);
     keys.put("lifecycle", &component.lifecycle);
     ports(component, plan, &mut keys);
     keys.put_table("services", services(&component.services));
     keys.put_table("references", references(component, plan));
     keys.put("properties", &component.properties);
-    keys.put("verify", &component.verify);
-    builtin(component, &mut keys);
+    keys.append(component.special.keys(""));
     let mut table = table(keys);
     let bind = component.binding.as_ref().map(binding::bind);
     if let Some(bind) = bind.filter(|bind| !bind.is_empty()) {
@@ -29,32 +26,13 @@ pub(super) fn component(component: &Component, plan: &Plan, root: &str) -> Table
     table
 }
 
-fn implementation(made_of: &Implementation, root: &str) -> Lines {
-    let mut keys = Lines::new();
-    let mut words = |first: &str, rest: &str, words: &[String]| {
-        keys.put(first, &words.first().cloned());
-        match rest {
-            "arguments" => keys.put(rest, &words.get(1..).unwrap_or_default().to_vec()),
-            _ => keys.put(rest, &words.get(1).cloned()),
-        }
-    };
-    match made_of {
-        Implementation::Process(all) => words("process", "arguments", all),
-        Implementation::Ros(all) => words("ros", "executable", all),
-        Implementation::Orocos(all) => words("orocos", "name_service", all),
-        Implementation::Rust(name) => keys.put("rust", name),
-        Implementation::Asm(asm) => {
-            keys.put("asm", &beside(root, &asm.path));
-            keys.put("main", &asm.main);
-        }
-        Implementation::Builtin(builtin) => {
-            keys.put("builtin", &builtin.kind);
-            keys.put("target", &builtin.target);
-            keys.put("bridge", &builtin.bridge);
-            keys.put("port", &builtin.port);
-        }
+/// Returns the implementation with the path of its specification relative to the composite.
+fn implementation(component: &Component, root: &str) -> Implementation {
+    let mut implementation = component.implementation.clone();
+    if let Implementation::Asm { file, .. } = &mut implementation {
+        *file = beside(root, file);
     }
-    keys
+    implementation
 }
 
 /// Serialises the schedule as `task`, or as `activity` if it uses keys that only `activity` has.
@@ -88,7 +66,7 @@ fn pace(component: &Component, keys: &mut Lines) {
 fn ports(component: &Component, plan: &Plan, keys: &mut Lines) {
     let declares = matches!(
         component.implementation,
-        Implementation::Rust(_) | Implementation::Builtin(_)
+        Implementation::Rust(_) | Implementation::Builtin { .. }
     );
     let joined = |port: &Port| {
         let end = format!("{}.{}", component.name, port.name);
@@ -148,33 +126,4 @@ fn references(component: &Component, plan: &Plan) -> Lines {
         }
     }
     keys
-}
-
-/// Serialises keys specific to built-in components.
-fn builtin(component: &Component, keys: &mut Lines) {
-    let builtin = if let Implementation::Builtin(builtin) = &component.implementation {
-        Some(builtin)
-    } else {
-        None
-    };
-    let kind = builtin.map(|builtin| builtin.kind);
-    let target = builtin
-        .and_then(|builtin| builtin.target.as_deref())
-        .unwrap_or_default();
-    // ports of a proxy mirror those of its target
-    let proxy: Vec<_> = component
-        .proxy
-        .iter()
-        .map(|entry| {
-            let mut entry = entry.clone();
-            target.clone_into(&mut entry.port.component);
-            entry
-        })
-        .collect();
-    match kind {
-        Some(BuiltinComponent::RosBridge) => keys.put("map", &component.ros),
-        _ => keys.put("map", &proxy),
-    }
-    keys.put("notify", &component.notify);
-    keys.put("plots", &component.plots);
 }

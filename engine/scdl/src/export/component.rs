@@ -171,12 +171,15 @@ impl Exporter<'_> {
             ("the binding of functions", monitored.or(out)),
             (
                 "the verification",
-                component.verify.as_ref().map(|_| name.span),
+                component.special.verify.as_ref().map(|_| name.span),
             ),
-            ("the map", (!component.map.is_empty()).then_some(name.span)),
+            (
+                "the map",
+                (!component.special.map.is_empty()).then_some(name.span),
+            ),
             (
                 "the charts",
-                (!component.plots.is_empty()).then_some(name.span),
+                (!component.special.plots.is_empty()).then_some(name.span),
             ),
         ];
         for (what, at) in rows {
@@ -184,7 +187,7 @@ impl Exporter<'_> {
                 self.unsayable(what, name, at);
             }
         }
-        if let Some(notify) = &component.notify {
+        if let Some(notify) = &component.special.notify {
             self.unsayable("the events", name, notify.span);
         }
     }

@@ -38,10 +38,10 @@ pub(super) fn calls(bind: &Bind) -> impl Iterator<Item = &Call> {
 pub(super) fn check(bound: &Bound<'_>, action: &Action, report: &mut Report) {
     match action {
         Action::Call(call) => self::call(bound, call, report),
-        Action::Publish { topic, value } => {
-            let kind = function::output(bound, topic, report).and_then(|port| port.kind.as_ref());
+        Action::Publish { port, value } => {
+            let kind = function::output(bound, port, report).and_then(|port| port.kind.as_ref());
             let schema = kind.and_then(|kind| bound.scene.types.schema(&kind.text));
-            argument::check(bound, topic, value, schema.as_ref(), report);
+            argument::check(bound, port, value, schema.as_ref(), report);
         }
     }
 }
@@ -80,10 +80,7 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
         });
         return;
     }
-    for literal in [&call.ok, &call.failed, &call.timeout, &call.unavailable]
-        .into_iter()
-        .flatten()
-    {
+    for literal in call.literals() {
         function::literal(&told, literal, report);
     }
 }

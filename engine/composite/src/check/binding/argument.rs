@@ -88,7 +88,7 @@ fn asked(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
     let mut monitored = bound.part.component.bind.monitored.iter();
     let end = monitored.find_map(|monitored| match &monitored.from {
         Source::Request(end) if end.component.value == name => Some(end),
-        Source::Request(_) | Source::Topic(_) => None,
+        Source::Request(_) | Source::Port(_) => None,
     })?;
     Some(function::request(bound, end, &mut Report::new()))
 }

@@ -25,8 +25,8 @@ use asmotion_coordinator::Receive;
 
 pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut Report) {
     let message = match &monitored.from {
-        Source::Topic(topic) => {
-            input(bound, topic, report).and_then(|port| Some(port.kind.as_ref()?.text.clone()))
+        Source::Port(port) => {
+            input(bound, port, report).and_then(|port| Some(port.kind.as_ref()?.text.clone()))
         }
         Source::Request(end) => request(bound, end, report).map(|schema| schema.to_string()),
     };
@@ -146,7 +146,7 @@ pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
     match &out.effect {
         Effect::Publish(published) => {
             let path = &published.field;
-            let port = output(bound, &published.topic, report);
+            let port = output(bound, &published.port, report);
             if let Some(kind) = port.and_then(|port| port.kind.as_ref()) {
                 let function = function.as_ref();
                 field(

@@ -4,12 +4,12 @@ mod binding;
 mod properties;
 mod proxy;
 
-use crate::component::{Asm, BuiltinSettings, Component, Implementation, Port, Service};
-use crate::plan::Pace;
+use crate::component::{Component, Port, Service};
+use crate::plan::{Implementation, Pace};
 use asmotion_composite::Catalogue;
 use asmotion_composite::check::endpoints::{self, Endpoints};
 use asmotion_composite::family::Member;
-use asmotion_composite::model::{self, MapEntry};
+use asmotion_composite::model::{self, PlannedMapEntry, PlannedSpecialKeys};
 use asmotion_composite::scope::{OutsideSettings, PropertyScope, SubstitutionNotes};
 use asmotion_composite::table::Resolver;
 use asmotion_composite::types::Types;
@@ -39,23 +39,13 @@ pub(super) fn component(
         |id| format!("{}{}", source.prefix, id.value),
     );
     let properties = properties::properties(source, set, notes);
-    let binding = binding::binding(source, notes);
     let to = &mut Resolver::new(source.scope, source.prefix, notes);
-    let map = component.map.iter();
-    let proxy = map.clone().filter_map(|entry| match entry {
-        MapEntry::Proxy(entry) => to.of(entry),
-        MapEntry::Ros(_) => None,
-    });
-    let proxy = proxy.collect();
-    let ros = map.filter_map(|entry| match entry {
-        MapEntry::Ros(entry) => to.of(entry),
-        MapEntry::Proxy(_) => None,
-    });
-    let ros = ros.collect();
+    let implementation = implementation(source, to);
     Component {
         name,
         id,
-        implementation: implementation(source),
+        special: special(source, &implementation, to),
+        implementation,
         pace: pace(source, to),
         lifecycle: to.or_default(component.lifecycle.as_ref()),
         inputs: source.face.inputs.iter().map(port).collect(),
@@ -63,13 +53,8 @@ pub(super) fn component(
         services: source.face.services.iter().map(service).collect(),
         references: source.face.references.iter().map(service).collect(),
         properties,
-        binding,
-        verify: component.verify.as_ref().and_then(|it| to.of(it)),
-        proxy,
-        notify: component.notify.as_ref().and_then(|it| to.of(it)),
+        binding: binding::binding(source, to),
         bridge: proxy::settings(source),
-        ros,
-        plots: component.plots.iter().filter_map(|it| to.of(it)).collect(),
     }
 }
 
@@ -91,61 +76,38 @@ fn service(service: &endpoints::EndpointService) -> Service {
     }
 }
 
-fn implementation(source: &PartSource<'_>) -> Implementation {
-    use model::Implementation as Written;
-    let list = |first: &str, rest: Vec<String>| {
-        let mut all = vec![first.to_owned()];
-        all.extend(rest);
-        all
-    };
-    match &source.component.implementation {
-        Some(Written::Rust(name)) => Implementation::Rust(name.value.clone()),
-        Some(Written::Asm { file, main }) => Implementation::Asm(Asm {
-            path: source.member.path(file).unwrap_or(file).to_owned(),
-            main: main.as_ref().map(|main| main.value.clone()),
-        }),
-        Some(
-            written @ Written::Builtin {
-                name,
-                target,
-                bridge,
-                port,
-            },
-        ) => {
-            let local =
-                |name: &asmotion_composite::At<String>| format!("{}{}", source.prefix, name.value);
-            match written.builtin() {
-                Some(kind) => Implementation::Builtin(BuiltinSettings {
-                    kind,
-                    target: target.as_ref().map(local),
-                    bridge: bridge.as_ref().map(local),
-                    port: port.as_ref().map(|port| port.value),
-                }),
-                None => Implementation::Rust(name.value.clone()),
-            }
-        }
-        Some(Written::Process { command, arguments }) => {
-            let arguments = arguments.iter().map(|it| it.value.clone()).collect();
-            Implementation::Process(list(command, arguments))
-        }
-        Some(Written::Ros {
-            package,
-            executable,
-        }) => {
-            let executable = executable.iter().map(|it| it.value.clone()).collect();
-            Implementation::Ros(list(package, executable))
-        }
-        Some(Written::Orocos {
-            component,
-            name_service,
-        }) => {
-            let name_service = name_service.iter().map(|it| it.value.clone()).collect();
-            Implementation::Orocos(list(component, name_service))
-        }
+fn implementation(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Implementation {
+    let written = source.component.implementation.as_ref();
+    match written.and_then(|written| to.of(written)) {
+        Some(Implementation::Asm { file, main }) => Implementation::Asm {
+            file: source.member.path(&file).unwrap_or(&file).to_owned(),
+            main,
+        },
+        Some(resolved) => resolved,
         // the error has been reported, so this plan is never started
-        Some(Written::Composite(name)) => Implementation::Rust(name.value.clone()),
         None => Implementation::Rust(String::new()),
     }
+}
+
+fn special(
+    source: &PartSource<'_>,
+    implementation: &Implementation,
+    to: &mut Resolver<'_>,
+) -> PlannedSpecialKeys {
+    let mut keys = to.or_default(Some(&source.component.special));
+    // the ports of a port-proxy are those of its target
+    if let Implementation::Builtin {
+        target: Some(target),
+        ..
+    } = implementation
+    {
+        for entry in &mut keys.map {
+            if let PlannedMapEntry::Proxy(entry) = entry {
+                entry.port.component.clone_from(target);
+            }
+        }
+    }
+    keys
 }
 
 /// Resolves the schedule, including the broker, which defaults to the composite's only one.

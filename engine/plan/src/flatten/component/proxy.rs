@@ -23,6 +23,7 @@ pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::Proxy
         inputs: ports(&source.face.inputs),
         outputs: ports(&source.face.outputs),
         operations: component
+            .special
             .map
             .iter()
             .filter_map(|entry| match entry {
@@ -31,6 +32,7 @@ pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::Proxy
             })
             .collect(),
         notify: component
+            .special
             .notify
             .as_ref()
             .and_then(|told| listener(source, told)),

@@ -1,13 +1,18 @@
-//! Reads the parts of `bind.monitored` and `bind.out` that are not plain tables.
+//! Reads, resolves and writes the parts of `bind.monitored` and `bind.out` that are not plain tables.
 
-use asmotion_coordinator::Receive;
+use asmotion_coordinator::{self as coordinator, Case, Constant, Receive};
+use asmotion_datum::Datum;
 use serde_json::{Value as Json, json};
+use toml_edit::Value as Toml;
 
 use super::binding::{Action, Argument, Call, Effect, Monitored, Out, Published};
 use super::end_text;
 use crate::at::At;
 use crate::table::derived::{Keys, Reader};
-use crate::table::{Key, Many, Outline, Table as _, Value, templates};
+use crate::table::{
+    Key, Lines, Many, Outline, Resolve, Resolver, Table as _, Value, Written, named, present,
+    templates,
+};
 use crate::tree::{Branch, Entry, Node, Table};
 
 /// Checks combinations of keys of a monitored function.
@@ -32,8 +37,7 @@ pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) 
 
 /// Checks that a call with outcome literals names the function that receives them.
 pub(crate) fn call(call: &mut Call, keys: &mut Keys<'_, '_, '_>) {
-    let told = [&call.ok, &call.failed, &call.timeout, &call.unavailable];
-    if told.iter().any(|literal| literal.is_some()) {
+    if call.literals().next().is_some() {
         keys.need("event", "\"ev\"");
     }
 }
@@ -100,6 +104,51 @@ fn is_publish(table: &Table) -> bool {
     })
 }
 
+impl Resolve for Out {
+    type Resolved = coordinator::Out;
+
+    fn resolve(&self, key: &Key, to: &mut Resolver<'_>) -> Option<coordinator::Out> {
+        let case = |(literal, actions): &(At<String>, Vec<Action>)| Case {
+            literal: literal.value.clone(),
+            actions: actions
+                .iter()
+                .filter_map(|action| action.resolve(key, to))
+                .collect(),
+        };
+        let effect = match &self.effect {
+            Effect::Literals(cases) => {
+                coordinator::Effect::Literals(cases.iter().map(case).collect())
+            }
+            Effect::Publish(published) => coordinator::Effect::Publish(published.resolve(key, to)?),
+        };
+        let function = self.function.value.clone();
+        Some(coordinator::Out { function, effect })
+    }
+}
+
+impl Written for coordinator::Out {
+    fn toml(&self) -> Option<Toml> {
+        match &self.effect {
+            coordinator::Effect::Publish(published) => published.toml(),
+            coordinator::Effect::Literals(cases) => {
+                let mut keys = Lines::new();
+                for case in cases {
+                    let actions = match case.actions.as_slice() {
+                        [only] => present(only),
+                        several => Toml::Array(several.iter().map(present).collect()),
+                    };
+                    keys.put_some(&case.literal, Some(actions));
+                }
+                keys.inline()
+            }
+        }
+    }
+
+    fn list(items: &[Self]) -> Option<Toml> {
+        named(items.iter().map(|out| (&out.function, out)))
+    }
+}
+
 /// Reads `"@name.field"`, a record of arguments or a plain value.
 impl Value for Argument {
     fn schema(_: &Key) -> Json {
@@ -148,5 +197,54 @@ impl Value for Argument {
                 Self::Value(node.clone())
             }
         })
+    }
+}
+
+/// An unknown value, which has been reported, is an empty record.
+impl Resolve for Argument {
+    type Resolved = coordinator::Argument;
+
+    fn resolve(&self, key: &Key, to: &mut Resolver<'_>) -> Option<coordinator::Argument> {
+        use coordinator::Argument as Resolved;
+        Some(match self {
+            Self::Kept { name, path } => {
+                let steps: Vec<&str> = path.iter().map(|step| step.value.as_str()).collect();
+                Resolved::Kept {
+                    name: name.value.clone(),
+                    path: (!steps.is_empty()).then(|| steps.join(".")),
+                }
+            }
+            Self::Record(_, fields) => {
+                let mut record = Vec::new();
+                for (name, field) in fields {
+                    record.push((name.value.clone(), field.resolve(key, to)?));
+                }
+                Resolved::Record(record)
+            }
+            Self::Value(node) => {
+                let value = node.resolve(key, to);
+                value.map_or_else(Resolved::default, |value| Resolved::Value(value.into()))
+            }
+        })
+    }
+}
+
+/// Omits an empty record, which is the default.
+impl Written for coordinator::Argument {
+    fn toml(&self) -> Option<Toml> {
+        match self {
+            Self::Kept { name, path: None } => Some(format!("@{name}").into()),
+            Self::Kept {
+                name,
+                path: Some(path),
+            } => Some(format!("@{name}.{path}").into()),
+            Self::Record(fields) => fields.toml(),
+            // a leading `@` denotes a kept reply unless it is doubled
+            Self::Value(Constant {
+                datum: Datum::Text(text),
+                secret: false,
+            }) if text.starts_with('@') => Some(format!("@{text}").into()),
+            Self::Value(constant) => constant.toml(),
+        }
     }
 }
