@@ -9,7 +9,7 @@ pub enum Exit {
     /// Success.
     #[default]
     Ok,
-    /// An error in a file, a failed scenario, a goal not reached.
+    /// An error in a file, a failed scenario, a goal not reached, a collision in the simulated world.
     Findings,
     /// Usage error, including an argument that names something unknown.
     Usage,

@@ -2,7 +2,7 @@
 //!
 //! [`Story`] turns the events of a run into lines; [`Summary`] condenses them at the end. The composite determines
 //! which events are worth reporting: inputs of its specifications, calls of services, motion. Maps, paths, goals and
-//! odometry are recognised by their standard ROS messages; no component, topic or robot is named here.
+//! odometry are recognised by their standard ROS messages, collisions by `nav/Event`; no component, topic or robot is named here.
 
 mod driven_path;
 mod input;
@@ -14,9 +14,10 @@ mod summary;
 pub use driven_path::DrivenPath;
 pub use summary::{EventCounts, Summary};
 
-use asmotion_component::{CallError, Losses, Time};
+use asmotion_component::{CallError, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
 use asmotion_datum::{Datum, Sample};
+use asmotion_messages::Event as NavigationEvent;
 use asmotion_plan::Plan;
 use asmotion_runtime::{Event, WAITING_REPORT};
 
@@ -91,11 +92,12 @@ impl Story {
                 sample,
                 ..
             } => {
+                let collision = self.collided(*sample);
                 let moved = self.summary.moved(at, *sample);
                 let mut inputs = self.inputs.iter_mut();
                 match inputs.find(|input| input.receives(component, port, *topic)) {
                     Some(input) => message_entry(input, &mut self.summary, component, *sample),
-                    None => moved,
+                    None => collision.or(moved),
                 }
             }
             Event::Injected {
@@ -198,8 +200,26 @@ impl Story {
                 );
                 Some(warning_entry(NOTE, "lost", what))
             }
+            NOTICE_REPORT => {
+                let what = what.as_text().unwrap_or_default();
+                Some(warning_entry(
+                    NOTE,
+                    "notice",
+                    format!("{component}: {what}"),
+                ))
+            }
             _ => None,
         }
+    }
+
+    /// Counts a collision of a simulated world. Returns its entry.
+    fn collided(&mut self, sample: &dyn Sample) -> Option<StoryEntry> {
+        let event: &NavigationEvent = sample.downcast_ref()?;
+        if event.code != NavigationEvent::COLLISION {
+            return None;
+        }
+        self.summary.collisions += 1;
+        Some(warning_entry(BAD, "collision", event.detail.clone()))
     }
 
     fn call_entry(

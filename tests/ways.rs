@@ -36,7 +36,9 @@ fn j21_the_real_time_path_of_the_navigation_and_of_the_youbot_has_no_broker_hop(
         "RoverDriver.odom → TrajectoryFollower.odom",
         "LaserDriver.scan → TrajectoryAdapter.scan",
         "TrajectoryAdapter.adapted → TrajectoryFollower.path",
-        "TrajectoryFollower.twist → RoverDriver.twist",
+        "TrajectoryFollower.twist → CollisionMonitor.command",
+        "LaserDriver.scan → CollisionMonitor.scan",
+        "CollisionMonitor.twist → RoverDriver.twist",
         "RoverDriver.wheels → World.wheels",
     ] {
         assert_eq!(navigation.get(hop), Some(&inside), "{hop}: {navigation:#?}");

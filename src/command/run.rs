@@ -353,6 +353,8 @@ impl MissionArguments {
             print_summary(&result, terminal);
         }
         match result.outcome {
+            // a goal that is reached by pushing something aside is not a success
+            MissionOutcome::Reached if result.summary.collisions > 0 => Exit::Findings,
             MissionOutcome::Reached => Exit::Ok,
             // one process of several runs until it is stopped
             MissionOutcome::Stopped if mission.process.is_some() => Exit::Ok,

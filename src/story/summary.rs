@@ -28,6 +28,8 @@ pub struct Summary {
     pub path: Option<DrivenPath>,
     /// The last control state; `None` if no specification has one.
     pub control_state: Option<String>,
+    /// Number of collisions reported by a simulated world.
+    pub collisions: u64,
     /// Faults of components, as "component: fault".
     pub faults: Vec<String>,
     /// Time of the last event; `None` before the first.

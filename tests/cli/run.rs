@@ -130,3 +130,19 @@ fn a_queue_that_does_not_appear_is_reported_once() {
     let waiting = format!("Rover for {queue}");
     assert_eq!(story.matches(&waiting).count(), 1, "{story}");
 }
+
+#[test]
+fn a_goal_reached_with_a_collision_is_no_success() {
+    // a post that appears too near to brake, and disappears
+    let post = r#"World.obstacles=[{ at_s = 6.0, until_s = 8.0, frame = "robot", disc = [0.27, 0.0, 0.05] }]"#;
+    let mission = ["run", NAVIGATION, "--goal", "5,4.7", "--set", post];
+    let (code, out, err) = run(&mission);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(out.starts_with("reached in ARRIVED"), "{out}{err}");
+    assert!(out.contains("with a collision"), "{out}");
+    assert!(err.contains("collision"), "{err}");
+    let (code, out, _) = run(&[&mission[..], &["--json"]].concat());
+    assert!(code == 1 && out.contains("\"collisions\":1"), "{out}");
+    let (code, out, _) = run(&["run", NAVIGATION, "--goal", "5,4.7", "--json"]);
+    assert!(code == 0 && out.contains("\"collisions\":0"), "{out}");
+}

@@ -6,7 +6,7 @@ use asmotion_component::{
     Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
     Time, freeze_by_fields,
 };
-use asmotion_geometry::{Distances, Point, heading, message};
+use asmotion_geometry::{Distances, Point, Trail, heading, message};
 use asmotion_messages::{
     Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time as Stamp,
 };
@@ -15,7 +15,6 @@ use crate::advice::{Advice, Adviser, BlockedCause, Patience};
 use crate::bend_limits::BendLimits;
 use crate::memory::ScanMemory;
 use crate::obstacle_reports::{Blockers, all_obstacles, obstacles_on_path};
-use crate::trail::Trail;
 
 /// `nav::TrajectoryAdapter`: passes the path on, bent around obstacles seen by the laser; publishes `BLOCKED` once for
 /// a path.

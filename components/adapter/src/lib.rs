@@ -11,11 +11,9 @@ mod cluster;
 mod memory;
 mod obstacle_reports;
 mod route;
-mod trail;
 
 pub use adapter::TrajectoryAdapter;
 pub use advice::{Advice, Adviser, BlockedCause, Patience};
 pub use bend::Barrier;
 pub use bend_limits::BendLimits;
 pub use memory::ScanMemory;
-pub use trail::Trail;

@@ -3,15 +3,16 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
-    Time, freeze_by_fields,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, NOTICE_REPORT, Out, Ports, Properties,
+    PropertySet, Time, freeze_by_fields,
 };
-use asmotion_geometry::message;
-use asmotion_messages::{Bool, Event, Odometry, Path, Twist};
+use asmotion_geometry::{Point, Trail, heading, message};
+use asmotion_messages::{Bool, Event, LaserScan, Odometry, Path, Twist};
 use serde::{Deserialize, Serialize};
 
+use crate::caution::{Caution, CautiousView};
 use crate::pursuit::Pursuit;
-use crate::task::{FollowTask, FollowerEvent, MeasuredMotion, Tolerance};
+use crate::task::{FollowStep, FollowTask, FollowerEvent, MeasuredMotion, Tolerance};
 
 /// `nav::TrajectoryFollower`: follows the newest path; publishes `REACHED` once at its end, `HALTED` once after a stop.
 #[derive(Freeze)]
@@ -26,6 +27,13 @@ pub struct TrajectoryFollower {
     frame: String,
     /// The cycle that received the newest odometry.
     located: Option<Time>,
+    trail: Trail,
+    /// Points of the newest usable scan, in the frame of the odometry.
+    points: Vec<Point>,
+    /// The cycle that received the newest usable scan; `None` for a follower without a laser.
+    seen: Option<Time>,
+    /// `true` once it was reported that there is no scan.
+    unseeing: bool,
     /// The reason that the robot must not drive in spite of an order; reported when it changes.
     hindrance: Option<Hindrance>,
     /// `true` if the last cycle had an order, so that one final zero must be sent.
@@ -41,6 +49,8 @@ enum Hindrance {
     NoPermission,
     StaleOdometry,
     FrameMismatch,
+    StaleScan,
+    Lost,
 }
 
 impl Hindrance {
@@ -52,6 +62,8 @@ impl Hindrance {
             Self::NoPermission => "no permission to drive",
             Self::StaleOdometry => "stale odometry",
             Self::FrameMismatch => "odometry in another frame",
+            Self::StaleScan => "stale scan",
+            Self::Lost => "no point of the path is near",
         }
     }
 }
@@ -64,6 +76,9 @@ struct FollowerPorts {
     odom: In<Odometry>,
     /// Optional: permission to drive. While the newest is false no path is driven.
     permit: In<Bool>,
+    /// Optional: scan of the laser at `mount`, which limits the speed so that the robot can stop before obstacles. Until the
+    /// first one arrives obstacles do not limit it, which is reported.
+    scan: In<LaserScan>,
     /// Velocity to drive, `linear.x` in m/s and `angular.z` in rad/s, base frame. Sent in every cycle while driving,
     /// then once as zero, then not at all.
     twist: Out<Twist>,
@@ -77,9 +92,16 @@ struct FollowerProperties {
     pursuit: Pursuit,
     #[property(flatten)]
     tolerance: Tolerance,
+    #[property(flatten)]
+    caution: Caution,
     /// Age of the newest odometry beyond which the robot does not drive.
     #[property(range = "0s"..="10s", default = "200ms")]
     odom_timeout_s: Duration,
+    /// Age of the newest scan beyond which the robot does not drive, once there has been one.
+    #[property(range = "0s"..="60s", default = "500ms")]
+    scan_timeout_s: Duration,
+    /// Pose of the laser on the robot: x m, y m, yaw rad, base frame. Must equal the laser driver's.
+    mount: [f64; 3],
 }
 
 impl TrajectoryFollower {
@@ -91,6 +113,10 @@ impl TrajectoryFollower {
             task: FollowTask::default(),
             frame: String::new(),
             located: None,
+            trail: Trail::default(),
+            points: Vec::new(),
+            seen: None,
+            unseeing: false,
             hindrance: None,
             commanding: false,
         }
@@ -111,6 +137,7 @@ impl TrajectoryFollower {
             Some(odometry) if !self.frame.is_empty() && !frame(odometry) => {
                 Some(Hindrance::FrameMismatch)
             }
+            Some(_) if self.task.is_following() && !self.sees(now) => Some(Hindrance::StaleScan),
             Some(_) => None,
         }
     }
@@ -122,6 +149,64 @@ impl TrajectoryFollower {
         let permit = cycle.read(self.ports.permit).any();
         !self.task.is_following() || permit.is_none_or(|permit| permit.data)
     }
+
+    /// Returns whether the newest scan is not too old; `true` without a laser.
+    fn sees(&self, now: Time) -> bool {
+        let timeout = self.properties.scan_timeout_s;
+        self.seen.is_none_or(|at| now.since(at) <= timeout)
+    }
+
+    /// Places the points of a new scan where the robot was when it was taken.
+    fn look(&mut self, cycle: &Cycle<'_>) {
+        let Flow::NewData(scan) = cycle.read(self.ports.scan) else {
+            return;
+        };
+        let robot = self.trail.at(scan.header.stamp.as_nanos());
+        let Some(robot) = robot.filter(|_| scan.sees()) else {
+            return;
+        };
+        let [x, y, yaw] = self.properties.mount;
+        let laser = robot * heading(Point::new(x, y), yaw);
+        let point =
+            |(angle, range): (f64, f64)| Point::new(range * angle.cos(), range * angle.sin());
+        self.points.clear();
+        self.points
+            .extend(scan.obstacles().map(|beam| laser * point(beam)));
+        self.seen = Some(cycle.now());
+    }
+
+    /// Computes the velocity for a robot that may drive.
+    fn follow(&mut self, motion: &MeasuredMotion) -> FollowStep {
+        let FollowerProperties {
+            pursuit,
+            tolerance,
+            caution,
+            ..
+        } = &*self.properties;
+        let view = self.seen.is_some().then_some(CautiousView {
+            caution,
+            points: &self.points,
+        });
+        self.task.step(pursuit, tolerance, motion, view.as_ref())
+    }
+
+    /// Reports the reason that the robot must not drive when it changes.
+    fn note(&mut self, cycle: &mut Cycle<'_>, hindrance: Option<Hindrance>) {
+        if hindrance != self.hindrance {
+            self.hindrance = hindrance;
+            let words = hindrance.map_or("no more", Hindrance::description);
+            cycle.report("hindered", words.into());
+        }
+    }
+
+    /// Reports once that obstacles do not limit the speed, when the first path is driven.
+    fn report_blindness(&mut self, cycle: &mut Cycle<'_>) {
+        if self.seen.is_none() && !self.unseeing && self.task.is_following() {
+            self.unseeing = true;
+            let words = "without a scan, obstacles do not limit the speed";
+            cycle.report(NOTICE_REPORT, words.into());
+        }
+    }
 }
 
 impl Component for TrajectoryFollower {
@@ -130,6 +215,11 @@ impl Component for TrajectoryFollower {
     fn start(&mut self) -> Result<(), Fault> {
         self.task = FollowTask::default();
         self.located = None;
+        self.trail = Trail::default();
+        self.points.clear();
+        self.seen = None;
+        self.unseeing = false;
+        self.hindrance = None;
         self.commanding = false;
         Ok(())
     }
@@ -144,30 +234,30 @@ impl Component for TrajectoryFollower {
         let odometry = match cycle.read(self.ports.odom) {
             Flow::NewData(odometry) => {
                 self.located = Some(now);
+                let pose = message::pose(&odometry.pose.pose);
+                self.trail.add(odometry.header.stamp.as_nanos(), pose);
                 Some(odometry)
             }
             Flow::OldData(odometry) => Some(odometry),
             Flow::NoData => None,
         };
+        let odometry = odometry.cloned();
+        self.look(cycle);
+        self.report_blindness(cycle);
         let hindrance = self
-            .hindrance(cycle, odometry)
+            .hindrance(cycle, odometry.as_ref())
             .filter(|_| self.task.is_busy());
-        let motion = odometry.filter(|_| hindrance.is_none()).map(motion);
-        if hindrance != self.hindrance {
-            self.hindrance = hindrance;
-            let words = hindrance.map_or("no more", Hindrance::description);
-            cycle.report("hindered", words.into());
-        }
+        let motion = odometry
+            .as_ref()
+            .filter(|_| hindrance.is_none())
+            .map(motion);
         let busy = self.task.is_busy();
-        let (twist, news) = match &motion {
-            Some(motion) => {
-                let FollowerProperties {
-                    pursuit, tolerance, ..
-                } = &*self.properties;
-                self.task.step(pursuit, tolerance, motion)
-            }
-            None => (Twist::default(), None),
-        };
+        let FollowStep {
+            twist,
+            event: news,
+            lost,
+        } = motion.map_or_else(FollowStep::default, |motion| self.follow(&motion));
+        self.note(cycle, hindrance.or(lost.then_some(Hindrance::Lost)));
         // a follower without a task is silent, so that others may drive; its last command is zero
         if busy || self.commanding {
             cycle.write(self.ports.twist, twist);

@@ -1,11 +1,13 @@
 //! The trajectory follower: regulated pure pursuit.
 //!
-//! [`Pursuit`] is the control law, [`FollowTask`] the current order, [`TrajectoryFollower`] the component.
+//! [`Pursuit`] is the control law, [`Caution`] limits its speed, [`FollowTask`] is the current order, [`TrajectoryFollower`] the component.
 
+mod caution;
 mod follower;
 mod pursuit;
 mod task;
 
+pub use caution::{Caution, CautiousView};
 pub use follower::TrajectoryFollower;
 pub use pursuit::Pursuit;
 pub use task::{FollowTask, FollowerEvent, MeasuredMotion, Tolerance};

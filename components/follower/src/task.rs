@@ -5,6 +5,7 @@ use asmotion_geometry::{NearestOnLine, Point, Polyline, Pose, message, turn, yaw
 use asmotion_messages::{Path, Time, Twist};
 use serde::{Deserialize, Serialize};
 
+use crate::caution::{CautiousView, PlaceOnPath};
 use crate::pursuit::Pursuit;
 
 /// Tolerances within which the goal counts as reached, and the robot as standing.
@@ -46,6 +47,43 @@ impl MeasuredMotion {
             .iter()
             .all(|number| number.is_finite())
     }
+}
+
+/// Result of a cycle.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FollowStep {
+    /// Velocity to drive.
+    pub twist: Twist,
+    /// The event to publish, if any.
+    pub event: Option<FollowerEvent>,
+    /// `true` if there is no point of the path near the robot, so that it cannot be followed.
+    pub lost: bool,
+}
+
+impl FollowStep {
+    fn drive(twist: Twist) -> Self {
+        Self {
+            twist,
+            event: None,
+            lost: false,
+        }
+    }
+
+    fn stand(event: Option<FollowerEvent>) -> Self {
+        Self {
+            event,
+            ..Self::drive(Twist::default())
+        }
+    }
+}
+
+/// What to do about a path.
+enum PathStep {
+    Drive(Twist),
+    /// The robot is at the goal.
+    There,
+    /// No point of the path is near the robot.
+    Lost,
 }
 
 /// Event published once for each order.
@@ -96,6 +134,12 @@ pub struct FollowedPath {
 /// change the length of the path up to the robot by as much.
 const SEARCH: (f64, f64) = (1.0, 1.5);
 
+/// Length in m from which a path is not usable: its numbers are no positions.
+const LONGEST: f64 = 1e6;
+
+/// Largest length of path before its end at which the robot can be at the goal, in goal tolerances.
+const LAST: f64 = 4.0;
+
 impl FollowTask {
     /// Accepts an order. A path without poses is an order to stop; an amendment of the current path is followed from
     /// the current position; a path that was reached is not driven again.
@@ -107,12 +151,8 @@ impl FollowTask {
         let poses = path.poses.iter();
         let line = Polyline::new(poses.map(|stamped| message::point(&stamped.pose.position)));
         let goal = message::pose(&last.pose);
-        if line.is_empty()
-            || !goal
-                .to_homogeneous()
-                .iter()
-                .all(|number| number.is_finite())
-        {
+        let is_finite = goal.to_homogeneous().iter().all(|it| it.is_finite());
+        if line.is_empty() || !is_finite || line.length() > LONGEST {
             *self = Self::Stop; // a path without a usable pose is an order to stop
             return;
         }
@@ -138,29 +178,34 @@ impl FollowTask {
         }
     }
 
-    /// The twist for this cycle, and the event to publish, if any.
+    /// Computes the velocity for this cycle. Without a view, obstacles do not limit the speed.
     pub fn step(
         &mut self,
         pursuit: &Pursuit,
         tolerance: &Tolerance,
         motion: &MeasuredMotion,
-    ) -> (Twist, Option<FollowerEvent>) {
+        view: Option<&CautiousView<'_>>,
+    ) -> FollowStep {
         let stands = motion.speed.abs() <= tolerance.standing_speed
             && motion.turn.abs() <= tolerance.standing_turn;
         match self {
-            Self::Idle | Self::Arrived(_) => (Twist::default(), None),
+            Self::Idle | Self::Arrived(_) => FollowStep::stand(None),
             Self::Stop if stands => {
                 *self = Self::Idle;
-                (Twist::default(), Some(FollowerEvent::Halted))
+                FollowStep::stand(Some(FollowerEvent::Halted))
             }
-            Self::Stop => (Twist::default(), None),
-            Self::Follow(route) => match route.step(pursuit, tolerance, motion) {
-                Some(twist) => (twist, None),
-                None if stands => {
+            Self::Stop => FollowStep::stand(None),
+            Self::Follow(route) => match route.step(pursuit, tolerance, motion, view) {
+                PathStep::Drive(twist) => FollowStep::drive(twist),
+                PathStep::There if stands => {
                     *self = Self::Arrived(route.identity);
-                    (Twist::default(), Some(FollowerEvent::Reached))
+                    FollowStep::stand(Some(FollowerEvent::Reached))
                 }
-                None => (Twist::default(), None),
+                PathStep::There => FollowStep::stand(None),
+                PathStep::Lost => FollowStep {
+                    lost: true,
+                    ..FollowStep::stand(None)
+                },
             },
         }
     }
@@ -183,38 +228,63 @@ impl FollowTask {
 }
 
 impl FollowedPath {
-    /// The twist that follows the path; `None` at the goal.
     fn step(
         &mut self,
         pursuit: &Pursuit,
         tolerance: &Tolerance,
         motion: &MeasuredMotion,
-    ) -> Option<Twist> {
+        view: Option<&CautiousView<'_>>,
+    ) -> PathStep {
         let here = Point::from(motion.pose.translation.vector);
+        let Some(along) = self.nearest(here).map(|nearest| nearest.along) else {
+            return PathStep::Lost;
+        };
+        self.progress = Some(along);
         let from_goal = (Point::from(self.goal.translation.vector) - here).norm();
         // once at the goal, a small drift while turning does not make the robot drive again
         let tolerance_m = if self.there { 2.0 } else { 1.0 } * tolerance.goal_tolerance_m;
-        self.there = from_goal <= tolerance_m;
+        // a path that passes its goal, or begins at it, is driven to its end
+        let remaining = self.line.length() - along;
+        self.there = from_goal <= tolerance_m && remaining <= LAST * tolerance_m;
         if self.there {
-            return self.align(pursuit, tolerance, motion);
+            return self
+                .align(pursuit, tolerance, motion)
+                .map_or(PathStep::There, PathStep::Drive);
         }
-        let along = self.nearest(here)?.along;
-        self.progress = Some(along);
-        let carrot = pursuit.carrot(&self.line, here, along, motion.speed)?;
+        let Some(carrot) = pursuit.carrot(&self.line, here, along, motion.speed) else {
+            return PathStep::Lost;
+        };
         let carrot = motion.pose.inverse() * carrot;
-        let remaining = (self.line.length() - along).max(from_goal);
-        Some(pursuit.drive(carrot.coords, remaining, &mut self.rotating))
+        let twist = pursuit.drive(carrot.coords, remaining.max(from_goal), &mut self.rotating);
+        let place = PlaceOnPath {
+            line: &self.line,
+            along,
+            carrot,
+        };
+        PathStep::Drive(match view {
+            Some(view) => view.limit(pursuit, &place, motion, twist),
+            None => twist,
+        })
     }
 
-    /// The position of the robot on the path: near its last one; at the beginning, near the start; anywhere only if
-    /// that fails.
+    /// The position of the robot on the path: near its last one; at the beginning, the first point from the start on
+    /// that is nearer than its neighbours, or any if the robot is not near the path there.
     fn nearest(&self, here: Point) -> Option<NearestOnLine> {
         if let Some(progress) = self.progress {
             return self
                 .line
                 .nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
         }
-        let start = self.line.nearest_between(here, 0.0, SEARCH.1)?;
+        let mut start = self.line.nearest_between(here, 0.0, SEARCH.1)?;
+        loop {
+            let on = self
+                .line
+                .nearest_between(here, start.along, start.along + SEARCH.1)?;
+            if on.distance >= start.distance {
+                break;
+            }
+            start = on;
+        }
         if start.distance <= SEARCH.0 {
             return Some(start);
         }
@@ -268,8 +338,8 @@ mod tests {
     }
 
     fn step(task: &mut FollowTask, motion: MeasuredMotion) -> (f64, f64, Option<FollowerEvent>) {
-        let (twist, news) = task.step(&PURSUIT, &TOLERANCE, &motion);
-        (twist.linear.x, twist.angular.z, news)
+        let FollowStep { twist, event, .. } = task.step(&PURSUIT, &TOLERANCE, &motion, None);
+        (twist.linear.x, twist.angular.z, event)
     }
 
     #[test]
@@ -311,7 +381,9 @@ mod tests {
             ..TOLERANCE
         };
         assert_eq!(
-            careless.step(&PURSUIT, &whatever, &motion(2.0, 0.0, 0.0)).1,
+            careless
+                .step(&PURSUIT, &whatever, &motion(2.0, 0.0, 0.0), None)
+                .event,
             Some(FollowerEvent::Reached)
         );
     }
@@ -385,14 +457,50 @@ mod tests {
     }
 
     #[test]
+    fn a_closed_path_is_driven_to_its_end() {
+        // a figure of eight that ends where it begins, and passes that place halfway
+        let at = |part: f64| {
+            let angle = std::f64::consts::TAU * part;
+            let (x, y) = (2.0 * angle.sin(), (2.0 * angle).sin());
+            let yaw = (2.0 * (2.0 * angle).cos()).atan2(2.0 * angle.cos());
+            asmotion_messages::Pose::planar(x, y, yaw)
+        };
+        let path = Path::from_poses(1, "map", (0..=200).map(|n| at(f64::from(n) / 200.0)));
+        let points = path
+            .poses
+            .iter()
+            .map(|it| message::point(&it.pose.position));
+        let length = Polyline::new(points).length();
+        let mut task = FollowTask::default();
+        task.order(&path);
+        let mut here = MeasuredMotion {
+            pose: message::pose(&path.poses[0].pose),
+            speed: 0.0,
+            turn: 0.0,
+        };
+        let (mut driven, mut reached_after) = (0.0, Vec::new());
+        for _ in 0..2000 {
+            let (speed, turn, event) = step(&mut task, here);
+            (here.speed, here.turn) = (speed, turn);
+            here.pose = asmotion_geometry::roll(&here.pose, speed * 0.05, turn * 0.05);
+            driven += speed * 0.05;
+            reached_after.extend(event.map(|event| (event, driven)));
+        }
+        let [(FollowerEvent::Reached, driven)] = reached_after[..] else {
+            panic!("{reached_after:?}");
+        };
+        assert!(
+            (driven / length - 1.0).abs() < 0.05,
+            "{driven} of {length} m"
+        );
+    }
+
+    #[test]
     fn a_path_to_nowhere_is_a_stop() {
-        for goal in [f64::NAN, f64::INFINITY] {
+        for goal in [f64::NAN, f64::INFINITY, 1e308, -1e7] {
             let mut task = FollowTask::default();
-            task.order(&Path::from_poses(
-                1,
-                "map",
-                [asmotion_messages::Pose::planar(goal, 0.0, 0.0)],
-            ));
+            let poses = [0.0, goal].map(|x| asmotion_messages::Pose::planar(x, 0.0, 0.0));
+            task.order(&Path::from_poses(1, "map", poses));
             assert_eq!(
                 step(&mut task, motion(0.0, 0.0, 0.0)).2,
                 Some(FollowerEvent::Halted)

@@ -44,4 +44,23 @@ impl LaserScan {
             .filter(move |(_, range)| measurable.contains(range))
             .map(|(index, range)| (self.angle(index), f64::from(*range)))
     }
+
+    /// The beams that end at an obstacle, (angle in rad, range in m): those with a valid range, and at `range_min` those
+    /// that ended nearer.
+    pub fn obstacles(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let near = f64::from(self.range_min);
+        let too_near = self
+            .ranges
+            .iter()
+            .enumerate()
+            .filter(|(_, range)| **range == f32::NEG_INFINITY)
+            .map(move |(index, _)| (self.angle(index), near));
+        self.hits().chain(too_near)
+    }
+
+    /// Returns whether at least half of the beams measured something, be it that nothing is in range.
+    pub fn sees(&self) -> bool {
+        let measured = self.ranges.iter().filter(|range| !range.is_nan()).count();
+        measured > 0 && 2 * measured >= self.ranges.len()
+    }
 }

@@ -1,6 +1,7 @@
 //! The differential drive: converts between body velocity and wheel speeds, within the limits of the motors.
 
 use asmotion_component::Properties;
+use asmotion_geometry::DECELERATION;
 use asmotion_messages::WheelSpeeds;
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +35,7 @@ pub struct DriveLimits {
     #[property(unit = "rad/s", range = 0.0..=20.0, default = 1.5)]
     pub max_turn: f64,
     /// Limit of acceleration and braking.
-    #[property(unit = "m/s²", range = 0.01..=50.0, default = 1.0)]
+    #[property(unit = "m/s²", range = 0.01..=50.0, default = DECELERATION)]
     pub max_acceleration: f64,
     /// Limit of the change of the turn rate.
     #[property(unit = "rad/s²", range = 0.01..=100.0, default = 3.0)]

@@ -9,4 +9,4 @@ mod odometry;
 
 pub use drive::{DifferentialDrive, DriveLimits, Velocity};
 pub use driver::RoverDriver;
-pub use odometry::{Odometer, roll};
+pub use odometry::Odometer;

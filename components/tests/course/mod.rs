@@ -5,6 +5,7 @@ pub mod mission;
 use std::sync::{Arc, Mutex};
 
 use asmotion_adapter::TrajectoryAdapter;
+use asmotion_collision_monitor::CollisionMonitor;
 use asmotion_component::{Activity, Component, Interface, Policy, Span, Time, Wire};
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_follower::TrajectoryFollower;
@@ -34,6 +35,14 @@ pub struct Course {
     pub adapter_without_map: bool,
     /// Seed of laser and world.
     pub seed: u64,
+    /// Speed limit of the follower, m/s; `None` for its default.
+    pub speed: Option<f64>,
+    /// Radius of the robot, m; `None` for the default of each component.
+    pub radius: Option<f64>,
+    /// `true` if the follower does not get the scan.
+    pub blind_follower: bool,
+    /// `true` if the follower commands the rover directly.
+    pub unmonitored: bool,
 }
 
 /// The record of a drive.
@@ -45,8 +54,10 @@ pub struct Drive {
     pub events: Vec<(f64, String, String)>,
     /// Time in s and path, as published by the adapter.
     pub paths: Vec<(f64, Path)>,
-    /// Time in s and commanded twist.
+    /// Time in s and twist commanded by the follower.
     pub twists: Vec<(f64, Twist)>,
+    /// Time in s and twist passed on by the monitor.
+    pub passed: Vec<(f64, Twist)>,
     /// Time in s and commanded wheel speeds.
     pub wheels: Vec<(f64, WheelSpeeds)>,
     /// The obstacles last published by the adapter.
@@ -152,6 +163,10 @@ impl Course {
             100,
             asmotion_planner::TrajectoryPlanner::new,
         );
+        if let Some(radius) = self.radius {
+            let inflation = Datum::of(&(radius + 0.085)).unwrap();
+            set(&mut system, "Planner", "inflation_m", inflation);
+        }
         let make = |interface: &mut Interface| {
             Box::new(mission::Mission::new(interface, map.clone(), goal)) as Box<dyn Component>
         };
@@ -187,6 +202,9 @@ impl Course {
         add(&mut system, "Rover", 20, RoverDriver::new);
         add(&mut system, "Adapter", 100, TrajectoryAdapter::new);
         add(&mut system, "Follower", 50, TrajectoryFollower::new);
+        if !self.unmonitored {
+            add(&mut system, "Monitor", 20, CollisionMonitor::new);
+        }
         for (component, property, value) in [
             ("World", "floor_plan", Datum::of(&self.floor_plan).unwrap()),
             ("World", "walls", Datum::of(&self.walls).unwrap()),
@@ -197,8 +215,39 @@ impl Course {
             ("Laser", "dropout", Datum::of(&0.01).unwrap()),
             ("Rover", "start", Datum::of(&self.start).unwrap()),
         ] {
-            let id = system.id(component).unwrap();
-            system.set_property(id, property, &value).unwrap();
+            set(&mut system, component, property, value);
+        }
+        if let Some(speed) = self.speed {
+            set(
+                &mut system,
+                "Follower",
+                "max_speed",
+                Datum::of(&speed).unwrap(),
+            );
+            set(
+                &mut system,
+                "Rover",
+                "max_speed",
+                Datum::of(&(speed * 1.1)).unwrap(),
+            );
+            set(
+                &mut system,
+                "Rover",
+                "max_wheel_speed",
+                Datum::of(&200.0).unwrap(),
+            );
+        }
+        if let Some(radius) = self.radius {
+            let with_radius = ["World", "Adapter", "Follower", "Monitor"];
+            let known = with_radius.iter().filter(|it| system.id(it).is_some());
+            for component in known.copied().collect::<Vec<_>>() {
+                set(
+                    &mut system,
+                    component,
+                    "robot_radius_m",
+                    Datum::of(&radius).unwrap(),
+                );
+            }
         }
         for (from, to, policy) in [
             ("World.scene", "Laser.scene", Policy::data()),
@@ -209,9 +258,26 @@ impl Course {
             ("Rover.odom", "Follower.odom", Policy::data()),
             ("Laser.scan", "Adapter.scan", Policy::data()),
             ("Adapter.adapted", "Follower.path", Policy::circular(2)),
-            ("Follower.twist", "Rover.twist", Policy::data()),
         ] {
             system.connect(from, to, policy).unwrap();
+        }
+        if !self.blind_follower {
+            system
+                .connect("Laser.scan", "Follower.scan", Policy::data())
+                .unwrap();
+        }
+        let chain: &[(&str, &str)] = if self.unmonitored {
+            &[("Follower.twist", "Rover.twist")]
+        } else {
+            &[
+                ("Follower.twist", "Monitor.command"),
+                ("Laser.scan", "Monitor.scan"),
+                ("Rover.odom", "Monitor.odom"),
+                ("Monitor.twist", "Rover.twist"),
+            ]
+        };
+        for (from, to) in chain {
+            system.connect(from, to, Policy::data()).unwrap();
         }
         let drive = Arc::new(Mutex::new(Drive {
             nearest: f64::INFINITY,
@@ -302,6 +368,7 @@ impl Drive {
                 self.obstacles = of::<asmotion_messages::Obstacles>(sample).discs
             }
             ("Follower", "twist") => self.twists.push((at, of(sample))),
+            ("Monitor", "twist") => self.passed.push((at, of(sample))),
             ("Rover", "wheels") => self.wheels.push((at, of(sample))),
             (_, "event") => {
                 let event: asmotion_messages::Event = of(sample);
@@ -370,6 +437,11 @@ fn obstacles(all: &[Obstacle]) -> Datum {
 
 fn of<T: Message>(sample: &dyn Sample) -> T {
     sample.downcast_ref::<T>().unwrap().clone()
+}
+
+fn set(system: &mut System, component: &str, property: &str, value: Datum) {
+    let id = system.id(component).unwrap();
+    system.set_property(id, property, &value).unwrap();
 }
 
 fn add<C: Component + 'static>(

@@ -1,8 +1,8 @@
 //! The robot's body in the world: a disc on two wheels that moves until it touches an obstacle.
 
-use asmotion_geometry::{ObstacleScene, Point, Pose};
+use asmotion_geometry::{ObstacleScene, Point, Pose, roll};
 use asmotion_messages::WheelSpeeds;
-use asmotion_rover::{DifferentialDrive, roll};
+use asmotion_rover::DifferentialDrive;
 use serde::{Deserialize, Serialize};
 
 /// A round robot on two driven wheels.

@@ -24,6 +24,9 @@ use crate::setup::value_of;
 /// The kind of a handle that belongs to another component.
 type Foreign = &'static str;
 
+/// Kind of a report with a text for the person who runs the system: a limitation or a degraded mode of the component.
+pub const NOTICE_REPORT: &str = "notice";
+
 /// One cycle of one component: freeze inputs, compute, commit all outputs or none.
 ///
 /// No method blocks, looks up a name or sends: samples and calls wait for the end of the cycle.

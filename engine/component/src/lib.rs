@@ -40,7 +40,7 @@ pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, 
 pub use background::{BackgroundWork, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
 pub use component::Component;
-pub use cycle::Cycle;
+pub use cycle::{Cycle, NOTICE_REPORT};
 pub use declaration::Declaration;
 pub use derived::{Ports, Properties, PropertySet, PropertySource};
 pub use fault::Fault;

@@ -80,6 +80,7 @@ pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
         "failed_calls": summary.failed_calls, "control_state": summary.control_state,
         "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
         "failed_components": end.failed,
+        "collisions": summary.collisions,
     })
 }
 
@@ -92,6 +93,7 @@ fn counts_json(counts: &EventCounts) -> Vec<serde_json::Value> {
 pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     let summary = &end.summary;
     let style = match end.outcome {
+        MissionOutcome::Reached if summary.collisions > 0 => BAD,
         MissionOutcome::Reached => GOOD,
         MissionOutcome::Failed | MissionOutcome::Fault => BAD,
         MissionOutcome::TimeUp | MissionOutcome::Stopped => NOTE,
@@ -103,8 +105,13 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     let seconds = end.time.as_secs_f64();
     terminal.progress("");
     terminal.result(format_args!(
-        "{style}{}{style:#} in {state} after {seconds:.1} s",
-        outcome_name(end.outcome)
+        "{style}{}{style:#} in {state} after {seconds:.1} s{}",
+        outcome_name(end.outcome),
+        match summary.collisions {
+            0 => String::new(),
+            1 => ", with a collision".to_owned(),
+            count => format!(", with {count} collisions"),
+        }
     ));
     if let Some(path) = &summary.path {
         let distance = match path.to_goal_m() {

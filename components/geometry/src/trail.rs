@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use asmotion_geometry::{Pose, heading, turn, yaw};
+use crate::pose::{Pose, heading, turn, yaw};
 use serde::{Deserialize, Serialize};
 
 /// The most recent poses with their times.
@@ -67,7 +67,7 @@ fn is_somewhere(pose: &Pose) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asmotion_geometry::Point;
+    use crate::pose::Point;
 
     fn pose(x: f64, yaw: f64) -> Pose {
         heading(Point::new(x, 0.0), yaw)
