@@ -126,6 +126,7 @@ impl Model {
             rules: std::mem::take(&mut self.rules),
             atoms: std::mem::take(&mut self.atoms),
             scopes: vec![std::mem::take(&mut self.scope)],
+            import_clauses: Vec::new(),
             report: Report::new(),
             chooses: false,
             missed: BTreeSet::new(),

@@ -18,6 +18,7 @@ use crate::codes::w024::DefinesItself;
 use crate::codes::w029::NothingChosen;
 use crate::codes::w031::PropertiesNotVerified;
 use crate::declare::{SignatureTables, declare};
+use crate::hidden::NameKind;
 use crate::load::LoadedFiles;
 use crate::model::{
     Added, AgentProgram, Body, DomainKind, FunctionId, FunctionKind, Invariant, Meaning, Model,
@@ -171,13 +172,7 @@ impl Analysis<'_> {
     fn domain_definition(&mut self, unit: usize, definition: &ast::DomainDefinition) {
         let name = &definition.name;
         let Some(&id) = self.declared.scopes[unit].domains.get(&name.text) else {
-            let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = UnknownDomain {
-                name: name.text.clone(),
-                at: name.span,
-                similar,
-            };
-            return self.declared.report.push(error.diagnostic());
+            return self.declared.unknown_domain(unit, &name.text, name.span);
         };
         let declared = self.declared.domains[id.0 as usize].span;
         let DomainKind::Concrete { base } = self.declared.domains[id.0 as usize].kind else {
@@ -278,6 +273,7 @@ impl Analysis<'_> {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
+                hidden: self.declared.hidden(unit, &name.text, NameKind::Function),
             };
             self.declared.report.push(error.diagnostic());
             return None;
@@ -427,14 +423,11 @@ impl Analysis<'_> {
 
     fn program(&mut self, unit: usize, agent: &ast::AgentInit) -> Option<AgentProgram> {
         let name = &agent.domain;
-        let Some(&domain) = self.declared.scopes[unit].domains.get(&name.text) else {
-            let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = UnknownDomain {
-                name: name.text.clone(),
-                at: name.span,
-                similar,
-            };
-            self.declared.report.push(error.diagnostic());
+        // like the reference, an agent finds its domain in imported files without regard to exports
+        let scopes = &self.declared.scopes;
+        let mut scopes = std::iter::once(&scopes[unit]).chain(scopes.iter().rev());
+        let Some(domain) = scopes.find_map(|scope| scope.domains.get(&name.text).copied()) else {
+            self.declared.unknown_domain(unit, &name.text, name.span);
             return None;
         };
         let mut resolver = self.resolver(unit);

@@ -9,6 +9,7 @@ use crate::codes::a036::NotImported;
 use crate::codes::w001::NotBinds;
 use crate::codes::w028::ArgumentTooWide;
 use crate::compatibility::TypeBindings;
+use crate::hidden::NameKind;
 use crate::model::{FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -85,7 +86,10 @@ impl Resolver<'_> {
             if let (Some(element), []) = (self.element(name), arguments.as_slice()) {
                 return element;
             }
-            if self.not_imported(&name.text, name.text.clone(), name.span) {
+            let hidden = self
+                .declared
+                .hidden(self.unit, &name.text, NameKind::Function);
+            if hidden.is_none() && self.not_imported(&name.text, name.text.clone(), name.span) {
                 return self.invalid(span);
             }
             let scope = &self.declared.scopes[self.unit];
@@ -100,6 +104,7 @@ impl Resolver<'_> {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
+                hidden,
             });
             return self.invalid(span);
         }
@@ -367,10 +372,12 @@ impl Resolver<'_> {
                 declared.map_or_else(Span::default, |id| self.declared.rules[id.0 as usize].span);
             (found, span)
         });
+        let hidden = self.declared.hidden(self.unit, &name.text, NameKind::Rule);
         self.error(UnknownRule {
             name: name.text.clone(),
             at: name.span,
             similar,
+            hidden,
         });
     }
 

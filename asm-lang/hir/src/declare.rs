@@ -4,6 +4,7 @@ use crate::codes::a004::UnknownDomain;
 use crate::codes::a009::DuplicateDeclaration;
 use crate::codes::a033::DomainCycle;
 use crate::codes::w026::LocalInSignature;
+use crate::hidden::{ImportClause, NameKind};
 use crate::load::SourceUnit;
 use crate::model::{
     AtomInfo, Domain, DomainId, DomainKind, Function, FunctionId, FunctionKind, Meaning, Rule,
@@ -26,6 +27,8 @@ pub(crate) struct SignatureTables {
     pub atoms: Vec<AtomInfo>,
     /// Indexed by the position of the unit in `LoadedFiles::units`.
     pub scopes: Vec<Scope>,
+    /// Indexed as `scopes`; empty for parts from outside.
+    pub import_clauses: Vec<Vec<ImportClause>>,
     pub report: Report,
     /// `true` if any rule contains `choose`.
     pub chooses: bool,
@@ -45,6 +48,7 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
         atoms: Vec::new(),
         missed: BTreeSet::new(),
         scopes: Vec::new(),
+        import_clauses: Vec::new(),
         report: Report::new(),
         chooses: false,
         compatible,
@@ -52,6 +56,7 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
     let mut functions = Vec::new();
     for (index, unit) in units.iter().enumerate() {
         declared.scopes.push(Scope::default());
+        declared.record_imports(units, index);
         declared.imports(units, index);
         declared.unit_domains(index, &unit.tree);
     }
@@ -519,19 +524,21 @@ impl SignatureTables {
             (Some(domain), _) => Type::Domain(domain),
             (None, Some(basic)) => basic,
             (None, None) => {
-                let similar = self.scopes[unit].similar_domain(name);
-                self.report.push(
-                    UnknownDomain {
-                        name: name.clone(),
-                        at,
-                        similar,
-                    }
-                    .diagnostic(),
-                );
+                self.unknown_domain(unit, name, at);
                 Type::Invalid
             }
         };
         self.types.id(ty)
+    }
+
+    pub fn unknown_domain(&mut self, unit: usize, name: &Arc<str>, at: Span) {
+        let error = UnknownDomain {
+            name: name.clone(),
+            at,
+            similar: self.scopes[unit].similar_domain(name),
+            hidden: self.hidden(unit, name, NameKind::Domain),
+        };
+        self.report.push(error.diagnostic());
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::codes::a005::UnknownConstant;
 use crate::codes::a019::DisagreeingDomains;
+use crate::hidden::NameKind;
 use crate::model::{Term, TermKind, VarId};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -190,10 +191,14 @@ impl Resolver<'_> {
         if let Some(element) = self.element(name) {
             return element;
         }
+        let hidden = self
+            .declared
+            .hidden(self.unit, &name.text, NameKind::Constant);
         self.error(UnknownConstant {
             name: name.text.clone(),
             at: name.span,
             similar,
+            hidden,
         });
         self.invalid(name.span)
     }
