@@ -35,15 +35,16 @@ use asmotion_value::RuleId;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Resolves and types all loaded files with the default options. If no model is returned, the
-/// report contains errors.
-pub fn analyse(loaded: &LoadedFiles, sources: &Sources) -> (Option<Model>, Report) {
+/// As [`analyse_with`], with the default options.
+pub fn analyse(loaded: &mut LoadedFiles, sources: &Sources) -> (Option<Model>, Report) {
     analyse_with(loaded, sources, &ReadOptions::default())
 }
 
-/// Resolves and types all loaded files. If no model is returned, the report contains errors.
+/// Resolves and types all loaded files. If no model is returned, one of the reports contains errors.
+/// A name that may come from an import that could not be loaded has no finding of its own; instead,
+/// a note with these names is added to the finding about the import.
 pub fn analyse_with(
-    loaded: &LoadedFiles,
+    loaded: &mut LoadedFiles,
     sources: &Sources,
     options: &ReadOptions,
 ) -> (Option<Model>, Report) {
@@ -69,6 +70,9 @@ pub fn analyse_with(
     analysis.lint_schedule(&main.tree);
     analysis.undefined_domains();
     let report = std::mem::take(&mut analysis.declared.report);
+    for failed in &analysis.declared.failed_imports {
+        failed.note(&mut loaded.report.diagnostics);
+    }
     let report = without_unread(report, loaded, sources);
     if report.has_errors() || loaded.report.has_errors() {
         return (None, report);
@@ -269,11 +273,15 @@ impl Analysis<'_> {
         let Some(&first) = candidates.first() else {
             let similar = similar(&name.text, self.declared.scopes[unit].functions.keys())
                 .map(|found| (found.clone(), self.first_span(unit, found)));
+            let hidden = self.declared.hidden(unit, &name.text, NameKind::Function);
+            if hidden.is_none() && self.declared.is_lost(unit, &name.text, NameKind::Function) {
+                return None;
+            }
             let error = DefinesUndeclared {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
-                hidden: self.declared.hidden(unit, &name.text, NameKind::Function),
+                hidden,
             };
             self.declared.report.push(error.diagnostic());
             return None;

@@ -89,7 +89,7 @@ impl Resolver<'_> {
             let hidden = self
                 .declared
                 .hidden(self.unit, &name.text, NameKind::Function);
-            if hidden.is_none() && self.not_imported(&name.text, name.text.clone(), name.span) {
+            if hidden.is_none() && self.may_be_imported(name, NameKind::Function) {
                 return self.invalid(span);
             }
             let scope = &self.declared.scopes[self.unit];
@@ -109,6 +109,16 @@ impl Resolver<'_> {
             return self.invalid(span);
         }
         self.best(&name.text, name, &candidates, arguments, span)
+    }
+
+    /// Returns `true` if an unknown name needs no finding of its own: a library declares it, or it
+    /// may come from an import that could not be loaded. StandardLibrary takes precedence, because
+    /// nearly every file imports it directly.
+    fn may_be_imported(&mut self, name: &ast::NameText, kind: NameKind) -> bool {
+        let library = asmotion_stdlib::library_declaring(&name.text);
+        let is_standard = library.is_some_and(|library| library.name == "StandardLibrary");
+        (!is_standard && self.declared.is_lost(self.unit, &name.text, kind))
+            || self.not_imported(&name.text, name.text.clone(), name.span)
     }
 
     /// Reports that an unknown name is declared by a library that the file does not import; returns
@@ -365,6 +375,10 @@ impl Resolver<'_> {
     }
 
     pub fn unknown_rule(&mut self, name: &ast::NameText) {
+        let hidden = self.declared.hidden(self.unit, &name.text, NameKind::Rule);
+        if hidden.is_none() && self.declared.is_lost(self.unit, &name.text, NameKind::Rule) {
+            return;
+        }
         let scope = &self.declared.scopes[self.unit];
         let similar = scope.similar_rule(&name.text).map(|found| {
             let declared = scope.rules.get(&found).and_then(|ids| ids.first());
@@ -372,7 +386,6 @@ impl Resolver<'_> {
                 declared.map_or_else(Span::default, |id| self.declared.rules[id.0 as usize].span);
             (found, span)
         });
-        let hidden = self.declared.hidden(self.unit, &name.text, NameKind::Rule);
         self.error(UnknownRule {
             name: name.text.clone(),
             at: name.span,

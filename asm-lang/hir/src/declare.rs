@@ -6,6 +6,7 @@ use crate::codes::a033::DomainCycle;
 use crate::codes::w026::LocalInSignature;
 use crate::hidden::{ImportClause, NameKind};
 use crate::load::SourceUnit;
+use crate::lost::{FailedImport, LostImport};
 use crate::model::{
     AtomInfo, Domain, DomainId, DomainKind, Function, FunctionId, FunctionKind, Meaning, Rule,
     VarId,
@@ -29,6 +30,10 @@ pub(crate) struct SignatureTables {
     pub scopes: Vec<Scope>,
     /// Indexed as `scopes`; empty for parts from outside.
     pub import_clauses: Vec<Vec<ImportClause>>,
+    /// Indexed as `scopes`; empty for parts from outside.
+    pub lost_imports: Vec<Vec<LostImport>>,
+    /// The imports that could not be loaded, of all units.
+    pub failed_imports: Vec<FailedImport>,
     pub report: Report,
     /// `true` if any rule contains `choose`.
     pub chooses: bool,
@@ -49,6 +54,8 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
         missed: BTreeSet::new(),
         scopes: Vec::new(),
         import_clauses: Vec::new(),
+        lost_imports: Vec::new(),
+        failed_imports: Vec::new(),
         report: Report::new(),
         chooses: false,
         compatible,
@@ -57,6 +64,7 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
     for (index, unit) in units.iter().enumerate() {
         declared.scopes.push(Scope::default());
         declared.record_imports(units, index);
+        declared.record_failed_imports(units, index);
         declared.imports(units, index);
         declared.unit_domains(index, &unit.tree);
     }
@@ -532,11 +540,15 @@ impl SignatureTables {
     }
 
     pub fn unknown_domain(&mut self, unit: usize, name: &Arc<str>, at: Span) {
+        let hidden = self.hidden(unit, name, NameKind::Domain);
+        if hidden.is_none() && self.is_lost(unit, name, NameKind::Domain) {
+            return;
+        }
         let error = UnknownDomain {
             name: name.clone(),
             at,
             similar: self.scopes[unit].similar_domain(name),
-            hidden: self.hidden(unit, name, NameKind::Domain),
+            hidden,
         };
         self.report.push(error.diagnostic());
     }

@@ -5,6 +5,7 @@ use crate::codes::w003::ImportsNothing;
 use crate::declare::SignatureTables;
 use crate::hidden::{HiddenName, HidingClause, ImportClause, NameKind};
 use crate::load::SourceUnit;
+use crate::lost::{FailedImport, LostImport};
 use crate::model::Rule;
 use crate::scope::Scope;
 use asmotion_diagnostics::{Finding, Span};
@@ -159,6 +160,56 @@ impl SignatureTables {
         self.import_clauses.push(clauses.collect());
     }
 
+    /// Records the imports whose names the unit lacks because a file could not be loaded: its own,
+    /// and those of the units that it imports.
+    pub fn record_failed_imports(&mut self, units: &[SourceUnit], index: usize) {
+        let unit = &units[index];
+        let listed = |import: &ast::Import| import.names.as_deref().map(texts);
+        let mut lost = Vec::new();
+        for (at, import) in unit.tree.imports.iter().enumerate() {
+            if unit.imports.iter().any(|(loaded, _)| *loaded == at) {
+                continue;
+            }
+            lost.push(LostImport {
+                failed: self.failed_imports.len(),
+                names: listed(import),
+            });
+            self.failed_imports.push(FailedImport {
+                path: import.path.text.clone(),
+                at: import.path.span,
+                names: BTreeSet::new(),
+            });
+        }
+        for &(import, from) in &unit.imports {
+            let Some(export) = &units[from].tree.export else {
+                continue;
+            };
+            let through = self.lost_imports[from].iter().filter_map(|lost| {
+                let exported = lost.through(export.names.as_deref().map(texts))?;
+                exported.through(listed(&unit.tree.imports[import]))
+            });
+            lost.extend(through);
+        }
+        self.lost_imports.push(lost);
+    }
+
+    /// Returns `true` if an unknown name may come from an import that could not be loaded. The
+    /// finding about that import counts the name.
+    pub fn is_lost(&mut self, unit: usize, name: &Arc<str>, kind: NameKind) -> bool {
+        let lost = self.lost_imports.get(unit);
+        let literal = kind == NameKind::Constant;
+        let source = lost.and_then(|lost| {
+            let sources = lost.iter().filter(|lost| lost.may_declare(name, literal));
+            // an import that lists names is the likelier one
+            sources.min_by_key(|lost| lost.names.is_none())
+        });
+        let failed = source.and_then(|lost| self.failed_imports.get_mut(lost.failed));
+        failed.is_some_and(|failed| {
+            failed.names.insert(name.clone());
+            true
+        })
+    }
+
     /// Returns the declaration of an unknown name in a module that the unit imports.
     pub fn hidden(&self, unit: usize, name: &str, kind: NameKind) -> Option<HiddenName> {
         let clauses = self.import_clauses.get(unit)?;
@@ -231,6 +282,10 @@ impl SignatureTables {
         };
         (declared.file == clause.file).then_some((name, declared))
     }
+}
+
+fn texts(names: &[ast::NameText]) -> BTreeSet<Arc<str>> {
+    names.iter().map(|name| name.text.clone()).collect()
 }
 
 /// Returns `true` if the import lists this name or lists none.

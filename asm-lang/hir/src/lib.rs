@@ -16,6 +16,7 @@ mod hidden;
 mod id;
 mod import;
 mod load;
+mod lost;
 mod model;
 mod options;
 mod resolver;

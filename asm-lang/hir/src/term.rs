@@ -191,9 +191,11 @@ impl Resolver<'_> {
         if let Some(element) = self.element(name) {
             return element;
         }
-        let hidden = self
-            .declared
-            .hidden(self.unit, &name.text, NameKind::Constant);
+        let kind = NameKind::Constant;
+        let hidden = self.declared.hidden(self.unit, &name.text, kind);
+        if hidden.is_none() && self.declared.is_lost(self.unit, &name.text, kind) {
+            return self.invalid(name.span);
+        }
         self.error(UnknownConstant {
             name: name.text.clone(),
             at: name.span,

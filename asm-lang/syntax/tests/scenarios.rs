@@ -79,16 +79,13 @@ fn names_are_any_printable_characters() {
     let executed: Vec<(Option<&str>, &str)> = scenario
         .commands
         .iter()
-        .filter_map(|command| match &command.kind {
-            ScenarioCommandKind::ExecBlock { scenario, block } => {
-                let name = |name: &asmotion_diagnostics::Span| &text[name.range()];
-                assert_eq!(name(&block.span), &*block.text);
-                Some((
-                    scenario.as_ref().map(|it| name(&it.span)),
-                    name(&block.span),
-                ))
-            }
-            _ => None,
+        .filter_map(|command| {
+            let ScenarioCommandKind::ExecBlock { scenario, block } = &command.kind else {
+                return None;
+            };
+            assert_eq!(&text[block.span.range()], &*block.text);
+            let scenario = scenario.as_ref().map(|name| &text[name.span.range()]);
+            Some((scenario, &text[block.span.range()]))
         })
         .collect();
     assert_eq!(
