@@ -2,6 +2,7 @@
 
 use crate::codes::a005::UnknownConstant;
 use crate::codes::a019::DisagreeingDomains;
+use crate::codes::w032::InterpolatedText;
 use crate::hidden::NameKind;
 use crate::model::{Term, TermKind, VarId};
 use crate::resolver::Resolver;
@@ -144,9 +145,57 @@ impl Resolver<'_> {
                 (Value::Complex(Arc::new(number)), Type::Complex)
             }
             Literal::Char(character) => (Value::Char(*character), Type::Char),
-            Literal::Text(text) => (Value::text(&**text), Type::String),
+            Literal::Text(text) => {
+                self.lint_interpolation(text, span);
+                (Value::text(&**text), Type::String)
+            }
         };
         self.new_term(TermKind::Value(value), ty, span)
+    }
+
+    /// Warns of the first `${…}` in a text that begins with a variable or with a function that a
+    /// specification declares.
+    fn lint_interpolation(&mut self, text: &str, span: Span) {
+        const QUOTE: usize = 1;
+        if !text.contains("${") {
+            return;
+        }
+        let string = self.ty(Type::String);
+        let found = text.match_indices("${").find_map(|(at, opening)| {
+            let (inside, _) = text[at + opening.len()..].split_once('}')?;
+            let word = inside.trim_start().trim_start_matches('$');
+            let is_end = |c: char| !c.is_alphanumeric() && c != '_';
+            let name = &word[..word.find(is_end).unwrap_or(word.len())];
+            let length = opening.len() + inside.len() + 1;
+            let (name, ty, declared) = self.interpolated(name)?;
+            let start = span.range().start + QUOTE + at;
+            Some(InterpolatedText {
+                placeholder: text[at..at + length].to_owned(),
+                name,
+                is_text: self.declared.types.root(ty, &self.declared.domains) == string,
+                at: Span::new(span.file, start, start + length),
+                declared,
+            })
+        });
+        if let Some(found) = found {
+            self.error(found);
+        }
+    }
+
+    /// Returns the variable or the function of a specification that a placeholder names, with its
+    /// domain and the span of its declaration.
+    fn interpolated(&self, name: &str) -> Option<(Arc<str>, TypeId, Span)> {
+        if let Some(id) = self.lookup(&format!("${name}")) {
+            let variable = self.variable(id);
+            return Some((variable.name.clone(), variable.ty, variable.span));
+        }
+        let functions = self.declared.scopes[self.unit].functions.get(name)?;
+        let mut functions = functions
+            .iter()
+            .map(|id| &self.declared.functions[id.0 as usize]);
+        functions
+            .find(|function| !function.library)
+            .map(|function| (function.name.clone(), function.codomain, function.span))
     }
 
     fn variable_term(&mut self, name: &ast::NameText) -> Term {
