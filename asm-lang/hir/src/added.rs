@@ -127,6 +127,7 @@ impl Model {
             atoms: std::mem::take(&mut self.atoms),
             scopes: vec![std::mem::take(&mut self.scope)],
             import_clauses: Vec::new(),
+            headings: Vec::new(),
             lost_imports: Vec::new(),
             failed_imports: Vec::new(),
             report: Report::new(),

@@ -30,6 +30,8 @@ pub(crate) struct SignatureTables {
     pub scopes: Vec<Scope>,
     /// Indexed as `scopes`; empty for parts from outside.
     pub import_clauses: Vec<Vec<ImportClause>>,
+    /// Names after `asm` and `module`, indexed as `scopes`; empty for parts from outside.
+    pub headings: Vec<Option<Span>>,
     /// Indexed as `scopes`; empty for parts from outside.
     pub lost_imports: Vec<Vec<LostImport>>,
     /// The imports that could not be loaded, of all units.
@@ -54,6 +56,10 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
         missed: BTreeSet::new(),
         scopes: Vec::new(),
         import_clauses: Vec::new(),
+        headings: units
+            .iter()
+            .map(|unit| unit.tree.name.as_ref().map(|name| name.span))
+            .collect(),
         lost_imports: Vec::new(),
         failed_imports: Vec::new(),
         report: Report::new(),

@@ -1,6 +1,7 @@
 //! Resolution and typing of terms.
 
 use crate::codes::a005::UnknownConstant;
+use crate::codes::a006::Respelt;
 use crate::codes::a019::DisagreeingDomains;
 use crate::codes::w032::InterpolatedText;
 use crate::hidden::NameKind;
@@ -308,7 +309,11 @@ impl Resolver<'_> {
     /// with the length of the chain.
     fn chain(&mut self, first: &ast::Term, links: &[ChainLink], span: Span) -> Term {
         let mut pieces = Vec::new();
-        let mut value = self.term(first);
+        let negated = links
+            .first()
+            .and_then(|link| self.negated_operand(first, link));
+        let mut value = negated.unwrap_or_else(|| self.term(first));
+        let is_sound = *self.declared.types.get(value.ty) != Type::Invalid;
         for (index, link) in links.iter().enumerate() {
             let is_last = index + 1 == links.len();
             let whole = if is_last {
@@ -317,7 +322,9 @@ impl Resolver<'_> {
                 first.span.to(link.operand.span)
             };
             if index == 0 {
-                self.lint_not(link.operator, first, whole);
+                if is_sound {
+                    self.lint_not(link.operator, first, whole);
+                }
             } else if index % ChainLink::NESTED as usize == 0 {
                 let variable = self.fresh(value.ty, value.span);
                 let known = self.variable_of(variable, value.span);
@@ -346,6 +353,12 @@ impl Resolver<'_> {
         bound
     }
 
+    /// Returns the spelling of an integer literal in the number domain of another term.
+    fn as_number_of(&self, literal: &Term, other: &Term) -> Option<Respelt> {
+        let root = self.declared.types.root(other.ty, &self.declared.domains);
+        self.respelt_as(literal, Respelt::domain(&self.show(root))?)
+    }
+
     /// Returns the common type of several terms, such as the elements of a collection.
     pub fn common<'t>(
         &mut self,
@@ -363,8 +376,12 @@ impl Resolver<'_> {
                 .types
                 .join(ty, term.ty, &self.declared.domains)
             else {
+                let number = self
+                    .as_number_of(term, first)
+                    .or_else(|| self.as_number_of(first, term));
                 let error = DisagreeingDomains {
                     what,
+                    number,
                     first: self.show(ty),
                     second: self.show(term.ty),
                     first_at: first.span,
