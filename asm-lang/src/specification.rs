@@ -66,8 +66,8 @@ pub(crate) fn open_in(
     mut sources: Sources,
     options: &ReadOptions,
 ) -> Result<Specification, OpenFailure> {
-    let loaded = hir::load(path, loader, &mut sources);
-    let (model, found) = hir::analyse_with(&loaded, &sources, options);
+    let mut loaded = hir::load(path, loader, &mut sources);
+    let (model, found) = hir::analyse_with(&mut loaded, &sources, options);
     let mut report = loaded.report;
     report.extend(found);
     let Some(model) = model else {

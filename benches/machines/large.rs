@@ -112,8 +112,8 @@ pub fn print() {
         drop(specification);
         let started = Instant::now();
         let mut sources = asmotion_lang::Sources::new();
-        let loaded = asmotion_lang::hir::load("large.asm", &files, &mut sources);
-        let (model, found) = asmotion_lang::hir::analyse(&loaded, &sources);
+        let mut loaded = asmotion_lang::hir::load("large.asm", &files, &mut sources);
+        let (model, found) = asmotion_lang::hir::analyse(&mut loaded, &sources);
         checked.push(started.elapsed());
         assert!(model.is_some() && !found.has_errors());
     }

@@ -100,6 +100,9 @@ const RUNS: [(&str, usize); 3] = [("none", 452), ("seed1", 519), ("seed2", 520)]
 /// Runs with differences: reason, run, file. `docs/conformance.md` explains the reasons.
 const EXCEPTIONS: &str = include_str!("conformance/exceptions.tsv");
 
+/// Runs with differences with `--compat asmeta`: run, file.
+const COMPATIBLE_EXCEPTIONS: &str = include_str!("conformance/compatible.tsv");
+
 #[test]
 fn agrees_on_the_corpus() {
     let Some(corpus) = std::env::var_os("ASMETA_CORPUS").map(PathBuf::from) else {
@@ -113,6 +116,7 @@ fn agrees_on_the_corpus() {
     let mut accepted = 0;
     let mut counts = [0; RUNS.len()];
     let mut different = BTreeSet::new();
+    let mut compatible = BTreeSet::new();
     for line in index.lines().skip(1) {
         let columns: Vec<&str> = line.split('\t').collect();
         let (path, parsed, choices, outcome) = (columns[0], columns[16], columns[7], columns[20]);
@@ -133,9 +137,16 @@ fn agrees_on_the_corpus() {
             };
             if choices == "0" && (*run != "none" || outcome == "OK") {
                 *count += 1;
-                let ours = ours(&file, &reference, &DiskLoader, &ReadOptions::default());
-                if !ours.is_some_and(|ours| agree(&reference, &ours)) {
-                    different.insert(format!("{run}\t{path}"));
+                let key = format!("{run}\t{path}");
+                for (mode, different) in [(false, &mut different), (true, &mut compatible)] {
+                    let options = ReadOptions {
+                        compatible: mode,
+                        initial: None,
+                    };
+                    let ours = ours(&file, &reference, &DiskLoader, &options);
+                    if !ours.is_some_and(|ours| agree(&reference, &ours)) {
+                        different.insert(key.clone());
+                    }
                 }
             }
         }
@@ -151,6 +162,8 @@ fn agrees_on_the_corpus() {
         .filter_map(|line| Some(line.split_once('\t')?.1.to_owned()))
         .collect();
     assert_eq!(different, explained);
+    let explained: BTreeSet<String> = COMPATIBLE_EXCEPTIONS.lines().map(str::to_owned).collect();
+    assert_eq!(compatible, explained);
 }
 
 /// The documentation lists the differences that the test allows, with all reasons.

@@ -18,6 +18,7 @@ use crate::codes::w024::DefinesItself;
 use crate::codes::w029::NothingChosen;
 use crate::codes::w031::PropertiesNotVerified;
 use crate::declare::{SignatureTables, declare};
+use crate::hidden::NameKind;
 use crate::load::LoadedFiles;
 use crate::model::{
     Added, AgentProgram, Body, DomainKind, FunctionId, FunctionKind, Invariant, Meaning, Model,
@@ -34,15 +35,16 @@ use asmotion_value::RuleId;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Resolves and types all loaded files with the default options. If no model is returned, the
-/// report contains errors.
-pub fn analyse(loaded: &LoadedFiles, sources: &Sources) -> (Option<Model>, Report) {
+/// As [`analyse_with`], with the default options.
+pub fn analyse(loaded: &mut LoadedFiles, sources: &Sources) -> (Option<Model>, Report) {
     analyse_with(loaded, sources, &ReadOptions::default())
 }
 
-/// Resolves and types all loaded files. If no model is returned, the report contains errors.
+/// Resolves and types all loaded files. If no model is returned, one of the reports contains errors.
+/// A name that may come from an import that could not be loaded has no finding of its own; instead,
+/// a note with these names is added to the finding about the import.
 pub fn analyse_with(
-    loaded: &LoadedFiles,
+    loaded: &mut LoadedFiles,
     sources: &Sources,
     options: &ReadOptions,
 ) -> (Option<Model>, Report) {
@@ -68,6 +70,9 @@ pub fn analyse_with(
     analysis.lint_schedule(&main.tree);
     analysis.undefined_domains();
     let report = std::mem::take(&mut analysis.declared.report);
+    for failed in &analysis.declared.failed_imports {
+        failed.note(&mut loaded.report.diagnostics);
+    }
     let report = without_unread(report, loaded, sources);
     if report.has_errors() || loaded.report.has_errors() {
         return (None, report);
@@ -171,13 +176,7 @@ impl Analysis<'_> {
     fn domain_definition(&mut self, unit: usize, definition: &ast::DomainDefinition) {
         let name = &definition.name;
         let Some(&id) = self.declared.scopes[unit].domains.get(&name.text) else {
-            let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = UnknownDomain {
-                name: name.text.clone(),
-                at: name.span,
-                similar,
-            };
-            return self.declared.report.push(error.diagnostic());
+            return self.declared.unknown_domain(unit, &name.text, name.span);
         };
         let declared = self.declared.domains[id.0 as usize].span;
         let DomainKind::Concrete { base } = self.declared.domains[id.0 as usize].kind else {
@@ -274,10 +273,15 @@ impl Analysis<'_> {
         let Some(&first) = candidates.first() else {
             let similar = similar(&name.text, self.declared.scopes[unit].functions.keys())
                 .map(|found| (found.clone(), self.first_span(unit, found)));
+            let hidden = self.declared.hidden(unit, &name.text, NameKind::Function);
+            if hidden.is_none() && self.declared.is_lost(unit, &name.text, NameKind::Function) {
+                return None;
+            }
             let error = DefinesUndeclared {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
+                hidden,
             };
             self.declared.report.push(error.diagnostic());
             return None;
@@ -427,14 +431,11 @@ impl Analysis<'_> {
 
     fn program(&mut self, unit: usize, agent: &ast::AgentInit) -> Option<AgentProgram> {
         let name = &agent.domain;
-        let Some(&domain) = self.declared.scopes[unit].domains.get(&name.text) else {
-            let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = UnknownDomain {
-                name: name.text.clone(),
-                at: name.span,
-                similar,
-            };
-            self.declared.report.push(error.diagnostic());
+        // like the reference, an agent finds its domain in imported files without regard to exports
+        let scopes = &self.declared.scopes;
+        let mut scopes = std::iter::once(&scopes[unit]).chain(scopes.iter().rev());
+        let Some(domain) = scopes.find_map(|scope| scope.domains.get(&name.text).copied()) else {
+            self.declared.unknown_domain(unit, &name.text, name.span);
             return None;
         };
         let mut resolver = self.resolver(unit);

@@ -9,6 +9,7 @@ use crate::codes::a036::NotImported;
 use crate::codes::w001::NotBinds;
 use crate::codes::w028::ArgumentTooWide;
 use crate::compatibility::TypeBindings;
+use crate::hidden::NameKind;
 use crate::model::{FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -48,16 +49,7 @@ impl Resolver<'_> {
     }
 
     pub fn lint_not(&mut self, operator: Operator, left: &ast::Term, whole: Span) {
-        let comparison = matches!(
-            operator,
-            Operator::Eq
-                | Operator::Neq
-                | Operator::Lt
-                | Operator::Le
-                | Operator::Gt
-                | Operator::Ge
-        );
-        if !comparison {
+        if !is_comparison(operator) {
             return;
         }
         // not reported for `(not a) = b`, where brackets make the meaning explicit: that term
@@ -65,7 +57,7 @@ impl Resolver<'_> {
         if let ast::TermKind::Unary {
             operator: Operator::Not,
             at,
-            ..
+            operand,
         } = &*left.kind
             && left.span.start == at.start
             && whole.start == at.start
@@ -74,8 +66,45 @@ impl Resolver<'_> {
                 operator: operator.symbol(),
                 at: *at,
                 operand: whole,
+                comparison: Span {
+                    start: operand.span.start,
+                    ..whole
+                },
             });
         }
+    }
+
+    /// Resolves `not a` at the beginning of a comparison, or returns `None` for any other term. If
+    /// `a` is not Boolean, the finding suggests to negate the comparison.
+    pub fn negated_operand(&mut self, left: &ast::Term, link: &ast::ChainLink) -> Option<Term> {
+        let ast::TermKind::Unary {
+            operator: Operator::Not,
+            at,
+            operand,
+        } = &*left.kind
+        else {
+            return None;
+        };
+        // a bracketed `(not a)` begins before the `not`
+        if !is_comparison(link.operator) || left.span.start != at.start {
+            return None;
+        }
+        let negated = self.term(operand);
+        let boolean = self.ty(Type::Boolean);
+        if self.compatible(boolean, negated.ty) {
+            return Some(self.operator(Operator::Not, *at, vec![negated], left.span));
+        }
+        let actual = self.show(negated.ty);
+        self.error(NoOverload {
+            name: Arc::from(Operator::Not.symbol()),
+            at: left.span,
+            actual,
+            candidates: Vec::new(),
+            hint: None,
+            numbers: Vec::new(),
+            comparison: Some(operand.span.to(link.operand.span)),
+        });
+        Some(self.invalid(left.span))
     }
 
     /// Applies the best overload of a function to these arguments.
@@ -85,7 +114,10 @@ impl Resolver<'_> {
             if let (Some(element), []) = (self.element(name), arguments.as_slice()) {
                 return element;
             }
-            if self.not_imported(&name.text, name.text.clone(), name.span) {
+            let hidden = self
+                .declared
+                .hidden(self.unit, &name.text, NameKind::Function);
+            if hidden.is_none() && self.may_be_imported(name, NameKind::Function) {
                 return self.invalid(span);
             }
             let scope = &self.declared.scopes[self.unit];
@@ -100,10 +132,21 @@ impl Resolver<'_> {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
+                hidden,
             });
             return self.invalid(span);
         }
         self.best(&name.text, name, &candidates, arguments, span)
+    }
+
+    /// Returns `true` if an unknown name needs no finding of its own: a library declares it, or it
+    /// may come from an import that could not be loaded. StandardLibrary takes precedence, because
+    /// nearly every file imports it directly.
+    fn may_be_imported(&mut self, name: &ast::NameText, kind: NameKind) -> bool {
+        let library = asmotion_stdlib::library_declaring(&name.text);
+        let is_standard = library.is_some_and(|library| library.name == "StandardLibrary");
+        (!is_standard && self.declared.is_lost(self.unit, &name.text, kind))
+            || self.not_imported(&name.text, name.text.clone(), name.span)
     }
 
     /// Reports that an unknown name is declared by a library that the file does not import; returns
@@ -113,10 +156,12 @@ impl Resolver<'_> {
             return false;
         };
         if self.declared.missed.insert((self.unit, library.name)) {
+            let heading = self.declared.headings.get(self.unit).copied().flatten();
             self.error(NotImported {
                 name: shown,
                 library: library.name,
                 at,
+                heading,
             });
         }
         true
@@ -299,36 +344,83 @@ impl Resolver<'_> {
             .map(|term| self.show(self.declared.types.root(term.ty, &self.declared.domains)))
             .collect();
         let hint = overload_hint(&roots);
-        let number = self.respelt(arguments, &roots);
+        let numbers = self.respelt(candidates, arguments, &roots);
         self.error(NoOverload {
             name: Arc::from(name),
             at: span,
             actual,
             candidates: own,
             hint,
-            number,
+            numbers,
+            comparison: None,
         });
         self.invalid(span)
     }
 
-    /// Suggests the spelling of an integer argument in the number domain of the other arguments.
-    fn respelt(&self, arguments: &[Term], roots: &[String]) -> Option<Respelt> {
-        let other = roots.iter().find(|root| *root != "Integer")?;
-        let (domain, suffix) = match other.as_str() {
-            "Real" => ("Real", ".0"),
-            "Natural" => ("Natural", "n"),
+    /// Suggests the spelling of integer arguments in the number domains of the parameters, or, if
+    /// there are several candidates, of one in the number domain of the other arguments.
+    fn respelt(
+        &self,
+        candidates: &[FunctionId],
+        arguments: &[Term],
+        roots: &[String],
+    ) -> Vec<Respelt> {
+        if let [candidate] = candidates {
+            return self.respelt_for(*candidate, arguments).unwrap_or_default();
+        }
+        let mut others = roots.iter().filter(|root| *root != "Integer");
+        let domain = others.find_map(|root| Respelt::domain(root));
+        let mut arguments = arguments.iter();
+        let first = domain
+            .and_then(|domain| arguments.find_map(|argument| self.respelt_as(argument, domain)));
+        first.into_iter().collect()
+    }
+
+    /// Returns the spellings with which all arguments fit a function, if there are any.
+    fn respelt_for(&self, function: FunctionId, arguments: &[Term]) -> Option<Vec<Respelt>> {
+        let parameters = &self.declared.functions[function.0 as usize].parameters;
+        if parameters.len() != arguments.len() {
+            return None;
+        }
+        let pairs = parameters.iter().zip(arguments);
+        let unfit = pairs.filter(|(parameter, term)| !self.compatible(**parameter, term.ty));
+        let respelt = unfit.map(|(&parameter, argument)| {
+            let root = self.declared.types.root(parameter, &self.declared.domains);
+            self.respelt_as(argument, Respelt::domain(&self.show(root))?)
+        });
+        respelt.collect()
+    }
+
+    /// Returns the spelling of an integer literal, possibly behind a minus sign, in a number domain.
+    pub fn respelt_as(&self, term: &Term, domain: &'static str) -> Option<Respelt> {
+        let negated = self.negated_literal(term);
+        let (literal, negative) = (negated.unwrap_or(term), negated.is_some());
+        let TermKind::Value(Value::Int(number @ 0..)) = *literal.kind else {
+            return None;
+        };
+        let text = match domain {
+            "Real" => format!("{number}.0"),
+            "Natural" if !negative => format!("{number}n"),
+            "Integer" => number.to_string(),
             _ => return None,
         };
-        arguments.iter().find_map(|term| {
-            let TermKind::Value(Value::Int(number)) = &*term.kind else {
-                return None;
-            };
-            (*number >= 0).then(|| Respelt {
-                at: term.span,
-                domain,
-                text: format!("{number}{suffix}"),
-            })
+        Some(Respelt {
+            at: literal.span,
+            domain,
+            text,
         })
+    }
+
+    /// Returns `t` of `-t`.
+    fn negated_literal<'t>(&self, term: &'t Term) -> Option<&'t Term> {
+        let TermKind::Apply(function, arguments) = &*term.kind else {
+            return None;
+        };
+        let function = &self.declared.functions[function.0 as usize];
+        let [operand] = arguments.as_slice() else {
+            return None;
+        };
+        (&*function.name == "minus" && function.library).then_some(operand)
     }
 
     pub fn rule_ref(&mut self, name: &ast::NameText, domains: &[ast::Type], span: Span) -> Term {
@@ -360,6 +452,10 @@ impl Resolver<'_> {
     }
 
     pub fn unknown_rule(&mut self, name: &ast::NameText) {
+        let hidden = self.declared.hidden(self.unit, &name.text, NameKind::Rule);
+        if hidden.is_none() && self.declared.is_lost(self.unit, &name.text, NameKind::Rule) {
+            return;
+        }
         let scope = &self.declared.scopes[self.unit];
         let similar = scope.similar_rule(&name.text).map(|found| {
             let declared = scope.rules.get(&found).and_then(|ids| ids.first());
@@ -371,6 +467,7 @@ impl Resolver<'_> {
             name: name.text.clone(),
             at: name.span,
             similar,
+            hidden,
         });
     }
 
@@ -441,6 +538,13 @@ impl Resolver<'_> {
 }
 
 /// Suggests how to write numbers of different domains in one term.
+fn is_comparison(operator: Operator) -> bool {
+    matches!(
+        operator,
+        Operator::Eq | Operator::Neq | Operator::Lt | Operator::Le | Operator::Gt | Operator::Ge
+    )
+}
+
 fn overload_hint(types: &[String]) -> Option<String> {
     let has = |name: &str| types.iter().any(|ty| ty == name);
     if has("Integer") && has("Real") {

@@ -45,6 +45,7 @@ pub(crate) mod w027;
 pub(crate) mod w028;
 pub(crate) mod w029;
 pub(crate) mod w031;
+pub(crate) mod w032;
 
 use asmotion_diagnostics::Code;
 
@@ -95,6 +96,7 @@ pub const CODES: &[&Code] = &[
     w028::ArgumentTooWide::CODE,
     w029::NothingChosen::CODE,
     w031::PropertiesNotVerified::CODE,
+    w032::InterpolatedText::CODE,
 ];
 
 /// Code of the finding for an unknown initial state. Exported because the name may come from a

@@ -4,7 +4,9 @@ use crate::codes::a004::UnknownDomain;
 use crate::codes::a009::DuplicateDeclaration;
 use crate::codes::a033::DomainCycle;
 use crate::codes::w026::LocalInSignature;
+use crate::hidden::{ImportClause, NameKind};
 use crate::load::SourceUnit;
+use crate::lost::{FailedImport, LostImport};
 use crate::model::{
     AtomInfo, Domain, DomainId, DomainKind, Function, FunctionId, FunctionKind, Meaning, Rule,
     VarId,
@@ -26,6 +28,14 @@ pub(crate) struct SignatureTables {
     pub atoms: Vec<AtomInfo>,
     /// Indexed by the position of the unit in `LoadedFiles::units`.
     pub scopes: Vec<Scope>,
+    /// Indexed as `scopes`; empty for parts from outside.
+    pub import_clauses: Vec<Vec<ImportClause>>,
+    /// Names after `asm` and `module`, indexed as `scopes`; empty for parts from outside.
+    pub headings: Vec<Option<Span>>,
+    /// Indexed as `scopes`; empty for parts from outside.
+    pub lost_imports: Vec<Vec<LostImport>>,
+    /// The imports that could not be loaded, of all units.
+    pub failed_imports: Vec<FailedImport>,
     pub report: Report,
     /// `true` if any rule contains `choose`.
     pub chooses: bool,
@@ -45,6 +55,13 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
         atoms: Vec::new(),
         missed: BTreeSet::new(),
         scopes: Vec::new(),
+        import_clauses: Vec::new(),
+        headings: units
+            .iter()
+            .map(|unit| unit.tree.name.as_ref().map(|name| name.span))
+            .collect(),
+        lost_imports: Vec::new(),
+        failed_imports: Vec::new(),
         report: Report::new(),
         chooses: false,
         compatible,
@@ -52,6 +69,8 @@ pub(crate) fn declare(units: &[SourceUnit], compatible: bool) -> SignatureTables
     let mut functions = Vec::new();
     for (index, unit) in units.iter().enumerate() {
         declared.scopes.push(Scope::default());
+        declared.record_imports(units, index);
+        declared.record_failed_imports(units, index);
         declared.imports(units, index);
         declared.unit_domains(index, &unit.tree);
     }
@@ -519,19 +538,25 @@ impl SignatureTables {
             (Some(domain), _) => Type::Domain(domain),
             (None, Some(basic)) => basic,
             (None, None) => {
-                let similar = self.scopes[unit].similar_domain(name);
-                self.report.push(
-                    UnknownDomain {
-                        name: name.clone(),
-                        at,
-                        similar,
-                    }
-                    .diagnostic(),
-                );
+                self.unknown_domain(unit, name, at);
                 Type::Invalid
             }
         };
         self.types.id(ty)
+    }
+
+    pub fn unknown_domain(&mut self, unit: usize, name: &Arc<str>, at: Span) {
+        let hidden = self.hidden(unit, name, NameKind::Domain);
+        if hidden.is_none() && self.is_lost(unit, name, NameKind::Domain) {
+            return;
+        }
+        let error = UnknownDomain {
+            name: name.clone(),
+            at,
+            similar: self.scopes[unit].similar_domain(name),
+            hidden,
+        };
+        self.report.push(error.diagnostic());
     }
 }
 

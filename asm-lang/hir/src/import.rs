@@ -3,13 +3,16 @@
 use crate::codes::a015::NotExported;
 use crate::codes::w003::ImportsNothing;
 use crate::declare::SignatureTables;
+use crate::hidden::{HiddenName, HidingClause, ImportClause, NameKind};
 use crate::load::SourceUnit;
+use crate::lost::{FailedImport, LostImport};
 use crate::model::Rule;
 use crate::scope::Scope;
 use asmotion_diagnostics::{Finding, Span};
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// The names that a unit exports, according to its `export` clause.
 enum Exports<'a> {
@@ -110,11 +113,11 @@ impl SignatureTables {
                     || (other.rules.contains_key(&name.text)
                         || declares_rule(&units[from].tree, &name.text));
                 if !known || !exports.has(&name.text) {
-                    let module = import.path.text.clone();
                     let error = NotExported {
-                        module,
+                        module: import.path.text.clone(),
                         name: name.text.clone(),
                         at: name.span,
+                        hidden: self.hidden_anywhere(index, &name.text),
                     };
                     self.report.push(error.diagnostic());
                 }
@@ -140,6 +143,149 @@ impl SignatureTables {
             );
         }
     }
+
+    /// Records the loaded imports of a unit, which explain unknown names.
+    pub fn record_imports(&mut self, units: &[SourceUnit], index: usize) {
+        let unit = &units[index];
+        let clauses = unit.imports.iter().map(|&(import, from)| {
+            let main = units[from].tree.main.as_ref();
+            ImportClause {
+                from,
+                file: units[from].file,
+                import: unit.tree.imports[import].clone(),
+                export: units[from].tree.export.clone(),
+                main: main.map(|rule| rule.name.span),
+            }
+        });
+        self.import_clauses.push(clauses.collect());
+    }
+
+    /// Records the imports whose names the unit lacks because a file could not be loaded: its own,
+    /// and those of the units that it imports.
+    pub fn record_failed_imports(&mut self, units: &[SourceUnit], index: usize) {
+        let unit = &units[index];
+        let listed = |import: &ast::Import| import.names.as_deref().map(texts);
+        let mut lost = Vec::new();
+        for (at, import) in unit.tree.imports.iter().enumerate() {
+            if unit.imports.iter().any(|(loaded, _)| *loaded == at) {
+                continue;
+            }
+            lost.push(LostImport {
+                failed: self.failed_imports.len(),
+                names: listed(import),
+            });
+            self.failed_imports.push(FailedImport {
+                path: import.path.text.clone(),
+                at: import.path.span,
+                names: BTreeSet::new(),
+            });
+        }
+        for &(import, from) in &unit.imports {
+            let Some(export) = &units[from].tree.export else {
+                continue;
+            };
+            let through = self.lost_imports[from].iter().filter_map(|lost| {
+                let exported = lost.through(export.names.as_deref().map(texts))?;
+                exported.through(listed(&unit.tree.imports[import]))
+            });
+            lost.extend(through);
+        }
+        self.lost_imports.push(lost);
+    }
+
+    /// Returns `true` if an unknown name may come from an import that could not be loaded. The
+    /// finding about that import counts the name.
+    pub fn is_lost(&mut self, unit: usize, name: &Arc<str>, kind: NameKind) -> bool {
+        let lost = self.lost_imports.get(unit);
+        let literal = kind == NameKind::Constant;
+        let source = lost.and_then(|lost| {
+            let sources = lost.iter().filter(|lost| lost.may_declare(name, literal));
+            // an import that lists names is the likelier one
+            sources.min_by_key(|lost| lost.names.is_none())
+        });
+        let failed = source.and_then(|lost| self.failed_imports.get_mut(lost.failed));
+        failed.is_some_and(|failed| {
+            failed.names.insert(name.clone());
+            true
+        })
+    }
+
+    /// Returns the declaration of an unknown name in a module that the unit imports.
+    pub fn hidden(&self, unit: usize, name: &str, kind: NameKind) -> Option<HiddenName> {
+        let clauses = self.import_clauses.get(unit)?;
+        clauses.iter().find_map(|clause| {
+            let (lacking, declared) = self.declared_in(clause, name, kind)?;
+            let lists = |names: &[ast::NameText]| names.iter().any(|known| known.text == lacking);
+            let (exports, imports) = (clause.export.as_ref(), clause.import.names.as_ref());
+            let hidden_by = match exports.map(|export| export.names.as_deref()) {
+                None => HidingClause::Export(None),
+                Some(Some(names)) if !lists(names) => HidingClause::Export(end(names)),
+                Some(_) => HidingClause::Import(end(imports.filter(|names| !lists(names))?)),
+            };
+            Some(HiddenName {
+                module: clause.import.path.text.clone(),
+                literal: *lacking != *name,
+                lacking,
+                declared,
+                hidden_by,
+            })
+        })
+    }
+
+    /// As [`SignatureTables::hidden`], for a name of any kind.
+    pub fn hidden_anywhere(&self, unit: usize, name: &str) -> Option<HiddenName> {
+        let kinds = [NameKind::Function, NameKind::Rule, NameKind::Domain];
+        let mut found = kinds.into_iter();
+        found.find_map(|kind| self.hidden(unit, name, kind))
+    }
+
+    /// Returns the name that clauses must contain to make a name of the imported unit visible, and
+    /// the span of its declaration.
+    fn declared_in(
+        &self,
+        clause: &ImportClause,
+        name: &str,
+        kind: NameKind,
+    ) -> Option<(Arc<str>, Span)> {
+        let scope = self.scopes.get(clause.from)?;
+        let domain = |name: &str| {
+            let (name, id) = scope.domains.get_key_value(name)?;
+            Some((name.clone(), self.domains[id.0 as usize].span))
+        };
+        let (name, declared) = match kind {
+            NameKind::Function => {
+                let (name, ids) = scope.functions.get_key_value(name)?;
+                let spans = ids.iter().map(|id| self.functions[id.0 as usize].span);
+                (
+                    name.clone(),
+                    spans.clone().find(|at| at.file == clause.file)?,
+                )
+            }
+            NameKind::Rule => {
+                let (name, ids) = scope.rules.get_key_value(name)?;
+                let mut spans = ids.iter().map(|id| self.rules[id.0 as usize].span);
+                let declared =
+                    spans.find(|at| at.file == clause.file && Some(*at) != clause.main)?;
+                (name.clone(), declared)
+            }
+            NameKind::Domain => domain(name)?,
+            NameKind::Constant => {
+                let atom = scope.literals.get(name).and_then(|atoms| atoms.first());
+                match atom.map(|atom| &self.atoms[atom.0 as usize]) {
+                    Some(atom) => {
+                        let domain = &self.domains[atom.domain.0 as usize];
+                        (domain.name.clone(), atom.span)
+                    }
+                    None => domain(name)?,
+                }
+            }
+        };
+        (declared.file == clause.file).then_some((name, declared))
+    }
+}
+
+fn texts(names: &[ast::NameText]) -> BTreeSet<Arc<str>> {
+    names.iter().map(|name| name.text.clone()).collect()
 }
 
 /// Returns `true` if the import lists this name or lists none.
@@ -152,4 +298,13 @@ fn is_listed(import: &ast::Import, name: &str) -> bool {
 
 fn declares_rule(tree: &ast::File, name: &str) -> bool {
     tree.rules.iter().any(|rule| &*rule.name.text == name)
+}
+
+/// Returns the empty span behind the last of several names.
+fn end(names: &[ast::NameText]) -> Option<Span> {
+    let span = names.last()?.span;
+    Some(Span {
+        start: span.end,
+        ..span
+    })
 }

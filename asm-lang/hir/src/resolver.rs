@@ -1,6 +1,7 @@
 //! The context for resolving one body: its variables, the declarations, and the report.
 
 use crate::codes::a002::UnknownVariable;
+use crate::codes::a006::Respelt;
 use crate::codes::a007::TypeMismatch;
 use crate::codes::w021::OutOfScope;
 use crate::codes::w025::IntegerForNatural;
@@ -143,9 +144,11 @@ impl<'a> Resolver<'a> {
         if self.compatible(expected, term.ty) {
             return;
         }
-        let number = self.suggested_spelling(term, expected);
+        let root = self.declared.types.root(expected, &self.declared.domains);
+        let domain = Respelt::domain(&self.show(root));
+        let number = domain.and_then(|domain| self.respelt_as(term, domain));
         if let (Some(number), true) = (&number, self.is_natural(term, expected)) {
-            let number = number.clone();
+            let number = number.text.clone();
             let at = term.span;
             return self.error(IntegerForNatural { number, at });
         }
@@ -166,32 +169,6 @@ impl<'a> Resolver<'a> {
         let root = self.declared.types.root(expected, &self.declared.domains);
         *self.declared.types.get(root) == Type::Natural
             && matches!(*term.kind, TermKind::Value(Value::Int(0..)))
-    }
-
-    /// Suggests the spelling of a number literal in another number domain.
-    fn suggested_spelling(&self, term: &Term, expected: TypeId) -> Option<String> {
-        let TermKind::Value(Value::Int(number)) = *term.kind else {
-            return None;
-        };
-        let root = self.declared.types.root(expected, &self.declared.domains);
-        match self.declared.types.get(root) {
-            Type::Integer => Some(number.to_string()),
-            Type::Natural => Some(format!("{number}n")),
-            Type::Real => Some(format!("{number}.0")),
-            Type::Invalid
-            | Type::Undef
-            | Type::Boolean
-            | Type::Complex
-            | Type::Char
-            | Type::String
-            | Type::Rule
-            | Type::Domain(_)
-            | Type::Prod(_)
-            | Type::Seq(_)
-            | Type::Powerset(_)
-            | Type::Bag(_)
-            | Type::Map(..) => None,
-        }
     }
 
     pub fn boolean(&mut self, term: &ast::Term, what: &str) -> Term {

@@ -1,7 +1,10 @@
 //! Resolution and typing of terms.
 
 use crate::codes::a005::UnknownConstant;
+use crate::codes::a006::Respelt;
 use crate::codes::a019::DisagreeingDomains;
+use crate::codes::w032::InterpolatedText;
+use crate::hidden::NameKind;
 use crate::model::{Term, TermKind, VarId};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -143,9 +146,57 @@ impl Resolver<'_> {
                 (Value::Complex(Arc::new(number)), Type::Complex)
             }
             Literal::Char(character) => (Value::Char(*character), Type::Char),
-            Literal::Text(text) => (Value::text(&**text), Type::String),
+            Literal::Text(text) => {
+                self.lint_interpolation(text, span);
+                (Value::text(&**text), Type::String)
+            }
         };
         self.new_term(TermKind::Value(value), ty, span)
+    }
+
+    /// Warns of the first `${…}` in a text that begins with a variable or with a function that a
+    /// specification declares.
+    fn lint_interpolation(&mut self, text: &str, span: Span) {
+        const QUOTE: usize = 1;
+        if !text.contains("${") {
+            return;
+        }
+        let string = self.ty(Type::String);
+        let found = text.match_indices("${").find_map(|(at, opening)| {
+            let (inside, _) = text[at + opening.len()..].split_once('}')?;
+            let word = inside.trim_start().trim_start_matches('$');
+            let is_end = |c: char| !c.is_alphanumeric() && c != '_';
+            let name = &word[..word.find(is_end).unwrap_or(word.len())];
+            let length = opening.len() + inside.len() + 1;
+            let (name, ty, declared) = self.interpolated(name)?;
+            let start = span.range().start + QUOTE + at;
+            Some(InterpolatedText {
+                placeholder: text[at..at + length].to_owned(),
+                name,
+                is_text: self.declared.types.root(ty, &self.declared.domains) == string,
+                at: Span::new(span.file, start, start + length),
+                declared,
+            })
+        });
+        if let Some(found) = found {
+            self.error(found);
+        }
+    }
+
+    /// Returns the variable or the function of a specification that a placeholder names, with its
+    /// domain and the span of its declaration.
+    fn interpolated(&self, name: &str) -> Option<(Arc<str>, TypeId, Span)> {
+        if let Some(id) = self.lookup(&format!("${name}")) {
+            let variable = self.variable(id);
+            return Some((variable.name.clone(), variable.ty, variable.span));
+        }
+        let functions = self.declared.scopes[self.unit].functions.get(name)?;
+        let mut functions = functions
+            .iter()
+            .map(|id| &self.declared.functions[id.0 as usize]);
+        functions
+            .find(|function| !function.library)
+            .map(|function| (function.name.clone(), function.codomain, function.span))
     }
 
     fn variable_term(&mut self, name: &ast::NameText) -> Term {
@@ -190,10 +241,16 @@ impl Resolver<'_> {
         if let Some(element) = self.element(name) {
             return element;
         }
+        let kind = NameKind::Constant;
+        let hidden = self.declared.hidden(self.unit, &name.text, kind);
+        if hidden.is_none() && self.declared.is_lost(self.unit, &name.text, kind) {
+            return self.invalid(name.span);
+        }
         self.error(UnknownConstant {
             name: name.text.clone(),
             at: name.span,
             similar,
+            hidden,
         });
         self.invalid(name.span)
     }
@@ -252,7 +309,11 @@ impl Resolver<'_> {
     /// with the length of the chain.
     fn chain(&mut self, first: &ast::Term, links: &[ChainLink], span: Span) -> Term {
         let mut pieces = Vec::new();
-        let mut value = self.term(first);
+        let negated = links
+            .first()
+            .and_then(|link| self.negated_operand(first, link));
+        let mut value = negated.unwrap_or_else(|| self.term(first));
+        let is_sound = *self.declared.types.get(value.ty) != Type::Invalid;
         for (index, link) in links.iter().enumerate() {
             let is_last = index + 1 == links.len();
             let whole = if is_last {
@@ -261,7 +322,9 @@ impl Resolver<'_> {
                 first.span.to(link.operand.span)
             };
             if index == 0 {
-                self.lint_not(link.operator, first, whole);
+                if is_sound {
+                    self.lint_not(link.operator, first, whole);
+                }
             } else if index % ChainLink::NESTED as usize == 0 {
                 let variable = self.fresh(value.ty, value.span);
                 let known = self.variable_of(variable, value.span);
@@ -290,6 +353,12 @@ impl Resolver<'_> {
         bound
     }
 
+    /// Returns the spelling of an integer literal in the number domain of another term.
+    fn as_number_of(&self, literal: &Term, other: &Term) -> Option<Respelt> {
+        let root = self.declared.types.root(other.ty, &self.declared.domains);
+        self.respelt_as(literal, Respelt::domain(&self.show(root))?)
+    }
+
     /// Returns the common type of several terms, such as the elements of a collection.
     pub fn common<'t>(
         &mut self,
@@ -307,8 +376,12 @@ impl Resolver<'_> {
                 .types
                 .join(ty, term.ty, &self.declared.domains)
             else {
+                let number = self
+                    .as_number_of(term, first)
+                    .or_else(|| self.as_number_of(first, term));
                 let error = DisagreeingDomains {
                     what,
+                    number,
                     first: self.show(ty),
                     second: self.show(term.ty),
                     first_at: first.span,

@@ -256,7 +256,10 @@ impl<'a> Lowering<'a> {
         for invariant in &self.model.invariants {
             let body = self.body(invariant.span, &invariant.condition);
             let assumes = self.facts.reads_monitored(&invariant.condition.root);
-            let waits = !assumes && self.facts.reads_input(&invariant.condition.root);
+            let root = &invariant.condition.root;
+            // where initial values are computed on first access, the invariant is what reads them
+            let begins = self.model.compatible && self.facts.may_begin_with_input(root);
+            let waits = !assumes && (begins || self.facts.reads_input(root));
             let origin = self.origin(invariant.condition.root.span);
             let name = invariant.name.clone();
             self.program.invariants.push(Invariant {

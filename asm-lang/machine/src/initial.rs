@@ -32,11 +32,15 @@ impl Machine {
         }
         self.begin_initial(0);
         self.is_complete = !program.needs_inputs();
-        if self.is_complete {
-            self.check_initial(&mut NoInputs, 0)
-        } else {
-            Ok(())
+        if !self.is_complete {
+            return Ok(());
         }
+        let checked = self.check_initial(&mut NoInputs, 0);
+        if program.compatible {
+            // in the reference, reading a location makes it part of the state
+            self.state.commit();
+        }
+        checked
     }
 
     /// Completes the initial state with the inputs of the first step.

@@ -356,7 +356,12 @@ impl Machine {
         if self.program.invariants.is_empty() {
             Ok(())
         } else {
-            self.check_new_state(environment, chooser, now_ns)
+            let checked = self.check_new_state(environment, chooser, now_ns);
+            if self.program.compatible {
+                // in the reference, reading a location makes it part of the state
+                self.state.commit();
+            }
+            checked
         }
     }
 

@@ -239,7 +239,7 @@ signature:
 	static toLower: String -> String
 	// subString(t, from, to): the characters at from, from + 1, ..., to - 1
 	static subString: Prod(String, Integer, Integer) -> String
-	// true if the first string contains the second
+	// true if the first string contains the second; false for an undef first string
 	static contains: Prod(String, String) -> Boolean
 	// parts between the separators, without empty ones at the end
 	static split: Prod(String, String) -> Seq(String)

@@ -1,7 +1,8 @@
-//! Strings: sequences of Unicode scalar values, indexed from 0.
+//! Strings: sequences of Unicode scalar values, indexed from 0. If an argument is `undef`, so is the
+//! result, except that `contains` is false for an `undef` text.
 
 use crate::argument::{binary, ternary, unary};
-use crate::builtin::{Builtin, strict};
+use crate::builtin::{Builtin, strict, total};
 use crate::complex::Complex;
 use crate::fault::{BuiltinFault, LIMIT};
 use crate::integer;
@@ -197,8 +198,14 @@ pub(crate) const TABLE: &[Builtin] = &[
         "Prod(String,Integer,Integer)",
         |arguments, _| ternary(arguments, sub_string),
     ),
-    strict("contains", "Prod(String,String)", |arguments, _| {
-        binary(arguments, contains)
+    total("contains", "Prod(String,String)", |arguments, _| {
+        binary(
+            arguments,
+            |text: Option<&str>, part: Option<&str>| match text {
+                None => Some(false),
+                Some(text) => part.map(|part| contains(text, part)),
+            },
+        )
     }),
     strict("split", "Prod(String,String)", |arguments, _| {
         binary(arguments, split)
@@ -265,6 +272,13 @@ mod tests {
             &[text("abc"), text("ac")],
             "false",
         );
+        for (arguments, expected) in [
+            ([UNDEF, text("a")], "false"),
+            ([UNDEF, UNDEF], "false"),
+            ([text("a"), UNDEF], "undef"),
+        ] {
+            check("contains", "Prod(String,String)", &arguments, expected);
+        }
         let part = |from, to, expected| {
             let arguments = [text("äbcd"), int(from), int(to)];
             check(

@@ -44,6 +44,9 @@ pub(crate) mod l060;
 pub(crate) mod l061;
 pub(crate) mod l062;
 pub(crate) mod l063;
+pub(crate) mod l064;
+pub(crate) mod l065;
+pub(crate) mod l066;
 pub(crate) mod l070;
 pub(crate) mod l071;
 pub(crate) mod l072;
@@ -109,6 +112,9 @@ pub const CODES: &[&Code] = &[
     l061::ReturnOfNoRule::CODE,
     l062::TooManyErrors::CODE,
     l063::NotAnAssignment::CODE,
+    l064::UnneededEnd::CODE,
+    l065::UnbracketedLet::CODE,
+    l066::MissingElement::CODE,
     l070::OldExists::CODE,
     l071::OldInterval::CODE,
     l072::FewRules::CODE,

@@ -4,6 +4,7 @@
 //! text up to that token once more and records which constructs are open. Both together distinguish
 //! an error from its consequences.
 
+mod binding;
 mod block;
 mod expected;
 mod name;
@@ -205,6 +206,8 @@ impl<'input, 'run> Explainer<'input, 'run> {
     /// Returns the first explanation that applies, from the most specific to the most general.
     fn at_token(&self, found: SpannedToken<'input>, expected: &Expected<'_>) -> Diagnostic {
         let explanations: [Explanation<'input, 'run>; _] = [
+            Self::bare_let,
+            Self::missing_element,
             Self::unused_word,
             Self::wrong_sign,
             Self::misspelled_word,

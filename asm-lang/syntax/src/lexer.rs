@@ -136,6 +136,9 @@ impl<'input> Iterator for Lexer<'input, '_> {
             if self.rest().is_empty() {
                 return None;
             }
+            if self.skip_unneeded_end() {
+                continue;
+            }
             if let Some((token, length)) = self.read() {
                 let start = self.position;
                 self.position += length;

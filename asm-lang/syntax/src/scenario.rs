@@ -8,7 +8,8 @@
 //! | pick $x [in r_rule[(Domain, …)]] := term ;  | begin NAME … end  | execblock [scenario:]block ; )*
 //! ```
 //!
-//! The keywords of commands are not reserved in AsmetaL: `set` may be a function in a term. The
+//! The name of a scenario, block or invariant is any run of printable characters without blanks, `:`
+//! and `;`, such as `door-2.closed`. The keywords of commands are not reserved in AsmetaL: `set` may be a function in a term. The
 //! text between a command and its `;` follows the syntax of AsmetaL.
 
 mod command;
@@ -45,7 +46,8 @@ pub fn parse_scenario(file: FileId, text: &str) -> (Scenario, Report) {
         lexer: Lexer::new(text, &unheard),
         report: Report::new(),
     };
-    let scenario = reader.scenario();
+    let mut scenario = reader.scenario();
+    scenario.split_qualified_blocks();
     reader.double_blocks(&scenario);
     (scenario, reader.report.finish())
 }
@@ -55,7 +57,7 @@ impl ScenarioReader<'_, '_> {
         let mut scenario = Scenario::default();
         match self.accept_word("scenario") {
             Some(at) => {
-                scenario.name = self.expected_name("scenario", "a name", "scenario name", at)
+                scenario.name = self.expected_label("scenario", "a name", "scenario name", at)
             }
             None => {
                 self.error(NoScenarioHeading { at: self.here() });
@@ -73,7 +75,7 @@ impl ScenarioReader<'_, '_> {
 
     fn invariants(&mut self, scenario: &mut Scenario) {
         while let Some(at) = self.accept_word("invariant") {
-            let name = self.expected_name("invariant", "a name", "invariant name : term;", at);
+            let name = self.expected_label("invariant", "a name", "invariant name : term;", at);
             self.accept_sign(":");
             let part = self.command_range(at);
             if let (Some(name), Some(condition)) = (name, self.term(part)) {

@@ -65,6 +65,42 @@ execblock inner;
     assert_eq!(domains, ["Natural", "Prod(Integer, Boolean)"]);
 }
 
+#[test]
+fn names_are_any_printable_characters() {
+    let text = "scenario a-b.c\nload lift.asm\ninvariant i-1.safe: speed < 3;\n\
+                begin 2nd_part(x)// not the name\n  step\nend\n\
+                execblock 2nd_part(x);\nexecblock RATE-1.2:part-3 ;\nexecblock RATE-1.2.part;\n\
+                begin one.two end execblock one.two;";
+    let (scenario, report) = parse_scenario(FileId(0), text);
+    assert!(report.diagnostics.is_empty(), "{report:#?}");
+    assert_eq!(&*scenario.name.as_ref().unwrap().text, "a-b.c");
+    assert_eq!(&*scenario.invariants[0].name.text, "i-1.safe");
+    assert!(scenario.block("2nd_part(x)").is_some());
+    let executed: Vec<(Option<&str>, &str)> = scenario
+        .commands
+        .iter()
+        .filter_map(|command| {
+            let ScenarioCommandKind::ExecBlock { scenario, block } = &command.kind else {
+                return None;
+            };
+            assert_eq!(&text[block.span.range()], &*block.text);
+            let scenario = scenario.as_ref().map(|name| &text[name.span.range()]);
+            Some((scenario, &text[block.span.range()]))
+        })
+        .collect();
+    assert_eq!(
+        executed,
+        [
+            (None, "2nd_part(x)"),
+            (Some("RATE-1.2"), "part-3"),
+            // the old notation
+            (Some("RATE-1.2"), "part"),
+            // a block of this scenario
+            (None, "one.two"),
+        ]
+    );
+}
+
 fn kind(command: &ScenarioCommand) -> &'static str {
     match &command.kind {
         ScenarioCommandKind::Set(..) => "set",

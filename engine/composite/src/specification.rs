@@ -32,8 +32,8 @@ impl Specifications for AsmFiles<'_> {
         path: &str,
         sources: &mut Sources,
     ) -> Result<Option<Box<dyn Signature>>, Report> {
-        let loaded = hir::load(path, self.loader, sources);
-        let (model, found) = hir::analyse(&loaded, sources);
+        let mut loaded = hir::load(path, self.loader, sources);
+        let (model, found) = hir::analyse(&mut loaded, sources);
         let hir::LoadedFiles { units, mut report } = loaded;
         report.extend(found);
         match model.filter(|_| !report.has_errors()) {

@@ -1,10 +1,12 @@
+use crate::hidden::HiddenName;
 use crate::suggest::with_similar;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
 /// Unknown function
 ///
-/// The function is declared neither in this file nor in its imports.
+/// The function is declared neither in this file nor in its imports, or the module that declares it
+/// does not export it.
 ///
 /// ```asm wrong
 /// asm example
@@ -32,11 +34,15 @@ pub(crate) struct UnknownFunction {
     pub name: Arc<str>,
     pub at: Span,
     pub similar: Option<(Arc<str>, Span)>,
+    pub hidden: Option<HiddenName>,
 }
 
 impl Finding for UnknownFunction {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { similar, .. } = self;
+        if let Some(hidden) = &self.hidden {
+            return hidden.explain(diagnostic, self.at);
+        }
         let finding = diagnostic.label(self.at, "not declared in this file or its imports");
         let help = "declare it in the signature, or import the module that declares it";
         with_similar(finding, self.at, similar, help)

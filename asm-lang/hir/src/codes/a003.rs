@@ -1,10 +1,12 @@
+use crate::hidden::HiddenName;
 use crate::suggest::with_similar;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
 /// Unknown rule
 ///
-/// The rule is declared neither in this file nor in its imports.
+/// The rule is declared neither in this file nor in its imports, or the module that declares it does
+/// not export it.
 ///
 /// ```asm wrong
 /// asm example
@@ -34,11 +36,15 @@ pub(crate) struct UnknownRule {
     pub name: Arc<str>,
     pub at: Span,
     pub similar: Option<(Arc<str>, Span)>,
+    pub hidden: Option<HiddenName>,
 }
 
 impl Finding for UnknownRule {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { similar, .. } = self;
+        if let Some(hidden) = &self.hidden {
+            return hidden.explain(diagnostic, self.at);
+        }
         let finding = diagnostic.label(self.at, "not declared in this file or its imports");
         with_similar(
             finding,

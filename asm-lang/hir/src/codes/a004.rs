@@ -1,9 +1,11 @@
+use crate::hidden::HiddenName;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
 /// Unknown domain
 ///
-/// The domain is declared neither in this file nor in its imports.
+/// The domain is declared neither in this file nor in its imports, or the module that declares it
+/// does not export it.
 ///
 /// ```asm wrong
 /// asm example
@@ -33,10 +35,14 @@ pub(crate) struct UnknownDomain {
     pub name: Arc<str>,
     pub at: Span,
     pub similar: Option<Arc<str>>,
+    pub hidden: Option<HiddenName>,
 }
 
 impl Finding for UnknownDomain {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        if let Some(hidden) = &self.hidden {
+            return hidden.explain(diagnostic, self.at);
+        }
         diagnostic
             .label(self.at, "not declared in this file or its imports")
             .did_you_mean_or(

@@ -1,3 +1,4 @@
+use crate::hidden::HiddenName;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
@@ -34,10 +35,14 @@ pub(crate) struct UnknownConstant {
     pub name: Arc<str>,
     pub at: Span,
     pub similar: Option<Arc<str>>,
+    pub hidden: Option<HiddenName>,
 }
 
 impl Finding for UnknownConstant {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        if let Some(hidden) = &self.hidden {
+            return hidden.explain(diagnostic, self.at);
+        }
         diagnostic
             .label(self.at, "not declared in this file or its imports")
             .did_you_mean_or(

@@ -1,3 +1,4 @@
+use crate::codes::a006::Respelt;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Type mismatch
@@ -35,7 +36,7 @@ pub(crate) struct TypeMismatch {
     /// Span that determines the required type, with the beginning of its label.
     pub because: Option<(Span, &'static str)>,
     /// Spelling of a number literal in the required domain, if it has one.
-    pub number: Option<String>,
+    pub number: Option<Respelt>,
 }
 
 impl Finding for TypeMismatch {
@@ -53,11 +54,9 @@ impl Finding for TypeMismatch {
             None => finding,
         };
         match (number, conversion(wanted, actual)) {
-            (Some(number), _) => finding.fix(
-                format!("write the number as {wanted}"),
-                self.at,
-                number.clone(),
-            ),
+            (Some(Respelt { at, text, .. }), _) => {
+                finding.fix(format!("write the number as {wanted}"), *at, text.clone())
+            }
             (None, Some(help)) => finding.help(help),
             (None, None) => finding.help(format!("write a term of type {wanted}")),
         }

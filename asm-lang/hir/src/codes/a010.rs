@@ -2,6 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Import not found
 ///
+/// A name that the missing file may declare has no finding of its own: a note lists these names.
+///
 /// The path is relative to the folder of the importing file, and `.asm` may be omitted. The standard
 /// libraries are part of asmotion: any path that ends in their name finds them.
 ///

@@ -1,3 +1,4 @@
+use crate::hidden::HiddenName;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
@@ -49,12 +50,16 @@ pub(crate) struct NotExported {
     pub module: Arc<str>,
     pub name: Arc<str>,
     pub at: Span,
+    /// The declaration in the module; `None` if there is none.
+    pub hidden: Option<HiddenName>,
 }
 
 impl Finding for NotExported {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
-            .label(self.at, "imported here")
-            .help("add it to the `export` clause of the module, or remove it here")
+        let diagnostic = diagnostic.label(self.at, "imported here");
+        match &self.hidden {
+            Some(hidden) => hidden.suggest(diagnostic),
+            None => diagnostic.help("declare it in the module, or remove it here"),
+        }
     }
 }

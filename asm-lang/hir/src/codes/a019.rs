@@ -1,3 +1,4 @@
+use crate::codes::a006::Respelt;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Parts of different domains
@@ -31,6 +32,8 @@ pub(crate) struct DisagreeingDomains {
     pub what: &'static str,
     pub first: String,
     pub second: String,
+    /// An integer literal among them, written as a number of the other type.
+    pub number: Option<Respelt>,
     pub first_at: Span,
     pub second_at: Span,
 }
@@ -38,14 +41,19 @@ pub(crate) struct DisagreeingDomains {
 impl Finding for DisagreeingDomains {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { first, second, .. } = self;
-        diagnostic
+        let diagnostic = diagnostic
             .label(self.second_at, format!("has type {second}"))
-            .label(self.first_at, format!("has type {first}"))
-            .help(match (first.as_str(), second.as_str()) {
+            .label(self.first_at, format!("has type {first}"));
+        match &self.number {
+            Some(Respelt { at, domain, text }) => {
+                diagnostic.fix(format!("write the number as {domain}"), *at, text.clone())
+            }
+            None => diagnostic.help(match (first.as_str(), second.as_str()) {
                 ("Integer", "Real") | ("Real", "Integer") => {
                     "write whole numbers with a point, as in `1.0`, or convert them with `itor(…)`"
                 }
                 _ => "use terms of one domain",
-            })
+            }),
+        }
     }
 }

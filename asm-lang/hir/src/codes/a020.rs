@@ -1,3 +1,4 @@
+use crate::hidden::HiddenName;
 use crate::suggest::with_similar;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
@@ -37,11 +38,15 @@ pub(crate) struct DefinesUndeclared {
     pub name: Arc<str>,
     pub at: Span,
     pub similar: Option<(Arc<str>, Span)>,
+    pub hidden: Option<HiddenName>,
 }
 
 impl Finding for DefinesUndeclared {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { similar, .. } = self;
+        if let Some(hidden) = &self.hidden {
+            return hidden.explain(diagnostic, self.at);
+        }
         let finding = diagnostic.label(self.at, "defined here");
         with_similar(finding, self.at, similar, "declare it in the signature")
     }

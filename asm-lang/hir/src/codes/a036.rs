@@ -31,18 +31,31 @@ pub(crate) struct NotImported {
     pub name: Arc<str>,
     pub library: &'static str,
     pub at: Span,
+    /// Name of the file, after which the import belongs; `None` outside of files.
+    pub heading: Option<Span>,
 }
 
 impl Finding for NotImported {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { library, .. } = self;
-        diagnostic
-            .label(
-                self.at,
-                format!("declared in `{library}`, which is not imported"),
-            )
-            .help(format!(
+        let diagnostic = diagnostic.label(
+            self.at,
+            format!("declared in `{library}`, which is not imported"),
+        );
+        let Some(heading) = self.heading else {
+            return diagnostic.help(format!(
                 "write `import {library}` after the name of the specification"
-            ))
+            ));
+        };
+        let behind = Span {
+            start: heading.end,
+            ..heading
+        };
+        let (title, text) = ("import the library", format!("\nimport {library}"));
+        match *library {
+            "StandardLibrary" => diagnostic.fix(title, behind, text),
+            // other libraries declare common words, which may be meant differently
+            _ => diagnostic.guess(title, behind, text),
+        }
     }
 }

@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Applicability, Coded, Diagnostic, Finding, Fix, Span};
 
 /// `not` before a comparison
 ///
@@ -38,6 +38,8 @@ pub(crate) struct NotBinds {
     pub operator: &'static str,
     pub at: Span,
     pub operand: Span,
+    /// The comparison without the `not`.
+    pub comparison: Span,
 }
 
 impl Finding for NotBinds {
@@ -46,8 +48,20 @@ impl Finding for NotBinds {
         diagnostic
             .label(self.at, format!("applies only to the left of `{operator}`"))
             .label(self.operand, "not to the whole comparison")
-            .help(format!(
-                "write `not (… {operator} …)` to negate the comparison"
-            ))
+            .with_fix(Fix {
+                applicability: Applicability::Maybe,
+                ..negated(self.comparison)
+            })
     }
+}
+
+/// Returns the fix that puts a comparison after `not` in brackets.
+pub(crate) fn negated(comparison: Span) -> Fix {
+    let Span { start, end, .. } = comparison;
+    let at = |start, end| Span {
+        start,
+        end,
+        ..comparison
+    };
+    Fix::sure("negate the comparison", at(start, start), "(").and(at(end, end), ")")
 }

@@ -112,6 +112,13 @@ impl Facts {
         mentions(term, &|function| self.inputs.contains(&function))
     }
 
+    /// Returns `true` if the value of a term in the initial state may depend on an input.
+    pub fn may_begin_with_input(&self, term: &Term) -> bool {
+        mentions(term, &|function| {
+            self.inputs.contains(&function) || self.initial_inputs.contains(&function)
+        })
+    }
+
     fn functions(&mut self, model: &Model) {
         for (index, function) in model.functions.iter().enumerate() {
             let id = FunctionId(index as u32);

@@ -2,6 +2,8 @@
 
 use super::{Assignee, NameText, Rule, Term};
 use asmotion_diagnostics::Span;
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// The contents of a scenario file.
 #[derive(Clone, Debug, Default)]
@@ -111,4 +113,58 @@ impl Scenario {
         add(&self.commands, &mut blocks);
         blocks
     }
+    /// Divides `execblock scenario.block`, the old notation of `scenario:block`, at its last point,
+    /// except where a block of this scenario has the whole name.
+    pub(crate) fn split_qualified_blocks(&mut self) {
+        fn split(commands: &mut [ScenarioCommand], own: &BTreeSet<Arc<str>>) {
+            for command in commands {
+                match &mut command.kind {
+                    ScenarioCommandKind::Block(block) => split(&mut block.commands, own),
+                    ScenarioCommandKind::ExecBlock {
+                        scenario: scenario @ None,
+                        block,
+                    } if !own.contains(&block.text) => {
+                        if let Some((first, second)) = divided(block) {
+                            (*scenario, *block) = (Some(first), second);
+                        }
+                    }
+                    ScenarioCommandKind::ExecBlock { .. }
+                    | ScenarioCommandKind::Set(..)
+                    | ScenarioCommandKind::Check(_)
+                    | ScenarioCommandKind::Step
+                    | ScenarioCommandKind::StepUntil(_)
+                    | ScenarioCommandKind::Exec(_)
+                    | ScenarioCommandKind::Pick(_) => {}
+                }
+            }
+        }
+        let own: BTreeSet<Arc<str>> = self
+            .blocks()
+            .into_iter()
+            .map(|block| block.name.text.clone())
+            .collect();
+        split(&mut self.commands, &own);
+    }
+}
+
+/// Divides a name at its last point into two names, neither of them empty.
+fn divided(name: &NameText) -> Option<(NameText, NameText)> {
+    let (first, second) = name.text.rsplit_once('.')?;
+    let part = |text: &str, span: Span| {
+        (!text.is_empty()).then(|| NameText {
+            text: Arc::from(text),
+            span,
+        })
+    };
+    let point = name.span.range().start + first.len();
+    Some((
+        part(
+            first,
+            Span::new(name.span.file, name.span.range().start, point),
+        )?,
+        part(
+            second,
+            Span::new(name.span.file, point + 1, name.span.range().end),
+        )?,
+    ))
 }

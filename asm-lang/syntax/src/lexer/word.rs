@@ -3,6 +3,7 @@
 use super::{Keyword, Lexer, Token, TokenLength, number};
 use crate::codes::l002::ForeignLetters;
 use crate::codes::l011::ElementName;
+use crate::codes::l064::UnneededEnd;
 
 /// Returns `true` if a word can begin with this character.
 pub(super) fn begins(c: char) -> bool {
@@ -114,6 +115,36 @@ impl<'input> Lexer<'input, '_> {
         Some((Token::Keyword(*suggestion), found.len()))
     }
 
+    /// Reports the end keyword of a rule that has none, and skips it.
+    pub(super) fn skip_unneeded_end(&mut self) -> bool {
+        let rest = self.rest();
+        let word = rest.get(..length(rest)).unwrap_or("");
+        if !UNNEEDED_ENDS.contains(&word) || self.names_file_or_state(word) {
+            return false;
+        }
+        let start = self.position;
+        let before = self.text.get(..start).unwrap_or("");
+        let line = before.trim_end_matches([' ', '\t']);
+        let behind = rest.get(word.len()..).unwrap_or("");
+        let ends_line = behind
+            .trim_start_matches([' ', '\t'])
+            .starts_with(['\n', '\r']);
+        let kept = match line.strip_suffix('\n') {
+            // the word stands alone on its line
+            Some(above) if ends_line => above.strip_suffix('\r').unwrap_or(above),
+            Some(_) => before,
+            None => line,
+        };
+        let end = start + word.len();
+        self.findings.report(UnneededEnd {
+            word: word.to_owned(),
+            at: self.findings.span(start, end),
+            removed: self.findings.span(kept.len(), end),
+        });
+        self.position = end;
+        true
+    }
+
     /// Checks the characters of a name.
     fn name(&self, token: Token<'input>, word: &'input str) -> TokenLength<'input> {
         let at = self.next_bytes(word.len());
@@ -131,6 +162,9 @@ impl<'input> Lexer<'input, '_> {
         (token, word.len())
     }
 }
+
+/// Keywords of other dialects for the ends of rules that end with the rule in their body.
+const UNNEEDED_ENDS: &[&str] = &["endchoose", "endforall", "endwhile", "endextend"];
 
 const ENDS: &[Keyword] = &[
     Keyword::Endif,

@@ -149,7 +149,10 @@ impl ScenarioReader<'_, '_> {
 
     fn picked_rule(&mut self, at: Span) -> Option<PickedRule> {
         let form = "pick $x in r_rule := term;";
-        let name = self.expected_name("pick", "a rule", form, at)?;
+        let Some(name) = self.name() else {
+            self.incomplete("pick", "a rule", form, at);
+            return None;
+        };
         let parameters = self.accept_sign("(").then(|| self.domains());
         Some(PickedRule { name, parameters })
     }
@@ -196,7 +199,7 @@ impl ScenarioReader<'_, '_> {
     }
 
     fn block(&mut self, at: Span, open: &mut Vec<NameText>) -> Option<ScenarioBlock> {
-        let name = self.expected_name("begin", "a name", "begin name … end", at)?;
+        let name = self.expected_label("begin", "a name", "begin name … end", at)?;
         if open.len() >= MAX_DEPTH {
             self.error(BlocksNestTooDeep { at });
             self.skip_block();
@@ -214,7 +217,10 @@ impl ScenarioReader<'_, '_> {
         while open > 0 {
             self.lexer.blanks_and_comments();
             match self.word() {
-                "begin" => open += 1,
+                "begin" => {
+                    self.label();
+                    open += 1;
+                }
                 "end" => open -= 1,
                 "" if !self.lexer.pass() => return,
                 _ => {}
@@ -222,12 +228,13 @@ impl ScenarioReader<'_, '_> {
         }
     }
 
-    /// Parses `scenario:block` or, in the old notation, `scenario.block`.
+    /// Parses `scenario:block`. In the old notation, `scenario.block`, the text without blanks is a
+    /// single name here; [`Scenario::split_qualified_blocks`](crate::ast::Scenario) divides it.
     fn exec_block(&mut self, at: Span) -> Option<ScenarioCommandKind> {
         const FORM: &str = "execblock block;";
-        let first = self.expected_name("execblock", "a block", FORM, at)?;
+        let first = self.expected_label("execblock", "a block", FORM, at)?;
         let second = if self.accept_sign(":") || self.accept_sign(".") {
-            Some(self.expected_name("execblock", "a block", FORM, first.span)?)
+            Some(self.expected_label("execblock", "a block", FORM, first.span)?)
         } else {
             None
         };

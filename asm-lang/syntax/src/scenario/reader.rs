@@ -133,6 +133,20 @@ impl<'input> ScenarioReader<'input, '_> {
         })
     }
 
+    /// Reads the name of a scenario, block or invariant: like the reference, any printable
+    /// characters up to a blank, `:`, `;` or a comment.
+    pub(super) fn label(&mut self) -> Option<NameText> {
+        self.lexer.blanks_and_comments();
+        let rest = self.lexer.rest();
+        let start = self.lexer.position();
+        let text = rest.get(..label_length(rest)).unwrap_or("");
+        self.lexer.start_at(start + text.len());
+        (!text.is_empty()).then(|| NameText {
+            text: Arc::from(text),
+            span: self.span(start..start + text.len()),
+        })
+    }
+
     pub(super) fn variable(&mut self) -> Option<NameText> {
         self.lexer.blanks_and_comments();
         let start = self.lexer.position();
@@ -146,14 +160,14 @@ impl<'input> ScenarioReader<'input, '_> {
         })
     }
 
-    pub(super) fn expected_name(
+    pub(super) fn expected_label(
         &mut self,
         command: &'static str,
         expected: &'static str,
         form: &'static str,
         at: Span,
     ) -> Option<NameText> {
-        let name = self.name();
+        let name = self.label();
         if name.is_none() {
             self.incomplete(command, expected, form, at);
         }
@@ -196,4 +210,12 @@ impl<'input> ScenarioReader<'input, '_> {
     pub(super) fn error(&mut self, error: impl Finding) {
         self.report.push(error.diagnostic());
     }
+}
+
+/// Returns the length of the name of a scenario, block or invariant at the beginning of a text.
+fn label_length(text: &str) -> usize {
+    let ends = |c: char| c.is_whitespace() || c.is_control() || c == ':' || c == ';';
+    let length = text.find(ends).unwrap_or(text.len());
+    let comment = ["//", "/*"].iter().filter_map(|opening| text.find(opening));
+    comment.fold(length, usize::min)
 }

@@ -243,6 +243,15 @@ fn borders(text: &str) -> Vec<usize> {
     borders
 }
 
+#[test]
+fn keeps_the_names_of_scenarios_blocks_and_invariants() {
+    let text = "scenario  a-b.c\nload x.asm\ninvariant i-1 :true ;\nbegin  b(1)-x step end\n\
+                execblock  b(1)-x ; execblock s-1.0 : b/2;execblock s-1.0.b;\n";
+    let expected = "scenario a-b.c\nload x.asm\ninvariant i-1: true;\nbegin b(1)-x\n\tstep\nend\n\
+                    execblock b(1)-x;\nexecblock s-1.0:b/2;\nexecblock s-1.0.b;\n";
+    assert_eq!(formatted_scenario(text), Ok(Some(expected.to_owned())));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1000, ..ProptestConfig::default() })]
 

@@ -1,0 +1,124 @@
+//! Bindings without brackets, and comprehensions without a term.
+
+use super::{Expected, Explainer};
+use crate::codes::l065::UnbracketedLet;
+use crate::codes::l066::MissingElement;
+use crate::findings::SyntaxFindings;
+use crate::lexer::{Keyword, Lexer, Sign, SpannedToken, Token};
+use crate::nesting::closer;
+use asmotion_diagnostics::{Diagnostic, FileId, Finding, Span};
+
+/// Limit for the number of tokens that an explanation reads.
+const TOKENS: usize = 200;
+
+const OPENING: [Token<'static>; 3] = [
+    Token::Sign(Sign::Open),
+    Token::Sign(Sign::OpenBrace),
+    Token::Sign(Sign::OpenBracket),
+];
+
+const CLOSING: [Token<'static>; 3] = [
+    Token::Sign(Sign::Close),
+    Token::Sign(Sign::CloseBrace),
+    Token::Sign(Sign::CloseBracket),
+];
+
+impl<'input> Explainer<'input, '_> {
+    /// Explains `let $x = 1 in`.
+    pub(super) fn bare_let(
+        &self,
+        found: SpannedToken<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<Diagnostic> {
+        let (start, token, _) = found;
+        let unmarked = matches!(token, Token::Name(_));
+        let is_name = unmarked || matches!(token, Token::Variable(_));
+        let previous = self.nesting.previous.map(|(_, token, _)| token);
+        if !is_name || previous != Some(Token::Keyword(Keyword::Let)) || !expected.has("(") {
+            return None;
+        }
+        let end = self.end_of_bindings(start);
+        let bindings = end.map(|end| self.findings.span(start, end));
+        let at = self.span(found);
+        Some(
+            UnbracketedLet {
+                at,
+                bindings,
+                unmarked,
+            }
+            .diagnostic(),
+        )
+    }
+
+    /// Returns the end of the token before the `in` that belongs to bindings.
+    fn end_of_bindings(&self, start: usize) -> Option<usize> {
+        let (mut depth, mut lets, mut last) = (0_u32, 0_u32, start);
+        for (_, token, end) in self.tokens_from(start) {
+            if OPENING.contains(&token) {
+                depth += 1;
+            } else if CLOSING.contains(&token) {
+                depth = depth.checked_sub(1)?;
+            } else if token == Token::Sign(Sign::Assign) {
+                return None;
+            } else if depth == 0 && token == Token::Keyword(Keyword::Let) {
+                lets += 1;
+            } else if depth == 0 && token == Token::Keyword(Keyword::In) {
+                if lets == 0 {
+                    return Some(last);
+                }
+                lets -= 1;
+            }
+            last = end;
+        }
+        None
+    }
+
+    /// Explains `{$x in D | guard}`.
+    pub(super) fn missing_element(
+        &self,
+        found: SpannedToken<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<Diagnostic> {
+        let open = self.nesting.innermost()?.opener;
+        if closer(open.1) != Some(found.1) || !expected.has(":") {
+            return None;
+        }
+        let mut inside = self
+            .tokens_from(open.2)
+            .take_while(|(start, ..)| *start < found.0);
+        let (Some((_, Token::Variable(first), _)), Some((_, Token::Keyword(Keyword::In), _))) =
+            (inside.next(), inside.next())
+        else {
+            return None;
+        };
+        // a second binder follows a comma
+        let binders = inside.filter(|(_, token, _)| *token == Token::Keyword(Keyword::In));
+        let is_only = binders.count() == 0;
+        let (_, _, behind) = self.nesting.previous?;
+        Some(
+            MissingElement {
+                at: self.span(found),
+                opened: self.span(open),
+                variable: is_only.then(|| first.to_owned()),
+                behind: self.place_of(behind),
+            }
+            .diagnostic(),
+        )
+    }
+
+    fn place_of(&self, offset: usize) -> Span {
+        self.findings.span(offset, offset)
+    }
+
+    /// Reads tokens from an offset; findings about them are reported elsewhere.
+    fn tokens_from(
+        &self,
+        start: usize,
+    ) -> impl Iterator<Item = SpannedToken<'input>> + use<'input> {
+        let unheard = SyntaxFindings::new(FileId(0));
+        let mut lexer = Lexer::new(self.text, &unheard);
+        lexer.start_at(start);
+        let tokens: Vec<SpannedToken<'input>> = lexer.take(TOKENS).collect();
+        tokens.into_iter()
+    }
+}
