@@ -202,7 +202,7 @@ fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
     let _onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
     wait_until_present(&vhost, "onboard");
     let rover = asmotion_remote::Remote::connect(&vhost.url(), Some("navigation")).unwrap();
-    assert_eq!(rover.components().len(), 5);
+    assert_eq!(rover.components().len(), 6);
     let follower = rover.component("TrajectoryFollower").unwrap();
     follower.set("max_speed", 0.25).unwrap();
     assert_eq!(follower.get::<f64>("max_speed"), Ok(0.25));

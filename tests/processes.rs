@@ -413,7 +413,7 @@ fn tools_see_who_is_there_and_take_part() {
     let driver = out.lines().find(|line| line.starts_with("RoverDriver"));
     let driver = driver.unwrap_or_else(|| panic!("{out}{err}"));
     assert!(driver.contains("navigation  onboard  Running"), "{driver}");
-    assert_eq!((code, out.lines().count()), (Some(0), 6), "{out}{err}");
+    assert_eq!((code, out.lines().count()), (Some(0), 7), "{out}{err}");
 
     let (code, out, err) = tool(&["component", "info", "RoverDriver"]);
     assert_eq!(code, Some(0), "{err}");

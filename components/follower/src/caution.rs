@@ -9,8 +9,8 @@ use asmotion_component::Properties;
 use asmotion_geometry::{Arc, Brakes, DECELERATION, Point, Polyline, Pose, turn, yaw};
 use asmotion_messages::Twist;
 
+use crate::motion::MeasuredMotion;
 use crate::pursuit::Pursuit;
-use crate::task::MeasuredMotion;
 
 /// The robot's size and brakes, and the distance it keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Properties)]

@@ -11,8 +11,9 @@ use asmotion_messages::{Bool, Event, LaserScan, Odometry, Path, Twist};
 use serde::{Deserialize, Serialize};
 
 use crate::caution::{Caution, CautiousView};
+use crate::motion::MeasuredMotion;
 use crate::pursuit::Pursuit;
-use crate::task::{FollowStep, FollowTask, FollowerEvent, MeasuredMotion, Tolerance};
+use crate::task::{FollowStep, FollowTask, FollowerEvent, Tolerance};
 
 /// `nav::TrajectoryFollower`: follows the newest path; publishes `REACHED` once at its end, `HALTED` once after a stop.
 #[derive(Freeze)]

@@ -4,10 +4,12 @@
 
 mod caution;
 mod follower;
+mod motion;
 mod pursuit;
 mod task;
 
 pub use caution::{Caution, CautiousView};
 pub use follower::TrajectoryFollower;
+pub use motion::MeasuredMotion;
 pub use pursuit::Pursuit;
-pub use task::{FollowTask, FollowerEvent, MeasuredMotion, Tolerance};
+pub use task::{FollowTask, FollowerEvent, Tolerance};

@@ -6,6 +6,7 @@ use asmotion_messages::{Path, Time, Twist};
 use serde::{Deserialize, Serialize};
 
 use crate::caution::{CautiousView, PlaceOnPath};
+use crate::motion::MeasuredMotion;
 use crate::pursuit::Pursuit;
 
 /// Tolerances within which the goal counts as reached, and the robot as standing.
@@ -26,27 +27,6 @@ pub struct Tolerance {
     /// Whether the robot turns to the heading of the last pose; `heading_tolerance` counts only then.
     #[property(default = true)]
     pub goal_heading: bool,
-}
-
-/// Measured pose and velocity of the robot, from odometry.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredMotion {
-    /// Pose in the frame of the path.
-    pub pose: Pose,
-    /// Forward speed, m/s.
-    pub speed: f64,
-    /// Turn rate, rad/s counter-clockwise.
-    pub turn: f64,
-}
-
-impl MeasuredMotion {
-    /// Returns whether every number is finite.
-    pub fn is_finite(&self) -> bool {
-        let place = self.pose.translation;
-        [place.x, place.y, yaw(&self.pose), self.speed, self.turn]
-            .iter()
-            .all(|number| number.is_finite())
-    }
 }
 
 /// Result of a cycle.

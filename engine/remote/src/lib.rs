@@ -17,7 +17,7 @@
 //! let map = rover.component("MapServer")?.service("maps")?;
 //! let request = asmotion_datum::Datum::record([("name", asmotion_datum::Datum::text("office"))]);
 //! map.send("getMap", request, Duration::from_secs(1))?
-//!     .then(|answer| println!("{answer:?}"))?;
+//!     .on_completion(|answer| println!("{answer:?}"))?;
 //! # Ok(())
 //! # }
 //! ```

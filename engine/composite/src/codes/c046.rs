@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// [components.Follower]
 /// implementation = { rust = "nav::TrajectoryFollower" }
-/// subscribe = { path = "nav_msgs/Path", odom = "nav_msgs/Odometry", permit = "std_msgs/Bool" }
+/// subscribe = { path = "nav_msgs/Path", odom = "nav_msgs/Odometry", scan = "sensor_msgs/LaserScan", permit = "std_msgs/Bool" }
 ///
 /// [[promote]]
 /// topic = "path"
@@ -34,6 +34,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// [[promote]]
 /// topic = "odom"
 /// as = "odom"
+///
+/// [[promote]]
+/// topic = "scan"
+/// as = "scan"
 ///
 /// [[promote]]
 /// topic = "permit"
