@@ -38,7 +38,7 @@ use terminal::{Colour, TerminalOutput};
 
 /// Runs Abstract State Machine specifications as the coordinator of a robot.
 #[derive(Parser)]
-#[command(name = "asmotion", version, about, disable_help_subcommand = true, after_help = FIRST_STEPS)]
+#[command(name = "asmotion", version, about, after_help = FIRST_STEPS)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

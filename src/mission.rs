@@ -129,14 +129,14 @@ impl Mission {
         }
     }
 
-    /// Runs the mission. `on_warnings` receives the warnings about the composite, if there are any, before anything starts.
+    /// Runs the mission. `on_open` receives the findings about the composite, if it has no errors, before anything starts.
     /// `on_event` receives every event, with its line of the story if it has one; setting `stop` ends the run early.
     ///
     /// # Errors
     /// Fails if the composite has errors or cannot be assembled in this binary.
     pub fn run(
         &self,
-        on_warnings: impl FnOnce(&Report, &Sources),
+        on_open: impl FnOnce(&Report, &Sources),
         mut on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<MissionEnd, MissionError> {
@@ -148,9 +148,7 @@ impl Mission {
                 outside: opened.outside,
             });
         }
-        if !opened.report.diagnostics.is_empty() {
-            on_warnings(&opened.report, &opened.sources);
-        }
+        on_open(&opened.report, &opened.sources);
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile.clone(), opened.profiles);
             return Err(MissionError::Profile {

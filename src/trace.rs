@@ -104,9 +104,11 @@ impl MissionTrace {
                 port,
                 to,
                 total,
-                ..
+                reason,
             } => {
-                format!("dropped {component}.{port} {to} {total}")
+                let reason = reason.map(|reason| format!(" {reason}"));
+                let reason = reason.unwrap_or_default();
+                format!("dropped {component}.{port} {to} {total}{reason}")
             }
             Event::Property {
                 component,

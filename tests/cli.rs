@@ -1,6 +1,7 @@
 //! The command line: arguments, output and exit codes.
 
 mod check;
+mod clocks;
 mod failure;
 mod fmt;
 mod mistakes;

@@ -1,8 +1,8 @@
 //! RabbitMQ: settings from an address and the command line, and connections.
 
 use std::io::Write;
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use asmotion_amqp::{AmqpBus, ClientIdentity, Credentials};
 use asmotion_bus::{Bus, BusError};
@@ -69,14 +69,34 @@ pub fn remote(mut settings: AmqpSettings) -> Result<Remote, String> {
     Remote::over_bus(Arc::new(bus), None).map_err(|error| error.to_string())
 }
 
+/// Time before a notice that repeats the one before is printed again.
+const REPEATED: Duration = Duration::from_secs(30);
+
 /// Completes the settings of a run: sets the robot name, and reports changes of the link to the user unless `quiet`.
 pub fn prepare(settings: &mut AmqpSettings, robot: Option<String>, quiet: bool) {
     settings.robot = robot;
     if !quiet {
-        settings.notices = Arc::new(|notice| {
-            let _ = writeln!(anstream::stderr(), "         Bus {notice}");
+        let last = Mutex::new(None);
+        settings.notices = Arc::new(move |notice| {
+            let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+            if is_news(&mut last, notice.to_string(), Instant::now()) {
+                let _ = writeln!(anstream::stderr(), "         Bus {notice}");
+            }
         });
     }
+}
+
+/// Returns whether a notice differs from the last one that was printed, or comes [`REPEATED`] after it: a link that is down
+/// reports every attempt to connect.
+fn is_news(last: &mut Option<(String, Instant)>, notice: String, now: Instant) -> bool {
+    let is_repeated = |(printed, at): &(String, Instant)| {
+        *printed == notice && now.saturating_duration_since(*at) < REPEATED
+    };
+    let is_news = !last.as_ref().is_some_and(is_repeated);
+    if is_news {
+        *last = Some((notice, now));
+    }
+    is_news
 }
 
 /// Connects to a broker for a process of a robot. Returns the broker's address and the bus.
@@ -232,5 +252,32 @@ mod tests {
         };
         let settings = settings("amqp://ann@h", &access).unwrap();
         assert_eq!(settings.credentials, Credentials::new("bob", "secret"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_notice_is_printed_once_in_half_a_minute() {
+        let (mut last, begin) = (None, Instant::now());
+        let mut printed = Vec::new();
+        for (second, notice) in [
+            (0, "down"),
+            (1, "down"),
+            (2, "up"),
+            (3, "down"),
+            (33, "down"),
+        ] {
+            if is_news(
+                &mut last,
+                notice.to_owned(),
+                begin + Duration::from_secs(second),
+            ) {
+                printed.push(second);
+            }
+        }
+        assert_eq!(printed, [0, 2, 3, 33]);
     }
 }

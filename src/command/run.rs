@@ -281,32 +281,30 @@ impl MissionArguments {
             MissionClock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),
             MissionClock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
         };
-        if !self.quiet {
-            terminal.status(
-                "Running",
-                format_args!("{title}, {clock}, seed {}", mission.seed),
-            );
-        }
+        let running = format!("{title}, {clock}, seed {}", mission.seed);
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);
         let output_files = Arc::new(Mutex::new(self.books.open()));
         let listener = self.listener(output_files.clone());
         let result = match spectator(self.top, mission) {
             Ok(None) => {
-                let warn = |report: &Report, sources: &Sources| {
+                let open = |report: &Report, sources: &Sources| {
+                    if !self.quiet {
+                        terminal.status("Running", running);
+                    }
                     if warns {
                         terminal.report(report, sources);
                     }
                 };
-                mission.run(warn, listener, &stop)
+                mission.run(open, listener, &stop)
             }
             Ok(Some(spectator)) => {
                 // the screen belongs to the table while the mission runs
                 let mut warnings = None;
-                let warn = |report: &Report, sources: &Sources| {
+                let open = |report: &Report, sources: &Sources| {
                     warnings = Some((report.clone(), sources.clone()));
                 };
-                let result = spectator.run_beside(&stop, || mission.run(warn, listener, &stop));
+                let result = spectator.run_beside(&stop, || mission.run(open, listener, &stop));
                 if let Some((report, sources)) = warnings.filter(|_| warns) {
                     terminal.report(&report, &sources);
                 }

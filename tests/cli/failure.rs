@@ -50,7 +50,12 @@ fn component(name: &str, rest: &str) -> String {
 fn run_composite(components: &[String], arguments: &[&str]) -> (i32, String, String) {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-    for (name, text) in [("counts", COUNTS), ("fails", FAILS), ("promises", PROMISES)] {
+    for (name, text) in [
+        ("counts", COUNTS),
+        ("fails", FAILS),
+        ("promises", PROMISES),
+        ("expects", EXPECTS),
+    ] {
         write(&format!("{name}.asm"), text);
     }
     write("hall.geojson", "{");
@@ -149,4 +154,42 @@ fn properties_that_are_not_verified_are_said_before_the_start() {
         err.contains("C128") && !out.contains("reached"),
         "{out}{err}"
     );
+}
+
+/// Expects a pair where the driver sends lists.
+const EXPECTS: &str = "asm expects
+import StandardLibrary
+signature:
+  monitored status: Prod(Integer, Integer)
+  controlled n: Integer
+definitions:
+  main rule r_Main = par n := n + 1 if status = (1, 1) then skip endif endpar
+default init s0:
+  function n = 0
+";
+
+#[test]
+fn what_a_run_drops_is_in_its_json() {
+    let driver = component(
+        "Driver",
+        "implementation = { rust = \"youbot::DummyDriver\" }
+ports.out = { jointStatus = \"youbot/JointStatus\" }",
+    );
+    let reader = component(
+        "Reader",
+        "implementation = { asm = \"expects.asm\" }
+ports.in = { st = \"youbot/JointStatus\" }
+bind.monitored = { status = { topic = \"st\", field = \"position\", none = [] } }
+[[connections]]
+from = \"Driver.jointStatus\"
+to = \"Reader.st\"",
+    );
+    let (_, out, err) = run_composite(&[driver, reader], &["--for", "1", "--json"]);
+    let losses = out.lines().filter(|line| line.contains("\"losses\""));
+    let last: serde_json::Value = serde_json::from_str(losses.last().expect(&err)).unwrap();
+    assert_eq!(
+        (&last["component"], &last["dropped"]),
+        (&"Reader".into(), &0.into())
+    );
+    assert!(last["misfits"].as_u64() > Some(5), "{out}");
 }

@@ -1,7 +1,7 @@
 //! Prints the events and the summary of a run, as text or as JSON.
 
-use asmotion_component::Time;
-use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_component::{Losses, Time};
+use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord};
 use asmotion_runtime::Event;
 use serde_json::json;
 
@@ -20,6 +20,20 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
             let step: StepRecord = what.to().ok()?;
             Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
         }
+        Event::Report {
+            component,
+            kind,
+            data,
+        } if *kind == LOSSES_REPORT => {
+            let Losses { dropped, misfits } = data.to().ok()?;
+            Some(json!({
+                "type": "losses", "v": 1, "t": t, "component": component,
+                "dropped": dropped, "misfits": misfits,
+            }))
+        }
+        Event::Denied { component, denied } => Some(json!({
+            "type": "denied", "v": 1, "t": t, "component": component, "denied": denied.to_string(),
+        })),
         Event::Called {
             component,
             reference,
@@ -44,18 +58,35 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
         Event::Fault { component, fault } => Some(
             json!({ "type": "fault", "v": 1, "t": t, "component": component, "fault": fault.to_string() }),
         ),
+        Event::Dropped {
+            component,
+            port,
+            to,
+            total,
+            reason,
+        } => Some(json!({
+            "type": "dropped", "v": 1, "t": t, "component": component, "port": port, "to": to,
+            "total": total, "reason": reason.map(ToString::to_string),
+        })),
+        Event::Lost { count } => Some(json!({ "type": "lost", "v": 1, "t": t, "count": count })),
+        Event::Overrun { component, missed } => Some(json!({
+            "type": "overrun", "v": 1, "t": t, "component": component, "missed": missed,
+        })),
+        Event::Late {
+            component,
+            took,
+            deadline,
+        } => Some(json!({
+            "type": "late", "v": 1, "t": t, "component": component,
+            "took_s": took.as_secs_f64(), "deadline_s": deadline.as_secs_f64(),
+        })),
         Event::Cycle { .. }
         | Event::Published { .. }
         | Event::Injected { .. }
         | Event::Answered { .. }
         | Event::LifeCycle { .. }
-        | Event::Overrun { .. }
-        | Event::Late { .. }
-        | Event::Denied { .. }
-        | Event::Dropped { .. }
         | Event::Property { .. }
-        | Event::Report { .. }
-        | Event::Lost { .. } => None,
+        | Event::Report { .. } => None,
     }
 }
 
