@@ -253,11 +253,6 @@ mod tests {
         let settings = settings("amqp://ann@h", &access).unwrap();
         assert_eq!(settings.credentials, Credentials::new("bob", "secret"));
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
 
     #[test]
     fn a_notice_is_printed_once_in_half_a_minute() {

@@ -185,8 +185,8 @@ from = \"Driver.jointStatus\"
 to = \"Reader.st\"",
     );
     let (_, out, err) = run_composite(&[driver, reader], &["--for", "1", "--json"]);
-    let losses = out.lines().filter(|line| line.contains("\"losses\""));
-    let last: serde_json::Value = serde_json::from_str(losses.last().expect(&err)).unwrap();
+    let mut losses = out.lines().filter(|line| line.contains("\"losses\""));
+    let last: serde_json::Value = serde_json::from_str(losses.next_back().expect(&err)).unwrap();
     assert_eq!(
         (&last["component"], &last["dropped"]),
         (&"Reader".into(), &0.into())

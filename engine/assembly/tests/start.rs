@@ -592,7 +592,7 @@ fn a_data_connection_to_a_queue_keeps_one_message_which_ages_while_the_writer_is
     let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
     system.observe(Log::new());
     let mut run = system.live();
-    let layout = asmotion_mqueue::QueueLayout::of(&Number::schema()).expect("a layout");
+    let layout = asmotion_mqueue::QueueLayout::of(Number::schema()).expect("a layout");
     let reader = || {
         let name = asmotion_mqueue::QueueName::new(&format!("/asmotion-{name}")).expect("a name");
         asmotion_mqueue::QueueReader::new(name, layout.clone())
@@ -625,16 +625,16 @@ fn a_data_connection_to_a_queue_keeps_one_message_which_ages_while_the_writer_is
         .expect("a port");
     let until = run.now() + 5.s();
     let mut reason = String::new();
-    run.run_until_event(until, &mut |_, event| match event {
-        asmotion_runtime::Event::Dropped {
+    run.run_until_event(until, &mut |_, event| {
+        if let asmotion_runtime::Event::Dropped {
             total: 1,
             reason: Some(why),
             ..
-        } => {
+        } = event
+        {
             reason = why.to_string();
-            true
         }
-        _ => false,
+        !reason.is_empty()
     });
     assert!(reason.contains("not read within 300ms"), "{reason}");
     assert_eq!(first.next(std::time::Duration::from_millis(50)), None);

@@ -159,6 +159,10 @@ pub struct Case {
 
 /// An action of an update.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a coordinator has a handful of them, made once at its start"
+)]
 pub enum Action {
     /// Calls an operation of a service.
     Call(Call),

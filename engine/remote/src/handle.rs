@@ -50,10 +50,7 @@ impl Remote {
 
 impl RemoteComponent {
     pub(crate) fn new(remote: Remote, location: ComponentLocation) -> Self {
-        Self {
-            remote,
-            location: location,
-        }
+        Self { remote, location }
     }
 
     /// Name of the component within its robot.

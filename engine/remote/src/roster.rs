@@ -39,7 +39,7 @@ impl ComponentLocation {
 impl Roster {
     pub(crate) fn new(presences: Subscription) -> Self {
         Self {
-            presences: presences,
+            presences,
             processes: BTreeMap::new(),
         }
     }

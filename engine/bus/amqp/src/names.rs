@@ -20,7 +20,7 @@ impl RoutingNames {
         Self {
             robot,
             process,
-            lifetime_id: lifetime_id,
+            lifetime_id,
         }
     }
 

@@ -102,7 +102,7 @@ impl QueueUpkeep {
         let are_gone = !self.readers.is_empty() && !self.readers.iter().any(is_held);
         let is_quiet = status.is_empty && now.saturating_duration_since(self.changed) >= QUIET;
         let is_due = self.readers.is_empty() || (is_quiet && self.settled.is_none());
-        if !are_gone && !(is_due && now >= self.search_at) {
+        if !(are_gone || is_due && now >= self.search_at) {
             return Ok(());
         }
         // without the lock: a search takes milliseconds
