@@ -163,7 +163,7 @@ signature:
   monitored status: Prod(Integer, Integer)
   controlled n: Integer
 definitions:
-  main rule r_Main = par n := n + 1 if status = (1, 1) then skip endif endpar
+  main rule r_Main = par n := n + 1 if isDef(status) then n := 0 endif endpar
 default init s0:
   function n = 0
 ";
@@ -179,7 +179,7 @@ ports.out = { jointStatus = \"youbot/JointStatus\" }",
         "Reader",
         "implementation = { asm = \"expects.asm\" }
 ports.in = { st = \"youbot/JointStatus\" }
-bind.monitored = { status = { topic = \"st\", field = \"position\", none = [] } }
+bind.monitored = { status = { topic = \"st\", field = \"position\" } }
 [[connections]]
 from = \"Driver.jointStatus\"
 to = \"Reader.st\"",
