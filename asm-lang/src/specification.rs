@@ -113,7 +113,7 @@ impl Specification {
     }
 
     /// Lowers the model again, after additions to it. Coverage counters stay enabled. A machine
-    /// continues with the new program by [`Machine::adopt`].
+    /// continues with the new program by [`Machine::replace_program`].
     ///
     /// # Errors
     /// An addition cannot be lowered; the program is unchanged.

@@ -14,7 +14,7 @@ pub struct PublishOptions {
     pub assurance: Assurance,
     /// Messages to keep while the transport is down.
     pub outage: Outage,
-    /// Keeps the last message for late subscribers; see [`Bus::repeat`](crate::Bus::repeat).
+    /// Keeps the last message for late subscribers; see [`Bus::republish_retained`](crate::Bus::republish_retained).
     pub init: bool,
     /// Age beyond which no reader uses a message: a message that has waited longer, here or in the transport, is dropped
     /// and counted. `None` keeps messages however old they are.

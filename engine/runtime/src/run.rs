@@ -79,7 +79,7 @@ pub trait Run {
     /// lost; an input whose last sample came through it has no data afterwards, as in RTT.
     ///
     /// # Errors
-    /// [`BuildError::NotJoined`] if there is no such connection, [`BuildError::Unknown`] or [`BuildError::Direction`]
+    /// [`BuildError::NotConnected`] if there is no such connection, [`BuildError::Unknown`] or [`BuildError::Direction`]
     /// if an end is none.
     fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError>;
 
