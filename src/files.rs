@@ -170,28 +170,6 @@ fn normalize(path: &Path) -> String {
     normalized.display().to_string()
 }
 
-/// Returns all specifications below a folder, sorted.
-pub fn specifications(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
-    files(folder, &["asm"])
-}
-
-/// Returns all files below a folder with one of these suffixes, sorted.
-pub fn files(folder: &Path, endings: &[&str]) -> std::io::Result<Vec<PathBuf>> {
-    let mut entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
-    entries.sort_by_key(std::fs::DirEntry::file_name);
-    let mut found = Vec::new();
-    for entry in entries {
-        let path = entry.path();
-        let ending = path.extension().and_then(|ending| ending.to_str());
-        if entry.file_type()?.is_dir() {
-            found.extend(files(&path, endings)?);
-        } else if ending.is_some_and(|ending| endings.contains(&ending)) {
-            found.push(path);
-        }
-    }
-    Ok(found)
-}
-
 /// Replaces the text of a file atomically: readers see the old text or the new one.
 pub fn rewrite(path: &str, before: &str, after: &str) -> std::io::Result<()> {
     // resolves a symbolic link, which would otherwise be replaced by a file

@@ -15,8 +15,11 @@ mod exit;
 mod feature;
 mod files;
 mod gateway;
+#[cfg(any(feature = "amqp", feature = "tui"))]
+mod inspection;
 pub mod mission;
 mod output_files;
+mod paths;
 mod prompt;
 pub mod record;
 mod show;

@@ -4,11 +4,13 @@ mod end_condition;
 mod error;
 mod gateway;
 mod process;
+mod stall;
 mod version_switch;
 
 pub use self::gateway::{ListenCallback, MissionGateways};
 pub use error::MissionError;
 pub use process::{MissionBrokers, NamedBrokers};
+pub use stall::StalledCoordinator;
 pub use version_switch::{CompositeVersion, reconfigure_address};
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,6 +18,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use asmotion_assembly::{Assembled, Standard};
+use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
@@ -54,7 +57,7 @@ pub struct Mission {
     /// Process to run, if the composite is deployed to several; `None` runs all of it.
     pub process: Option<String>,
     /// The run succeeds when a location has one of these values, as pairs of location and value. `None` means
-    /// `mode = ARRIVED`, if there is such a location.
+    /// `mode = ARRIVED`, if a specification has this location and value; otherwise the run succeeds when its time is up.
     pub until: Option<Vec<(String, String)>>,
     /// The run fails when a location has one of these values. `None` means `mode = FAILED`.
     pub unless: Option<Vec<(String, String)>>,
@@ -79,8 +82,10 @@ pub enum MissionOutcome {
     Reached,
     /// A failure condition was met.
     Failed,
-    /// The time limit was reached.
+    /// The time limit was reached before a success condition was met.
     TimeUp,
+    /// The time limit of a run without success conditions was reached.
+    Completed,
     /// A component failed: one without which nothing can be reached, or another one, and the time limit was reached.
     Fault,
     /// The run was stopped from outside.
@@ -96,6 +101,8 @@ pub struct MissionEnd {
     pub summary: Summary,
     /// Components that failed and were not running at the end.
     pub failed: Vec<String>,
+    /// The coordinators and what they wait for, if the time was up.
+    pub stalled: Vec<StalledCoordinator>,
     /// Duration in its own time.
     pub time: Duration,
     /// Duration in real time.
@@ -157,8 +164,10 @@ impl Mission {
             });
         };
         self.check_clock_of_queues(plan)?;
+        let part = self.part(plan)?;
         let watch = EndCondition::new(
             plan,
+            &part,
             awaited_updates(plan, self.until.as_deref(), "ARRIVED")?,
             awaited_updates(plan, self.unless.as_deref(), "FAILED")?,
         );
@@ -168,7 +177,6 @@ impl Mission {
             seed: self.seed,
             builtins: &mut |_, _| None,
         };
-        let part = self.part(plan)?;
         let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
         let Assembled {
             mut system,
@@ -201,7 +209,18 @@ impl Mission {
         let mut contacts =
             self.connect_contacts(&mut system, &mut network, &connected, plan, &part)?;
         let mut successor = self.version_switch(&opened, plan, &part, &connected)?;
-        let gateways = self.open_gateways(&mut system, &mut network, &opened, plan, &part)?;
+        let gateway_bus = LocalBus::new();
+        let gateways = self.open_gateways(
+            &mut system,
+            &mut network,
+            &opened,
+            plan,
+            &part,
+            &gateway_bus,
+        )?;
+        if !gateways.is_empty() {
+            contacts.push(self.gateway_contact(&mut system, &gateway_bus, plan, &part)?);
+        }
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             MissionClock::Wall => Box::new(system.live()),
@@ -219,6 +238,14 @@ impl Mission {
         let time = run.now().since(Time::ZERO);
         let failed = lock(&watch).dead(&*run).cloned().collect();
         let summary = lock(&story).summary().clone();
+        let stalled = match outcome {
+            MissionOutcome::TimeUp => stall::stalled(plan, &mut *run),
+            MissionOutcome::Reached
+            | MissionOutcome::Failed
+            | MissionOutcome::Completed
+            | MissionOutcome::Fault
+            | MissionOutcome::Stopped => Vec::new(),
+        };
         if outcome == MissionOutcome::Reached || outcome == MissionOutcome::Failed {
             run.run_for(REST);
         }
@@ -233,6 +260,7 @@ impl Mission {
             outcome,
             summary,
             failed,
+            stalled,
             time,
             wall: began.elapsed(),
         })
@@ -291,10 +319,10 @@ impl Mission {
             if let Some(limit) = limit {
                 if run.now() >= limit {
                     let failed = lock(watch).dead(run).next().is_some();
-                    return if failed {
-                        MissionOutcome::Fault
-                    } else {
-                        MissionOutcome::TimeUp
+                    return match (failed, lock(watch).has_goal()) {
+                        (true, _) => MissionOutcome::Fault,
+                        (false, true) => MissionOutcome::TimeUp,
+                        (false, false) => MissionOutcome::Completed,
                     };
                 }
                 until = until.min(limit);

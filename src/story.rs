@@ -8,10 +8,12 @@ mod driven_path;
 mod input;
 mod message;
 mod repeats;
+mod robot;
 mod step;
 mod summary;
 
 pub use driven_path::DrivenPath;
+pub use robot::{RobotSummary, Robots};
 pub use summary::{EventCounts, Summary};
 
 use asmotion_component::{CallError, Losses, NOTICE_REPORT, Time};
@@ -93,9 +95,11 @@ impl Story {
                 ..
             } => {
                 let collision = self.collided(*sample);
-                let moved = self.summary.moved(at, *sample);
-                let mut inputs = self.inputs.iter_mut();
-                match inputs.find(|input| input.receives(component, port, *topic)) {
+                let moved = self.summary.moved(component, at, *sample);
+                self.summary.observe_truth(component, port, *sample);
+                let is_reader = |input: &StoryInput| input.receives(component, port, *topic);
+                self.set_goals(*sample, is_reader);
+                match self.inputs.iter_mut().find(|input| is_reader(input)) {
                     Some(input) => message_entry(input, &mut self.summary, component, *sample),
                     None => collision.or(moved),
                 }
@@ -104,8 +108,9 @@ impl Story {
                 target: place,
                 sample,
             } => {
-                let mut inputs = self.inputs.iter_mut();
-                let input = inputs.find(|input| input.is_port(place))?;
+                let is_reader = |input: &StoryInput| input.is_port(place);
+                self.set_goals(*sample, is_reader);
+                let input = self.inputs.iter_mut().find(|input| is_reader(input))?;
                 message_entry(input, &mut self.summary, "outside", *sample)
             }
             Event::Called {
@@ -177,11 +182,20 @@ impl Story {
         }
     }
 
+    /// Sets the goal of each robot whose specification receives the message as an event, if it contains one. Robots can share
+    /// a topic.
+    fn set_goals(&mut self, sample: &dyn Sample, is_reader: impl Fn(&StoryInput) -> bool) {
+        let inputs = self.inputs.iter();
+        for input in inputs.filter(|input| !input.is_state() && is_reader(input)) {
+            self.summary.set_goal(input.component(), sample);
+        }
+    }
+
     fn report_entry(&mut self, component: &str, kind: &str, what: &Datum) -> Option<StoryEntry> {
         match kind {
             STEP_REPORT => {
                 let record: StepRecord = what.to().ok()?;
-                self.summary.step(&record);
+                self.summary.step(component, &record);
                 Some(step::entry(component, &record))
             }
             UNSENT_REPORT => {
@@ -272,7 +286,6 @@ fn message_entry(
     let (name, what) = input.describe(sample)?;
     if !input.is_state() {
         summary.received.count(&name);
-        summary.set_goal(sample);
     }
     let what = what.map_or_else(String::new, |what| format!(" {what}"));
     let topic = &input.name;

@@ -1,7 +1,11 @@
 //! Trace of a run, one event per line; equal runs give equal bytes.
 //!
 //! Steps of coordinators are written in full. Of a message, the trace contains the CRC-32 of its CBOR encoding, so that
-//! a map takes one line like any other message. Cycles without effect are omitted.
+//! a map takes one line like any other message. Cycles without effect are omitted, and steps that write nothing.
+
+mod replay;
+
+pub use replay::{RecordedRun, RecordedUpdates, ReplayError, is_run_trace, recorded_run};
 
 use asmotion_component::{CallError, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
@@ -152,6 +156,9 @@ fn report(component: &str, kind: &str, what: &Datum) -> String {
             let _ = write!(line, " {}", step.number);
             for (location, value) in &step.inputs {
                 let _ = write!(line, "\n  M {location} = {value}");
+            }
+            for (index, count) in &step.choices {
+                let _ = write!(line, "\n  C {index} of {count}");
             }
             for update in &step.updates {
                 let _ = write!(line, "\n  U {} = {}", update.location, update.after);

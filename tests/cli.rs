@@ -3,9 +3,12 @@
 mod check;
 mod clocks;
 mod failure;
+mod fleet;
 mod fmt;
 mod mistakes;
 mod output;
+mod paths;
+mod replay;
 mod run;
 mod sim;
 

@@ -54,6 +54,9 @@ fn found(code: &Code, info: &str) -> Option<Report> {
     if let Some(specification) = code.example("asm") {
         files.add("example.asm", specification);
     }
+    if let Some(base) = code.example("toml base") {
+        files.add("base.toml", base);
+    }
     if let Some((report, _)) = asmotion_composite::open_types("example.toml", &files, &BUILD) {
         return Some(report);
     }

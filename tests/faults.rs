@@ -222,7 +222,7 @@ fn through(broker: &TestBroker, vhost: &Vhost<'_>, harm: impl FnOnce(&TestBroker
 }
 
 #[test]
-fn the_rover_stops_while_the_broker_is_dead_and_arrives_when_it_is_back() {
+fn n10_the_rover_stops_while_the_broker_is_dead_and_arrives_when_it_is_back() {
     let Some(broker) = asmotion_broker::alone() else {
         return;
     };

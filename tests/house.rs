@@ -1,7 +1,7 @@
 //! The architecture: which crate may depend on which. Dependencies point downwards only.
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 use std::sync::LazyLock;
@@ -11,8 +11,12 @@ use xtask::{module_laws, modules, printing};
 
 /// The crates by layer, lowest first; a crate depends only on lower layers.
 const FLOORS: &[&[&str]] = &[
-    // macros
-    &["asmotion-derive", "asmotion-diagnostics-derive"],
+    // macros, and what tests need
+    &[
+        "asmotion-derive",
+        "asmotion-diagnostics-derive",
+        "asmotion-skip",
+    ],
     // the ground floor
     &["asmotion-diagnostics"],
     // the language
@@ -212,13 +216,31 @@ fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
     let knowing = arrows.iter().filter(|(_, to)| to == "asmotion-amqp");
     let knowing: BTreeSet<&str> = knowing.map(|(from, _)| &**from).collect();
     assert_eq!(knowing, BTreeSet::from(["asmotion", "asmotion-remote"]));
-    for suite in [
-        "engine/bus/tests/local.rs",
-        "engine/bus/amqp/tests/rabbitmq/contract.rs",
-    ] {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(suite);
-        let text = std::fs::read_to_string(path).expect(suite);
-        assert!(text.contains("contract::violations("), "{suite}");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let checkout = Checkout::working_tree(root).expect("the sources");
+    // every bus, and the file with the test that it passes the contract suite
+    let suites = BTreeMap::from([
+        ("AmqpBus", "engine/bus/amqp/tests/rabbitmq/contract.rs"),
+        ("LocalBus", "engine/bus/tests/local.rs"),
+    ]);
+    let sources = checkout
+        .files
+        .iter()
+        .filter(|it| !it.path.contains("/tests/"));
+    let buses: BTreeSet<&str> = sources
+        .flat_map(|it| it.text.lines())
+        .filter_map(|line| line.strip_prefix("impl Bus for "))
+        .map(|name| name.trim_end_matches([' ', '{']))
+        .collect();
+    assert_eq!(buses, suites.keys().copied().collect());
+    for (bus, suite) in suites {
+        let file = checkout.files.iter().find(|it| it.path == suite);
+        let tests = file.expect(suite).text.split("#[test]");
+        let mut tests = tests.filter(|test| test.trim_start().starts_with("fn t29_"));
+        assert!(
+            tests.any(|test| test.contains("contract::violations(")),
+            "{bus} does not pass the suite in {suite}"
+        );
     }
 }
 
@@ -285,4 +307,48 @@ fn only_the_front_door_prints() {
     assert!(printing::calls(&checkout, &[]).len() > 1);
     let elsewhere = printing::calls(&checkout, &["src/", "xtask/src/main.rs"]);
     assert!(elsewhere.is_empty(), "{elsewhere:?}");
+}
+
+/// Prefixes of the requirements (research notes of the project), with their highest number: tasks, navigation, composition, Orocos,
+/// JOrocos, youBot.
+const REQUIREMENTS: [(char, u32); 6] = [
+    ('t', 29),
+    ('n', 12),
+    ('c', 21),
+    ('o', 17),
+    ('j', 22),
+    ('y', 12),
+];
+
+/// Requirements that are not met: a ported example component, a bridge to ROS, discovery by type, a web monitor.
+const UNMET: [&str; 4] = ["t27", "n6", "c21", "y9"];
+
+#[test]
+fn every_requirement_that_is_met_has_a_test_of_its_name() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let checkout = Checkout::working_tree(root).expect("the sources");
+    let texts = checkout.files.iter().map(|file| &file.text);
+    let tests = texts.flat_map(|text| text.split("#[test]").skip(1));
+    let names = tests.filter_map(|test| test.split_once("fn ")?.1.split_once('('));
+    // a test can begin with several requirements: `n7_n12_two_clients`
+    let is_requirement = |word: &&str| {
+        let prefix = word.chars().next().unwrap_or_default();
+        let number = word.get(1..).unwrap_or_default();
+        let known = REQUIREMENTS.iter().any(|(known, _)| *known == prefix);
+        known && !number.is_empty() && number.bytes().all(|it| it.is_ascii_digit())
+    };
+    let tested: BTreeSet<&str> = names
+        .flat_map(|(name, _)| name.split('_').take_while(is_requirement))
+        .collect();
+    let all = REQUIREMENTS
+        .iter()
+        .flat_map(|(prefix, last)| (1..=*last).map(move |number| format!("{prefix}{number}")));
+    for requirement in all {
+        let is_unmet = UNMET.contains(&&*requirement);
+        assert_eq!(
+            tested.contains(&*requirement),
+            !is_unmet,
+            "`{requirement}` is unmet: {is_unmet}"
+        );
+    }
 }

@@ -3,6 +3,7 @@
 use crate::person::person;
 use crate::processes::{Running, navigation, over, tool, wait_until_present};
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 #[test]
 fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
@@ -193,7 +194,7 @@ fn a_run_that_is_looked_at_wants_a_terminal() {
 
 /// The library over RabbitMQ: the same handle as on the in-process bus.
 #[test]
-fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
+fn t15_j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
     let Some(broker) = asmotion_broker::calm() else {
         return;
     };
@@ -214,9 +215,23 @@ fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
     let driver = rover.component("navigation.RoverDriver").unwrap();
     let mut watch = driver.watch("odom").unwrap();
     for _ in 0..3 {
-        let odom = watch.next_within(std::time::Duration::from_secs(10));
+        let odom = watch.next_within(Duration::from_secs(10));
         let odom = odom.unwrap().unwrap();
         assert!(odom.get("pose.pose.position.x").is_some(), "{odom}");
+    }
+    // the supervisor's components have an `id`
+    let _supervisor = Running::start(&mut over(&composite, &broker, &vhost, Some("supervisor")));
+    wait_until_present(&vhost, "supervisor");
+    // `rover` hears of it on a connection of its own
+    let until = Instant::now() + Duration::from_secs(10);
+    while rover.component("planner").is_err() && Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    for name in ["planner", "navigation.planner"] {
+        assert_eq!(
+            rover.component(name).unwrap().present().name,
+            "TrajectoryPlanner"
+        );
     }
     let other = asmotion_remote::Remote::connect(&vhost.url(), Some("other")).unwrap();
     assert!(other.components().is_empty(), "it is another robot's");

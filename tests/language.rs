@@ -6,6 +6,7 @@ mod builtins;
 mod codes;
 mod conformance;
 mod differences;
+mod exits;
 mod limits;
 mod messages;
 mod replay;

@@ -53,7 +53,7 @@ fn tell(mission: &Mission) -> (String, MissionEnd) {
         .unwrap();
     let mut story = story.lock().unwrap().clone();
     let summary = &ended.summary;
-    let way = summary.path.iter().map(|way| {
+    let way = summary.robots.only_path().into_iter().map(|way| {
         let left = way.to_goal_m().unwrap_or(f64::NAN);
         format!(", {:.1} m driven, {left:.2} m from the goal", way.driven_m)
     });
@@ -88,7 +88,7 @@ fn an_arm_is_told_by_what_it_is() {
     let mut mission = Mission::new(composite.display().to_string());
     mission.until = Some(vec![("mode".to_owned(), "IDLE".to_owned())]);
     let (story, ended) = tell(&mission);
-    assert_eq!(ended.summary.path, None, "nothing drives");
+    assert_eq!(ended.summary.robots.only_path(), None, "nothing drives");
     assert_eq!(ended.summary.calls.of("notifying.notify"), 24);
     insta::assert_snapshot!(story);
 }
@@ -111,7 +111,7 @@ fn it_goes_around_what_stands_in_the_way() {
 }
 
 #[test]
-fn it_plans_anew_where_the_corridor_is_closed() {
+fn n9_it_plans_anew_where_the_corridor_is_closed() {
     let (story, ended) = tell(&mission(&[TO_LOBBY], CLOSED_CORRIDOR));
     assert_eq!(ended.outcome, MissionOutcome::Reached);
     assert_eq!(ended.summary.received.of("event BLOCKED"), 1);
@@ -200,7 +200,14 @@ fn every_seed_reaches_the_goal() {
             "seed {seed}:\n{story}"
         );
         assert!(
-            ended.summary.path.unwrap().to_goal_m().unwrap() < 0.15,
+            ended
+                .summary
+                .robots
+                .only_path()
+                .unwrap()
+                .to_goal_m()
+                .unwrap()
+                < 0.15,
             "seed {seed}:\n{story}"
         );
         assert!(!story.contains("COLLISION"), "seed {seed}:\n{story}");

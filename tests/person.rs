@@ -4,7 +4,7 @@ use std::process::Command;
 
 /// In a terminal of 24 lines: waits for each text, then presses its keys. Exits with the program's exit code, or with
 /// 99 if a text never appeared.
-const PERSON: &str = r#"
+pub(super) const PERSON: &str = r#"
 import fcntl, json, os, pty, select, struct, sys, termios, time
 steps, program = json.loads(sys.argv[1]), sys.argv[2:]
 pid, screen = pty.fork()
@@ -45,7 +45,7 @@ pub(super) fn person(
         .env("XDG_STATE_HOME", home.path())
         .output();
     let Ok(person) = person else {
-        eprintln!("skipped: there is no python3");
+        asmotion_skip::PYTHON.skip();
         return None;
     };
     let screen = String::from_utf8_lossy(&person.stdout).into_owned();

@@ -1,11 +1,14 @@
 //! Missions over a real broker, in one process and in several: the coordinator goes through the same control states.
 
 use asmotion_broker::{SharedBroker, TestBroker, Vhost};
+use asmotion_bus::{Bus, Payload, PublishOptions, Publisher, SenderId};
+use asmotion_datum::{Datum, Schema};
+use asmotion_remote::{PRESENCE, Presence, presence_topic};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// A goal near the start of the rover.
 const GOAL: &str = "3.4,4.7";
@@ -471,6 +474,36 @@ fn tools_see_who_is_there_and_take_part() {
     let (code, _, err) = tool(&["topic", "pub", "navigation.estop", r#"{"data":true}"#]);
     assert_eq!((code, &*err), (Some(0), ""));
 
+    // a message that a reader cannot read is refused, unless it is sent on purpose
+    for (message, reason) in [(r#"{"data":5}"#, "`data`"), (r#"{"dat":true}"#, "`dat`")] {
+        let (code, _, err) = tool(&["topic", "pub", "navigation.estop", message]);
+        assert_eq!(code, Some(2), "{err}");
+        let reader =
+            "`navigation.ASMCoordinator.estop` reads `navigation.estop` as `std_msgs/Bool`";
+        assert!(err.contains(reader) && err.contains(reason), "{err}");
+        let unchecked = ["topic", "pub", "navigation.estop", message, "--unchecked"];
+        assert_eq!(tool(&unchecked).0, Some(0));
+    }
+    let (code, _, err) = tool(&["topic", "echo", "navigation.estpo", "--for", "2"]);
+    assert_eq!(code, Some(1));
+    assert!(
+        err.contains("no running process has a topic `navigation.estpo`"),
+        "{err}"
+    );
+    assert!(err.contains("did you mean `navigation.estop`?"), "{err}");
+
+    // the state of the coordinator is visible
+    let coordinator = state("ASMCoordinator");
+    assert!(
+        coordinator.contains("  state       command = "),
+        "{coordinator}"
+    );
+    assert!(coordinator.contains("mode = IDLE"), "{coordinator}");
+    assert!(coordinator.contains("estop = true"), "{coordinator}");
+    let (_, out, _) = tool(&["component", "list"]);
+    let row = out.lines().find(|line| line.starts_with("ASMCoordinator"));
+    assert!(row.unwrap().contains("mode = IDLE"), "{out}");
+
     let map = "navigation.MapServer.maps.getMap";
     let (code, out, err) = tool(&["call", map, r#"{"name":"office"}"#]);
     assert_eq!(code, Some(0), "{err}");
@@ -532,6 +565,99 @@ fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
         "doctor_ill",
         [stranger, deaf, mute, password, missing, closed].join("\n")
     );
+}
+
+#[test]
+fn the_doctor_compares_the_clocks_of_running_processes() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let settings = asmotion_amqp::AmqpSettings::parse(&vhost.url()).unwrap();
+    let bus = asmotion_amqp::AmqpBus::connect(settings, LONG).unwrap();
+    let url = vhost.url();
+    // two processes, the clock of one of which is wrong by this many seconds
+    let doctor = |seconds: i64| {
+        let mut processes = [("onboard", 0), ("station", seconds)]
+            .map(|(process, ahead)| (presence_publisher(&bus, process), presence(process), ahead));
+        let mut child = Command::new(env!("CARGO_BIN_EXE_asmotion"))
+            .args(["doctor", "--bus", &url])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        while child.try_wait().unwrap().is_none() {
+            for (publisher, presence, ahead) in &mut processes {
+                let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+                let stamp = now.as_nanos() as i64 + *ahead * 1_000_000_000;
+                publisher
+                    .publish(stamp, Payload::of(presence.clone()))
+                    .unwrap();
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        (output.status.code(), said)
+    };
+    let (code, said) = doctor(0);
+    assert_eq!(code, Some(0), "{said}");
+    let agree = "the clocks of 2 processes agree with that of this machine";
+    assert!(said.contains(agree), "{said}");
+    for (seconds, expected) in [
+        (
+            10,
+            "the clock of process `rover1.station` is 10.0 s ahead of that of this machine",
+        ),
+        (
+            -7,
+            "the clock of process `rover1.station` is 7.0 s behind that of this machine",
+        ),
+    ] {
+        let (code, said) = doctor(seconds);
+        assert_eq!(code, Some(1), "{said}");
+        assert!(
+            said.contains(expected) && !said.contains("onboard"),
+            "{said}"
+        );
+        assert!(said.contains("timedatectl"), "{said}");
+    }
+}
+
+fn presence(process: &str) -> Datum {
+    Datum::of(&Presence {
+        process: process.to_owned(),
+        ..Presence::default()
+    })
+    .unwrap()
+}
+
+fn presence_publisher(bus: &dyn Bus, process: &str) -> Box<dyn Publisher> {
+    let topic = format!("rover1.{}", presence_topic(process));
+    bus.publisher(
+        &topic,
+        &SenderId::new(process, 1),
+        &Schema::opaque(PRESENCE),
+        PublishOptions::state(),
+    )
+    .unwrap()
+}
+
+#[test]
+fn the_doctor_names_an_exchange_of_another_type() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (code, said, _) = tool(&broker, &vhost.url(), &["doctor"]);
+    assert_eq!(code, Some(0), "{said}");
+    vhost.replace_exchange("robots", "fanout").unwrap();
+    let (code, said, _) = tool(&broker, &vhost.url(), &["doctor"]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(
+        said.contains("bad  no connection: exchange `robots`: PRECONDITION_FAILED"),
+        "{said}"
+    );
+    assert!(said.contains("delete exchange name=robots`"), "{said}");
 }
 
 #[test]

@@ -112,6 +112,18 @@ impl Specification {
         Ok(machine)
     }
 
+    /// Adds a term for evaluation by machines that are created afterwards; `name` names its text in diagnostics.
+    ///
+    /// # Errors
+    /// The text is not a term, or it does not fit the specification.
+    pub fn add_term(&mut self, name: &str, text: &str) -> Result<hir::AddedTerm, Report> {
+        let file = self.sources.add(name, text);
+        let term = asmotion_syntax::parse_term(file, text)?;
+        let added = self.model.add_term(&term)?;
+        self.lower()?;
+        Ok(added)
+    }
+
     /// Lowers the model again, after additions to it. Coverage counters stay enabled. A machine
     /// continues with the new program by [`Machine::replace_program`].
     ///

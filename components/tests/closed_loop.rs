@@ -10,11 +10,12 @@
 mod course;
 
 use asmotion_component::{Span, Time, Transition};
+use asmotion_datum::Datum;
 use asmotion_geometry::Point;
 use asmotion_messages::Path;
 use asmotion_runtime::Run;
 use asmotion_world::Obstacle;
-use course::{Course, GO, block, disc, nanos};
+use course::{Course, Drive, GO, block, disc, nanos};
 
 /// Radius of the robot, m.
 const RADIUS: f64 = 0.2;
@@ -44,7 +45,7 @@ fn arrives_with_every_seed(course: &Course) {
 }
 
 #[test]
-fn it_reaches_the_end_of_a_free_path() {
+fn n3_it_reaches_the_end_of_a_free_path() {
     arrives_with_every_seed(&Course::corridor());
 }
 
@@ -94,7 +95,7 @@ fn it_goes_back_to_the_path_when_the_thing_has_gone() {
 }
 
 #[test]
-fn it_is_blocked_by_a_closed_corridor_and_stands_still_before_it() {
+fn n4_it_is_blocked_by_a_closed_corridor_and_stands_still_before_it() {
     for seed in 0..20 {
         let course = Course::corridor()
             .with(block(3.0, 6.0, 0.0, 0.4, 2.0))
@@ -180,33 +181,44 @@ fn an_empty_path_stops_it_and_it_says_so_once() {
     assert!(drive.twists.last().unwrap().0 < 7.0);
 }
 
+/// Cuts the connection to the rover driver, whose own time limit stops the wheels.
 #[test]
-fn without_commands_the_wheels_stop_within_200_ms() {
+fn n1_without_commands_the_wheels_stop_within_200_ms() {
     let mut running = Course::corridor().run();
     running.run.run_until(Time::from_nanos(nanos(5.0)));
+    let speed = |drive: &Drive| drive.twists.last().unwrap().1.linear.x;
+    assert!(
+        speed(&running.drive.lock().unwrap()) > 0.3,
+        "it was driving"
+    );
     running
         .run
-        .transition("Follower", Transition::Stop)
+        .disconnect("Monitor.twist", "Rover.twist")
         .unwrap();
     running.run.run_until(Time::from_nanos(nanos(8.0)));
     let drive = running.drive.lock().unwrap();
-    let last = drive.twists.last().unwrap();
-    assert!(last.1.linear.x > 0.3, "it was driving");
-    let stopped = drive
-        .wheels
-        .iter()
-        .find(|(at, wheels)| *at > last.0 && wheels.left == 0.0 && wheels.right == 0.0);
-    let after = stopped.unwrap().0 - last.0;
+    assert!(drive.twists.last().unwrap().0 > 7.9, "the follower goes on");
+    let after = drive.wheels_stand_from(5.0) - 5.0;
     println!("wheels stopped {after:.3} s after the last command");
-    assert!(after <= 0.2);
-    assert!(
-        drive
-            .wheels
-            .iter()
-            .filter(|(at, _)| *at > last.0 + 0.2)
-            .all(|(_, wheels)| wheels.left == 0.0)
-    );
-    assert!((drive.place(last.0) - drive.end()).norm() < 0.1);
+    assert!((0.1..=0.2).contains(&after), "{after} s");
+    assert!((drive.place(5.0) - drive.end()).norm() < 0.1);
+}
+
+/// The follower's last sample is to stand still, so the rover need not wait for its time limit.
+#[test]
+fn a_follower_that_stops_stops_the_wheels_at_once() {
+    let mut running = Course::corridor().run();
+    running.run.run_until(Time::from_nanos(nanos(5.0)));
+    let stop = running.run.transition("Follower", Transition::Stop);
+    stop.unwrap();
+    running.run.run_until(Time::from_nanos(nanos(8.0)));
+    let drive = running.drive.lock().unwrap();
+    let (at, last) = drive.twists.last().unwrap();
+    assert_eq!((last.linear.x, last.angular.z), (0.0, 0.0));
+    assert!(*at <= 5.0, "{at} s");
+    // it brakes with its deceleration
+    let standing = drive.wheels_stand_from(5.0);
+    assert!(standing < 6.0, "{standing} s");
 }
 
 #[test]
@@ -222,6 +234,42 @@ fn without_odometry_it_does_not_drive() {
             && later
                 .clone()
                 .all(|(_, twist)| twist.linear.x == 0.0 && twist.angular.z == 0.0)
+    );
+}
+
+#[test]
+fn with_odometry_in_another_frame_it_does_not_drive() {
+    let mut running = Course::corridor().run();
+    running.run.run_until(Time::from_nanos(nanos(5.0)));
+    let mut locate_in = |frame: &str, until: f64| {
+        let frame = vec![("frame".to_owned(), Datum::text(frame))];
+        running.run.set_properties("Rover", &frame).unwrap();
+        running.run.run_until(Time::from_nanos(nanos(until)));
+    };
+    locate_in("odom", 7.0);
+    locate_in("map", 9.0);
+    let drive = running.drive.lock().unwrap();
+    let speeds = |from: f64, until: f64| -> Vec<f64> {
+        let twists = drive.twists.iter();
+        let between = twists.filter(|(at, _)| *at > from && *at < until);
+        between.map(|(_, twist)| twist.linear.x).collect()
+    };
+    assert!(
+        speeds(4.5, 5.0).iter().all(|speed| *speed > 0.3),
+        "it was driving"
+    );
+    let without_place = speeds(5.1, 7.0);
+    assert!(
+        without_place.len() > 30,
+        "it commands a stop in every cycle"
+    );
+    assert!(
+        without_place.iter().all(|speed| *speed == 0.0),
+        "{without_place:?}"
+    );
+    assert!(
+        speeds(7.5, 9.0).iter().all(|speed| *speed > 0.3),
+        "it goes on"
     );
 }
 

@@ -28,7 +28,8 @@ pub fn properties(input: TokenStream) -> TokenStream {
 /// described by its doc comment. The port has the field's name unless `#[port(name = "…")]` gives
 /// another.
 ///
-/// `#[port(optional)]` marks a reference that may stay unconnected.
+/// `#[port(optional)]` marks a reference that may stay unconnected. `#[port(safe)]` marks an output to which
+/// the engine writes the default of its type after the component's last cycle.
 #[proc_macro_derive(Ports, attributes(port))]
 pub fn ports(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), ports::derive)
@@ -151,7 +152,10 @@ mod tests {
         };
         let refusal = refusal(ports::derive, &input);
         assert!(refusal.starts_with("a port is an `In<T>`"), "{refusal}");
-        assert!(refusal.ends_with("a port has `name`, and a reference may be `optional`"));
+        assert!(
+            refusal.ends_with("an output may be `safe`, and a reference `optional`"),
+            "{refusal}"
+        );
     }
 
     #[test]

@@ -18,6 +18,8 @@ struct PortField<'a> {
     renamed: Option<LitStr>,
     /// The reference may stay unconnected.
     optional: bool,
+    /// The output has a safe sample, the default of its type.
+    safe: bool,
 }
 
 pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
@@ -50,6 +52,7 @@ impl<'a> PortField<'a> {
             name,
             renamed: None,
             optional: false,
+            safe: false,
         };
         for attribute in &field.attrs {
             if attribute.path().is_ident("port") {
@@ -58,8 +61,10 @@ impl<'a> PortField<'a> {
                         port.renamed = Some(meta.value()?.parse()?);
                     } else if meta.path.is_ident("optional") && handle == "Required" {
                         port.optional = true;
+                    } else if meta.path.is_ident("safe") && handle == "Out" {
+                        port.safe = true;
                     } else {
-                        let known = "a port has `name`, and a reference may be `optional`";
+                        let known = "a port has `name`, an output may be `safe`, and a reference `optional`";
                         return Err(meta.error(known));
                     }
                     Ok(())
@@ -76,6 +81,11 @@ impl<'a> PortField<'a> {
         let doc = documentation(self.field)?;
         Ok(if *handle == "In" {
             quote!(interface.input::<#of>(#name, #doc))
+        } else if self.safe {
+            quote!({
+                let output = interface.output::<#of>(#name, #doc);
+                interface.safe(output, ::core::default::Default::default())
+            })
         } else if *handle == "Out" {
             quote!(interface.output::<#of>(#name, #doc))
         } else if *handle == "Provided" {

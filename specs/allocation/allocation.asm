@@ -13,6 +13,8 @@ signature:
 	dynamic controlled busy: Robot -> Boolean
 	dynamic controlled doing: Prod(Robot, Task) -> Boolean
 	dynamic controlled tstate: Task -> TState
+	// the task that a robot was given last
+	out order: Robot -> Task
 
 definitions:
 	macro rule r_release($r in Robot) =
@@ -39,6 +41,7 @@ definitions:
 				busy($r) := true
 				doing($r, $t) := true
 				tstate($t) := RUNNING
+				order($r) := $t
 			endpar
 
 	CTLSPEC ag(not (doing(ROB1, TASK1) and doing(ROB2, TASK1)))

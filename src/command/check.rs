@@ -9,6 +9,7 @@ mod json;
 use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
+use crate::paths::{FileKind, named_files};
 use crate::terminal::{TerminalOutput, count};
 use asmotion_diagnostics::Applicability;
 use asmotion_lang::{Diagnostic, ReadOptions, Report, Sources};
@@ -16,16 +17,18 @@ use clap::{Args, ValueEnum};
 use findings::findings;
 use fix::FixedFile;
 use serde_json::{Value, json};
+use std::path::PathBuf;
 
 /// Checks specifications, scenarios and composites without running them.
 #[derive(Args)]
 pub struct Check {
-    /// Specifications (`.asm`), scenarios (`.avalla`, `.env.toml`), composites and message types (`.toml`).
-    #[arg(required_unless_present = "explain")]
-    files: Vec<String>,
+    /// Specifications (`.asm`), scenarios (`.avalla`, `.env.toml`), composites and message types (`.toml`), and folders that
+    /// contain specifications, scenarios and composites (`.composite.toml`)
+    #[arg(value_name = "PATH", required_unless_present = "explain")]
+    paths: Vec<PathBuf>,
 
     /// Explains a code, with a faulty example and its correction; without a code, lists all codes
-    #[arg(long, value_name = "CODE", num_args = 0..=1, conflicts_with_all = ["files", "fix"])]
+    #[arg(long, value_name = "CODE", num_args = 0..=1, conflicts_with_all = ["paths", "fix"])]
     explain: Option<Option<String>>,
 
     /// Output format of the findings
@@ -58,6 +61,14 @@ pub struct Check {
     compat: Option<Tool>,
 }
 
+/// Kinds of files that are checked in a folder.
+const KINDS: &[FileKind] = &[
+    FileKind::Specification,
+    FileKind::Scenario,
+    FileKind::Script,
+    FileKind::Composite,
+];
+
 /// Output format of the findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum FindingFormat {
@@ -72,6 +83,7 @@ enum FindingFormat {
 /// Results of all files.
 #[derive(Default)]
 struct CheckSummary {
+    files: Vec<String>,
     report: Report,
     findings: Vec<Value>,
     fixed: Vec<Value>,
@@ -86,8 +98,19 @@ impl Check {
             return explain::explain(code.as_deref(), terminal);
         }
         let options = self.options();
-        let mut summary = CheckSummary::default();
-        for path in &self.files {
+        let named = match named_files(&self.paths, KINDS) {
+            Ok(named) => named,
+            Err(error) => {
+                terminal.error(error);
+                return Exit::Usage;
+            }
+        };
+        let files: Vec<String> = named.iter().map(|file| file.text()).collect();
+        let mut summary = CheckSummary {
+            files: files.clone(),
+            ..CheckSummary::default()
+        };
+        for path in &files {
             if self.format() == FindingFormat::Full {
                 terminal.status("Checking", path);
             }
@@ -106,13 +129,13 @@ impl Check {
             summary.report.extend(report);
         }
         if self.format() == FindingFormat::Json {
-            let mut document = json!({ "type": "check", "v": 1, "files": self.files, "findings": summary.findings });
+            let mut document = json!({ "type": "check", "v": 1, "files": summary.files, "findings": summary.findings });
             if self.fix {
-                document["fixed"] = summary.fixed.into();
+                document["fixed"] = std::mem::take(&mut summary.fixed).into();
             }
             terminal.result(document);
         }
-        self.conclude(&summary.report, terminal);
+        conclude(&summary, terminal);
         summary.exit
     }
 
@@ -180,23 +203,25 @@ impl Check {
             ),
         }
     }
+}
 
-    fn conclude(&self, report: &Report, terminal: &mut TerminalOutput) {
-        let files = match self.files.len() {
-            1 => "1 file".to_owned(),
-            several => format!("{several} files"),
-        };
-        match (count(report), report.has_errors()) {
-            (Some(found), true) => terminal.error(format_args!("{found} in {files}")),
-            (Some(found), false) => terminal.status("Checked", format_args!("{files}: {found}")),
-            (None, _) => terminal.status("Checked", format_args!("{files}: no findings")),
-        }
-        let sure = report.diagnostics.iter().filter(|finding| is_sure(finding));
-        match sure.count() {
-            0 => {}
-            1 => terminal.progress("`--fix` can fix one of them"),
-            several => terminal.progress(format_args!("`--fix` can fix {several} of them")),
-        }
+/// Prints the number of files and findings.
+fn conclude(summary: &CheckSummary, terminal: &mut TerminalOutput) {
+    let report = &summary.report;
+    let files = match summary.files.len() {
+        1 => "1 file".to_owned(),
+        several => format!("{several} files"),
+    };
+    match (count(report), report.has_errors()) {
+        (Some(found), true) => terminal.error(format_args!("{found} in {files}")),
+        (Some(found), false) => terminal.status("Checked", format_args!("{files}: {found}")),
+        (None, _) => terminal.status("Checked", format_args!("{files}: no findings")),
+    }
+    let sure = report.diagnostics.iter().filter(|finding| is_sure(finding));
+    match sure.count() {
+        0 => {}
+        1 => terminal.progress("`--fix` can fix one of them"),
+        several => terminal.progress(format_args!("`--fix` can fix {several} of them")),
     }
 }
 

@@ -6,6 +6,7 @@ use self::properties::PropertiesCommand;
 use super::run::property_value;
 use crate::broker::BrokerArguments;
 use crate::exit::Exit;
+use crate::inspection;
 use crate::table;
 use crate::terminal::{NAME, TerminalOutput};
 use asmotion_component::Transition;
@@ -135,6 +136,7 @@ pub(super) fn list(components: &[asmotion_remote::RemoteComponent], terminal: &m
             component.robot().to_owned(),
             component.process().to_owned(),
             present.state.clone(),
+            inspection::control_state(&present.inspection).unwrap_or_else(|| "-".to_owned()),
             format!("{:.1}", present.rate_hz),
             present.overruns.to_string(),
             present.late.to_string(),
@@ -145,6 +147,7 @@ pub(super) fn list(components: &[asmotion_remote::RemoteComponent], terminal: &m
         "robot",
         "process",
         "state",
+        "control",
         "Hz",
         "overruns",
         "late",
@@ -202,5 +205,8 @@ pub(super) fn show(
     }
     for (property, value) in &component.properties {
         terminal.result(format_args!("  property    {property} = {value}"));
+    }
+    for (name, text) in inspection::entries(&component.inspection) {
+        terminal.result(format_args!("  {name:<10}  {text}"));
     }
 }

@@ -24,6 +24,12 @@ pub struct Doctor {
 /// Time limit of each test.
 const PATIENCE: Duration = Duration::from_secs(5);
 
+/// Time in which every process publishes its presence twice.
+const PRESENCE_WAIT: Duration = Duration::from_millis(2200);
+
+/// Difference between two clocks that is reported; synchronised clocks differ by some milliseconds.
+const CLOCK_TOLERANCE: Duration = Duration::from_millis(500);
+
 /// Name of the topic and the service used by the tests.
 const TRIED: &str = "asmotion.doctor";
 
@@ -81,6 +87,13 @@ fn check_all(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(
     well("a published message arrives".to_owned());
     check_service(&bus, settings)?;
     well("an offered service can be called".to_owned());
+    match check_clocks(&bus, settings)? {
+        0 => well("no process is running, so no clocks were compared".to_owned()),
+        1 => well("the clock of 1 process agrees with that of this machine".to_owned()),
+        count => well(format!(
+            "the clocks of {count} processes agree with that of this machine"
+        )),
+    }
     Ok(())
 }
 
@@ -116,6 +129,13 @@ fn log_in(settings: &AmqpSettings) -> Result<AmqpBus, Diagnosis> {
             format!(
                 "invalid user or password: `rabbitmqctl list_users` lists the users,\n`rabbitmqctl change_password {user} …` sets a password; `guest` can connect only from the same machine"
             )
+        } else if text.contains("precondition_failed") {
+            let exchange = &settings.exchange;
+            format!(
+                "another program has declared the exchange with another type: delete it in RabbitMQ's management interface or with\n`rabbitmqadmin -V {vhost} delete exchange name={exchange}`, or choose a virtual host of its own; it is declared again at once"
+            )
+        } else if text.contains("no exchange") {
+            format!("the user may not declare it: `{}`", permission_command(settings))
         } else if text.contains("vhost") && text.contains("not found") {
             format!("`rabbitmqctl add_vhost {vhost}`, then `{}`", permission_command(settings))
         } else if text.contains("vhost") {
@@ -200,6 +220,21 @@ fn check_service(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis
         .wait()
         .map(drop)
         .map_err(|failure: CallFailure| ill(failure.to_string()))
+}
+
+/// Compares the clocks of the running processes with that of this machine. Returns the number of processes.
+fn check_clocks(bus: &AmqpBus, settings: &AmqpSettings) -> Result<usize, Diagnosis> {
+    let offsets = asmotion_remote::clock_offsets(bus, PRESENCE_WAIT)
+        .map_err(|error| missing_permission("cannot read a topic", &error.to_string(), settings))?;
+    let wrong = offsets.iter().filter(|it| it.is_beyond(CLOCK_TOLERANCE));
+    let wrong: Vec<String> = wrong.map(ToString::to_string).collect();
+    if wrong.is_empty() {
+        return Ok(offsets.len());
+    }
+    Err(Diagnosis::new(
+        wrong.join("; "),
+        "synchronise the clocks of all machines, with chrony or systemd-timesyncd: `timedatectl` shows whether they are;\nages and deadlines of messages between them are wrong by the difference",
+    ))
 }
 
 fn missing_permission(problem: &str, reason: &str, settings: &AmqpSettings) -> Diagnosis {

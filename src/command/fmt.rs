@@ -3,12 +3,13 @@
 use crate::diff;
 use crate::exit::Exit;
 use crate::files::{self, DiskLoader};
+use crate::paths::{FileKind, PathError, named_files};
 use crate::terminal::TerminalOutput;
 use asmotion_diagnostics::LoadError;
 use asmotion_lang::{Loader, Report, Sources, syntax};
 use clap::Args;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Formats specifications and scenarios; see docs/formatting.md.
@@ -16,7 +17,7 @@ use std::sync::Arc;
 pub struct Fmt {
     /// Specifications, scenarios, and folders that contain them; `-` formats standard input
     #[arg(required = true)]
-    paths: Vec<String>,
+    paths: Vec<PathBuf>,
 
     /// Lists files that are not formatted, changes nothing, and fails if there are any
     #[arg(long)]
@@ -47,13 +48,12 @@ impl Fmt {
                     .iter()
                     .for_each(|file| self.format_file(file, &mut tally, terminal)),
                 Err(error) => {
-                    let reason = files::reason(&error);
-                    terminal.error(format_args!("cannot read `{path}`: {reason}"));
+                    terminal.error(error);
                     tally.failed += 1;
                 }
             }
         }
-        if self.paths != ["-"] {
+        if self.paths != [PathBuf::from("-")] {
             self.conclude(&tally, terminal);
         }
         if tally.failed > 0 {
@@ -66,6 +66,13 @@ impl Fmt {
     }
 
     fn format_file(&self, path: &str, summary: &mut FmtSummary, terminal: &mut TerminalOutput) {
+        if path.ends_with(".toml") {
+            terminal.error(format_args!(
+                "cannot format `{path}`: `fmt` formats specifications (`.asm`) and scenarios (`.avalla`)"
+            ));
+            summary.failed += 1;
+            return;
+        }
         let before = match read(path) {
             Ok(text) => text,
             Err(error) => {
@@ -149,15 +156,10 @@ fn count(files: usize) -> String {
 }
 
 /// The file itself, or the specifications and scenarios in a folder.
-fn files_at(path: &str) -> std::io::Result<Vec<String>> {
-    if path == "-" || !std::fs::metadata(path)?.is_dir() {
-        return Ok(vec![path.to_owned()]);
-    }
-    let files = files::files(Path::new(path), &["asm", "avalla"])?;
-    Ok(files
-        .iter()
-        .map(|file| file.display().to_string())
-        .collect())
+fn files_at(path: &Path) -> Result<Vec<String>, PathError> {
+    let kinds = [FileKind::Specification, FileKind::Scenario];
+    let files = named_files(&[path.to_owned()], &kinds)?;
+    Ok(files.iter().map(|file| file.text()).collect())
 }
 
 fn read(path: &str) -> Result<Arc<str>, LoadError> {

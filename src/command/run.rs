@@ -28,8 +28,9 @@ use crate::mission::{
     NamedBrokers,
 };
 use crate::output_files::{OutputArguments, OutputFiles};
+use crate::paths::composite_file;
 use crate::terminal::TerminalOutput;
-use report::{event_json, print_summary, summary_json};
+use report::{event_json, headline, print_summary, summary_json};
 #[cfg(feature = "tui")]
 use top::spectator;
 #[cfg(not(feature = "tui"))]
@@ -78,7 +79,8 @@ pub struct Run {
     #[command(flatten)]
     common: MissionArguments,
 
-    /// Ends the run successfully when a location has a value [default: mode=ARRIVED]
+    /// Ends the run successfully when a location has a value [default: mode=ARRIVED; a composite without this value succeeds
+    /// when its time is up]
     #[arg(long, value_name = "LOCATION=VALUE")]
     until: Vec<String>,
 
@@ -136,6 +138,10 @@ impl Run {
                 "`{0}` is a specification: `asmotion sim {0}` runs it alone",
                 self.composite
             ));
+            return Exit::Usage;
+        }
+        if let Err(problem) = composite_file(&self.composite) {
+            terminal.error(problem);
             return Exit::Usage;
         }
         match self.mission() {
@@ -304,7 +310,8 @@ impl MissionArguments {
                 let open = |report: &Report, sources: &Sources| {
                     warnings = Some((report.clone(), sources.clone()));
                 };
-                let result = spectator.run_beside(&stop, || mission.run(open, listener, &stop));
+                let result =
+                    spectator.run_beside(&stop, || mission.run(open, listener, &stop), headline);
                 if let Some((report, sources)) = warnings.filter(|_| warns) {
                     terminal.report(&report, &sources);
                 }
@@ -352,8 +359,12 @@ impl MissionArguments {
         }
         match result.outcome {
             // a goal that is reached by pushing something aside is not a success
-            MissionOutcome::Reached if result.summary.collisions > 0 => Exit::Findings,
-            MissionOutcome::Reached => Exit::Ok,
+            MissionOutcome::Reached | MissionOutcome::Completed
+                if result.summary.collisions > 0 =>
+            {
+                Exit::Findings
+            }
+            MissionOutcome::Reached | MissionOutcome::Completed => Exit::Ok,
             // one process of several runs until it is stopped
             MissionOutcome::Stopped if mission.process.is_some() => Exit::Ok,
             MissionOutcome::Failed | MissionOutcome::TimeUp | MissionOutcome::Stopped => {

@@ -31,7 +31,7 @@ struct ScdlImport {
     /// SCDL file; nested composites are looked up in the same folder
     file: String,
 
-    /// Folder for the composite files [default: prints the first one]
+    /// Folder for the composite files, created if it is missing [default: prints the first one]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -73,6 +73,11 @@ impl ScdlImport {
                 }
             }
             Some(folder) => {
+                if let Err(error) = std::fs::create_dir_all(folder) {
+                    let (folder, reason) = (folder.display(), reason(&error));
+                    terminal.error(format_args!("cannot create `{folder}`: {reason}"));
+                    return Exit::Usage;
+                }
                 for (name, text) in &imported.files {
                     if let Err(exit) = write(&folder.join(name), text, terminal) {
                         return exit;

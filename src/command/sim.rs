@@ -1,25 +1,29 @@
 //! `asmotion sim`: simulates specifications.
 
-mod folder;
+mod several;
 mod single;
 
 use super::tool::Tool;
 use crate::codes::s000::UnreadableScript;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
+use crate::paths::{FileKind, named_files};
 use crate::terminal::TerminalOutput;
+use crate::trace::{RecordedRun, RecordedUpdates, ReplayError, is_run_trace, recorded_run};
 use asmotion_diagnostics::Finding;
 use asmotion_lang::hir::NO_SUCH_INIT;
+use asmotion_lang::ir::message_uses;
 use asmotion_lang::simulate::{Causes, Random, Recording, Script, Simulation, SimulationClock};
 use asmotion_lang::{Loader, OpenFailure, ReadOptions, Report, Specification, StepFault};
 use clap::Args;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Simulates a specification with scripted, recorded or random inputs.
 #[derive(Args)]
 pub struct Sim {
-    /// Specification, or a folder to simulate all its specifications
-    spec: String,
+    /// Specifications, and folders to simulate all their specifications
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<PathBuf>,
 
     /// Number of steps [default: the length of the script or recording, else 20]
     #[arg(long)]
@@ -29,11 +33,16 @@ pub struct Sim {
     #[arg(long, value_name = "FILE")]
     env: Option<String>,
 
-    /// Trace whose inputs, choices and times are replayed; for a folder, a folder with a trace for each specification
+    /// Trace whose inputs, choices and times are replayed, written by `sim` or by `run`; for several specifications, a folder
+    /// with a trace for each
     #[arg(long, value_name = "TRACE", conflicts_with = "env")]
     replay_inputs: Option<String>,
 
-    /// Writes inputs, choices and updates to a file, one per line; for a folder, into a folder
+    /// Component whose steps are replayed, if the trace of a run contains several coordinators
+    #[arg(long, value_name = "NAME", requires = "replay_inputs")]
+    component: Option<String>,
+
+    /// Writes inputs, choices and updates to a file, one per line; for several specifications, into a folder
     #[arg(long, value_name = "FILE")]
     trace: Option<String>,
 
@@ -58,7 +67,7 @@ pub struct Sim {
     #[arg(long)]
     json: bool,
 
-    /// Prints only the final state; for a folder, only the summary
+    /// Prints only the final state; for several specifications, only the summary
     #[arg(long, short)]
     quiet: bool,
 }
@@ -111,24 +120,43 @@ const STEPS: u64 = 20;
 enum SimStartError {
     /// The inputs cannot be read.
     Inputs(Report),
+    /// The trace cannot be replayed.
+    Replay(Box<ReplayError>),
     /// The initial state cannot be computed.
     Fault(Box<StepFault>),
 }
 
+/// A simulation and, if it replays the trace of a run, the updates of its steps.
+struct StartedSimulation {
+    simulation: Simulation,
+    expected: Vec<RecordedUpdates>,
+}
+
 impl Sim {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        let path = Path::new(&self.spec);
-        if path.is_dir() {
-            return self.folder(path, terminal);
-        }
-        if self.spec.ends_with(".toml") {
+        let files = match named_files(&self.paths, &[FileKind::Specification]) {
+            Ok(files) => files,
+            Err(error) => {
+                terminal.error(error);
+                return Exit::Usage;
+            }
+        };
+        for file in &files {
+            let (command, what) = match FileKind::of(&file.path) {
+                Some(FileKind::Composite) => ("run", "a composite"),
+                Some(FileKind::Scenario | FileKind::Script) => ("test", "a scenario"),
+                Some(FileKind::Specification) | None => continue,
+            };
+            let path = file.text();
             terminal.error(format_args!(
-                "`{0}` is a composite: `asmotion run {0}` runs it",
-                self.spec
+                "`{path}` is {what}: `asmotion {command} {path}` runs it"
             ));
             return Exit::Usage;
         }
-        self.single(terminal)
+        match files.as_slice() {
+            [file] if file.folder.is_none() => self.single(&file.text(), terminal),
+            several => self.several(several, terminal),
+        }
     }
 
     /// Starts a run of an opened specification, with recorded inputs if `recorded` is given.
@@ -136,19 +164,56 @@ impl Sim {
         &self,
         specification: &mut Specification,
         recorded: Option<&str>,
-    ) -> Result<Simulation, SimStartError> {
+    ) -> Result<StartedSimulation, SimStartError> {
+        let mut expected = Vec::new();
         let machine = specification.machine().map_err(SimStartError::Fault)?;
         let causes = match (&self.env, recorded) {
             (Some(path), _) => Causes::Script(script(path, specification)?),
             (None, Some(path)) => {
-                Causes::Recording(Recording::read(&read(path, "--replay-inputs")?))
+                let run = self.recorded(path, specification)?;
+                expected = run.steps;
+                Causes::Recording(Recording::read(&run.causes))
             }
             (None, None) => {
                 let program = specification.program.clone();
                 Causes::Random(Box::new(Random::new(program, &machine, self.seed)))
             }
         };
-        Ok(Simulation::new(machine, causes, self.seed).timed(self.clock.clock()))
+        let simulation = Simulation::new(machine, causes, self.seed).timed(self.clock.clock());
+        Ok(StartedSimulation {
+            simulation,
+            expected,
+        })
+    }
+
+    /// Reads the trace to replay, of a simulation or of a run.
+    fn recorded(
+        &self,
+        path: &str,
+        specification: &Specification,
+    ) -> Result<RecordedRun, SimStartError> {
+        let refused = |error| SimStartError::Replay(Box::new(error));
+        let text = read(path, "--replay-inputs")?;
+        if is_run_trace(&text) {
+            let run = recorded_run(path, &text, self.component.as_deref()).map_err(refused)?;
+            return if message_uses(&specification.model).is_empty() {
+                Ok(run)
+            } else {
+                let specification = specification.model.name.to_string();
+                Err(refused(ReplayError::Messages { specification }))
+            };
+        }
+        let path = path.to_owned();
+        if self.component.is_some() {
+            return Err(refused(ReplayError::NoComponents { path }));
+        }
+        if Recording::read(&text).steps().is_empty() {
+            return Err(refused(ReplayError::Empty { path }));
+        }
+        Ok(RecordedRun {
+            causes: text.to_string(),
+            steps: Vec::new(),
+        })
     }
 
     fn open(&self, path: &str) -> Result<Specification, OpenFailure> {
@@ -160,12 +225,12 @@ impl Sim {
     }
 
     /// Exit code for a specification with errors; an unknown initial state is a usage error.
-    fn refused(&self, failure: &OpenFailure) -> Exit {
+    fn refused(&self, path: &str, failure: &OpenFailure) -> Exit {
         let mut findings = failure.report.diagnostics.iter();
         if self.init.is_some() && findings.any(|finding| finding.is_any(&[NO_SUCH_INIT])) {
             Exit::Usage
         } else {
-            Exit::refused(&self.spec)
+            Exit::refused(path)
         }
     }
 

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Runs scenarios: single files, or all of a folder.
+/// Runs scenarios: single files, those of a specification, or all of a folder.
 ///
 /// An `.avalla` scenario loads its specification, and passes if all its checks and invariants hold. A
 /// snapshot scenario is an input script `spec.name.env.toml` beside `spec.asm`: it passes if the run
@@ -31,7 +31,7 @@ use std::time::Instant;
 /// 2 if some cannot be run.
 #[derive(Args)]
 pub struct Test {
-    /// Scenarios and folders
+    /// Scenarios, specifications that have scenarios beside them, and folders
     #[arg(value_name = "PATH", default_value = ".")]
     paths: Vec<PathBuf>,
 

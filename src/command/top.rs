@@ -28,7 +28,7 @@ impl Top {
         let result = self.broker.settings().and_then(|settings| {
             let location = settings.location();
             let remote = self.broker.remote()?;
-            top::show(&remote, &location, &AtomicBool::new(false))
+            top::show(&remote, &location, &AtomicBool::new(false), &|| None)
                 .map_err(|error| error.to_string())
         });
         match result {

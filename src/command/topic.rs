@@ -8,6 +8,8 @@ mod publish;
 use crate::broker::BrokerArguments;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
+use asmotion_diagnostics::{or_did_you_mean, similar};
+use asmotion_remote::Remote;
 use clap::{Args, Subcommand};
 
 /// Lists, shows and publishes messages of topics on a broker.
@@ -55,4 +57,24 @@ impl Topic {
             }
         }
     }
+}
+
+/// The warning that no running process has a topic, with the most similar one; `None` if one has it, or if the name is a
+/// pattern.
+fn unknown_topic(topic: &str, remote: &Remote) -> Option<String> {
+    if topic.split('.').any(|word| word == "*" || word == "#") {
+        return None;
+    }
+    let mut known = Vec::new();
+    for presence in remote.processes() {
+        let topics = presence.presence.topics.iter();
+        known.extend(topics.map(|topic| presence.key(&topic.name)));
+    }
+    if known.iter().any(|known| known == topic) {
+        return None;
+    }
+    let suggestion = or_did_you_mean(similar(topic, &known).map(String::as_str));
+    Some(format!(
+        "no running process has a topic `{topic}`{suggestion}"
+    ))
 }

@@ -6,21 +6,22 @@ use asmotion_component::{State, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::AwaitedUpdate;
-use asmotion_plan::{Implementation, Plan};
+use asmotion_plan::{Component, Implementation, Part, Plan};
 use asmotion_runtime::{Event, Observer, Run};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Returns the end conditions; by default `mode` with its usual value.
+/// Returns the end conditions; by default `mode` with its usual value, if a specification has it.
 pub(super) fn awaited_updates(
     plan: &Plan,
     requested: Option<&[(String, String)]>,
     default: &str,
 ) -> Result<Vec<AwaitedUpdate>, MissionError> {
-    let Some(requested) = requested else {
-        let (location, value) = ("mode".to_owned(), default.to_owned());
-        return Ok(vec![AwaitedUpdate { location, value }]);
-    };
     let machines = machines(plan);
+    let Some(requested) = requested else {
+        let usual =
+            |(_, machine): &(String, Machine)| AwaitedUpdate::of(machine, "mode", default).ok();
+        return Ok(machines.iter().find_map(usual).into_iter().collect());
+    };
     let mut all = Vec::new();
     for (location, value) in requested {
         let mut reasons = Vec::new();
@@ -39,18 +40,24 @@ pub(super) fn awaited_updates(
     Ok(all)
 }
 
-/// Machines of the plan's specifications; errors of their initial states are reported at the start.
-fn machines(plan: &Plan) -> Vec<(String, Machine)> {
-    let of = |component: &asmotion_plan::Component| match &component.implementation {
-        Implementation::Asm { file, .. } => {
-            let specification = asmotion_lang::open(file, &DiskLoader).ok()?;
-            Some((file.clone(), specification.machine().ok()?))
-        }
+/// The specification of a component; `None` if it is implemented otherwise.
+fn file(component: &Component) -> Option<&str> {
+    match &component.implementation {
+        Implementation::Asm { file, .. } => Some(file),
         Implementation::Rust(_)
         | Implementation::Builtin { .. }
         | Implementation::Process { .. }
         | Implementation::Ros { .. }
         | Implementation::Orocos { .. } => None,
+    }
+}
+
+/// Machines of the plan's specifications; errors of their initial states are reported at the start.
+fn machines(plan: &Plan) -> Vec<(String, Machine)> {
+    let of = |component: &Component| {
+        let file = file(component)?;
+        let specification = asmotion_lang::open(file, &DiskLoader).ok()?;
+        Some((file.to_owned(), specification.machine().ok()?))
     };
     plan.components.iter().filter_map(of).collect()
 }
@@ -60,8 +67,10 @@ fn machines(plan: &Plan) -> Vec<(String, Machine)> {
 pub(super) struct EndCondition {
     until: Vec<AwaitedUpdate>,
     unless: Vec<AwaitedUpdate>,
-    /// Names of the components that run a specification.
-    specifications: BTreeSet<String>,
+    /// The components that run a specification here, with its file.
+    specifications: BTreeMap<String, String>,
+    /// Components whose specifications have met a success condition.
+    reached: BTreeSet<String>,
     /// Components that have been running.
     started: BTreeSet<String>,
     /// Components that have failed, with the time of their last fault.
@@ -71,16 +80,37 @@ pub(super) struct EndCondition {
 }
 
 impl EndCondition {
-    pub(super) fn new(plan: &Plan, until: Vec<AwaitedUpdate>, unless: Vec<AwaitedUpdate>) -> Self {
-        let components = plan.components.iter();
-        let specifications =
-            components.filter(|it| matches!(it.implementation, Implementation::Asm { .. }));
+    pub(super) fn new(
+        plan: &Plan,
+        part: &Part,
+        until: Vec<AwaitedUpdate>,
+        unless: Vec<AwaitedUpdate>,
+    ) -> Self {
+        let here = plan.components.iter().filter(|it| part.has(&it.name));
+        let specifications = here.filter_map(|it| Some((it.name.clone(), file(it)?.to_owned())));
         Self {
             until,
             unless,
-            specifications: specifications.map(|it| it.name.clone()).collect(),
+            specifications: specifications.collect(),
             ..Self::default()
         }
+    }
+
+    /// Returns whether the run can succeed before its time is up.
+    pub(super) fn has_goal(&self) -> bool {
+        !self.until.is_empty()
+    }
+
+    /// Records that a component has met a success condition. Returns whether all components with its specification have: of
+    /// several robots, each has to reach its goal.
+    fn has_reached(&mut self, component: &str) -> bool {
+        self.reached.insert(component.to_owned());
+        let file = self.specifications.get(component);
+        let mut same = self
+            .specifications
+            .iter()
+            .filter(|(_, it)| Some(*it) == file);
+        same.all(|(component, _)| self.reached.contains(component))
     }
 
     /// Returns the outcome, once it is known.
@@ -89,7 +119,7 @@ impl EndCondition {
     /// reached without it: it runs a specification, it could not be started, or its failure has stopped all components.
     pub(super) fn outcome(&self, run: &dyn Run) -> Option<MissionOutcome> {
         let ends = |component: &String| {
-            self.specifications.contains(component) || !self.started.contains(component)
+            self.specifications.contains_key(component) || !self.started.contains(component)
         };
         let is_fatal = || {
             let mut dead = self.dead(run).peekable();
@@ -131,7 +161,9 @@ impl Observer for EndCondition {
                 self.started.insert((*component).to_owned());
             }
             Event::Report {
-                kind, data: what, ..
+                component,
+                kind,
+                data: what,
             } if *kind == STEP_REPORT => {
                 let Ok(step) = what.to::<StepRecord>() else {
                     return;
@@ -143,7 +175,9 @@ impl Observer for EndCondition {
                     })
                 };
                 if has(&self.until) {
-                    self.outcome = Some(MissionOutcome::Reached);
+                    if self.has_reached(component) {
+                        self.outcome = Some(MissionOutcome::Reached);
+                    }
                 } else if has(&self.unless) {
                     self.outcome = Some(MissionOutcome::Failed);
                 }

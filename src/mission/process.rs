@@ -184,15 +184,37 @@ impl Mission {
                 attached.map_err(of_all)?;
             }
         }
-        let name = self.process.as_deref().unwrap_or(&plan.name);
         let contact = |it: &'p ConnectedBroker| {
-            let newest = LastSamples::default();
-            system.observe(newest.clone());
-            let contact =
-                ProcessContact::new(plan, part.clone(), name, &*it.bus, incarnation, newest);
+            let contact = self.contact(system, &*it.bus, plan, part, incarnation);
             contact.map_err(|reason| broker_error(&it.location, reason))
         };
         connected.iter().map(contact).collect()
+    }
+
+    /// Announces a system on the bus of its gateways, which thereby show its components.
+    pub(super) fn gateway_contact<'p>(
+        &self,
+        system: &mut System,
+        bus: &'p LocalBus,
+        plan: &'p Plan,
+        part: &Part,
+    ) -> Result<ProcessContact<'p>, MissionError> {
+        let contact = self.contact(system, bus, plan, part, incarnation());
+        contact.map_err(|reason| broker_error("the gateway", reason))
+    }
+
+    fn contact<'p>(
+        &self,
+        system: &mut System,
+        bus: &'p dyn Bus,
+        plan: &'p Plan,
+        part: &Part,
+        incarnation: u64,
+    ) -> Result<ProcessContact<'p>, BusError> {
+        let name = self.process.as_deref().unwrap_or(&plan.name);
+        let newest = LastSamples::default();
+        system.observe(newest.clone());
+        ProcessContact::new(plan, part.clone(), name, bus, incarnation, newest)
     }
 
     /// Returns the receiver of new versions of the composite from the buses.

@@ -77,6 +77,13 @@ impl StoryInput {
         }
     }
 
+    /// Name of the component.
+    pub(super) fn component(&self) -> &str {
+        self.port
+            .rsplit_once('.')
+            .map_or("", |(component, _)| component)
+    }
+
     /// Returns whether the messages are a state, of which only the newest is relevant.
     pub(super) fn is_state(&self) -> bool {
         matches!(self.receives, StoryTrigger::State(_))

@@ -3,13 +3,12 @@
 use std::fmt;
 
 use asmotion_component::Time;
-use asmotion_coordinator::{StepRecord, UpdateRecord};
+use asmotion_coordinator::{CONTROL_STATES, StepRecord, UpdateRecord};
 use asmotion_datum::Sample;
 
-use super::{DrivenPath, StoryEntry};
-
-/// Usual names of functions that contain a control state.
-const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
+use super::StoryEntry;
+use super::driven_path::DrivenPath;
+use super::robot::Robots;
 
 /// The summary of a mission.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,8 +23,8 @@ pub struct Summary {
     pub calls: EventCounts,
     /// Number of calls that failed or timed out.
     pub failed_calls: u64,
-    /// The driven path; `None` if nothing moved.
-    pub path: Option<DrivenPath>,
+    /// The robots that moved.
+    pub robots: Robots,
     /// The last control state; `None` if no specification has one.
     pub control_state: Option<String>,
     /// Number of collisions reported by a simulated world.
@@ -69,24 +68,38 @@ impl fmt::Display for EventCounts {
 
 impl Summary {
     /// Adds a step.
-    pub(super) fn step(&mut self, record: &StepRecord) {
+    pub(super) fn step(&mut self, component: &str, record: &StepRecord) {
         self.steps += 1;
         if let Some(control) = control(record) {
             self.transitions += 1;
+            self.robots.set_control_state(component, &control.after);
             self.control_state = Some(control.after.clone());
         }
     }
 
-    /// Handles a message, which may contain a position. Returns a report of progress, if due.
-    pub(super) fn moved(&mut self, at: Time, sample: &dyn Sample) -> Option<StoryEntry> {
+    /// Handles a message of a component, which may contain a position. Returns a report of progress, if due.
+    pub(super) fn moved(
+        &mut self,
+        component: &str,
+        at: Time,
+        sample: &dyn Sample,
+    ) -> Option<StoryEntry> {
         let position = DrivenPath::position(sample)?;
-        self.path.get_or_insert_default().moved(at, position)
+        let report = self.robots.moved(component, at, position);
+        report.map(StoryEntry::single)
     }
 
-    /// Handles a message to a specification, which may contain a goal.
-    pub(super) fn set_goal(&mut self, sample: &dyn Sample) {
+    /// Handles a message of an output, which may contain the true position of a simulated robot.
+    pub(super) fn observe_truth(&mut self, component: &str, port: &str, sample: &dyn Sample) {
+        if let Some(position) = DrivenPath::true_position(port, sample) {
+            self.robots.set_true_position(component, position);
+        }
+    }
+
+    /// Handles a message to the specification of a component, which may contain a goal.
+    pub(super) fn set_goal(&mut self, component: &str, sample: &dyn Sample) {
         if let Some(goal) = DrivenPath::goal(sample) {
-            self.path.get_or_insert_default().goal = Some(goal);
+            self.robots.set_goal(component, goal);
         }
     }
 }

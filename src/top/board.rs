@@ -45,8 +45,17 @@ pub struct BoardTopic {
     pub last: Result<Datum, DatumError>,
     /// Number of received messages.
     pub count: u64,
-    /// Times of the last messages, oldest first.
-    arrivals: VecDeque<Duration>,
+    /// The last messages, oldest first.
+    arrivals: VecDeque<Arrival>,
+}
+
+/// The arrival of a message.
+#[derive(Clone, Copy)]
+struct Arrival {
+    /// Time of the monitor.
+    at: Duration,
+    /// Time of sending in nanoseconds of the sender's clock, which is virtual in a simulation.
+    stamp_ns: i64,
 }
 
 /// A component with its robot and process.
@@ -100,7 +109,10 @@ impl Board {
         if topic.arrivals.len() == WINDOW {
             topic.arrivals.pop_front();
         }
-        topic.arrivals.push_back(now);
+        topic.arrivals.push_back(Arrival {
+            at: now,
+            stamp_ns: envelope.stamp,
+        });
     }
 
     fn update_process(&mut self, presence: RobotPresence, now: Duration) {
@@ -175,16 +187,27 @@ impl BoardProcess {
 }
 
 impl BoardTopic {
-    /// Messages per second over the last messages; `None` before the second one.
+    /// Messages per second of the sender's clock over the last messages, or of the monitor's clock if the sender gives no
+    /// times; `None` before the second message.
     pub fn rate(&self) -> Option<f64> {
-        let gap = self.gap()?.as_secs_f64();
+        let gap = self.sending_gap().or_else(|| self.gap())?.as_secs_f64();
         (gap > 0.0).then(|| 1.0 / gap)
+    }
+
+    /// Mean interval between the times of sending; `None` if they do not increase.
+    fn sending_gap(&self) -> Option<Duration> {
+        let (first, last) = (self.arrivals.front()?, self.arrivals.back()?);
+        let span = u64::try_from(last.stamp_ns.checked_sub(first.stamp_ns)?).ok()?;
+        let is_ordered = self.arrivals.iter().is_sorted_by_key(|it| it.stamp_ns);
+        let gaps = self.arrivals.len() as u64 - 1;
+        let gap = span.checked_div(gaps).filter(|_| is_ordered)?;
+        (gap > 0).then(|| Duration::from_nanos(gap))
     }
 
     /// Time since the last message.
     pub fn age(&self, now: Duration) -> Duration {
-        let last = self.arrivals.back().copied().unwrap_or_default();
-        now.saturating_sub(last)
+        let last = self.arrivals.back().map(|last| last.at);
+        now.saturating_sub(last.unwrap_or_default())
     }
 
     /// Returns `true` if a topic with regular messages has fallen silent.
@@ -197,6 +220,6 @@ impl BoardTopic {
     fn gap(&self) -> Option<Duration> {
         let (first, last) = (self.arrivals.front()?, self.arrivals.back()?);
         let gaps = u32::try_from(self.arrivals.len() - 1).ok()?;
-        last.saturating_sub(*first).checked_div(gaps)
+        last.at.saturating_sub(first.at).checked_div(gaps)
     }
 }

@@ -10,13 +10,17 @@ use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, Paragraph, Row, Table, TableState};
+use ratatui::widgets::{Block, Paragraph, Row, Table, TableState, Wrap};
 
 use super::board::{BoardComponent, BoardTopic};
 use super::list_table::joints;
 use super::view::{Pane, seconds};
 use super::{Board, View};
 use crate::brief::brief;
+use crate::inspection;
+
+/// Height of a table without rows: two borders and the head.
+const TABLE_FRAME: u16 = 3;
 
 /// Minimum width for the message beside the tables.
 const WIDE: u16 = 140;
@@ -30,9 +34,11 @@ const CHOSEN: Style = Style::new().add_modifier(Modifier::REVERSED);
 
 /// Draws the model at the current time, or at the time of the pause.
 pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, location: &str, now: Duration) {
-    let (board, at) = match &view.paused {
-        None => (board, now),
-        Some((board, at)) => (board, *at),
+    let (board, at) = match (&view.paused, &view.result) {
+        (Some((board, at)), _) => (board, *at),
+        // ages do not grow after the end
+        (None, Some((_, end))) => (board, *end),
+        (None, None) => (board, now),
     };
     let [top, middle, bottom] = Layout::vertical([
         Constraint::Length(1),
@@ -52,7 +58,10 @@ pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, location: &str, n
         Layout::vertical([Constraint::Percentage(50), Constraint::Percentage(50)]).areas(tables);
     components(frame, upper, board, view, at);
     topics(frame, lower, board, view, at);
-    self::message(frame, message, board, view, at);
+    match view.pane {
+        Pane::Components => details(frame, message, board, view, at),
+        Pane::Topics => self::message(frame, message, board, view, at),
+    }
 }
 
 fn header<'a>(board: &Board, view: &View, location: &'a str, now: Duration) -> Line<'a> {
@@ -73,10 +82,11 @@ fn header<'a>(board: &Board, view: &View, location: &'a str, now: Duration) -> L
             Span::styled(text, style)
         }
     });
-    line.push(Span::raw(match board.processes() {
-        1 => "  1 process".to_owned(),
-        several => format!("  {several} processes"),
-    }));
+    line.push(match (&view.result, board.processes()) {
+        (Some((result, _)), _) => Span::styled(format!("  ended: {result}"), HEAD),
+        (None, 1) => Span::raw("  1 process"),
+        (None, several) => Span::raw(format!("  {several} processes")),
+    });
     if let Some((_, since)) = &view.paused {
         let text = format!("  PAUSED for {}", seconds(now.saturating_sub(*since)));
         line.push(Span::styled(text, BAD));
@@ -110,7 +120,8 @@ fn footer(view: &View) -> Line<'static> {
 fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Duration) {
     let components = view.components(board, now);
     let several = components.iter().any(|it| it.robot != components[0].robot);
-    let rows = components.iter().map(|it| component(it, several));
+    let is_over = view.result.is_some();
+    let rows = components.iter().map(|it| component(it, several, is_over));
     let head = [
         "component",
         "process",
@@ -139,8 +150,10 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
     );
 }
 
-fn component(component: &BoardComponent<'_>, several: bool) -> Row<'static> {
+fn component(component: &BoardComponent<'_>, several: bool, is_over: bool) -> Row<'static> {
     let present = component.present;
+    // the processes of a run that has ended are silent, and its last facts are its result
+    let silence = component.silence.filter(|_| !is_over);
     let process = if several {
         format!("{}.{}", component.robot, component.process)
     } else {
@@ -154,16 +167,16 @@ fn component(component: &BoardComponent<'_>, several: bool) -> Row<'static> {
         rate if rate > 0.0 => format!("{:.1} ms", 1e3 / rate),
         _ => "-".to_owned(),
     };
-    let (state, style) = match component.silence {
+    let (state, style) = match silence {
         Some(silence) => (silence.words(), FAINT),
-        None if present.state == "Running" => (present.state.clone(), GOOD),
+        None if present.state == "Running" => (running_state(present), GOOD),
         None if present.state == "Stopped" || present.state == "PreOperational" => {
             (present.state.clone(), NOTE)
         }
         None => (present.state.clone(), BAD),
     };
     // outdated facts are dimmed
-    let is_current = component.silence.is_none();
+    let is_current = silence.is_none();
     let now = |shown: String| if is_current { shown } else { "-".to_owned() };
     Row::new([
         Span::raw(present.name.clone()),
@@ -177,7 +190,14 @@ fn component(component: &BoardComponent<'_>, several: bool) -> Row<'static> {
     .style(if is_current { Style::new() } else { FAINT })
 }
 
-/// Duration of cycles: mean and maximum.
+/// The control state of a running coordinator, or the state in the life cycle.
+fn running_state(present: &PresentComponent) -> String {
+    let control = inspection::control_state(&present.inspection);
+    let value = control.and_then(|control| Some(control.split_once(" = ")?.1.to_owned()));
+    value.unwrap_or_else(|| present.state.clone())
+}
+
+/// Duration of cycles: mean and maximum; cycles take no time on a virtual clock.
 fn cycle_time(present: &PresentComponent) -> Span<'static> {
     let PresentComponent {
         cycle_mean_ms: mean,
@@ -190,6 +210,9 @@ fn cycle_time(present: &PresentComponent) -> Span<'static> {
     } else {
         Style::new()
     };
+    if most == 0.0 {
+        return Span::raw("-");
+    }
     Span::styled(format!("{mean:.1}/{most:.1} ms"), style)
 }
 
@@ -208,7 +231,7 @@ fn topics(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Du
     let head = ["topic", "Hz", "age", "last"];
     let widths = [
         Constraint::Fill(2),
-        Constraint::Length(7),
+        Constraint::Length(8),
         Constraint::Length(12),
         Constraint::Fill(3),
     ];
@@ -225,6 +248,7 @@ fn topics(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Du
 fn topic(topic: &BoardTopic, now: Duration) -> Row<'static> {
     let stale = topic.is_stale(now);
     let rate = match topic.rate() {
+        Some(rate) if !stale && rate >= 1e4 => format!("{rate:.0}"),
         Some(rate) if !stale => format!("{rate:.1}"),
         Some(_) | None => "-".to_owned(),
     };
@@ -251,9 +275,10 @@ fn table<'r>(
     frame: &mut Frame<'_>,
     area: Rect,
     (title, head, widths): (String, &[&'static str], &[Constraint]),
-    rows: impl Iterator<Item = Row<'r>>,
+    rows: impl ExactSizeIterator<Item = Row<'r>>,
     (view, pane): (&View, Pane),
 ) {
+    let count = rows.len();
     let style = if view.pane == pane { HEAD } else { FAINT };
     let table = Table::new(rows, widths.iter().copied())
         .header(Row::new(head.iter().copied()).style(FAINT))
@@ -269,6 +294,55 @@ fn table<'r>(
         });
     let mut state = TableState::new().with_selected(Some(view.row(pane)));
     frame.render_stateful_widget(table, area, &mut state);
+    mark_hidden_rows(frame, area, state.offset(), count);
+}
+
+/// Writes on the lower border how many rows are above and below the visible ones.
+fn mark_hidden_rows(frame: &mut Frame<'_>, area: Rect, above: usize, count: usize) {
+    let visible = usize::from(area.height.saturating_sub(TABLE_FRAME));
+    let below = count.saturating_sub(above + visible);
+    let mark = match (above, below) {
+        (0, 0) => return,
+        (0, below) => format!(" ↓ {below} more "),
+        (above, 0) => format!(" ↑ {above} more "),
+        (above, below) => format!(" ↑ {above}  ↓ {below} more "),
+    };
+    let width = u16::try_from(mark.chars().count()).unwrap_or(u16::MAX);
+    if area.width < width + 2 || area.height == 0 {
+        return;
+    }
+    let place = Rect {
+        x: area.right() - width - 1,
+        y: area.bottom() - 1,
+        width,
+        height: 1,
+    };
+    frame.render_widget(Span::styled(mark, NOTE), place);
+}
+
+/// The internal state of the selected component, as it describes it, and its properties.
+fn details(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Duration) {
+    let components = view.components(board, now);
+    let chosen = view.row(Pane::Components);
+    let chosen = chosen.min(components.len().saturating_sub(1));
+    let Some(component) = components.get(chosen) else {
+        frame.render_widget(Block::bordered().border_style(FAINT), area);
+        return;
+    };
+    let present = component.present;
+    let title = Line::from(vec![
+        Span::styled(present.name.clone(), HEAD),
+        Span::raw(format!("  {}, {} cycles", present.state, present.cycles)),
+    ]);
+    let block = Block::bordered().border_style(FAINT).title(title);
+    let properties = present.properties.iter();
+    let properties = properties.map(|(name, value)| (name.clone(), brief(value)));
+    let entries: Vec<_> = inspection::entries(&present.inspection)
+        .into_iter()
+        .chain(properties)
+        .collect();
+    let text = Paragraph::new(aligned(&entries)).wrap(Wrap { trim: false });
+    frame.render_widget(text.block(block), area);
 }
 
 /// The last message of the selected topic: lists of equal length as a table, other fields one by one.
@@ -323,16 +397,22 @@ fn lines(message: &Datum) -> Vec<Line<'static>> {
     let Datum::Record(fields) = message else {
         return vec![Line::raw(brief(message))];
     };
-    let width = fields.iter().map(|(name, _)| name.chars().count()).max();
-    let width = width.unwrap_or(0);
-    let line = |name: &str, value: &Datum| {
+    let fields = fields.iter();
+    let entries: Vec<_> = fields
+        .map(|(name, value)| (name.to_string(), brief(value)))
+        .collect();
+    aligned(&entries)
+}
+
+/// A line for each name with its text, aligned.
+fn aligned(entries: &[(String, String)]) -> Vec<Line<'static>> {
+    let widths = entries.iter().map(|(name, _)| name.chars().count());
+    let width = widths.max().unwrap_or(0);
+    let line = |(name, text): &(String, String)| {
         Line::from(vec![
             Span::styled(format!("{name:width$}  "), FAINT),
-            Span::raw(brief(value)),
+            Span::raw(text.clone()),
         ])
     };
-    fields
-        .iter()
-        .map(|(name, value)| line(name, value))
-        .collect()
+    entries.iter().map(line).collect()
 }

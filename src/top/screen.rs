@@ -11,7 +11,8 @@ use super::{Board, Key, View, draw};
 /// Interval between two frames.
 const FRAME: Duration = Duration::from_millis(100);
 
-/// Draws the screen and handles keys until a key or `stop` ends it; restores the terminal in any case.
+/// Draws the screen and handles keys until a key or `stop` ends it; restores the terminal in any case. `result` returns the
+/// result of the shown run once it has ended.
 ///
 /// # Errors
 /// Fails if the bus refuses the subscription or the terminal cannot be drawn on.
@@ -19,6 +20,7 @@ pub fn show(
     remote: &Remote,
     location: &str,
     stop: &AtomicBool,
+    result: &dyn Fn() -> Option<String>,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let everything = remote.listen("#")?;
     let started = Instant::now();
@@ -30,6 +32,9 @@ pub fn show(
         }
         let now = started.elapsed();
         board.set_link(remote.bus().health().link, now);
+        if view.result.is_none() {
+            view.result = result().map(|result| (result, now));
+        }
         if let Err(error) = screen.draw(|frame| draw(frame, &board, &view, location, now)) {
             break Err(error);
         }

@@ -185,3 +185,104 @@ fn a_screen_without_room_or_data_is_drawn() {
         screen(&board(), &View::default(), 10.0, size);
     }
 }
+
+/// A coordinator that follows a path.
+fn coordinator() -> PresentComponent {
+    let state = |mode: &str| Datum::record([("mode", Datum::text(mode))]);
+    let status = Datum::record([
+        ("step", Datum::Int(812)),
+        ("state", state("FOLLOWING")),
+        (
+            "last_update",
+            Datum::record([
+                ("step", Datum::Int(80)),
+                ("at_s", Datum::Float(4.2)),
+                ("updates", state("FOLLOWING")),
+            ]),
+        ),
+        ("read", Datum::record([("estop", Datum::text("false"))])),
+        ("calls", Datum::List(vec![Datum::text("planner.plan")])),
+        ("silent", Datum::List(vec![Datum::text("cancel")])),
+        ("waiting_events", Datum::record([("event", Datum::Int(2))])),
+    ]);
+    let Datum::Record(entries) = status else {
+        panic!("a record");
+    };
+    let entries = entries.into_iter();
+    PresentComponent {
+        inspection: entries
+            .map(|(name, value)| (name.into_owned(), value))
+            .collect(),
+        ..component("Coordinator", "Running", 50, 20.0, 0)
+    }
+}
+
+#[test]
+fn the_state_of_a_coordinator_is_shown() {
+    let mut board = Board::default();
+    board.receive(&presence("robot", vec![coordinator()]), at(9.5));
+    let view = pressed(&board, &[Key::Tab], 10.0);
+    insta::assert_snapshot!(screen(&board, &view, 10.0, (100, 24)));
+}
+
+#[test]
+fn rates_are_those_of_the_senders_clock() {
+    let mut board = Board::default();
+    for tick in 0..40_i32 {
+        // a simulation at a hundred times real time
+        let sent = Envelope {
+            stamp: i64::from(tick) * 20_000_000,
+            ..envelope("rover.odom", "nav_msgs/Odometry", Datum::Null)
+        };
+        board.receive(&sent, at(f64::from(tick) * 0.0002));
+    }
+    let rates: Vec<_> = board.topics().map(super::BoardTopic::rate).collect();
+    assert_eq!(rates, [Some(50.0)]);
+}
+
+#[test]
+fn rows_that_do_not_fit_are_counted() {
+    let mut board = Board::default();
+    let many = (0..9).map(|number| component(&format!("C{number}"), "Running", 10, 100.0, 0));
+    board.receive(&presence("robot", many.collect()), at(9.5));
+    let view = View::default();
+    let shown = screen(&board, &view, 10.0, (80, 24));
+    assert!(shown.contains("↓ 5 more"), "{shown}");
+    let mut down = pressed(&board, &[Key::Tab], 10.0);
+    for _ in 0..8 {
+        assert!(down.press(Key::Down, &board, at(10.0)));
+    }
+    let shown = screen(&board, &down, 10.0, (80, 24));
+    assert!(
+        shown.contains("↑ 5 more") && shown.contains("C8"),
+        "{shown}"
+    );
+    let tall = screen(&board, &view, 10.0, (80, 60));
+    assert!(!tall.contains("more"), "{tall}");
+}
+
+#[test]
+fn the_result_remains_after_the_end_of_a_run() {
+    let mut board = board();
+    let leaving = Presence {
+        process: "robot".to_owned(),
+        leaves: true,
+        ..Presence::default()
+    };
+    let leaving = Datum::of(&leaving).unwrap();
+    board.receive(
+        &envelope("youbot.presence.robot", PRESENCE, leaving),
+        at(10.0),
+    );
+    let mut view = View::default();
+    view.result = Some(("reached in ARRIVED after 41.3 s".to_owned(), at(10.0)));
+    let shown = screen(&board, &view, 60.0, (100, 24));
+    assert!(
+        shown.contains("ended: reached in ARRIVED after 41.3 s"),
+        "{shown}"
+    );
+    assert!(
+        !shown.contains("left") && !shown.contains("stale 5"),
+        "{shown}"
+    );
+}

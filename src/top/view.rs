@@ -70,6 +70,8 @@ pub struct View {
     pub writes: bool,
     /// Model and time at the pause.
     pub paused: Option<(Board, Duration)>,
+    /// Result of the shown run and time of its end.
+    pub result: Option<(String, Duration)>,
     /// Selected row of each table.
     component: usize,
     topic: usize,

@@ -65,7 +65,7 @@ fn is_the_same_in_both_clocks(composite: &str, arguments: &[&str]) {
 }
 
 #[test]
-fn every_composite_goes_through_the_same_control_states_in_both_clocks() {
+fn c19_every_composite_goes_through_the_same_control_states_in_both_clocks() {
     let runs: [(&str, &[&str]); 4] = [
         ("navigation/navigation", &["--goal", "3,7"]),
         ("youbot/youbot", &["--until", "mode=IDLE"]),

@@ -118,3 +118,85 @@ fn an_error_in_a_file_is_a_finding() {
         assert_eq!(code, 1, "{arguments:?}: {out}{err}");
     }
 }
+
+/// A copy of the navigation with one text replaced, in its folder with the specification and the maps.
+fn navigation_with(text: &str, replacement: &str) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let from = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation");
+    std::fs::create_dir(folder.path().join("maps")).unwrap();
+    for name in ["navigate.asm", "maps/office.geojson"] {
+        std::fs::copy(from.join(name), folder.path().join(name)).unwrap();
+    }
+    let composite = std::fs::read_to_string(from.join("navigation.composite.toml")).unwrap();
+    assert!(composite.contains(text), "{text}");
+    let path = folder.path().join("navigation.composite.toml");
+    std::fs::write(&path, composite.replacen(text, replacement, 1)).unwrap();
+    let path = path.display().to_string();
+    (folder, path)
+}
+
+#[test]
+fn check_finds_a_wrong_line_in_the_script_of_the_operator() {
+    let (_folder, path) = navigation_with("1.0 goal 26.4", "1.0 gaol 26.4");
+    let (code, out, err) = run(&["check", &path]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(
+        err.contains("`1.0 gaol 26.4 4.2 0.0`: unknown command"),
+        "{err}"
+    );
+    assert!(err.contains("as in `1.0 goal 26.4 4.2`"), "{err}");
+    assert!(err.contains("navigation.composite.toml:"), "{err}");
+}
+
+#[test]
+fn a_fraction_of_a_millisecond_is_told_the_unit() {
+    let (_folder, path) = navigation_with("{ period_ms = 100 }", "{ period_ms = 0.05 }");
+    let (code, out, err) = run(&["check", &path]);
+    assert_eq!(code, 1, "{out}{err}");
+    let said = "expected an integer for `period_ms`, found a floating-point number";
+    assert!(err.contains(said), "{err}");
+    assert!(
+        err.contains("write a whole number of milliseconds as in `period_ms = 1`"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_folder_of_maps_that_is_not_there_is_no_place() {
+    let (code, out, err) = run(&["run", NAVIGATION, "--for", "5", "--set", "maps=/nowhere"]);
+    assert_ne!(code, 0, "{out}{err}");
+    assert!(
+        err.contains("/nowhere") && err.contains("file not found"),
+        "{out}{err}"
+    );
+    assert!(!err.contains("known are nowhere"), "{err}");
+}
+
+#[test]
+fn an_input_without_a_value_names_the_key_that_gives_it_one() {
+    let (_folder, path) =
+        navigation_with(r#", field = "data", none = false"#, r#", field = "data""#);
+    let (code, out, err) = run(&["run", &path]);
+    assert_eq!(code, 3, "{out}{err}");
+    assert!(
+        err.contains("`none` in the binding of `estop` in the composite"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_composite_that_is_not_there_is_answered_with_those_that_are() {
+    for (path, what) in [
+        ("specs/navigation", "it is a folder"),
+        ("specs/navigation/navigate.composite.toml", "file not found"),
+    ] {
+        let (code, out, err) = run(&["run", path]);
+        assert_eq!(code, 2, "{out}{err}");
+        assert!(err.contains(what), "{err}");
+        assert!(
+            err.contains("`specs/navigation/navigation.composite.toml`"),
+            "{err}"
+        );
+        assert!(!err.contains("Running"), "nothing runs: {err}");
+    }
+}

@@ -4,7 +4,7 @@ use super::{NAVIGATION, asmotion, run};
 use std::path::Path;
 
 #[test]
-fn the_demo_reaches_its_goal_and_says_so() {
+fn n11_the_demo_reaches_its_goal_and_says_so() {
     let (code, out, err) = run(&["demo", "--speed", "0"]);
     assert_eq!(code, 0, "{out}{err}");
     assert!(out.starts_with("reached in ARRIVED"), "{out}");
@@ -145,4 +145,86 @@ fn a_goal_reached_with_a_collision_is_no_success() {
     assert!(code == 1 && out.contains("\"collisions\":1"), "{out}");
     let (code, out, _) = run(&["run", NAVIGATION, "--goal", "5,4.7", "--json"]);
     assert!(code == 0 && out.contains("\"collisions\":0"), "{out}");
+}
+
+/// The last velocities of the wheels in a table of `RoverDriver.wheels`, rad/s.
+fn last_wheels(table: &Path) -> Vec<f64> {
+    let text = std::fs::read_to_string(table).unwrap();
+    let mut rows = csv_rows(&text);
+    let head = rows.next().unwrap();
+    let last = rows.last().unwrap();
+    let wheels = head
+        .iter()
+        .zip(last)
+        .filter(|(name, _)| name.contains("wheels"));
+    wheels.filter_map(|(_, value)| value.parse().ok()).collect()
+}
+
+fn csv_rows(text: &str) -> impl Iterator<Item = Vec<&str>> {
+    text.lines().map(|line| line.split(',').collect())
+}
+
+/// Ends a run in each way, in mid-motion; the last command to the wheels is to stand still.
+#[test]
+fn the_wheels_stand_still_at_the_end_of_every_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("wheels.csv");
+    let recorded = |arguments: &[&str]| {
+        let mut command = asmotion();
+        command
+            .args([
+                "run",
+                NAVIGATION,
+                "--quiet",
+                "--ports",
+                "RoverDriver.wheels",
+                "--record",
+            ])
+            .arg(&table)
+            .args(arguments);
+        command
+    };
+    let output = recorded(&["--for", "10"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "time is up: {output:?}");
+    assert_eq!(last_wheels(&table), [0.0, 0.0]);
+
+    for signal in ["INT", "TERM", "HUP"] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args(["run", NAVIGATION, "--clock", "wall", "--quiet"])
+            .args(["--ports", "RoverDriver.wheels", "--record"])
+            .arg(&table);
+        let mut child = command.spawn().unwrap();
+        // it starts to drive after about two seconds
+        std::thread::sleep(std::time::Duration::from_secs(4));
+        let id = child.id().to_string();
+        let kill = std::process::Command::new("kill");
+        let killed = { kill }.args(["-s", signal, &id]).status().unwrap();
+        assert!(killed.success());
+        child.wait().unwrap();
+        let text = std::fs::read_to_string(&table).unwrap();
+        assert!(text.lines().count() > 50, "SIG{signal}: {text}");
+        assert_eq!(last_wheels(&table), [0.0, 0.0], "after SIG{signal}");
+    }
+}
+
+#[test]
+fn a_rover_that_slips_is_told_from_one_that_arrives() {
+    let mission = ["run", NAVIGATION, "--quiet", "--json"];
+    let summary = |more: &[&str]| -> serde_json::Value {
+        let (code, out, err) = run(&[&mission[..], more].concat());
+        assert_eq!(code, 0, "{out}{err}");
+        serde_json::from_str(out.lines().last().unwrap()).unwrap()
+    };
+    let distance = |summary: &serde_json::Value, key: &str| summary[key].as_f64().unwrap();
+    let arrived = summary(&[]);
+    assert!(distance(&arrived, "true_to_goal_m") < 0.2, "{arrived}");
+    // both believe to have arrived; the floor of the second one is slippery
+    let slipped = summary(&["--set", "World.slip=0.02"]);
+    assert!(distance(&slipped, "to_goal_m") < 0.2, "{slipped}");
+    assert!(distance(&slipped, "true_to_goal_m") > 0.2, "{slipped}");
+    let (_, out, _) = run(&["run", NAVIGATION, "--quiet"]);
+    assert!(out.contains("m from the goal by odometry, "), "{out}");
+    assert!(out.contains("m in truth (simulator)"), "{out}");
 }

@@ -30,8 +30,7 @@ fn agree_on_all_programs() {
 
 #[test]
 fn agree_on_the_corpus() {
-    let Some(corpus) = std::env::var_os("ASMETA_CORPUS").map(PathBuf::from) else {
-        eprintln!("skipped: ASMETA_CORPUS is not set");
+    let Some(corpus) = asmotion_skip::corpus() else {
         return;
     };
     let mut compared = 0;

@@ -105,14 +105,16 @@ const COMPATIBLE_EXCEPTIONS: &str = include_str!("conformance/compatible.tsv");
 
 #[test]
 fn agrees_on_the_corpus() {
-    let Some(corpus) = std::env::var_os("ASMETA_CORPUS").map(PathBuf::from) else {
-        eprintln!("skipped: ASMETA_CORPUS is not set");
+    let Some(corpus) = asmotion_skip::corpus() else {
         return;
     };
     let Some(folder) = unpacked("traces.tar.xz") else {
         return;
     };
-    let index = std::fs::read_to_string(shared().join("corpus.tsv")).unwrap();
+    let Some(index) = shared("corpus.tsv") else {
+        return;
+    };
+    let index = std::fs::read_to_string(index).unwrap();
     let mut accepted = 0;
     let mut counts = [0; RUNS.len()];
     let mut different = BTreeSet::new();
@@ -192,13 +194,14 @@ fn explains_every_exception() {
     assert_eq!(rows.count(), EXCEPTIONS.lines().count());
 }
 
-fn shared() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/conformance")
+/// A file of the reference results; `None` if it is missing.
+fn shared(file: &str) -> Option<PathBuf> {
+    asmotion_skip::shared(&format!("conformance/{file}"))
 }
 
 /// Unpacks an archive of the shared folder. Returns `None` if it is missing.
 fn unpacked(archive: &str) -> Option<tempfile::TempDir> {
-    let archive = shared().join(archive);
+    let archive = shared(archive)?;
     let folder = tempfile::tempdir().unwrap();
     let tar = std::process::Command::new("tar")
         .arg("-xJf")
@@ -206,13 +209,12 @@ fn unpacked(archive: &str) -> Option<tempfile::TempDir> {
         .arg("-C")
         .arg(folder.path())
         .status();
-    match tar {
-        Ok(status) if status.success() => Some(folder),
-        _ => {
-            eprintln!("skipped: cannot unpack {}", archive.display());
-            None
-        }
-    }
+    assert!(
+        tar.unwrap().success(),
+        "cannot unpack {}",
+        archive.display()
+    );
+    Some(folder)
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {

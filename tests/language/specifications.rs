@@ -3,15 +3,12 @@
 use asmotion::DiskLoader;
 use asmotion_lang::simulate::{Random, Seeded};
 use asmotion_lang::{FaultKind, Severity, Style, render_all};
-use std::path::Path;
 
 #[test]
 fn have_no_errors() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/specs");
-    if !folder.is_dir() {
-        eprintln!("skipped: there is no ../shared/specs");
+    let Some(folder) = asmotion_skip::shared("specs") else {
         return;
-    }
+    };
     for (name, _) in super::programs(&folder) {
         let path = folder.join(format!("{name}.asm"));
         let specification = asmotion_lang::open(&path.to_string_lossy(), &DiskLoader)

@@ -7,7 +7,6 @@ use asmotion::DiskLoader;
 use asmotion_lang::scenario::{ScenarioSettings, test};
 use asmotion_lang::simulate::scenario::Verdict;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
 
 /// Scenarios with different verdicts, by the end of their paths, with the reason that ours is right.
 const DIFFERENT: &[(&str, &str)] = &[
@@ -40,12 +39,11 @@ const AGREED: usize = 209;
 
 #[test]
 fn agrees_on_the_corpus() {
-    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/conformance/avalla.tsv");
-    let corpus = std::env::var_os("ASMETA_CORPUS").map(PathBuf::from);
-    let (Some(corpus), Ok(table)) = (corpus, std::fs::read_to_string(table)) else {
-        eprintln!("skipped: there is no corpus here");
+    let table = asmotion_skip::shared("conformance/avalla.tsv");
+    let (Some(corpus), Some(table)) = (asmotion_skip::corpus(), table) else {
         return;
     };
+    let table = std::fs::read_to_string(table).unwrap();
     let mut rows = table.lines().map(|row| row.split('\t').collect::<Vec<_>>());
     let head = rows.next().unwrap();
     let column = |name: &str| head.iter().position(|known| *known == name).unwrap();

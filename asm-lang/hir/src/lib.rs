@@ -12,6 +12,7 @@ mod codes;
 mod collection;
 mod compatibility;
 mod declare;
+mod exits;
 mod hidden;
 mod id;
 mod import;

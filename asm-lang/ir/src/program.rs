@@ -10,6 +10,9 @@ use std::sync::Arc;
 
 pub use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 
+/// Limit for the elements that [`Program::named_elements`] enumerates.
+pub const MAX_NAMED_ELEMENTS: u64 = 4096;
+
 /// A specification in executable form.
 #[derive(Debug)]
 pub struct Program {
@@ -312,6 +315,48 @@ impl Program {
                 ValueShape::Any
             },
             replies,
+        }
+    }
+
+    /// Returns the values of a shape with their names, in ascending order, if they are known before
+    /// the run and number at most [`MAX_NAMED_ELEMENTS`].
+    pub fn named_elements(&self, shape: &ValueShape) -> Option<Vec<(String, Value)>> {
+        match shape {
+            ValueShape::Bool => {
+                let truths = [false, true].into_iter();
+                Some(truths.map(|it| (it.to_string(), Value::Bool(it))).collect())
+            }
+            ValueShape::Domain(domain) => match self.domains.get(domain.0 as usize)?.elements {
+                DomainElements::Ints { low, high } if low > high => Some(Vec::new()),
+                DomainElements::Ints { low, high } => {
+                    let numbers = (low..=high).map(|it| (it.to_string(), Value::Int(it)));
+                    (high.abs_diff(low) < MAX_NAMED_ELEMENTS).then(|| numbers.collect())
+                }
+                DomainElements::Atoms { first, count } => {
+                    let atoms = first.0..first.0.checked_add(count)?;
+                    let named = atoms.map(|atom| {
+                        let name = self.symbols.atoms.get(atom as usize)?;
+                        Some((name.to_string(), Value::Atom(Atom(atom))))
+                    });
+                    named.collect()
+                }
+                DomainElements::Computed(_) | DomainElements::Undefined | DomainElements::Open => {
+                    None
+                }
+            },
+            ValueShape::Int
+            | ValueShape::Natural
+            | ValueShape::Real
+            | ValueShape::Char
+            | ValueShape::Text
+            | ValueShape::Complex
+            | ValueShape::Rule
+            | ValueShape::Tuple(_)
+            | ValueShape::Seq(_)
+            | ValueShape::Set(_)
+            | ValueShape::Bag(_)
+            | ValueShape::Map(..)
+            | ValueShape::Any => None,
         }
     }
 

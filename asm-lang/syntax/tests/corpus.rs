@@ -7,17 +7,14 @@
 use asmotion_diagnostics::{FileId, Report, Severity, Sources};
 use asmotion_syntax::parse;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 #[test]
 fn reads_what_the_reference_reads() {
-    let table =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/conformance/corpus.tsv");
-    let corpus = std::env::var_os("ASMETA_CORPUS").map(PathBuf::from);
-    let (Some(corpus), Ok(table)) = (corpus, fs::read_to_string(table)) else {
-        println!("skipped: there is no corpus here");
+    let table = asmotion_skip::shared("conformance/corpus.tsv");
+    let (Some(corpus), Some(table)) = (asmotion_skip::corpus(), table) else {
         return;
     };
+    let table = fs::read_to_string(table).unwrap();
     let mut rows = table.lines().map(|row| row.split('\t').collect::<Vec<_>>());
     let columns = rows.next().unwrap();
     let column = |name| columns.iter().position(|&column| column == name).unwrap();

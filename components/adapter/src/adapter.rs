@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
-    Time, freeze_by_fields,
+    Component, Cycle, Fault, Flow, Freeze, In, Interface, NOTICE_REPORT, Out, Ports, Properties,
+    PropertySet, Time, freeze_by_fields,
 };
 use asmotion_geometry::{Distances, Point, Trail, heading, message};
 use asmotion_messages::{
@@ -101,14 +101,19 @@ impl TrajectoryAdapter {
     }
 
     /// Reads odometry, map and scan.
-    fn process_scan(&mut self, cycle: &Cycle<'_>, now: Time) -> Result<(), Fault> {
+    fn process_scan(&mut self, cycle: &mut Cycle<'_>, now: Time) {
         for odometry in cycle.all(self.ports.odom) {
             let pose = message::pose(&odometry.pose.pose);
             self.trail.add(odometry.header.stamp.as_nanos(), pose);
         }
         if let Flow::NewData(map) = cycle.read(self.ports.map) {
-            self.known = Some(Distances::to_occupied(&message::grid(map)?));
-            self.memory.clear();
+            match message::grid(map) {
+                Ok(grid) => {
+                    self.known = Some(Distances::to_occupied(&grid));
+                    self.memory.clear();
+                }
+                Err(error) => cycle.report(NOTICE_REPORT, format!("no map: {error}").into()),
+            }
         }
         if let Flow::NewData(scan) = cycle.read(self.ports.scan) {
             let nanos = scan.header.stamp.as_nanos();
@@ -129,7 +134,6 @@ impl TrajectoryAdapter {
         }
         let since = now - self.properties.memory_s;
         self.memory.forget_before(since.nanos());
-        Ok(())
     }
 
     /// Decides on the path.
@@ -218,7 +222,7 @@ impl Component for TrajectoryAdapter {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let now = cycle.now();
         self.properties.refresh(cycle);
-        self.process_scan(cycle, now)?;
+        self.process_scan(cycle, now);
         let advice = self.advise(cycle, now);
         if let Some(path) = advice.path {
             cycle.write(self.ports.adapted, path);

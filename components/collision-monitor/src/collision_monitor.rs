@@ -68,6 +68,7 @@ struct MonitorPorts {
     /// Optional: velocity of the robot. Without it the robot counts as driving at the last velocity passed on.
     odom: In<Odometry>,
     /// What may be driven of the command, once for each command; in between only if a new scan requires less.
+    #[port(safe)]
     twist: Out<Twist>,
 }
 

@@ -82,6 +82,7 @@ struct FollowerPorts {
     scan: In<LaserScan>,
     /// Velocity to drive, `linear.x` in m/s and `angular.z` in rad/s, base frame. Sent in every cycle while driving,
     /// then once as zero, then not at all.
+    #[port(safe)]
     twist: Out<Twist>,
     /// `REACHED` once for each path, `HALTED` once for each stop, each when the robot stands.
     event: Out<Event>,
@@ -288,6 +289,6 @@ fn event(now: Time, event: FollowerEvent, motion: &MeasuredMotion) -> Event {
     Event::new(
         now.nanos(),
         code,
-        format!("at ({:.2}, {:.2})", place.x, place.y),
+        format!("at ({:.2}, {:.2}) by odometry", place.x, place.y),
     )
 }

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn it_says_too_near_too_far_and_failed_as_rep_117_does() {
+    fn n2_it_says_too_near_too_far_and_failed_as_rep_117_does() {
         let ahead = |distance: f64| sweep(&cross(), &wall(distance), &Pose::identity(), 0)[0];
         assert_eq!(ahead(0.05), f32::NEG_INFINITY);
         assert_eq!(ahead(5.01), f32::INFINITY);

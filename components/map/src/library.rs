@@ -8,7 +8,7 @@ use asmotion_messages::OccupancyGrid;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{MapError, MapFault, Where};
-use crate::files::FileSource;
+use crate::files::{FileFault, FileSource};
 use crate::format::{MapSettings, MapSource};
 use crate::formats::{FORMATS, load, stem};
 use crate::map::Map;
@@ -66,6 +66,12 @@ impl Places {
         }
         if source.ends_with(".toml") {
             return Self::listed(files, source, settings);
+        }
+        if files.version(source).is_none() {
+            let reason = FileFault::Missing.to_string();
+            return Err(
+                MapSource::new(files, source, settings).error(MapFault::Unreadable { reason })
+            );
         }
         let name = source.rsplit('/').next().unwrap_or(source);
         let entry = PlaceEntry {

@@ -310,7 +310,7 @@ impl Component for MapServer {
     }
 
     /// Forgets waiting requests; the runtime ends their calls as unavailable.
-    fn stop(&mut self) {
+    fn stop(&mut self, _: &mut Cycle<'_>) {
         for loading in &mut self.loading {
             loading.requests.clear();
         }

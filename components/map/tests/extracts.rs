@@ -17,8 +17,6 @@ use asmotion_geometry::{Occupancy, Point, heading};
 use asmotion_map::{DiskFiles, Map, MapSettings, load};
 use asmotion_planner::{AStar, Planner, PlannerSettings as Needs};
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/osm");
-
 struct Expected {
     file: &'static str,
     /// Position of the map's origin, degrees east and north.
@@ -32,11 +30,10 @@ struct Expected {
 }
 
 fn check(expected: &Expected) {
-    let file = format!("{FOLDER}/{}", expected.file);
-    if !std::path::Path::new(&file).exists() {
-        eprintln!("skipped: {} is not on this machine", expected.file);
+    let Some(file) = asmotion_skip::shared(&format!("data/osm/{}", expected.file)) else {
         return;
-    }
+    };
+    let file = file.display().to_string();
     let begin = Instant::now();
     let map = load(&DiskFiles, &file, &MapSettings::default()).unwrap();
     let loaded = begin.elapsed();

@@ -80,7 +80,7 @@ fn system_on(
 }
 
 #[test]
-fn two_clients_get_the_same_revision_of_a_map_that_was_loaded_once() {
+fn n7_n12_two_clients_get_the_same_revision_of_a_map_that_was_loaded_once() {
     let (system, answers, log) = system("maps", &["hall", "hall"]);
     system.simulate().run_for(1.s());
     let answers = answers.lock().unwrap();

@@ -1,9 +1,13 @@
 //! `builtin_interfaces`: time.
 
+use asmotion_datum::DatumError;
+
+use crate::plausible::implausible;
+
 asmotion_datum::message! {
     /// An instant: seconds and nanoseconds since the zero of the clock in use.
     #[derive(Copy)]
-    pub struct Time = "builtin_interfaces/Time" {
+    pub struct Time = "builtin_interfaces/Time", check = check_time {
         /// Whole seconds, rounded towards minus infinity.
         pub sec: i32,
         /// Nanoseconds in `0..1_000_000_000`, counted forward from `sec`.
@@ -35,6 +39,14 @@ impl Time {
     /// Nanoseconds since the clock's zero.
     pub fn as_nanos(&self) -> i64 {
         i64::from(self.sec) * NANOS_PER_SECOND + i64::from(self.nanosec)
+    }
+}
+
+fn check_time(time: &Time) -> Result<(), DatumError> {
+    if i64::from(time.nanosec) < NANOS_PER_SECOND {
+        Ok(())
+    } else {
+        Err(implausible("nanosec", "a second or more"))
     }
 }
 

@@ -1,11 +1,14 @@
 //! `geometry_msgs`: points, poses, velocities.
 
 use crate::std_msgs::Header;
+use asmotion_datum::DatumError;
+
+use crate::plausible::{LARGEST_POSITION, LARGEST_SPEED, bounded, implausible};
 
 asmotion_datum::message! {
     /// A free vector; the unit depends on its use.
     #[derive(Copy)]
-    pub struct Vector3 = "geometry_msgs/Vector3" {
+    pub struct Vector3 = "geometry_msgs/Vector3", check = check_vector {
         /// Component along the forward axis.
         pub x: f64,
         /// Component along the left axis.
@@ -16,7 +19,7 @@ asmotion_datum::message! {
 
     /// A position in metres.
     #[derive(Copy)]
-    pub struct Point = "geometry_msgs/Point" {
+    pub struct Point = "geometry_msgs/Point", check = check_point {
         /// m, forward.
         pub x: f64,
         /// m, left.
@@ -27,7 +30,7 @@ asmotion_datum::message! {
 
     /// An orientation as a unit quaternion.
     #[derive(Copy)]
-    pub struct Quaternion = "geometry_msgs/Quaternion" {
+    pub struct Quaternion = "geometry_msgs/Quaternion", check = check_quaternion {
         /// Sine of half the angle times the axis' x.
         pub x: f64,
         /// Sine of half the angle times the axis' y.
@@ -65,7 +68,7 @@ asmotion_datum::message! {
 
     /// A velocity; in the body's own frame in commands and odometry.
     #[derive(Copy)]
-    pub struct Twist = "geometry_msgs/Twist" {
+    pub struct Twist = "geometry_msgs/Twist", check = check_twist {
         /// Linear velocity, m/s.
         pub linear: Vector3,
         /// Angular velocity, rad/s.
@@ -159,6 +162,42 @@ impl Twist {
                 z: turn,
             },
         }
+    }
+}
+
+/// Largest deviation of a quaternion's length from 1.
+const QUATERNION_TOLERANCE: f64 = 0.01;
+
+fn check_vector(vector: &Vector3) -> Result<(), DatumError> {
+    check_coordinates(vector.x, vector.y, vector.z, LARGEST_POSITION)
+}
+
+fn check_point(point: &Point) -> Result<(), DatumError> {
+    check_coordinates(point.x, point.y, point.z, LARGEST_POSITION)
+}
+
+fn check_twist(twist: &Twist) -> Result<(), DatumError> {
+    for (field, vector) in [("linear", &twist.linear), ("angular", &twist.angular)] {
+        check_coordinates(vector.x, vector.y, vector.z, LARGEST_SPEED)
+            .map_err(|error| error.within(field))?;
+    }
+    Ok(())
+}
+
+fn check_coordinates(x: f64, y: f64, z: f64, largest: f64) -> Result<(), DatumError> {
+    bounded("x", x, largest)?;
+    bounded("y", y, largest)?;
+    bounded("z", z, largest)
+}
+
+/// Accepts a unit quaternion, and the quaternion of zeros that a sender leaves out: no rotation.
+fn check_quaternion(rotation: &Quaternion) -> Result<(), DatumError> {
+    let Quaternion { x, y, z, w } = *rotation;
+    let length = (x * x + y * y + z * z + w * w).sqrt();
+    if (length - 1.0).abs() <= QUATERNION_TOLERANCE || length == 0.0 {
+        Ok(())
+    } else {
+        Err(implausible("w", "not a unit quaternion"))
     }
 }
 

@@ -8,6 +8,7 @@ mod geometry_msgs;
 mod nav;
 mod nav_msgs;
 mod operation;
+mod plausible;
 mod rover;
 mod sensor_msgs;
 mod std_msgs;

@@ -3,6 +3,9 @@
 use crate::builtin_interfaces::Time;
 use crate::geometry_msgs::{Pose, PoseStamped, PoseWithCovariance, TwistWithCovariance};
 use crate::std_msgs::Header;
+use asmotion_datum::DatumError;
+
+use crate::plausible::implausible;
 
 asmotion_datum::message! {
     /// A path: poses in order. Without poses it is an order to stop.
@@ -40,7 +43,7 @@ asmotion_datum::message! {
     }
 
     /// A grid map; cell (x, y) is `data[y * width + x]`.
-    pub struct OccupancyGrid = "nav_msgs/OccupancyGrid" {
+    pub struct OccupancyGrid = "nav_msgs/OccupancyGrid", check = check_grid {
         /// Time of the map, and its frame.
         pub header: Header,
         /// Size, resolution and origin.
@@ -68,4 +71,30 @@ impl Path {
     pub fn stop(nanos: i64, frame_id: &str) -> Self {
         Self::from_poses(nanos, frame_id, [])
     }
+}
+
+/// Limits of the side length of a cell, m.
+const RESOLUTIONS: std::ops::RangeInclusive<f32> = 1e-3..=1e3;
+/// Limit of the number of cells.
+const MOST_CELLS: u64 = 100_000_000;
+
+/// Accepts a grid without cells, which is no map, whatever its resolution.
+fn check_grid(grid: &OccupancyGrid) -> Result<(), DatumError> {
+    let MapMetaData {
+        resolution,
+        width,
+        height,
+        ..
+    } = grid.info;
+    let cells = u64::from(width) * u64::from(height);
+    let problem = if cells != grid.data.len() as u64 {
+        Some(("data", "not as many cells as width times height"))
+    } else if cells > MOST_CELLS {
+        Some(("data", "too many cells"))
+    } else if cells > 0 && !RESOLUTIONS.contains(&resolution) {
+        Some(("info.resolution", "not between 0.001 m and 1000 m"))
+    } else {
+        None
+    };
+    problem.map_or(Ok(()), |(field, problem)| Err(implausible(field, problem)))
 }

@@ -1,11 +1,14 @@
 //! `sensor_msgs`: the laser.
 
 use crate::std_msgs::Header;
+use asmotion_datum::DatumError;
+
+use crate::plausible::{LARGEST_DURATION, LARGEST_POSITION, bounded, positive};
 
 asmotion_datum::message! {
     /// One sweep of a planar laser. A range is `-Inf` if an obstacle is nearer than `range_min`, `+Inf` if there is
     /// none within `range_max`, NaN if the measurement failed (REP-117).
-    pub struct LaserScan = "sensor_msgs/LaserScan" {
+    pub struct LaserScan = "sensor_msgs/LaserScan", check = check_scan {
         /// Time of the first beam, and frame of the laser; angles are about its z axis.
         pub header: Header,
         /// Angle of the first beam, rad; 0 is straight ahead, counter-clockwise is positive.
@@ -63,4 +66,26 @@ impl LaserScan {
         let measured = self.ranges.iter().filter(|range| !range.is_nan()).count();
         measured > 0 && 2 * measured >= self.ranges.len()
     }
+}
+
+/// Limit of the angle of a beam, rad.
+const LARGEST_BEAM_ANGLE: f64 = 100.0;
+
+/// Ranges are not checked: all their values have a meaning.
+fn check_scan(scan: &LaserScan) -> Result<(), DatumError> {
+    for (field, angle) in [
+        ("angle_min", scan.angle_min),
+        ("angle_max", scan.angle_max),
+        ("angle_increment", scan.angle_increment),
+    ] {
+        bounded(field, angle.into(), LARGEST_BEAM_ANGLE)?;
+    }
+    for (field, time) in [
+        ("time_increment", scan.time_increment),
+        ("scan_time", scan.scan_time),
+    ] {
+        positive(field, time.into(), LARGEST_DURATION)?;
+    }
+    positive("range_min", scan.range_min.into(), LARGEST_POSITION)?;
+    positive("range_max", scan.range_max.into(), LARGEST_POSITION)
 }

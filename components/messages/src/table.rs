@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scan_keeps_what_is_no_range() {
+    fn n2_a_scan_keeps_what_is_no_range() {
         let special = [f32::NEG_INFINITY, 0.1, f32::NAN, f32::INFINITY];
         let scan = LaserScan {
             range_min: 0.05,

@@ -1,9 +1,13 @@
 //! `world`: obstacles of the simulated world, in the ground plane of the map frame, in metres.
 
+use asmotion_datum::DatumError;
+
+use crate::plausible::{LARGEST_POSITION, bounded, positive};
+
 asmotion_datum::message! {
     /// A point of the ground plane.
     #[derive(Copy)]
-    pub struct Vertex = "world/Vertex" {
+    pub struct Vertex = "world/Vertex", check = check_vertex {
         /// x coordinate, m.
         pub x: f64,
         /// y coordinate, m.
@@ -21,7 +25,7 @@ asmotion_datum::message! {
 
     /// A round obstacle.
     #[derive(Copy)]
-    pub struct Disc = "world/Disc" {
+    pub struct Disc = "world/Disc", check = check_disc {
         /// x coordinate of the centre, m.
         pub x: f64,
         /// y coordinate of the centre, m.
@@ -47,4 +51,15 @@ asmotion_datum::message! {
         /// Polygonal obstacles and solid walls.
         pub polygons: Vec<Polygon>,
     }
+}
+
+fn check_vertex(vertex: &Vertex) -> Result<(), DatumError> {
+    bounded("x", vertex.x, LARGEST_POSITION)?;
+    bounded("y", vertex.y, LARGEST_POSITION)
+}
+
+fn check_disc(disc: &Disc) -> Result<(), DatumError> {
+    bounded("x", disc.x, LARGEST_POSITION)?;
+    bounded("y", disc.y, LARGEST_POSITION)?;
+    positive("radius", disc.radius, LARGEST_POSITION)
 }

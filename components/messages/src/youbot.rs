@@ -6,10 +6,13 @@ use asmotion_component::Operation;
 use crate::builtin_interfaces::Time;
 use crate::geometry_msgs::Pose;
 use crate::std_msgs::{Bool, Empty, Text};
+use asmotion_datum::DatumError;
+
+use crate::plausible::{LARGEST_DURATION, LARGEST_MEASUREMENT, all_bounded, positive};
 
 asmotion_datum::message! {
     /// Measurements of the driver (`youbot/JointStatus`).
-    pub struct JointStatus = "youbot/JointStatus" {
+    pub struct JointStatus = "youbot/JointStatus", check = check_status {
         /// Time of the measurement.
         pub stamp: Time,
         /// Angle of each joint, rad.
@@ -25,7 +28,7 @@ asmotion_datum::message! {
     }
 
     /// A command to the driver (`youbot/JointCommand`).
-    pub struct JointCommand = "youbot/JointCommand" {
+    pub struct JointCommand = "youbot/JointCommand", check = check_command {
         /// Time of the command.
         pub stamp: Time,
         /// Commanded angle of each joint, rad.
@@ -33,13 +36,13 @@ asmotion_datum::message! {
     }
 
     /// A posture of the arm (`youbot/JointPositions`).
-    pub struct JointPositions = "youbot/JointPositions" {
+    pub struct JointPositions = "youbot/JointPositions", check = check_positions {
         /// Angle of each joint, rad.
         pub position: Vec<f64>,
     }
 
     /// A goal for the hand (`youbot/Goal`).
-    pub struct Goal = "youbot/Goal" {
+    pub struct Goal = "youbot/Goal", check = check_goal {
         /// Pose of the hand in the frame of the arm's base; z points out of the hand.
         pub pose: Pose,
         /// Posture to which the solution should be nearest, rad; upright if empty.
@@ -56,7 +59,7 @@ asmotion_datum::message! {
 
     /// The period of a component (`youbot/Period`).
     #[derive(Copy)]
-    pub struct Period = "youbot/Period" {
+    pub struct Period = "youbot/Period", check = check_period {
         /// Time between two cycles, s.
         pub period: f64,
     }
@@ -96,4 +99,27 @@ operations! {
     DriverSetPeriod = "youbot/Driver"."setPeriod"(Period) -> Bool;
     /// The driver's own operation: returns its state.
     DriverState = "youbot/Driver"."state"(Empty) -> Text;
+}
+
+fn check_status(status: &JointStatus) -> Result<(), DatumError> {
+    all_bounded("position", &status.position, LARGEST_MEASUREMENT)?;
+    all_bounded("velocity", &status.velocity, LARGEST_MEASUREMENT)?;
+    all_bounded("current", &status.current, LARGEST_MEASUREMENT)?;
+    all_bounded("temperature", &status.temperature, LARGEST_MEASUREMENT)
+}
+
+fn check_command(command: &JointCommand) -> Result<(), DatumError> {
+    all_bounded("position", &command.position, LARGEST_MEASUREMENT)
+}
+
+fn check_positions(positions: &JointPositions) -> Result<(), DatumError> {
+    all_bounded("position", &positions.position, LARGEST_MEASUREMENT)
+}
+
+fn check_goal(goal: &Goal) -> Result<(), DatumError> {
+    all_bounded("near", &goal.near, LARGEST_MEASUREMENT)
+}
+
+fn check_period(period: &Period) -> Result<(), DatumError> {
+    positive("period", period.period, LARGEST_DURATION)
 }

@@ -4,4 +4,4 @@ mod operator;
 mod script;
 
 pub use operator::ScriptedOperator;
-pub use script::{Deed, OperatorCommand, ScriptError};
+pub use script::{OperatorCommand, ScheduledCommand, ScriptError};

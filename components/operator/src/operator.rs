@@ -7,7 +7,7 @@ use asmotion_component::{
 use asmotion_geometry::{Point, heading, message};
 use asmotion_messages::{Bool, Empty, PoseStamped};
 
-use crate::script::{Deed, OperatorCommand};
+use crate::script::{OperatorCommand, ScheduledCommand, ScriptLine};
 
 /// `nav::Operator`: carries out a script of timed commands.
 #[derive(Freeze)]
@@ -18,7 +18,7 @@ pub struct ScriptedOperator {
     /// Read when configured.
     properties: PropertySet<OperatorProperties>,
     /// Remaining commands, in reverse order.
-    deeds: Vec<Deed>,
+    scheduled: Vec<ScheduledCommand>,
     /// Time of the first cycle, from which the script's times count.
     began: Option<Time>,
 }
@@ -37,7 +37,7 @@ struct OperatorPorts {
 struct OperatorProperties {
     /// Timed commands: `1.0 goal 26.4 4.2 0` (s, m, m, rad; map frame), `8 estop on`, `9 estop off`, `12 cancel`.
     /// Times count from the first cycle.
-    script: Vec<String>,
+    script: Vec<ScriptLine>,
 }
 
 impl ScriptedOperator {
@@ -46,7 +46,7 @@ impl ScriptedOperator {
         Self {
             ports: interface.ports(),
             properties: interface.properties(),
-            deeds: Vec::new(),
+            scheduled: Vec::new(),
             began: None,
         }
     }
@@ -57,10 +57,10 @@ impl Component for ScriptedOperator {
 
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let script = self.properties.refresh(setup).script.iter();
-        self.deeds = script.map(|line| line.parse()).collect::<Result<_, _>>()?;
+        self.scheduled = script.map(|line| line.scheduled).collect();
         // commands with the same time keep the order of the script
-        self.deeds.reverse();
-        self.deeds.sort_by(|a, b| b.at.total_cmp(&a.at));
+        self.scheduled.reverse();
+        self.scheduled.sort_by(|a, b| b.at.total_cmp(&a.at));
         self.began = None;
         Ok(())
     }
@@ -69,8 +69,8 @@ impl Component for ScriptedOperator {
         let now = cycle.now();
         let began = *self.began.get_or_insert(now);
         let since = (now.nanos() - began.nanos()) as f64 * 1e-9;
-        while let Some(deed) = self.deeds.pop_if(|deed| deed.at <= since) {
-            match deed.command {
+        while let Some(next) = self.scheduled.pop_if(|next| next.at <= since) {
+            match next.command {
                 OperatorCommand::Goal { x, y, yaw } => {
                     let pose = heading(Point::new(x, y), yaw);
                     cycle.write(

@@ -2,15 +2,64 @@
 
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use asmotion_datum::{Described, Schema};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// One line of a script: `1.0 goal 26.4 4.2 0`, `8 estop on`, `9.5 estop off`, `12 cancel`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Deed {
+pub struct ScheduledCommand {
     /// Time in s after the operator's first cycle.
     pub at: f64,
     /// The action at that time.
     pub command: OperatorCommand,
+}
+
+/// A line of a script as a property: text that describes a timed command.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct ScriptLine {
+    text: String,
+    /// The command that the text means, and when it is due.
+    pub scheduled: ScheduledCommand,
+}
+
+impl TryFrom<String> for ScriptLine {
+    type Error = ScriptError;
+
+    fn try_from(text: String) -> Result<Self, ScriptError> {
+        let scheduled = text.parse()?;
+        Ok(Self { text, scheduled })
+    }
+}
+
+impl From<ScriptLine> for String {
+    fn from(line: ScriptLine) -> Self {
+        line.text
+    }
+}
+
+impl Described for ScriptLine {
+    fn describe() -> Schema {
+        String::describe()
+    }
+
+    fn initial() -> Self {
+        Self {
+            text: "0 cancel".to_owned(),
+            scheduled: ScheduledCommand {
+                at: 0.0,
+                command: OperatorCommand::Cancel,
+            },
+        }
+    }
+
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.serialize(serializer)
+    }
+
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
 }
 
 /// An action of the operator.
@@ -42,7 +91,7 @@ pub struct ScriptError {
     pub problem: &'static str,
 }
 
-impl FromStr for Deed {
+impl FromStr for ScheduledCommand {
     type Err = ScriptError;
 
     fn from_str(line: &str) -> Result<Self, ScriptError> {
@@ -90,9 +139,12 @@ mod tests {
 
     #[test]
     fn it_reads_what_an_operator_does() {
-        let deed = |line: &str| line.parse::<Deed>().map(|deed| deed.command);
+        let command = |line: &str| {
+            line.parse::<ScheduledCommand>()
+                .map(|scheduled| scheduled.command)
+        };
         assert_eq!(
-            deed("1.0 goal 26.4 4.2"),
+            command("1.0 goal 26.4 4.2"),
             Ok(OperatorCommand::Goal {
                 x: 26.4,
                 y: 4.2,
@@ -100,15 +152,15 @@ mod tests {
             })
         );
         assert_eq!(
-            deed("1 goal -2 0 1.57"),
+            command("1 goal -2 0 1.57"),
             Ok(OperatorCommand::Goal {
                 x: -2.0,
                 y: 0.0,
                 yaw: 1.57
             })
         );
-        assert_eq!(deed("8 estop on"), Ok(OperatorCommand::Estop(true)));
-        assert_eq!(deed("12 cancel"), Ok(OperatorCommand::Cancel));
+        assert_eq!(command("8 estop on"), Ok(OperatorCommand::Estop(true)));
+        assert_eq!(command("12 cancel"), Ok(OperatorCommand::Cancel));
     }
 
     #[test]
@@ -122,7 +174,7 @@ mod tests {
             "1 fly",
             "NaN cancel",
         ] {
-            assert!(line.parse::<Deed>().is_err(), "{line}");
+            assert!(line.parse::<ScheduledCommand>().is_err(), "{line}");
         }
     }
 }

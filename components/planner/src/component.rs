@@ -195,7 +195,7 @@ fn fault(why: &NoPath) -> ServiceFault {
 impl Component for TrajectoryPlanner {
     freeze_by_fields!();
 
-    fn stop(&mut self) {
+    fn stop(&mut self, _: &mut Cycle<'_>) {
         self.waiting.clear();
     }
 

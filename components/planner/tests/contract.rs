@@ -137,7 +137,7 @@ const ROOMS: &[&str] = &[
 ];
 
 #[test]
-fn it_goes_from_room_to_room() {
+fn n8_it_goes_from_room_to_room() {
     each(|_, settings, planner| {
         let grid = picture(ROOMS);
         let (start, goal) = (centre(&grid, (4, 8), 1.0), centre(&grid, (24, 4), -2.0));
@@ -184,7 +184,7 @@ fn it_is_there_already() {
 }
 
 #[test]
-fn it_says_why_there_is_no_path() {
+fn n8_it_says_why_there_is_no_path() {
     each(|_, _, planner| {
         let grid = picture(&[
             "####################",

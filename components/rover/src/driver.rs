@@ -36,6 +36,7 @@ struct RoverPorts {
     /// Angles by which the wheels have turned, rad, cumulative.
     encoders: In<Encoders>,
     /// Wheel speeds to drive, rad/s, every cycle.
+    #[port(safe)]
     wheels: Out<WheelSpeeds>,
     /// Pose by dead reckoning, for every reading of the encoders and with its stamp; in `frame`.
     odom: Out<Odometry>,

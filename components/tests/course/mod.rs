@@ -402,6 +402,15 @@ impl Drive {
         let after = self.track.partition_point(|(at, _)| *at < seconds);
         self.track[after].1.translation.vector.into()
     }
+
+    /// The time, s, from which the wheels are commanded to stand still until the end; it is after `seconds`.
+    pub fn wheels_stand_from(&self, seconds: f64) -> f64 {
+        let turns = |(_, wheels): &(f64, WheelSpeeds)| (wheels.left, wheels.right) != (0.0, 0.0);
+        let last = self.wheels.iter().rposition(turns).unwrap();
+        let (at, _) = self.wheels[last + 1];
+        assert!(at > seconds, "the wheels stood still before, at {at} s");
+        at
+    }
 }
 
 /// A disc that appears at time `at` and stays.

@@ -221,6 +221,36 @@ fn o13_a_site_changes_a_period_and_properties_and_nothing_else() {
 }
 
 #[test]
+fn o13_a_site_leaves_elements_of_its_base_out() {
+    let without = [
+        "components.Other",
+        "components.Pid.load",
+        "components.Pid.properties.kp",
+    ];
+    let site = format!("without = {without:?}\n");
+    let files = controlled("ki = 0.5\n", &site);
+    assert_eq!(
+        first_lines(&files, "lab/site.toml"),
+        [
+            "0 s Pid: gains: \"1 1 [-1.0, 1.0]\"",
+            "0.01 s Pid: gains: \"1 1 [-1.0, 1.0]\"",
+            "0.02 s Pid: gains: \"1 1 [-1.0, 1.0]\"",
+        ]
+    );
+}
+
+/// A site removes a component and declares another one of the same name, which is not merged with it.
+#[test]
+fn o13_a_site_replaces_a_component_of_its_base() {
+    let site = "without = [\"components.Pid\"]\n[components.Pid]\n\
+                implementation = { rust = \"test::Pid\" }\ntask = { period_ms = 20 }\n";
+    let files = controlled("ki = 0.5\n", site);
+    let lines = first_lines(&files, "lab/site.toml");
+    assert_eq!(lines[0], "0 s Other: gains: \"1 1 [-1.0, 1.0]\"");
+    assert_eq!(lines[1], "0 s Pid: gains: \"1 1 [-1.0, 1.0]\"", "{lines:?}");
+}
+
+#[test]
 fn o13_what_is_wrong_with_a_site_is_shown_there() {
     let site =
         "[components.Pit]\ntask = { period_ms = 20 }\n[components.Pid.properties]\nkp = 12\n";

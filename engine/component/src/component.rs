@@ -2,6 +2,8 @@
 
 use std::any::type_name;
 
+use asmotion_datum::Datum;
+
 use crate::cycle::Cycle;
 use crate::fault::Fault;
 use crate::frozen::{CannotFreeze, FreezeProblem, FrozenState, ThawError, ThawProblem};
@@ -37,8 +39,12 @@ pub trait Component: Send {
         Ok(())
     }
 
-    /// Called right after the last cycle (RTT `stopHook`).
-    fn stop(&mut self) {}
+    /// Runs the last cycle, with the inputs of the cycle before (RTT `stopHook`): the place for the last samples and for
+    /// replies to waiting requests. One-way calls leave too; other calls end as cancelled at once. The engine then writes
+    /// the [safe samples](crate::Interface::safe) of the outputs, also if this hook panics.
+    fn stop(&mut self, cycle: &mut Cycle<'_>) {
+        let _ = cycle;
+    }
 
     /// Releases what `configure` acquired (RTT `cleanupHook`).
     fn cleanup(&mut self) {}
@@ -55,6 +61,12 @@ pub trait Component: Send {
     fn recover(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let _ = cycle;
         Ok(())
+    }
+
+    /// Describes the internal state to observers, by names in display order. Called between two cycles, and only when an
+    /// observer asks, at most a few times a second; the description has no influence on the run.
+    fn inspect(&self) -> Vec<(String, Datum)> {
+        Vec::new()
     }
 
     /// Returns the state of the component between two cycles: everything that later cycles depend on except inputs,

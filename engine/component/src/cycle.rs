@@ -16,7 +16,7 @@ use crate::host::CycleHost;
 use crate::losses::Losses;
 use crate::operation::{
     CallError, CallId, Operation, OperationSlot, Reply, Request, RequestId, SendStatus,
-    ServiceFault, unreadable,
+    ServiceFault, read_checked, unreadable,
 };
 use crate::property::PropertyValue;
 use crate::setup::value_of;
@@ -104,7 +104,7 @@ impl<'a> Cycle<'a> {
         let waiting = self.host.take_requests(slot);
         let mut requests = Vec::with_capacity(waiting.len());
         for request in waiting {
-            match request.argument.read() {
+            match read_checked(request.argument) {
                 Ok(argument) => requests.push(Request {
                     id: request.id,
                     argument,
@@ -333,7 +333,5 @@ impl<'a> Cycle<'a> {
 
 /// Converts a response to the type that the caller expects.
 fn read_reply<R: Message>(response: Arc<dyn Sample>) -> Result<R, CallError> {
-    response
-        .read()
-        .map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
+    read_checked(response).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
 }

@@ -3,6 +3,8 @@
 use asmotion_datum::{Datum, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::conversion::PropertyConversion;
+
 /// The declarations of a component's constructor.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Declaration {
@@ -27,6 +29,9 @@ pub struct PortDeclaration {
     pub schema: Schema,
     /// Purpose of the port, in one line.
     pub doc: String,
+    /// Sample that the engine writes after the component's last cycle; `None` without one, and for inputs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub safe: Option<Datum>,
 }
 
 /// A service that a component provides.
@@ -85,6 +90,9 @@ pub struct PropertyDeclaration {
     pub range: Option<(Datum, Datum)>,
     /// All allowed values, if they are enumerated; else empty.
     pub choices: Vec<Datum>,
+    /// Conversion to the property's type.
+    #[serde(skip)]
+    pub conversion: PropertyConversion,
 }
 
 impl Declaration {

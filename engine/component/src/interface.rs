@@ -11,7 +11,9 @@ use crate::declaration::{
     ServiceDeclaration,
 };
 use crate::handle::{In, Out, Property, Provided, Required};
-use crate::operation::{Dynamic, Handler, Operation, OperationSlot, ServiceFault, unreadable};
+use crate::operation::{
+    Dynamic, Handler, Operation, OperationSlot, ServiceFault, read_checked, unreadable,
+};
 use crate::property::{self, AnyProperty, PropertyValue};
 
 /// Collects the declarations of a component. Construction only declares; it performs no I/O.
@@ -115,6 +117,44 @@ impl Interface {
         self.add_output(name, schema, doc)
     }
 
+    /// Sets the safe sample of an output: the engine writes it after the component's last cycle, whether the component
+    /// stops, fails, or a signal ends its process, so that no actuator keeps the last command. A composite can override it
+    /// (`lifecycle.safe`).
+    ///
+    /// ```
+    /// use asmotion_component::{Interface, Out};
+    ///
+    /// asmotion_datum::message! {
+    ///     /// A command to a motor.
+    ///     pub struct Velocity = "example/Velocity" {
+    ///         /// m/s
+    ///         pub forward: f64,
+    ///     }
+    /// }
+    ///
+    /// let mut interface = Interface::new();
+    /// let velocity: Out<Velocity> = interface.output("velocity", "to the motor");
+    /// interface.safe(velocity, Velocity { forward: 0.0 });
+    /// assert!(interface.declaration().outputs[0].safe.is_some());
+    /// ```
+    pub fn safe<T: Message>(&mut self, output: Out<T>, sample: T) -> Out<T> {
+        let index = output.position(self.owner);
+        let sample = Datum::of(&sample);
+        if let (Some(port), Some(declared)) = (
+            self.outputs.get_mut(index),
+            self.declaration.outputs.get_mut(index),
+        ) {
+            match sample.and_then(|sample| port.set_safe(&sample).map(|()| sample)) {
+                Ok(sample) => declared.safe = Some(sample),
+                Err(error) => self.problems.push(DeclarationError::InvalidDefault {
+                    name: declared.name.clone(),
+                    reason: error.to_string(),
+                }),
+            }
+        }
+        output
+    }
+
     /// Declares an operation that the component provides as part of a service. A service may have several operations.
     pub fn serve<O: Operation>(&mut self, service: &str, doc: &str) -> Provided<O> {
         self.add_provided(service, O::INTERFACE, operation::<O>(), None, doc)
@@ -129,7 +169,7 @@ impl Interface {
         handler: impl Fn(O::Request) -> Result<O::Response, ServiceFault> + Send + Sync + 'static,
     ) {
         let handler = move |argument: Arc<dyn Sample>| {
-            let argument = argument.read();
+            let argument = read_checked(argument);
             let argument = argument.map_err(|error| unreadable("BAD_ARGUMENT", &error))?;
             handler(argument).map(|response| Arc::new(response) as Arc<dyn Sample>)
         };
@@ -309,6 +349,7 @@ fn port(name: &str, schema: Schema, doc: &str) -> PortDeclaration {
         name: name.to_owned(),
         schema,
         doc: doc.to_owned(),
+        safe: None,
     }
 }
 

@@ -11,6 +11,7 @@ mod activity;
 mod background;
 mod bus_health;
 mod component;
+mod conversion;
 mod cycle;
 pub mod declaration;
 mod derived;
@@ -40,6 +41,7 @@ pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, 
 pub use background::{BackgroundWork, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
 pub use component::Component;
+pub use conversion::PropertyConversion;
 pub use cycle::{Cycle, NOTICE_REPORT};
 pub use declaration::Declaration;
 pub use derived::{Ports, Properties, PropertySet, PropertySource};

@@ -115,6 +115,16 @@ pub fn unreadable(code: &str, error: &DatumError) -> ServiceFault {
     ServiceFault::new(code, error.to_string())
 }
 
+/// Converts a request or response to the expected type, and checks its values.
+///
+/// # Errors
+/// The data do not fit the type, or fail [`Message::check`].
+pub(crate) fn read_checked<T: Message>(sample: Arc<dyn Sample>) -> Result<T, DatumError> {
+    let message: T = sample.read()?;
+    message.check()?;
+    Ok(message)
+}
+
 /// Handles an operation in the caller's thread (RTT `ClientThread`).
 pub type Handler =
     Arc<dyn Fn(Arc<dyn Sample>) -> Result<Arc<dyn Sample>, ServiceFault> + Send + Sync>;

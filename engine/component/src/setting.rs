@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use crate::conversion::PropertyConversion;
 use crate::declaration::PropertyDeclaration;
 use crate::handle;
 use crate::interface::Interface;
@@ -28,6 +29,7 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
             default: interface.datum_of(name, &default),
             range: None,
             choices: Vec::new(),
+            conversion: PropertyConversion::to::<T>(),
         };
         Self {
             interface,

@@ -100,6 +100,13 @@ pub(crate) mod c125;
 pub(crate) mod c126;
 pub(crate) mod c127;
 pub(crate) mod c128;
+pub(crate) mod c129;
+pub(crate) mod c140;
+pub(crate) mod c141;
+pub(crate) mod c142;
+pub(crate) mod c143;
+pub(crate) mod c144;
+pub(crate) mod c145;
 
 use asmotion_diagnostics::Code;
 
@@ -174,7 +181,7 @@ pub const CODES: &[&Code] = &[
     c081::CompositesTooDeep::CODE,
     c090::UnknownBoundFunction::CODE,
     c091::WrongFunctionKind::CODE,
-    c092::BoundFunctionHasArguments::CODE,
+    c092::WrongLocationArity::CODE,
     c093::UnknownLiteral::CODE,
     c094::WrongLiteralType::CODE,
     c095::WrongFieldType::CODE,
@@ -203,4 +210,11 @@ pub const CODES: &[&Code] = &[
     c126::NoIdleNotification::CODE,
     c127::StaleWithoutPeriod::CODE,
     c128::VerificationNotSupported::CODE,
+    c129::NothingToLeaveOut::CODE,
+    c140::UnknownElement::CODE,
+    c141::UnlistedDomain::CODE,
+    c142::UnknownKeyVariable::CODE,
+    c143::WrongSelectorType::CODE,
+    c144::LocationBoundTwice::CODE,
+    c145::InvalidTerm::CODE,
 ];

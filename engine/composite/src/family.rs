@@ -5,6 +5,7 @@ mod layers;
 use crate::codes::c002::UnreadableComposite;
 use crate::codes::c080::CircularInclusion;
 use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Sources, Span};
@@ -13,7 +14,9 @@ use crate::at::At;
 use crate::catalogue::Catalogue;
 use crate::context::Context;
 use crate::finding::Findings;
-use crate::model::{Composite, Implementation};
+use crate::model::binding::Bind;
+use crate::model::{Component, Composite, Implementation};
+use crate::pattern;
 use crate::read;
 use crate::signature::Signature;
 use crate::types::{TypeFile, Types};
@@ -93,6 +96,15 @@ impl Family {
     pub fn nested<'f>(&'f self, member: &'f Member, file: &str) -> Option<(&'f str, &'f Member)> {
         let path = member.path(file)?;
         Some((path, self.members.get(path)?))
+    }
+
+    /// Returns the bindings of a component of `member`, one for each location.
+    pub fn bind<'c>(&self, member: &Member, component: &'c Component) -> Cow<'c, Bind> {
+        let signature = match &component.implementation {
+            Some(Implementation::Asm { file, .. }) => self.specification(member, file),
+            _ => None,
+        };
+        pattern::expand(&component.bind, signature)
     }
 
     /// Returns the specification that `member` names as `file`.

@@ -17,6 +17,7 @@ pub mod map;
 pub mod model;
 mod named;
 mod nearest;
+mod pattern;
 pub mod property;
 pub mod property_file;
 mod range;

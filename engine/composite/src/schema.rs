@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 
 use crate::model::Composite;
 use crate::table::{Key, Many, Outline, Table};
@@ -11,7 +11,11 @@ use crate::types::TypeFile;
 
 /// Returns the JSON Schema of composite files.
 pub fn composite() -> Json {
-    document("a composite of asmotion", &Composite::outline())
+    let mut schema = document("a composite of asmotion", &Composite::outline());
+    // a composite with a base inherits its name
+    schema["required"] = json!(["schema"]);
+    schema["anyOf"] = json!([{ "required": ["composite"] }, { "required": ["base"] }]);
+    schema
 }
 
 /// Returns the JSON Schema of type files.

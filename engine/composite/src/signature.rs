@@ -1,5 +1,6 @@
 //! Interface to the functions declared in an `.asm` file; avoids a dependency on the language crates.
 
+use asmotion_coordinator::{LocationArgument, LocationName};
 use asmotion_diagnostics::{Report, Sources, Span};
 
 /// Loader of specifications.
@@ -40,6 +41,16 @@ pub trait Signature {
         self.functions()
             .into_iter()
             .find(|function| function.name == name)
+    }
+
+    /// Returns the type of a term; `None` if it is not known.
+    ///
+    /// # Errors
+    ///
+    /// The first error in the term, as text.
+    fn term(&self, text: &str) -> Result<Option<Codomain>, String> {
+        let _ = text;
+        Ok(None)
     }
 
     /// Returns the first operation of a partner whose reply the specification awaits, and the location of the call.
@@ -87,10 +98,65 @@ pub struct FunctionInfo {
     pub kind: FunctionKind,
     /// Domain as written; empty for a function without arguments.
     pub domain: String,
+    /// Parameters; empty for a function without arguments.
+    pub parameters: Vec<ParameterInfo>,
     /// Type of the values.
     pub codomain: Codomain,
     /// Source location of the declaration.
     pub declared: Span,
+}
+
+impl FunctionInfo {
+    /// Returns an example of a binding to a topic: of the first of the locations, or of all locations if there are none.
+    pub fn binding_example(&self, locations: &[String]) -> String {
+        if let Some(first) = locations.first() {
+            return format!("\"{first}\" = {{ topic = \"…\" }}");
+        }
+        // a pattern needs the elements of each domain
+        if self.parameters.iter().any(|it| it.elements.is_none()) {
+            return format!("\"{}(…)\" = {{ topic = \"…\" }}", self.name);
+        }
+        let pattern = self.pattern();
+        match pattern.variables().next() {
+            None => format!("{} = {{ topic = \"…\" }}", self.name),
+            Some(first) => format!("\"{pattern}\" = {{ topic = \"${first}/…\" }}"),
+        }
+    }
+
+    /// Returns the location that stands for all locations of the function: `wants($r)` for `wants: Robot -> Boolean`.
+    pub fn pattern(&self) -> LocationName {
+        let variables = self.parameters.iter().enumerate().map(|(at, parameter)| {
+            let first = parameter
+                .name
+                .chars()
+                .next()
+                .filter(char::is_ascii_alphabetic);
+            let first = first.unwrap_or('x').to_ascii_lowercase();
+            let mut before = self.parameters.iter().take(at);
+            let is_taken = before.any(|it| it.name.to_lowercase().starts_with(first));
+            LocationArgument::Variable(if is_taken {
+                format!("{first}{}", at + 1)
+            } else {
+                first.to_string()
+            })
+        });
+        LocationName {
+            function: self.name.clone(),
+            arguments: variables.collect(),
+        }
+    }
+}
+
+/// A parameter of a function.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParameterInfo {
+    /// Domain as written.
+    pub name: String,
+    /// Type of the arguments.
+    pub domain: Codomain,
+    /// Names of the elements in ascending order; `None` if the domain is not finite, too large, or not known before the
+    /// run.
+    pub elements: Option<Vec<String>>,
 }
 
 /// Kind of a function.
@@ -147,6 +213,20 @@ pub enum Codomain {
         /// Source location of the declaration; `None` for library domains.
         declared: Option<Span>,
     },
+    /// Sequences, sets and bags.
+    List {
+        /// The domain as written.
+        name: String,
+        /// Codomain of the elements.
+        item: Box<Codomain>,
+    },
+    /// Tuples.
+    Tuple {
+        /// The domain as written.
+        name: String,
+        /// Codomains of the components.
+        items: Vec<Codomain>,
+    },
     /// Any other domain, as written.
     Other(String),
 }
@@ -159,7 +239,10 @@ impl Codomain {
             Self::Integer => "Integer",
             Self::Real => "Real",
             Self::Text => "String",
-            Self::Enum { name, .. } | Self::Other(name) => name,
+            Self::Enum { name, .. }
+            | Self::List { name, .. }
+            | Self::Tuple { name, .. }
+            | Self::Other(name) => name,
         }
     }
 }

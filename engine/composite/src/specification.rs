@@ -1,14 +1,17 @@
 //! Signatures of `.asm` files, read with the language crates.
 
-use asmotion_diagnostics::{Loader, Report, Sources, Span};
+use std::cell::RefCell;
+
+use asmotion_diagnostics::{FileId, Loader, Report, Sources, Span};
 use asmotion_lang::hir::{self, DomainKind, Model, Type, TypeId};
-use asmotion_lang::ir::{MessageRole, message_uses};
+use asmotion_lang::ir::{self, MessageRole, Program, message_uses};
 use asmotion_lang::stdlib;
 use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
 
 use crate::signature::{
-    Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, Signature, Specifications,
+    Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, ParameterInfo, Signature,
+    Specifications,
 };
 
 /// Loads `.asm` files with the language crates.
@@ -40,7 +43,13 @@ impl Specifications for AsmFiles<'_> {
             Some(model) => {
                 let annotations = units.last().map(|main| annotations(&main.tree, &model));
                 let annotations = annotations.unwrap_or_default();
-                Ok(Some(Box::new(ModelSignature { model, annotations })))
+                // what cannot be lowered is reported when the specification starts
+                let program = ir::lower(&model).ok().map(|lowered| lowered.program);
+                Ok(Some(Box::new(ModelSignature {
+                    model: RefCell::new(model),
+                    program,
+                    annotations,
+                })))
             }
             None => Err(report.finish()),
         }
@@ -48,36 +57,42 @@ impl Specifications for AsmFiles<'_> {
 }
 
 struct ModelSignature {
-    model: Model,
+    /// Terms are added to it and removed again for their check.
+    model: RefCell<Model>,
+    /// The model in executable form; `None` if it cannot be lowered.
+    program: Option<Program>,
     annotations: Annotations,
 }
 
 impl Signature for ModelSignature {
     fn warnings(&self) -> Report {
-        asmotion_lang::unverified_properties(&self.model)
+        asmotion_lang::unverified_properties(&self.model.borrow())
             .into_iter()
             .collect()
     }
 
     fn functions(&self) -> Vec<FunctionInfo> {
-        let own = self.model.own_functions();
+        let model = self.model.borrow();
+        let own = model.own_functions();
         // operations of partners are not outputs
-        let own = own.filter(|(_, function)| !self.model.is_operation(function));
-        own.map(|(_, function)| FunctionInfo {
+        let own = own.filter(|(_, function)| !model.is_operation(function));
+        own.map(|(id, function)| FunctionInfo {
             name: function.name.to_string(),
             kind: kind(function.kind),
-            domain: self.domain(&function.parameters),
-            codomain: self.codomain(function.codomain),
+            domain: domain(&model, &function.parameters),
+            parameters: self.parameters(&model, id, &function.parameters),
+            codomain: codomain(&model, function.codomain),
             declared: function.span,
         })
         .collect()
     }
 
     fn awaits(&self, partner: &str) -> Option<(String, Span)> {
-        let uses = message_uses(&self.model);
+        let model = self.model.borrow();
+        let uses = message_uses(&model);
         let awaited = uses.iter().find(|used| {
             let asks = used.role == MessageRole::Ask && used.reply.is_some();
-            asks && self.element(used.partner) == Some(partner)
+            asks && element(&model, used.partner) == Some(partner)
         });
         awaited.map(|used| (stdlib::operation(used.operation).to_owned(), used.at))
     }
@@ -86,75 +101,105 @@ impl Signature for ModelSignature {
         self.annotations.clone()
     }
 
+    fn term(&self, text: &str) -> Result<Option<Codomain>, String> {
+        let mut model = self.model.borrow_mut();
+        let first = |report: Report| {
+            let mut found = report.diagnostics.into_iter();
+            found.next().map(|it| it.message).unwrap_or_default()
+        };
+        let term = asmotion_lang::syntax::parse_term(FileId::default(), text).map_err(first)?;
+        let (terms, rules) = (model.added.terms.len(), model.added.rules.len());
+        let added = model.add_term(&term).map_err(first)?;
+        let found = model.added.terms.get(added.0 as usize).map(|it| it.root.ty);
+        let found = found.map(|found| codomain(&model, found));
+        model.forget_added(terms, rules);
+        Ok(found)
+    }
+
     fn main_rule(&self) -> Option<(String, Span)> {
-        let main = self.model.main?;
-        let rule = self.model.rules.get(main.0 as usize)?;
+        let model = self.model.borrow();
+        let main = model.main?;
+        let rule = model.rules.get(main.0 as usize)?;
         Some((rule.name.to_string(), rule.span))
     }
 }
 
 impl ModelSignature {
-    /// Returns the name of the element denoted by a term.
-    fn element(&self, term: &hir::Term) -> Option<&str> {
-        let hir::TermKind::Value(Value::Atom(Atom(index))) = &*term.kind else {
-            return None;
-        };
-        self.model
-            .atoms
-            .get(*index as usize)
-            .map(|atom| &*atom.name)
-    }
-
-    fn domain(&self, parameters: &[TypeId]) -> String {
-        let shown = parameters
-            .iter()
-            .map(|parameter| self.model.show_type(*parameter));
-        shown.collect::<Vec<_>>().join(", ")
-    }
-
-    fn codomain(&self, written: TypeId) -> Codomain {
-        let root = self.model.types.root(written, &self.model.domains);
-        match self.model.types.get(root) {
-            Type::Boolean => Codomain::Boolean,
-            Type::Integer | Type::Natural => Codomain::Integer,
-            Type::Real => Codomain::Real,
-            Type::String => Codomain::Text,
-            Type::Domain(id) => {
-                let domain = self.model.domain(*id);
-                match domain.kind {
-                    DomainKind::Enum { first, count } => Codomain::Enum {
-                        name: domain.name.to_string(),
-                        literals: self.literals(first.0, count),
-                        declared: Some(domain.span),
-                    },
-                    DomainKind::Any
-                    | DomainKind::Basic
-                    | DomainKind::Abstract
-                    | DomainKind::Concrete { .. } => Codomain::Other(self.model.show_type(written)),
-                }
+    fn parameters(
+        &self,
+        model: &Model,
+        function: hir::FunctionId,
+        types: &[TypeId],
+    ) -> Vec<ParameterInfo> {
+        let program = self.program.as_ref();
+        let declared = program.and_then(|it| it.functions.get(function.0 as usize));
+        let parameters = types.iter().enumerate().map(|(at, kind)| {
+            let shape = declared.and_then(|declared| declared.parameters.get(at));
+            let known = shape.and_then(|shape| program?.named_elements(shape));
+            let names = |known: Vec<(String, Value)>| known.into_iter().map(|(name, _)| name);
+            ParameterInfo {
+                name: model.show_type(*kind),
+                domain: codomain(model, *kind),
+                elements: known.map(|known| names(known).collect()),
             }
-            Type::Invalid
-            | Type::Undef
-            | Type::Complex
-            | Type::Char
-            | Type::Rule
-            | Type::Prod(_)
-            | Type::Seq(_)
-            | Type::Powerset(_)
-            | Type::Bag(_)
-            | Type::Map(_, _) => Codomain::Other(self.model.show_type(written)),
+        });
+        parameters.collect()
+    }
+}
+
+/// Returns the name of the element denoted by a term.
+fn element<'m>(model: &'m Model, term: &hir::Term) -> Option<&'m str> {
+    let hir::TermKind::Value(Value::Atom(Atom(index))) = &*term.kind else {
+        return None;
+    };
+    model.atoms.get(*index as usize).map(|atom| &*atom.name)
+}
+
+fn domain(model: &Model, parameters: &[TypeId]) -> String {
+    let shown = parameters
+        .iter()
+        .map(|parameter| model.show_type(*parameter));
+    shown.collect::<Vec<_>>().join(", ")
+}
+
+fn codomain(model: &Model, written: TypeId) -> Codomain {
+    let root = model.types.root(written, &model.domains);
+    match model.types.get(root) {
+        Type::Boolean => Codomain::Boolean,
+        Type::Integer | Type::Natural => Codomain::Integer,
+        Type::Real => Codomain::Real,
+        Type::String => Codomain::Text,
+        Type::Domain(id) => {
+            let domain = model.domain(*id);
+            match domain.kind {
+                DomainKind::Enum { first, count } => Codomain::Enum {
+                    name: domain.name.to_string(),
+                    literals: literals(model, first.0, count),
+                    declared: Some(domain.span),
+                },
+                DomainKind::Any
+                | DomainKind::Basic
+                | DomainKind::Abstract
+                | DomainKind::Concrete { .. } => Codomain::Other(model.show_type(written)),
+            }
+        }
+        Type::Seq(item) | Type::Powerset(item) | Type::Bag(item) => Codomain::List {
+            name: model.show_type(written),
+            item: Box::new(codomain(model, *item)),
+        },
+        Type::Prod(items) => Codomain::Tuple {
+            name: model.show_type(written),
+            items: items.iter().map(|item| codomain(model, *item)).collect(),
+        },
+        Type::Invalid | Type::Undef | Type::Complex | Type::Char | Type::Rule | Type::Map(_, _) => {
+            Codomain::Other(model.show_type(written))
         }
     }
+}
 
-    fn literals(&self, first: u32, count: u32) -> Vec<String> {
-        let atoms = self
-            .model
-            .atoms
-            .iter()
-            .skip(first as usize)
-            .take(count as usize);
-        atoms.map(|atom| atom.name.to_string()).collect()
-    }
+fn literals(model: &Model, first: u32, count: u32) -> Vec<String> {
+    let atoms = model.atoms.iter().skip(first as usize).take(count as usize);
+    atoms.map(|atom| atom.name.to_string()).collect()
 }
 
 /// Collects the annotations; each belongs to the import or function that follows it.

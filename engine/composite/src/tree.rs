@@ -74,6 +74,60 @@ impl Table {
         }
     }
 
+    /// Removes the element at `path`: the names of keys separated by dots, and within a list the value itself or the ends of
+    /// a table, as in `connections.Joystick.twist -> Rover.twist`.
+    ///
+    /// # Errors
+    ///
+    /// The paths of the elements beside the one that is missing.
+    pub(crate) fn remove(&mut self, path: &str) -> Result<(), Vec<String>> {
+        if let Some(at) = self.entries.iter().position(|it| it.key.value == path) {
+            self.entries.remove(at);
+            return Ok(());
+        }
+        let rest = |entry: &Entry| {
+            let rest = path.strip_prefix(&entry.key.value)?.strip_prefix('.')?;
+            Some(rest.to_owned())
+        };
+        let mut entries = self.entries.iter_mut();
+        let inner = entries.find_map(|entry| Some((rest(entry)?, entry)));
+        let Some((rest, entry)) = inner else {
+            return Err(self.keys());
+        };
+        let within = |known: Vec<String>| {
+            let key = &entry.key.value;
+            let known = known.into_iter();
+            known.map(|known| format!("{key}.{known}")).collect()
+        };
+        match &mut entry.node.value {
+            Branch::Table(table) => table.remove(&rest).map_err(within),
+            Branch::List(items) => remove_from(items, &rest).map_err(within),
+            Branch::Text(_)
+            | Branch::Integer(_)
+            | Branch::Float(_)
+            | Branch::Boolean(_)
+            | Branch::Date(_) => Err(within(Vec::new())),
+        }
+    }
+
+    fn keys(&self) -> Vec<String> {
+        let entries = self.entries.iter();
+        entries.map(|entry| entry.key.value.clone()).collect()
+    }
+
+    /// The strings among the values, including those in lists.
+    fn ends(&self) -> Vec<&str> {
+        let values = self.entries.iter().map(|entry| &entry.node.value);
+        let ends = values.flat_map(|value| {
+            if let Branch::List(items) = value {
+                items.iter().map(|item| &item.value).collect()
+            } else {
+                vec![value]
+            }
+        });
+        ends.filter_map(Branch::text).collect()
+    }
+
     /// Sets a key to a table; a new key gets the location `span`.
     pub(crate) fn set(&mut self, key: &str, table: Self, span: Span) {
         let value = Branch::Table(table);
@@ -101,13 +155,74 @@ impl Entry {
     }
 }
 
+/// Removes the elements of a list that `selector` names: a string by its value, a table by one or two of its ends. An end
+/// in a list of several is removed alone.
+///
+/// # Errors
+///
+/// The selectors of all elements, if it names none.
+fn remove_from(items: &mut Vec<Node>, selector: &str) -> Result<(), Vec<String>> {
+    let mut ends = selector.splitn(2, " -> ").map(str::trim);
+    let (first, second) = (ends.next().unwrap_or_default(), ends.next());
+    let before = items.clone();
+    items.retain_mut(|item| {
+        let Branch::Table(table) = &mut item.value else {
+            return item.value.text() != Some(selector);
+        };
+        let known = table.ends();
+        let is_named = known.contains(&first) && second.is_none_or(|end| known.contains(&end));
+        !is_named || second.is_some_and(|end| table.remove_one_of_several(end))
+    });
+    if *items != before {
+        return Ok(());
+    }
+    let known = items.iter().filter_map(|item| {
+        if let Branch::Table(table) = &item.value {
+            table.ends().first().copied()
+        } else {
+            item.value.text()
+        }
+    });
+    Err(known.map(str::to_owned).collect())
+}
+
+impl Table {
+    /// Removes a string from a list of several. Returns whether there is one.
+    fn remove_one_of_several(&mut self, end: &str) -> bool {
+        let mut values = self.entries.iter_mut().map(|entry| &mut entry.node.value);
+        values.any(|value| {
+            let Branch::List(items) = value else {
+                return false;
+            };
+            let count = items.len();
+            if count > 1 {
+                items.retain(|item| item.value.text() != Some(end));
+            }
+            items.len() < count
+        })
+    }
+}
+
 impl Branch {
+    /// Returns the value if it is a string.
+    pub(crate) fn text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            Self::Integer(_)
+            | Self::Float(_)
+            | Self::Boolean(_)
+            | Self::Date(_)
+            | Self::List(_)
+            | Self::Table(_) => None,
+        }
+    }
+
     /// Returns the type for use in messages, such as "a string" or "a list".
     pub fn describe(&self) -> &'static str {
         match self {
             Self::Text(_) => "a string",
             Self::Integer(_) => "an integer",
-            Self::Float(_) => "a number",
+            Self::Float(_) => "a floating-point number",
             Self::Boolean(_) => "a Boolean",
             Self::Date(_) => "a date",
             Self::List(_) => "a list",
@@ -255,5 +370,115 @@ impl Grower<'_> {
         });
         let margin = quote.map_or(0, str::len);
         Span::new(self.file, range.start + margin, range.end - margin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"
+[components.Rover]
+bind.monitored."wants(ROB1)" = 1
+bind.monitored.wants = 2
+
+[[connections]]
+from = "Joystick.twist"
+to = ["Rover.twist", "Monitor.command"]
+
+[[connections]]
+from = "Laser.scan"
+to = "Monitor.scan"
+
+[deploy.processes.desk]
+components = ["Joystick", "Monitor"]
+"#;
+
+    /// The text after the removal of `path`, as a list of lines.
+    fn without(path: &str) -> String {
+        let (mut table, errors) = parse(FileId(0), TEXT);
+        assert!(errors.is_empty());
+        table
+            .remove(path)
+            .unwrap_or_else(|known| panic!("{path}: {known:?}"));
+        let mut lines = Vec::new();
+        list(&table, "", &mut lines);
+        lines.join("\n")
+    }
+
+    fn list(table: &Table, prefix: &str, lines: &mut Vec<String>) {
+        for entry in &table.entries {
+            value(
+                &entry.node.value,
+                &format!("{prefix}{}", entry.key.value),
+                lines,
+            );
+        }
+    }
+
+    fn value(branch: &Branch, path: &str, lines: &mut Vec<String>) {
+        if let Branch::Table(table) = branch {
+            list(table, &format!("{path}."), lines);
+        } else if let Branch::List(items) = branch {
+            items
+                .iter()
+                .for_each(|item| value(&item.value, path, lines));
+        } else {
+            lines.push(format!("{path} = {}", branch.text().unwrap_or("1")));
+        }
+    }
+
+    #[test]
+    fn a_key_is_removed_by_its_path_whatever_its_name_contains() {
+        let left = without("components.Rover.bind.monitored.wants(ROB1)");
+        assert!(
+            left.contains("monitored.wants =") && !left.contains("ROB1"),
+            "{left}"
+        );
+        let left = without("components.Rover");
+        assert!(!left.contains("monitored"), "{left}");
+    }
+
+    #[test]
+    fn a_connection_is_removed_by_one_end_and_one_of_its_readers_by_both() {
+        let left = without("connections.Joystick.twist");
+        assert!(
+            !left.contains("Rover.twist") && left.contains("Laser.scan"),
+            "{left}"
+        );
+        let left = without("connections.Joystick.twist -> Rover.twist");
+        assert!(!left.contains("Rover.twist"), "{left}");
+        assert!(
+            left.contains("Joystick.twist") && left.contains("Monitor.command"),
+            "{left}"
+        );
+        let left = without("connections.Laser.scan -> Monitor.scan");
+        assert!(!left.contains("Laser.scan"), "{left}");
+    }
+
+    #[test]
+    fn a_word_is_removed_from_a_list() {
+        let left = without("deploy.processes.desk.components.Joystick");
+        assert!(left.contains("components = Monitor"), "{left}");
+        assert!(!left.contains("components = Joystick"), "{left}");
+    }
+
+    #[test]
+    fn a_missing_element_is_reported_with_those_beside_it() {
+        let (mut table, _) = parse(FileId(0), TEXT);
+        let before = table.clone();
+        let known = table.remove("connections.Laser.scam").unwrap_err();
+        assert_eq!(
+            known,
+            ["connections.Joystick.twist", "connections.Laser.scan"]
+        );
+        let known = table.remove("components.Rower.bind").unwrap_err();
+        assert_eq!(known, ["components.Rover"]);
+        assert!(
+            table
+                .remove("connections.Laser.scan -> Rover.twist")
+                .is_err()
+        );
+        assert_eq!(table, before, "unchanged");
     }
 }

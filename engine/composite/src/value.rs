@@ -125,7 +125,7 @@ impl SettingValue {
         match self {
             Self::Boolean(_) => "a Boolean",
             Self::Integer(_) => "an integer",
-            Self::Real(_) => "a number",
+            Self::Real(_) => "a floating-point number",
             Self::Text(_) => "a string",
             Self::Secret(_) => "a secret",
             Self::List(_) => "a list",

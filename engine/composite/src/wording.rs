@@ -1,10 +1,21 @@
 //! Building blocks of messages: enumerations and locations.
 
+use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Diagnostic, Span};
 
 /// Joins the names in backquotes with commas and "or".
 pub(crate) fn enumerate(names: &[&str]) -> String {
     joined(names, "or")
+}
+
+/// Returns the locations of a function that are missing, at most four of them; the function itself if none are listed.
+pub(crate) fn missing(function: &FunctionInfo, locations: &[String]) -> String {
+    let shown: Vec<&str> = locations.iter().take(4).map(String::as_str).collect();
+    match (shown.as_slice(), locations.len() - shown.len()) {
+        ([], _) => format!("`{}`", function.name),
+        (shown, 0) => enumerate(shown),
+        (shown, more) => format!("{} and {more} others", joined(shown, "and")),
+    }
 }
 
 /// Returns a note listing the existing names, such as "it has `a`, `b` and `c`".

@@ -166,12 +166,25 @@ mod tests {
     fn o9_a_writer_never_waits_for_a_reader_at_work() {
         let (mut writer, mut reader) = triple();
         writer.write(0);
-        let held = reader.take();
-        // with a lock to wait for, this would not end
-        for n in 1..1000 {
-            writer.write(n);
-        }
-        assert_eq!((held, reader.take()), (Some(0), Some(999)));
+        let (begin, begun) = std::sync::mpsc::channel();
+        let (end, ended) = std::sync::mpsc::channel();
+        let writing = std::thread::spawn(move || {
+            begun.recv().unwrap();
+            for n in 1..1000 {
+                writer.write(n);
+            }
+            end.send(()).unwrap();
+        });
+        let mut during = None;
+        reader.peek_each(|_| {
+            begin.send(()).unwrap();
+            // a lock held by the reader would make the writer wait until this closure returns
+            let limit = std::time::Duration::from_secs(20);
+            during = Some(ended.recv_timeout(limit));
+        });
+        assert_eq!(during, Some(Ok(())), "the writer waits for the reader");
+        writing.join().unwrap();
+        assert_eq!(reader.take(), Some(999));
     }
 
     #[test]

@@ -107,17 +107,18 @@ impl Ours {
 fn coordinator() -> System {
     let mut files = MemoryFiles::new();
     files.add("echo.asm", ECHO);
-    let specification = Arc::new(asmotion_lang::open("echo.asm", &files).unwrap());
+    let specification = asmotion_lang::open("echo.asm", &files).unwrap();
     let binding = Binding {
         monitored: vec![Monitored {
             receive: Receive::All,
             ..Monitored::new("event", Source::Port("event".to_owned()))
         }],
         out: vec![Out {
-            function: "command".to_owned(),
+            location: "command".into(),
             effect: Effect::Publish(Published {
                 port: "command".to_owned(),
                 field: None,
+                key: Vec::new(),
                 when: PublishWhen::OnUpdate,
             }),
         }],

@@ -5,11 +5,45 @@ use crate::binding::BoundOperation;
 /// A binding that does not fit its specification or component.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BindError {
-    /// The specification has no function with this name and without arguments.
-    #[error("the specification has no function `{function}` without arguments")]
+    /// The specification has no function with this name and number of arguments.
+    #[error("the specification has no function `{function}` with {arity} arguments")]
     UnknownFunction {
         /// Name of the function in the binding.
         function: String,
+        /// Number of arguments in the binding.
+        arity: usize,
+    },
+    /// An argument of a location is not an element of its domain.
+    #[error("the domain of `{location}` has no element `{element}`")]
+    UnknownElement {
+        /// The location as bound.
+        location: String,
+        /// The argument as written, which names no element.
+        element: String,
+    },
+    /// A variable has no field of the message as its key, or ranges over a domain whose elements are not known.
+    #[error(
+        "no key selects the elements of `${variable}` in `{location}`, or its domain is not finite"
+    )]
+    FreeVariable {
+        /// The location as bound.
+        location: String,
+        /// Name of the variable.
+        variable: String,
+    },
+    /// Two bindings supply the value of one location.
+    #[error("two bindings supply the value of `{location}`")]
+    BoundTwice {
+        /// The location as bound.
+        location: String,
+    },
+    /// A term does not fit the specification.
+    #[error("invalid term `{term}`: {reason}")]
+    InvalidTerm {
+        /// The term as bound.
+        term: String,
+        /// The first error in it.
+        reason: String,
     },
     /// The component has no such port.
     #[error("the component has no port `{port}`")]

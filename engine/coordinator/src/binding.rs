@@ -5,6 +5,7 @@
 
 use std::fmt;
 
+use crate::location::LocationName;
 use asmotion_datum::{Datum, Schema};
 use asmotion_derive::Word;
 
@@ -30,11 +31,11 @@ pub struct Interfaces {
     pub services: Vec<(String, String)>,
 }
 
-/// The binding of a monitored function.
+/// The binding of a monitored function, or of locations of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monitored {
-    /// Name of the function.
-    pub function: String,
+    /// The function or location; its variables are those of `key`.
+    pub location: LocationName,
     /// Origin of its value.
     pub from: Source,
     /// The messages that count as its value.
@@ -44,6 +45,8 @@ pub struct Monitored {
     pub field: Option<String>,
     /// Path of a text that names an enum literal; an alternative to `field`.
     pub map: Option<String>,
+    /// The variables of the location, each with the path of the field that selects its element.
+    pub key: Vec<(String, String)>,
     /// The texts for which a Boolean function is true. If empty, the value itself is used.
     pub is: Vec<String>,
     /// Value in a step without a message; undef if not given.
@@ -55,14 +58,15 @@ pub struct Monitored {
 }
 
 impl Monitored {
-    /// Binds a function to a source, with the default of every optional setting.
-    pub fn new(function: &str, from: Source) -> Self {
+    /// Binds a function or location to a source, with the default of every optional setting.
+    pub fn new(location: &str, from: Source) -> Self {
         Self {
-            function: function.to_owned(),
+            location: LocationName::from(location),
             from,
             receive: Receive::default(),
             field: None,
             map: None,
+            key: Vec::new(),
             is: Vec::new(),
             none: None,
             stale_ms: None,
@@ -72,12 +76,22 @@ impl Monitored {
 }
 
 /// Origin of a monitored function's value.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// Messages on an input port, given by its name.
     Port(String),
     /// Requests for an operation that the component provides.
     Request(BoundOperation),
+    /// True in the steps in which a condition has held for a time, without interruption since the step that made it
+    /// true.
+    Timer {
+        /// The condition: a term of the specification.
+        running: String,
+        /// The time in milliseconds.
+        ms: u64,
+    },
+    /// A constant.
+    Value(Constant),
 }
 
 /// An operation that the component provides or calls; displayed as `service.operation`.
@@ -107,11 +121,11 @@ pub enum Receive {
     Edge,
 }
 
-/// The binding of an out function.
+/// The binding of an out function, or of locations of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Out {
-    /// Name of the function.
-    pub function: String,
+    /// The function or location; its variables are those of the key of `effect`.
+    pub location: LocationName,
     /// Effect of its updates.
     pub effect: Effect,
 }
@@ -132,6 +146,8 @@ pub struct Published {
     pub port: String,
     /// The field that takes the value. Without it, the message itself.
     pub field: Option<String>,
+    /// The variables of the location, each with the path of the field that takes its element.
+    pub key: Vec<(String, String)>,
     /// The steps after which it is published.
     pub when: PublishWhen,
 }
@@ -186,7 +202,7 @@ pub struct Call {
     pub with: Argument,
     /// Name under which the response is kept for later arguments.
     pub keep: Option<String>,
-    /// The monitored function that takes one of the following literals when the call ends.
+    /// The monitored function or location that takes one of the following literals when the call ends.
     pub event: Option<String>,
     /// Literal for a response.
     pub ok: Option<String>,
@@ -234,6 +250,8 @@ pub enum Argument {
     Record(Vec<(String, Argument)>),
     /// A literal value.
     Value(Constant),
+    /// The value of a term of the specification, in the state after the step.
+    Term(String),
 }
 
 impl Default for Argument {
@@ -268,15 +286,37 @@ impl fmt::Debug for Constant {
     }
 }
 
-pub(crate) fn calls(binding: &Binding) -> impl Iterator<Item = &Call> {
+/// Iterates over the terms of a binding.
+pub(crate) fn terms(binding: &Binding) -> impl Iterator<Item = &str> {
+    let timers = binding.monitored.iter().filter_map(|it| match &it.from {
+        Source::Timer { running, .. } => Some(running.as_str()),
+        Source::Port(_) | Source::Request(_) | Source::Value(_) => None,
+    });
+    timers.chain(actions(binding).flat_map(|action| match action {
+        Action::Call(call) => terms_of(&call.with),
+        Action::Publish { value, .. } => terms_of(value),
+    }))
+}
+
+fn terms_of(argument: &Argument) -> Vec<&str> {
+    match argument {
+        Argument::Term(term) => vec![term],
+        Argument::Record(fields) => fields.iter().flat_map(|(_, it)| terms_of(it)).collect(),
+        Argument::Kept { .. } | Argument::Value(_) => Vec::new(),
+    }
+}
+
+fn actions(binding: &Binding) -> impl Iterator<Item = &Action> {
     let cases = binding.out.iter().flat_map(|out| match &out.effect {
         Effect::Literals(cases) => cases.as_slice(),
         Effect::Publish(_) => &[],
     });
-    cases
-        .flat_map(|case| &case.actions)
-        .filter_map(|action| match action {
-            Action::Call(call) => Some(call),
-            Action::Publish { .. } => None,
-        })
+    cases.flat_map(|case| &case.actions)
+}
+
+pub(crate) fn calls(binding: &Binding) -> impl Iterator<Item = &Call> {
+    actions(binding).filter_map(|action| match action {
+        Action::Call(call) => Some(call),
+        Action::Publish { .. } => None,
+    })
 }

@@ -2,26 +2,26 @@
 
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Interfaces, calls};
-use crate::effects::{EffectHandles, EffectOutbox};
+use crate::effects::{AfterStep, EffectHandles, EffectOutbox, OutputResolver};
 use crate::fingerprint::fingerprint;
 use crate::frame::InputFrame;
 use crate::inputs::MessageInputs;
 use crate::partners::MessagePartners;
 use crate::requests::Requests;
 use crate::step::{STEP_REPORT, StepRecord};
+use crate::terms::BindingTerms;
 use asmotion_component::{
     BusHealth, CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, Losses,
-    Setup, ThawError,
+    NOTICE_REPORT, Setup, ThawError, Time,
 };
 use asmotion_datum::{Datum, Message};
-use asmotion_lang::machine::{BackEnd, Machine};
+use asmotion_lang::machine::{BackEnd, Machine, StepFault};
 use asmotion_lang::simulate::Seeded;
-use asmotion_lang::{Specification, Style};
-use std::sync::Arc;
+use asmotion_lang::{Diagnostic, FaultKind, Specification, Style, Value};
 
 /// A component that runs a specification: its cycle is one step of the machine.
 pub struct Coordinator {
-    pub(crate) specification: Arc<Specification>,
+    pub(crate) specification: Specification,
     /// Fingerprint of the specification and the bindings, stored in frozen states.
     pub(crate) fingerprint: String,
     pub(crate) machine: Machine,
@@ -35,6 +35,8 @@ pub struct Coordinator {
     pub(crate) frame: InputFrame,
     /// The losses as last reported.
     pub(crate) reported: Losses,
+    /// The last step that wrote something, and its time, for observers; not part of the frozen state.
+    pub(crate) last_record: Option<(Time, StepRecord)>,
 }
 
 /// Kind of the report with the number of lost messages, a [`Losses`].
@@ -46,12 +48,13 @@ impl Coordinator {
     /// # Errors
     /// An error if the binding does not fit, or if the initial state cannot be built.
     pub fn new(
-        specification: Arc<Specification>,
+        mut specification: Specification,
         binding: &Binding,
         interfaces: &Interfaces,
         seed: u64,
         interface: &mut Interface,
     ) -> Result<Self, BindError> {
+        let terms = BindingTerms::add(binding, &mut specification)?;
         let handles = declare(binding, interfaces, interface)?;
         let requests = Requests::declare(binding, interfaces, interface)?;
         let partners = MessagePartners::declare(
@@ -60,18 +63,26 @@ impl Coordinator {
             &interfaces.services,
             interface,
         );
-        let mut machine = specification.machine().map_err(|fault| {
-            let finding = specification.explain(&fault);
-            BindError::Initial(asmotion_lang::render(
-                &finding,
-                &specification.sources,
-                Style::Plain,
-            ))
-        })?;
-        machine.set_partners(partners.agents());
+        let machine = initial_machine(&specification, &partners).map_err(BindError::Initial)?;
         let health = health(interfaces, &handles);
-        let mut inbox = MessageInputs::new(binding, &specification, &handles.inputs, &requests)?;
-        let outbox = EffectOutbox::new(binding, &specification, handles, &mut inbox)?;
+        let mut frame = InputFrame::default();
+        let mut inbox = MessageInputs::new(
+            binding,
+            &specification,
+            &handles.inputs,
+            &requests,
+            &terms,
+            &mut frame,
+        )?;
+        let mut resolver = OutputResolver {
+            specification: &specification,
+            handles: &handles,
+            terms: &terms,
+            inbox: &mut inbox,
+            frame: &mut frame,
+        };
+        let outputs = resolver.outputs(binding)?;
+        let outbox = EffectOutbox::new(outputs, handles);
         Ok(Self {
             fingerprint: fingerprint(&specification, binding),
             specification,
@@ -82,13 +93,18 @@ impl Coordinator {
             partners,
             requests,
             health,
-            frame: InputFrame::default(),
+            frame,
             reported: Losses::default(),
+            last_record: None,
         })
     }
 }
 
 impl Component for Coordinator {
+    fn inspect(&self) -> Vec<(String, Datum)> {
+        self.status().entries().unwrap_or_default()
+    }
+
     fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
         self.frozen()
     }
@@ -97,8 +113,14 @@ impl Component for Coordinator {
         self.thawed(state)
     }
 
-    /// Compiles native code before the first step, so that compilation delays no step.
+    /// Compiles native code before the first step, so that compilation delays no step. A specification that has made steps
+    /// begins again in its initial state: it was cleaned up, or reset after an exception.
     fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
+        if self.machine.steps() > 0 {
+            let machine = initial_machine(&self.specification, &self.partners);
+            self.machine = machine.map_err(Fault::new)?;
+            self.inbox.stop_timers();
+        }
         // without native code, closures compute the same steps
         let _ = self.machine.set_back_end(BackEnd::Native);
         Ok(())
@@ -111,32 +133,45 @@ impl Component for Coordinator {
             return Ok(());
         }
         self.requests.receive(cycle);
-        self.inbox
-            .receive(cycle, &self.requests, self.machine.program());
+        let program = self.machine.program();
+        for notice in self.inbox.receive(cycle, &self.requests, program) {
+            cycle.report(NOTICE_REPORT, Datum::text(notice));
+        }
         self.outbox.receive(cycle, &mut self.inbox);
         self.inbox.losses.misfits += self.partners.receive(cycle, &mut self.machine);
         self.update_bus_health(cycle);
-        self.inbox.freeze(cycle.now(), &mut self.frame);
+        let now = cycle.now();
+        self.inbox.freeze(now, &mut self.frame);
+        if self.machine.steps() == 0 {
+            // the conditions that hold in the initial state
+            self.update_timers(now)?;
+        }
         let stepped = self
             .machine
-            .step(&mut self.frame, &mut self.chooser, cycle.now().nanos());
-        if let Err(fault) = stepped {
+            .step(&mut self.frame, &mut self.chooser, now.nanos());
+        if let Err(fault) = stepped.map(|_| ()) {
             let finding = self.specification.explain_in(&fault, &self.machine);
-            return Err(Fault::new(asmotion_lang::render(
-                &finding,
-                &self.specification.sources,
-                Style::Plain,
-            )));
+            let finding = with_missing_inputs(finding, &fault, &self.machine);
+            return Err(self.rendered(&finding));
         }
         let step = self.machine.last_step();
         if !step.updates().is_empty() || !step.sent().is_empty() {
             let record = StepRecord::of(&self.specification, &self.machine, &step);
             // the step is reported before its effects
             cycle.report(STEP_REPORT, Datum::of(&record)?);
+            self.last_record = Some((cycle.now(), record));
         }
+        let mut after = AfterStep {
+            machine: &mut self.machine,
+            frame: &mut self.frame,
+            fault: None,
+        };
         let (inbox, requests) = (&mut self.inbox, &mut self.requests);
-        self.outbox
-            .send(&self.machine, &step, cycle, inbox, requests);
+        self.outbox.send(&mut after, cycle, inbox, requests);
+        if let Some(fault) = after.fault {
+            return Err(self.explained(&fault));
+        }
+        self.update_timers(now)?;
         self.requests.reply_to_open(cycle);
         self.partners.send(&self.machine, cycle);
         self.report_losses(cycle)?;
@@ -147,13 +182,58 @@ impl Component for Coordinator {
     }
 
     /// Ends all calls under way; for the specification they have failed.
-    fn stop(&mut self) {
+    fn stop(&mut self, _: &mut Cycle<'_>) {
         self.outbox.stop(&mut self.inbox);
         self.partners.stop(&mut self.machine);
     }
 }
 
+/// A machine in the initial state of the specification. The error is rendered.
+fn initial_machine(
+    specification: &Specification,
+    partners: &MessagePartners,
+) -> Result<Machine, String> {
+    let mut machine = specification.machine().map_err(|fault| {
+        let finding = specification.explain(&fault);
+        asmotion_lang::render(&finding, &specification.sources, Style::Plain)
+    })?;
+    machine.set_partners(partners.agents());
+    Ok(machine)
+}
+
+/// Adds the inputs without a value to the explanation of a guard that is undef, with the key that gives them one.
+fn with_missing_inputs(finding: Diagnostic, fault: &StepFault, machine: &Machine) -> Diagnostic {
+    if !matches!(fault.kind, FaultKind::UndefinedGuard) {
+        return finding;
+    }
+    let step = machine.last_step();
+    let missing = step.inputs().iter().filter(|it| it.value == Value::Undef);
+    missing.fold(finding, |finding, input| {
+        let location = asmotion_lang::simulate::location(machine, input.slot);
+        finding.help(format!(
+            "`none` in the binding of `{location}` in the composite is its value before the first message"
+        ))
+    })
+}
+
 impl Coordinator {
+    /// Starts and stops timers according to their conditions in the current state.
+    fn update_timers(&mut self, now: Time) -> Result<(), Fault> {
+        let (inbox, machine) = (&mut self.inbox, &mut self.machine);
+        let updated = inbox.update_timers(machine, &mut self.frame, now);
+        updated.map_err(|fault| self.explained(&fault))
+    }
+
+    /// The fault of a term, with its places in the texts.
+    fn explained(&self, fault: &StepFault) -> Fault {
+        self.rendered(&self.specification.explain_in(fault, &self.machine))
+    }
+
+    fn rendered(&self, finding: &Diagnostic) -> Fault {
+        let sources = &self.specification.sources;
+        Fault::new(asmotion_lang::render(finding, sources, Style::Plain))
+    }
+
     /// Reports the losses if they have increased.
     fn report_losses(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let losses = self.inbox.losses;

@@ -1,17 +1,23 @@
 //! Turns updates of out functions into messages and calls.
 
 use crate::bind_error::BindError;
-use crate::binding::{Action, Argument, Binding, BoundOperation, Effect, PublishWhen, Published};
-use crate::convert::{datum_of, literal_value};
-use crate::inputs::MessageInputs;
-use crate::requests::{Requests, WaitingCaller, superseded_fault};
-use asmotion_component::{
-    CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault,
+use crate::binding::{
+    Action, Argument, Binding, BoundOperation, Case, Effect, PublishWhen, Published,
 };
-use asmotion_datum::Datum;
+use crate::bound_location::{BoundLocation, BoundLocations, KeyField};
+use crate::convert::{datum_of, literal_value};
+use crate::frame::InputFrame;
+use crate::inputs::{EventTarget, MessageInputs};
+use crate::location::LocationName;
+use crate::requests::{Requests, WaitingCaller, superseded_fault};
+use crate::terms::BindingTerms;
+use asmotion_component::{
+    CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault, Time,
+};
+use asmotion_datum::{Datum, FieldName};
 use asmotion_lang::Specification;
-use asmotion_lang::ir::{FunctionId, ValueShape};
-use asmotion_lang::machine::{Machine, Step};
+use asmotion_lang::ir::{AddedTerm, FunctionId, Slot, ValueShape};
+use asmotion_lang::machine::{Machine, StepFault};
 use asmotion_lang::value::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -34,8 +40,10 @@ pub(crate) struct EffectOutbox {
     operations: Vec<Required<Dynamic>>,
 }
 
-struct BoundOutput {
+/// A location of an out function and the effect of its updates.
+pub(crate) struct BoundOutput {
     function: FunctionId,
+    arguments: Vec<Value>,
     effect: BoundEffect,
 }
 
@@ -43,21 +51,87 @@ enum BoundEffect {
     Publish {
         port: Out<Datum>,
         field: Option<String>,
+        /// Fields that say which location the message is about, and their values.
+        key: Vec<(String, Datum)>,
         when: PublishWhen,
     },
     Literals(Vec<(Value, Vec<BoundAction>)>),
 }
 
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a coordinator has a handful of them, made once at its start"
+)]
 enum BoundAction {
     Publish {
         port: Out<Datum>,
-        value: Argument,
+        value: BoundContent,
     },
     Call {
         operation: Required<Dynamic>,
-        with: Argument,
+        with: BoundContent,
         outcome: OutcomeEffect,
     },
+}
+
+/// An [`Argument`] whose terms are part of the machine's program.
+enum BoundContent {
+    Kept { name: String, path: Option<String> },
+    Record(Vec<(String, BoundContent)>),
+    Value(Datum),
+    Term { term: AddedTerm, text: String },
+}
+
+impl BoundContent {
+    fn resolve(argument: &Argument, terms: &BindingTerms) -> Result<Self, BindError> {
+        Ok(match argument {
+            Argument::Kept { name, path } => Self::Kept {
+                name: name.clone(),
+                path: path.clone(),
+            },
+            Argument::Record(fields) => {
+                let fields = fields.iter();
+                let fields =
+                    fields.map(|(name, field)| Ok((name.clone(), Self::resolve(field, terms)?)));
+                Self::Record(fields.collect::<Result<_, _>>()?)
+            }
+            Argument::Value(value) => Self::Value(value.datum.clone()),
+            Argument::Term(text) => Self::Term {
+                term: terms.get(text)?,
+                text: text.clone(),
+            },
+        })
+    }
+}
+
+/// The machine after a step, which evaluates terms in the new state with the inputs of the step.
+pub(crate) struct AfterStep<'m> {
+    pub machine: &'m mut Machine,
+    pub frame: &'m mut InputFrame,
+    /// The first fault of a term.
+    pub fault: Option<Box<StepFault>>,
+}
+
+impl AfterStep<'_> {
+    /// The value of a term as a datum; `None` if it is undef, or if its evaluation fails.
+    fn value(&mut self, term: AddedTerm, now: Time) -> Option<Datum> {
+        match self.machine.evaluate(term, self.frame, now.nanos()) {
+            Ok(Value::Undef) => None,
+            Ok(value) => Some(datum_of(&value, &self.machine.naming())),
+            Err(fault) => {
+                self.fault.get_or_insert(fault);
+                None
+            }
+        }
+    }
+
+    /// The new value of a location, and whether it changed; `None` without an update.
+    fn update(&self, slot: Option<Slot>) -> Option<(Value, bool)> {
+        let step = self.machine.last_step();
+        let mut updates = step.updates().iter().zip(step.before());
+        let (update, before) = updates.find(|(update, _)| Some(update.slot) == slot)?;
+        Some((update.value.clone(), update.value != *before))
+    }
 }
 
 /// A call that has not ended.
@@ -73,11 +147,12 @@ pub(crate) struct PendingOutcome {
 pub(crate) struct OutcomeEffect {
     /// Position of the call among all calls of the binding.
     pub number: usize,
-    /// The out function whose update made the call; a later update of it cancels the call.
-    function: FunctionId,
+    operation: BoundOperation,
+    /// Position of the out location whose update made the call; a later update of it cancels the call.
+    output: usize,
     keep: Option<String>,
-    /// Position of the input that takes the event.
-    event: Option<usize>,
+    /// The location that takes the event.
+    event: Option<EventTarget>,
     ok: Option<Value>,
     failed: Option<Value>,
     /// Fault codes and their literals.
@@ -91,62 +166,142 @@ pub(crate) struct OutcomeEffect {
 impl OutcomeEffect {
     fn fail(&self, inbox: &mut MessageInputs) {
         if let (Some(input), Some(event)) = (self.event, self.failed.clone()) {
-            inbox.push(input, event, self.function);
+            inbox.push(input, event, self.output);
+        }
+    }
+}
+
+/// Resolves the bindings of out functions.
+pub(crate) struct OutputResolver<'r> {
+    pub specification: &'r Specification,
+    pub handles: &'r EffectHandles,
+    pub terms: &'r BindingTerms,
+    pub inbox: &'r mut MessageInputs,
+    pub frame: &'r mut InputFrame,
+}
+
+impl OutputResolver<'_> {
+    /// Returns the bound locations, in the order of the binding.
+    pub fn outputs(&mut self, binding: &Binding) -> Result<Vec<BoundOutput>, BindError> {
+        let mut outputs = Vec::new();
+        for out in &binding.out {
+            let key: &[_] = match &out.effect {
+                Effect::Publish(published) => &published.key,
+                Effect::Literals(_) => &[],
+            };
+            let located = BoundLocations::resolve(&out.location, key, self.specification)?;
+            for location in located.all() {
+                let effect = match &out.effect {
+                    Effect::Publish(published) => {
+                        let elements = key_elements(&located, &location, self.specification);
+                        self.handles.publication(published, elements)?
+                    }
+                    Effect::Literals(cases) => {
+                        let mut bound = Vec::new();
+                        for case in cases {
+                            bound.push(self.case(out, case, &located, outputs.len())?);
+                        }
+                        BoundEffect::Literals(bound)
+                    }
+                };
+                outputs.push(BoundOutput {
+                    function: located.function,
+                    arguments: location.arguments,
+                    effect,
+                });
+            }
+        }
+        for (number, outcome) in outcomes(&mut outputs).enumerate() {
+            outcome.number = number;
+        }
+        Ok(outputs)
+    }
+
+    /// Resolves the actions of a literal of the out location at position `output`.
+    fn case(
+        &mut self,
+        out: &crate::binding::Out,
+        case: &Case,
+        located: &BoundLocations,
+        output: usize,
+    ) -> Result<(Value, Vec<BoundAction>), BindError> {
+        let literal = literal(&out.location, &case.literal, located, self.specification)?;
+        let actions = case.actions.iter();
+        let actions = actions.map(|action| self.action(action, output));
+        Ok((literal, actions.collect::<Result<_, _>>()?))
+    }
+
+    /// Resolves an action of the out location at position `output`.
+    fn action(&mut self, action: &Action, output: usize) -> Result<BoundAction, BindError> {
+        let (specification, handles) = (self.specification, self.handles);
+        let inbox = &mut *self.inbox;
+        match action {
+            Action::Publish { port, value } => Ok(BoundAction::Publish {
+                port: handles.output(port)?,
+                value: BoundContent::resolve(value, self.terms)?,
+            }),
+            Action::Call(call) => {
+                let mut operations = handles.operations.iter();
+                let found = operations.find(|(known, _)| *known == call.operation);
+                let Some((_, operation)) = found else {
+                    return Err(BindError::UnknownOperation(call.operation.clone()));
+                };
+                let event = match &call.event {
+                    Some(event) => {
+                        let name = LocationName::from(event.as_str());
+                        Some(inbox.event(&name, specification, self.frame)?)
+                    }
+                    None => None,
+                };
+                let literal = |name: &Option<String>| match (event, name) {
+                    (Some(event), Some(name)) => inbox
+                        .literal(event, name, &specification.program)
+                        .map(Some)
+                        .ok_or_else(|| BindError::NotAValue {
+                            function: call.event.clone().unwrap_or_default(),
+                            value: name.clone(),
+                        }),
+                    _ => Ok(None),
+                };
+                let mut faults = Vec::new();
+                for (code, name) in &call.faults {
+                    let literal = literal(&Some(name.clone()))?;
+                    faults.extend(literal.map(|literal| (code.clone(), literal)));
+                }
+                let outcome = OutcomeEffect {
+                    // assigned once all calls are known
+                    number: 0,
+                    operation: call.operation.clone(),
+                    output,
+                    keep: call.keep.clone(),
+                    event,
+                    ok: literal(&call.ok)?,
+                    failed: literal(&call.failed)?,
+                    faults,
+                    timeout: literal(&call.timeout)?,
+                    unavailable: literal(&call.unavailable)?,
+                    reply: call.reply.clone(),
+                };
+                Ok(BoundAction::Call {
+                    operation: *operation,
+                    with: BoundContent::resolve(&call.with, self.terms)?,
+                    outcome,
+                })
+            }
         }
     }
 }
 
 impl EffectOutbox {
-    pub fn new(
-        binding: &Binding,
-        specification: &Specification,
-        handles: EffectHandles,
-        inbox: &mut MessageInputs,
-    ) -> Result<Self, BindError> {
-        let mut outs = Vec::new();
-        for out in &binding.out {
-            let unknown = || BindError::UnknownFunction {
-                function: out.function.clone(),
-            };
-            let function = specification
-                .function(&out.function, 0)
-                .ok_or_else(unknown)?;
-            let effect = match &out.effect {
-                Effect::Publish(Published { port, field, when }) => BoundEffect::Publish {
-                    port: handles.output(port)?,
-                    field: field.clone(),
-                    when: *when,
-                },
-                Effect::Literals(cases) => {
-                    let mut bound = Vec::new();
-                    for case in cases {
-                        let literal =
-                            literal(&out.function, &case.literal, function, specification)?;
-                        let actions = case.actions.iter();
-                        let actions = actions
-                            .map(|action| handles.action(action, function, specification, inbox));
-                        bound.push((literal, actions.collect::<Result<Vec<_>, _>>()?));
-                    }
-                    BoundEffect::Literals(bound)
-                }
-            };
-            outs.push(BoundOutput { function, effect });
-        }
-        for (number, outcome) in outcomes(&mut outs).enumerate() {
-            outcome.number = number;
-        }
-        let operations = handles
-            .operations
-            .iter()
-            .map(|(_, operation)| *operation)
-            .collect();
-        Ok(Self {
-            outputs: outs,
+    pub fn new(outputs: Vec<BoundOutput>, handles: EffectHandles) -> Self {
+        let operations = handles.operations.iter();
+        Self {
+            outputs,
             kept: BTreeMap::new(),
             pending: Vec::new(),
+            operations: operations.map(|(_, operation)| *operation).collect(),
             ports: handles.inputs,
-            operations,
-        })
+        }
     }
 
     /// Handles the calls that have ended: keeps responses, and turns outcomes into events.
@@ -180,10 +335,17 @@ impl EffectOutbox {
                     Err(CallError::Cancelled) => None,
                 };
                 if let (Some(input), Some(event)) = (outcome.event, event) {
-                    inbox.push(input, event, outcome.function);
+                    inbox.push(input, event, outcome.output);
                 }
             }
         }
+    }
+
+    /// The operations of the calls under way.
+    pub fn pending_calls(&self) -> impl Iterator<Item = &BoundOperation> {
+        self.pending
+            .iter()
+            .map(|pending| &pending.outcome.operation)
     }
 
     /// Ends all calls as failed, because the component stops.
@@ -197,51 +359,49 @@ impl EffectOutbox {
     /// and reported; if it is a call, it ends as failed.
     pub fn send(
         &mut self,
-        machine: &Machine,
-        step: &Step<'_>,
+        after: &mut AfterStep<'_>,
         cycle: &mut Cycle<'_>,
         inbox: &mut MessageInputs,
         requests: &mut Requests,
     ) {
-        for out in &self.outputs {
-            let slot = machine.state().slot(machine.program(), out.function, &[]);
-            let update = step
-                .updates()
-                .iter()
-                .zip(step.before())
-                .find(|(update, _)| Some(update.slot) == slot);
+        for (position, out) in self.outputs.iter().enumerate() {
+            let state = after.machine.state();
+            let slot = state.slot(after.machine.program(), out.function, &out.arguments);
+            let update = after.update(slot);
             match &out.effect {
-                BoundEffect::Publish { port, field, when } => {
+                BoundEffect::Publish {
+                    port,
+                    field,
+                    key,
+                    when,
+                } => {
                     let is_due = match (when, &update) {
                         (PublishWhen::EveryStep, _) | (PublishWhen::OnUpdate, Some(_)) => true,
-                        (PublishWhen::OnChange, Some((update, before))) => update.value != **before,
+                        (PublishWhen::OnChange, Some((_, has_changed))) => *has_changed,
                         (PublishWhen::OnUpdate | PublishWhen::OnChange, None) => false,
                     };
                     if let (true, Some(slot)) = (is_due, slot) {
-                        let value = datum_of(machine.state().get(slot), &machine.naming());
-                        let message = match field {
-                            Some(field) => Datum::record([(field.clone(), value)]),
-                            None => value,
-                        };
-                        cycle.write(*port, message);
+                        let value =
+                            datum_of(after.machine.state().get(slot), &after.machine.naming());
+                        cycle.write(*port, message_of(value, field.as_deref(), key));
                     }
                 }
                 BoundEffect::Literals(cases) => {
-                    let Some((update, _)) = update else { continue };
+                    let Some((value, _)) = update else { continue };
                     let is_answered =
-                        |pending: &mut PendingOutcome| pending.outcome.function == out.function;
+                        |pending: &mut PendingOutcome| pending.outcome.output == position;
                     for pending in self.pending.extract_if(.., is_answered) {
                         cycle.cancel(pending.call);
                         if let Some(caller) = pending.caller {
                             cycle.reply(caller.handle, caller.request, Err(superseded_fault()));
                         }
                     }
-                    inbox.remove_outcomes(out.function);
-                    let case = cases.iter().find(|(literal, _)| *literal == update.value);
+                    inbox.remove_outcomes(position);
+                    let case = cases.iter().find(|(literal, _)| *literal == value);
                     for action in case.into_iter().flat_map(|(_, actions)| actions) {
                         match action {
                             BoundAction::Publish { port, value } => {
-                                match evaluate(value, &self.context(requests), cycle) {
+                                match evaluate(value, &self.context(requests), after, cycle) {
                                     Ok(message) => cycle.write(*port, message),
                                     Err(missing) => report_unsent(&missing, cycle),
                                 }
@@ -250,7 +410,7 @@ impl EffectOutbox {
                                 operation,
                                 with,
                                 outcome,
-                            } => match evaluate(with, &self.context(requests), cycle) {
+                            } => match evaluate(with, &self.context(requests), after, cycle) {
                                 Ok(argument) => {
                                     let service = outcome.reply.as_ref();
                                     let caller =
@@ -313,86 +473,99 @@ impl EffectHandles {
             })
     }
 
-    fn action(
+    /// The publication of the value of a location; `elements` are those of its key.
+    fn publication(
         &self,
-        action: &Action,
-        function: FunctionId,
-        specification: &Specification,
-        inbox: &mut MessageInputs,
-    ) -> Result<BoundAction, BindError> {
-        match action {
-            Action::Publish { port, value } => Ok(BoundAction::Publish {
-                port: self.output(port)?,
-                value: value.clone(),
-            }),
-            Action::Call(call) => {
-                let mut operations = self.operations.iter();
-                let found = operations.find(|(known, _)| *known == call.operation);
-                let Some((_, operation)) = found else {
-                    return Err(BindError::UnknownOperation(call.operation.clone()));
-                };
-                let event = match &call.event {
-                    Some(event) => Some(inbox.event(event, specification)?),
-                    None => None,
-                };
-                let literal = |name: &Option<String>| match (event, name) {
-                    (Some(event), Some(name)) => inbox
-                        .literal(event, name, &specification.program)
-                        .map(Some)
-                        .ok_or_else(|| BindError::NotAValue {
-                            function: call.event.clone().unwrap_or_default(),
-                            value: name.clone(),
-                        }),
-                    _ => Ok(None),
-                };
-                let mut faults = Vec::new();
-                for (code, name) in &call.faults {
-                    let literal = literal(&Some(name.clone()))?;
-                    faults.extend(literal.map(|literal| (code.clone(), literal)));
-                }
-                let outcome = OutcomeEffect {
-                    // assigned once all calls are known
-                    number: 0,
-                    function,
-                    keep: call.keep.clone(),
-                    event,
-                    ok: literal(&call.ok)?,
-                    failed: literal(&call.failed)?,
-                    faults,
-                    timeout: literal(&call.timeout)?,
-                    unavailable: literal(&call.unavailable)?,
-                    reply: call.reply.clone(),
-                };
-                Ok(BoundAction::Call {
-                    operation: *operation,
-                    with: call.with.clone(),
-                    outcome,
-                })
-            }
-        }
+        published: &Published,
+        elements: Vec<Datum>,
+    ) -> Result<BoundEffect, BindError> {
+        let paths = published.key.iter().map(|(_, path)| path.clone());
+        Ok(BoundEffect::Publish {
+            port: self.output(&published.port)?,
+            field: published.field.clone(),
+            key: paths.zip(elements).collect(),
+            when: published.when,
+        })
     }
 }
 
+/// The elements of a location's key as data, in the order of the key's fields.
+fn key_elements(
+    located: &BoundLocations,
+    location: &BoundLocation,
+    specification: &Specification,
+) -> Vec<Datum> {
+    let datum = |(element, field): (&Value, &KeyField)| {
+        if let Value::Bool(truth) = element {
+            return Datum::Bool(*truth);
+        }
+        if let Value::Int(number) = element {
+            return Datum::Int(*number);
+        }
+        let known = specification.program.named_elements(&field.shape);
+        let mut known = known.into_iter().flatten();
+        let found = known.find(|(_, value)| value == element);
+        Datum::text(found.map(|(name, _)| name).unwrap_or_default())
+    };
+    let selected = location.elements.iter().zip(&located.key);
+    selected.map(datum).collect()
+}
+
+/// The message with a value in a field, or as a whole, and with the fields of a key.
+fn message_of(value: Datum, field: Option<&str>, key: &[(String, Datum)]) -> Datum {
+    let mut fields = Vec::new();
+    for (path, element) in key {
+        insert(&mut fields, path, element.clone());
+    }
+    match field {
+        Some(field) => insert(&mut fields, field, value),
+        None if key.is_empty() => return value,
+        None => {}
+    }
+    Datum::Record(fields)
+}
+
+/// Inserts a value at a path of names, creating the records on the way.
+fn insert(fields: &mut Vec<(FieldName, Datum)>, path: &str, value: Datum) {
+    let Some((name, rest)) = path.split_once('.') else {
+        fields.push((path.to_owned().into(), value));
+        return;
+    };
+    let known = fields.iter_mut().find(|(known, _)| known == name);
+    if let Some((_, Datum::Record(inner))) = known {
+        insert(inner, rest, value);
+        return;
+    }
+    let mut inner = Vec::new();
+    insert(&mut inner, rest, value);
+    fields.push((name.to_owned().into(), Datum::Record(inner)));
+}
+
 fn literal(
-    name: &str,
+    name: &LocationName,
     literal: &str,
-    function: FunctionId,
+    located: &BoundLocations,
     specification: &Specification,
 ) -> Result<Value, BindError> {
     let program = &specification.program;
-    let value = match program
-        .functions
-        .get(function.0 as usize)
-        .map(|function| &function.codomain)
-    {
-        Some(ValueShape::Domain(domain)) => literal_value(literal, *domain, program),
-        Some(ValueShape::Bool) => literal.parse().ok().map(Value::Bool),
-        Some(ValueShape::Int | ValueShape::Natural) => literal.parse().ok().map(Value::Int),
-        Some(ValueShape::Text) => Some(Value::text(literal)),
-        _ => None,
+    let value = match &located.codomain {
+        ValueShape::Domain(domain) => literal_value(literal, *domain, program),
+        ValueShape::Bool => literal.parse().ok().map(Value::Bool),
+        ValueShape::Int | ValueShape::Natural => literal.parse().ok().map(Value::Int),
+        ValueShape::Text => Some(Value::text(literal)),
+        ValueShape::Real
+        | ValueShape::Char
+        | ValueShape::Complex
+        | ValueShape::Rule
+        | ValueShape::Tuple(_)
+        | ValueShape::Seq(_)
+        | ValueShape::Set(_)
+        | ValueShape::Bag(_)
+        | ValueShape::Map(..)
+        | ValueShape::Any => None,
     };
     value.ok_or_else(|| BindError::NotAValue {
-        function: name.to_owned(),
+        function: name.to_string(),
         value: literal.to_owned(),
     })
 }
@@ -439,25 +612,28 @@ impl EffectContext<'_> {
 /// Builds a message or request.
 ///
 /// # Errors
-/// The name of a response, port or service without data yet. Zeros in their place would look like real data.
+/// The name of a response, port or service without data yet, or a term that is undef. Zeros in their place would look
+/// like real data.
 fn evaluate(
-    argument: &Argument,
+    content: &BoundContent,
     context: &EffectContext<'_>,
+    after: &mut AfterStep<'_>,
     cycle: &Cycle<'_>,
 ) -> Result<Datum, String> {
-    match argument {
-        Argument::Value(value) => Ok(value.datum.clone()),
-        Argument::Record(fields) => {
-            let compose_field = |(name, field): &(String, Argument)| {
-                Ok((name.clone(), evaluate(field, context, cycle)?))
-            };
-            let fields = fields
-                .iter()
-                .map(compose_field)
-                .collect::<Result<Vec<_>, String>>()?;
-            Ok(Datum::record(fields))
+    match content {
+        BoundContent::Value(value) => Ok(value.clone()),
+        BoundContent::Record(fields) => {
+            let mut record = Vec::new();
+            for (name, field) in fields {
+                record.push((name.clone(), evaluate(field, context, after, cycle)?));
+            }
+            Ok(Datum::record(record))
         }
-        Argument::Kept { name, path } => {
+        BoundContent::Term { term, text } => {
+            let value = after.value(*term, cycle.now());
+            value.ok_or_else(|| text.clone())
+        }
+        BoundContent::Kept { name, path } => {
             let datum = context.datum(name, cycle);
             let part = match path {
                 Some(path) => datum.and_then(|whole| whole.get(path)),

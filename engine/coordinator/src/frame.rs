@@ -1,34 +1,54 @@
-//! The inputs of one step: the values of all bound functions, fixed before the step begins.
+//! The inputs of a step: the values of all bound locations, fixed before the step begins.
 
 use asmotion_lang::Environment;
 use asmotion_lang::ir::FunctionId;
 use asmotion_lang::value::Value;
+use std::collections::BTreeMap;
 
 /// The inputs of one step.
 #[derive(Debug, Default)]
 pub(crate) struct InputFrame {
-    values: Vec<(FunctionId, Value)>,
+    /// Positions of the bound locations in `values`.
+    positions: BTreeMap<FunctionId, BTreeMap<Vec<Value>, usize>>,
+    /// `None` until the inputs are fixed for the first time.
+    values: Vec<Option<Value>>,
 }
 
 impl InputFrame {
-    pub fn clear(&mut self) {
-        self.values.clear();
+    /// Adds a location and returns its position; `None` if it is bound already.
+    pub fn bind(&mut self, function: FunctionId, arguments: Vec<Value>) -> Option<usize> {
+        let position = self.values.len();
+        let bound = self.positions.entry(function).or_default();
+        if bound.contains_key(&arguments) {
+            return None;
+        }
+        bound.insert(arguments, position);
+        self.values.push(None);
+        Some(position)
     }
 
-    pub fn set(&mut self, function: FunctionId, value: Value) {
-        self.values.push((function, value));
+    /// Position of a bound location.
+    pub fn position(&self, function: FunctionId, arguments: &[Value]) -> Option<usize> {
+        self.positions.get(&function)?.get(arguments).copied()
+    }
+
+    pub fn clear(&mut self) {
+        self.values.fill(None);
+    }
+
+    /// Sets the value of the location at this position.
+    pub fn set(&mut self, position: usize, value: Value) {
+        if let Some(known) = self.values.get_mut(position) {
+            *known = Some(value);
+        }
     }
 }
 
 impl Environment for InputFrame {
-    /// A function without binding is undef.
-    fn read(
-        &mut self,
-        function: FunctionId,
-        _arguments: &[Value],
-    ) -> Result<Option<Value>, String> {
-        let bound = self.values.iter().find(|(known, _)| *known == function);
-        Ok(bound.map(|(_, value)| value.clone()))
+    /// A location without binding is undef.
+    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+        let position = self.position(function, arguments);
+        Ok(position.and_then(|position| self.values.get(position)?.clone()))
     }
 
     fn source(&self, _function: FunctionId, _arguments: &[Value]) -> String {

@@ -2,14 +2,13 @@
 
 use crate::coordinator::Coordinator;
 use crate::effects::PendingOutcome;
-use crate::inputs::BoundInput;
+use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::PartnerCall;
 use crate::requests::WaitingCaller;
 use asmotion_component::{
     CallId, CannotFreeze, FrozenState, Losses, RequestId, ThawError, ThawProblem, Time,
 };
 use asmotion_datum::Datum;
-use asmotion_lang::ir::FunctionId;
 use asmotion_lang::machine::{ForeignSnapshot, Machine, MessageId, Snapshot, pack_value};
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::value::Value;
@@ -20,7 +19,7 @@ use std::collections::{BTreeMap, VecDeque};
 const COMPONENT: &str = "asm::Coordinator";
 
 /// Version of the layout of [`FrozenCoordinator`] and of the machine encoding.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// A value in the compact encoding of the machine.
 type PackedValue = serde_bytes::ByteBuf;
@@ -49,10 +48,19 @@ struct FrozenCoordinator {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrozenInput {
+    locations: Vec<FrozenLocation>,
+    /// A message whose key selects no element has been reported.
+    reported_key: bool,
+}
+
+/// An input location.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrozenLocation {
     newest: Option<Time>,
     last: Option<PackedValue>,
-    /// Messages not yet read, each with the function whose call it answers.
-    waiting: Vec<(Option<u32>, PackedValue)>,
+    /// Messages not yet read, each with the position of the out location whose call it answers.
+    waiting: Vec<(Option<usize>, PackedValue)>,
 }
 
 /// A pending call of the binding.
@@ -102,12 +110,21 @@ fn foreign_program(_: ForeignSnapshot) -> ThawProblem {
 
 impl FrozenInput {
     fn of(input: &BoundInput) -> Self {
-        let waiting = input.waiting.iter();
         Self {
-            newest: input.newest,
-            last: input.last.as_ref().map(packed),
+            locations: input.locations.iter().map(FrozenLocation::of).collect(),
+            reported_key: input.reported_key,
+        }
+    }
+}
+
+impl FrozenLocation {
+    fn of(location: &InputLocation) -> Self {
+        let waiting = location.waiting.iter();
+        Self {
+            newest: location.newest,
+            last: location.last.as_ref().map(packed),
             waiting: waiting
-                .map(|(answers, value)| (answers.map(|function| function.0), packed(value)))
+                .map(|(answers, value)| (*answers, packed(value)))
                 .collect(),
         }
     }
@@ -115,16 +132,46 @@ impl FrozenInput {
 
 /// Decoded state of an input, before it is assigned.
 struct ThawedInput {
+    locations: Vec<ThawedLocation>,
+    reported_key: bool,
+}
+
+/// Decoded state of an input location.
+struct ThawedLocation {
     newest: Option<Time>,
     last: Option<Value>,
-    waiting: VecDeque<(Option<FunctionId>, Value)>,
+    waiting: VecDeque<(Option<usize>, Value)>,
 }
 
 impl ThawedInput {
     fn read(frozen: &FrozenInput, machine: &Machine) -> Result<Self, ForeignSnapshot> {
+        let locations = frozen.locations.iter();
+        let locations = locations.map(|location| ThawedLocation::read(location, machine));
+        Ok(Self {
+            locations: locations.collect::<Result<_, _>>()?,
+            reported_key: frozen.reported_key,
+        })
+    }
+
+    fn fits(&self, input: &BoundInput) -> bool {
+        self.locations.len() == input.locations.len()
+    }
+
+    fn assign(self, input: &mut BoundInput) {
+        input.reported_key = self.reported_key;
+        for (location, thawed) in input.locations.iter_mut().zip(self.locations) {
+            location.newest = thawed.newest;
+            location.last = thawed.last;
+            location.waiting = thawed.waiting;
+        }
+    }
+}
+
+impl ThawedLocation {
+    fn read(frozen: &FrozenLocation, machine: &Machine) -> Result<Self, ForeignSnapshot> {
         let value = |packed: &PackedValue| machine.unpack_value(packed);
         let waiting = frozen.waiting.iter();
-        let waiting = waiting.map(|(answers, event)| Ok((answers.map(FunctionId), value(event)?)));
+        let waiting = waiting.map(|(answers, event)| Ok((*answers, value(event)?)));
         Ok(Self {
             newest: frozen.newest,
             last: frozen.last.as_ref().map(value).transpose()?,
@@ -198,7 +245,9 @@ impl Coordinator {
         let outcomes = self.outcomes(&frozen.outcomes)?;
         let calls = self.calls(&frozen.calls, &machine)?;
         let served = self.partners.own_operations.len();
+        let mut known = inputs.iter().zip(&self.inbox.inputs);
         let fits = inputs.len() == self.inbox.inputs.len()
+            && known.all(|(thawed, input)| thawed.fits(input))
             && frozen.heard.len() == self.requests.served.len()
             && frozen.heard.iter().all(|heard| heard.last.len() <= 1)
             && frozen.requests.iter().all(|(_, of, _)| *of < served);
@@ -206,9 +255,7 @@ impl Coordinator {
             return Err(foreign_state("it has other inputs or operations"));
         }
         for (input, thawed) in self.inbox.inputs.iter_mut().zip(inputs) {
-            input.newest = thawed.newest;
-            input.last = thawed.last;
-            input.waiting = thawed.waiting;
+            thawed.assign(input);
         }
         for (served, heard) in self.requests.served.iter_mut().zip(frozen.heard) {
             served.last = heard.last.into_iter().next();

@@ -1,17 +1,21 @@
 //! Turns messages into inputs: the event frame.
 //!
-//! A step sees at most one event of a function with `receive = "all"`; further events wait in order for the following
+//! A step sees at most one event of a location with `receive = "all"`; further events wait in order for the following
 //! steps. Otherwise one event could hide another in the same frame, for example a REACHED a BLOCKED.
 
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Constant, Monitored, Receive, Source};
+use crate::bound_location::BoundLocations;
 use crate::convert::{literal_value, value_of};
 use crate::frame::InputFrame;
+use crate::location::LocationName;
 use crate::requests::Requests;
+use crate::terms::BindingTerms;
 use asmotion_component::{Cycle, In, Losses, Time};
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
-use asmotion_lang::ir::{FunctionId, Program, ValueShape};
+use asmotion_lang::ir::{AddedTerm, Program, ValueShape};
+use asmotion_lang::machine::{Machine, StepFault};
 use asmotion_lang::value::Value;
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -23,23 +27,46 @@ const MAX_WAITING: usize = 256;
 /// The bound inputs of a specification.
 pub(crate) struct MessageInputs {
     pub inputs: Vec<BoundInput>,
-    /// Number of events dropped because a queue was full, and of messages that did not fit the codomain.
+    /// Input and location of each position in the frame.
+    owners: Vec<EventTarget>,
+    /// Number of events dropped because a queue was full, and of messages that did not fit the codomain or the key.
     pub losses: Losses,
 }
 
+/// The binding of a monitored function: the messages, and the locations that take their values.
 pub(crate) struct BoundInput {
-    function: FunctionId,
-    shape: ValueShape,
+    pub located: BoundLocations,
     from: MessageOrigin,
     receive: Receive,
     field: Option<String>,
     is: Vec<String>,
     none: Value,
     stale: Option<(Duration, Value)>,
+    /// In the order of [`BoundLocations::all`].
+    pub locations: Vec<InputLocation>,
+    /// A message whose key selects no element has been reported.
+    pub reported_key: bool,
+}
+
+/// A location and the messages for it.
+pub(crate) struct InputLocation {
+    pub arguments: Vec<Value>,
+    /// Position in the frame.
+    position: usize,
+    /// Time of the newest message; of a timer, the time of its start.
     pub newest: Option<Time>,
+    /// A message has arrived since the start of the process; for observers, not part of the frozen state.
+    has_received: bool,
     pub last: Option<Value>,
-    /// Waiting events, each with the out function whose call it reports on, if any.
-    pub waiting: VecDeque<(Option<FunctionId>, Value)>,
+    /// Waiting events, each with the position of the out location whose call it reports on, if any.
+    pub waiting: VecDeque<(Option<usize>, Value)>,
+}
+
+/// A location that takes events: the position of its input, and its position there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct EventTarget {
+    input: usize,
+    location: usize,
 }
 
 /// Origin of an input's messages.
@@ -50,61 +77,103 @@ enum MessageOrigin {
     Port(In<Datum>),
     /// Requests for the operation at this position.
     Requests(usize),
+    /// No messages: the value is true once the term has held for this long.
+    Timer(AddedTerm, Duration),
 }
 
 impl MessageInputs {
+    /// Resolves the bindings of monitored functions, and adds their locations to the frame.
     pub fn new(
         binding: &Binding,
         specification: &Specification,
         ports: &[(String, In<Datum>)],
         requests: &Requests,
+        terms: &BindingTerms,
+        frame: &mut InputFrame,
     ) -> Result<Self, BindError> {
-        let mut inputs = Vec::new();
-        for monitored in &binding.monitored {
-            let from = origin(&monitored.from, ports, requests)?;
-            inputs.push(BoundInput::new(monitored, from, specification)?);
-        }
-        Ok(Self {
-            inputs,
+        let mut inputs = Self {
+            inputs: Vec::new(),
+            owners: Vec::new(),
             losses: Losses::default(),
-        })
+        };
+        for monitored in &binding.monitored {
+            let from = origin(&monitored.from, ports, requests, terms)?;
+            let located =
+                BoundLocations::resolve(&monitored.location, &monitored.key, specification)?;
+            let input = BoundInput::new(monitored, located, from, &specification.program)?;
+            inputs.add(input, &monitored.location, frame)?;
+        }
+        Ok(inputs)
     }
 
-    /// Position of the input of an event function that calls report to; creates one if no port is bound to it.
-    pub fn event(&mut self, name: &str, specification: &Specification) -> Result<usize, BindError> {
-        let function = function(name, specification)?;
-        if let Some(index) = self
-            .inputs
-            .iter()
-            .position(|input| input.function == function)
-        {
-            return Ok(index);
+    fn add(
+        &mut self,
+        mut input: BoundInput,
+        name: &LocationName,
+        frame: &mut InputFrame,
+    ) -> Result<(), BindError> {
+        for (location, bound) in input.located.all().into_iter().enumerate() {
+            let position = frame.bind(input.located.function, bound.arguments.clone());
+            let position = position.ok_or_else(|| BindError::BoundTwice {
+                location: name.to_string(),
+            })?;
+            input.locations.push(InputLocation {
+                arguments: bound.arguments,
+                position,
+                newest: None,
+                has_received: false,
+                last: None,
+                waiting: VecDeque::new(),
+            });
+            self.owners.push(EventTarget {
+                input: self.inputs.len(),
+                location,
+            });
         }
-        let shape = codomain(function, &specification.program);
-        self.inputs.push(BoundInput {
-            function,
+        self.inputs.push(input);
+        Ok(())
+    }
+
+    /// The location that calls report to; creates an input for it if it has no binding.
+    pub fn event(
+        &mut self,
+        name: &LocationName,
+        specification: &Specification,
+        frame: &mut InputFrame,
+    ) -> Result<EventTarget, BindError> {
+        let located = BoundLocations::resolve(name, &[], specification)?;
+        let arguments = located.all().into_iter().map(|location| location.arguments);
+        let arguments = arguments.last().unwrap_or_default();
+        let position = frame.position(located.function, &arguments);
+        if let Some(target) = position.and_then(|position| self.owners.get(position)) {
+            return Ok(*target);
+        }
+        let input = BoundInput {
             from: MessageOrigin::Calls,
             receive: Receive::All,
             field: None,
             is: Vec::new(),
             // a Boolean event is false in steps without the event
-            none: if shape == ValueShape::Bool {
+            none: if located.codomain == ValueShape::Bool {
                 Value::Bool(false)
             } else {
                 Value::Undef
             },
-            shape,
+            located,
             stale: None,
-            newest: None,
-            last: None,
-            waiting: VecDeque::new(),
-        });
-        Ok(self.inputs.len() - 1)
+            locations: Vec::new(),
+            reported_key: false,
+        };
+        self.add(input, name, frame)?;
+        Ok(EventTarget {
+            input: self.inputs.len() - 1,
+            location: 0,
+        })
     }
 
     /// The value of a literal of an event function.
-    pub fn literal(&self, input: usize, name: &str, program: &Program) -> Option<Value> {
-        let shape = &self.inputs.get(input)?.shape;
+    pub fn literal(&self, target: EventTarget, name: &str, program: &Program) -> Option<Value> {
+        let shape = &self.inputs.get(target.input)?.located.codomain;
         if *shape == ValueShape::Bool {
             return name.parse().ok().map(Value::Bool);
         }
@@ -114,123 +183,252 @@ impl MessageInputs {
         literal_value(name, *domain, program)
     }
 
-    /// Queues the outcome of a call that an update of `answers` made.
-    pub fn push(&mut self, input: usize, value: Value, answers: FunctionId) {
-        if let Some(input) = self.inputs.get_mut(input) {
-            self.losses.dropped += input.enqueue(Some(answers), value);
+    /// Queues the outcome of a call that an update of the out location at position `answers` made.
+    pub fn push(&mut self, target: EventTarget, value: Value, answers: usize) {
+        let input = self.inputs.get_mut(target.input);
+        if let Some(location) = input.and_then(|input| input.locations.get_mut(target.location)) {
+            self.losses.dropped += location.enqueue(Some(answers), value);
         }
     }
 
-    /// Removes waiting outcomes of calls that updates of this out function made.
-    pub fn remove_outcomes(&mut self, answers: FunctionId) {
-        for input in &mut self.inputs {
-            input.waiting.retain(|(to, _)| *to != Some(answers));
+    /// Removes waiting outcomes of calls that updates of the out location at this position made.
+    pub fn remove_outcomes(&mut self, answers: usize) {
+        for location in self
+            .inputs
+            .iter_mut()
+            .flat_map(|input| &mut input.locations)
+        {
+            location.waiting.retain(|(to, _)| *to != Some(answers));
         }
     }
 
     /// Returns whether an event waits for a following step.
     pub fn has_waiting_events(&self) -> bool {
-        self.inputs.iter().any(|input| !input.waiting.is_empty())
+        let mut locations = self.inputs.iter().flat_map(|input| &input.locations);
+        locations.any(|location| !location.waiting.is_empty())
     }
 
-    /// Handles the messages of the cycle.
-    pub fn receive(&mut self, cycle: &Cycle<'_>, requests: &Requests, program: &Program) {
+    /// Handles the messages of the cycle. Returns a notice about the first message of each input whose key selects no
+    /// element.
+    pub fn receive(
+        &mut self,
+        cycle: &Cycle<'_>,
+        requests: &Requests,
+        program: &Program,
+    ) -> Vec<String> {
+        let mut notices = Vec::new();
         for input in &mut self.inputs {
             let (messages, newest) = match input.from {
-                MessageOrigin::Calls => continue,
+                MessageOrigin::Calls | MessageOrigin::Timer(..) => continue,
                 MessageOrigin::Port(port) => (cycle.all(port), cycle.read(port).new()),
                 MessageOrigin::Requests(position) => {
                     let received = requests.received(position);
                     (received, received.last())
                 }
             };
-            match input.receive {
-                Receive::Edge if input.is.is_empty() => {
-                    if newest.is_some() {
-                        input.last = Some(Value::Bool(true));
-                    }
-                }
-                Receive::Edge => {
-                    let truth = Value::Bool(true);
-                    if messages
-                        .iter()
-                        .any(|it| input.value(it, program).as_ref() == Some(&truth))
-                    {
-                        input.last = Some(truth);
-                    }
-                }
-                Receive::Last => {
-                    if let Some(message) = newest {
-                        match input.value(message, program) {
-                            Some(value) => {
-                                input.newest = Some(cycle.now());
-                                input.last = Some(value);
-                            }
-                            None => self.losses.misfits += 1,
-                        }
-                    }
-                }
-                Receive::All => {
-                    for message in messages {
-                        match input.value(message, program) {
-                            Some(value) => self.losses.dropped += input.enqueue(None, value),
-                            None => self.losses.misfits += 1,
+            let newest = newest.map(std::slice::from_ref).unwrap_or_default();
+            let messages = if input.takes_newest() {
+                newest
+            } else {
+                messages
+            };
+            for message in messages {
+                match input.take(message, cycle.now(), program) {
+                    Taken::Yes => {}
+                    Taken::Dropped(count) => self.losses.dropped += count,
+                    Taken::Misfit => self.losses.misfits += 1,
+                    Taken::UnknownKey => {
+                        self.losses.misfits += 1;
+                        if !std::mem::replace(&mut input.reported_key, true) {
+                            notices.push(input.unknown_key(message, program));
                         }
                     }
                 }
             }
         }
+        notices
     }
 
     /// Fixes the inputs of the next step. A waiting event takes precedence over the newest message.
     pub fn freeze(&mut self, now: Time, frame: &mut InputFrame) {
-        frame.clear();
         for input in &mut self.inputs {
-            let event = input.waiting.pop_front().map(|(_, event)| event);
-            let value = match input.receive {
-                Receive::Edge => Value::Bool(input.last.take().is_some()),
-                Receive::All => event.unwrap_or_else(|| input.none.clone()),
-                Receive::Last => event.unwrap_or_else(|| input.current_value(now)),
-            };
-            frame.set(input.function, value);
+            for location in &mut input.locations {
+                let event = location.waiting.pop_front().map(|(_, event)| event);
+                let value = match (input.from, input.receive) {
+                    (MessageOrigin::Timer(_, after), _) => {
+                        event.unwrap_or_else(|| location.has_elapsed(after, now))
+                    }
+                    (_, Receive::Edge) => Value::Bool(location.last.take().is_some()),
+                    (_, Receive::All) => event.unwrap_or_else(|| input.none.clone()),
+                    (_, Receive::Last) => event
+                        .unwrap_or_else(|| location.current_value(now, &input.stale, &input.none)),
+                };
+                frame.set(location.position, value);
+            }
         }
     }
+
+    /// Stops all timers, because the machine begins again.
+    pub fn stop_timers(&mut self) {
+        let timers = self.inputs.iter_mut();
+        let timers = timers.filter(|input| matches!(input.from, MessageOrigin::Timer(..)));
+        for location in timers.flat_map(|input| &mut input.locations) {
+            location.newest = None;
+        }
+    }
+
+    /// Starts the timers whose conditions hold in the current state, and stops the others. A timer that runs already
+    /// continues.
+    ///
+    /// # Errors
+    /// The evaluation of a condition fails.
+    pub fn update_timers(
+        &mut self,
+        machine: &mut Machine,
+        frame: &mut InputFrame,
+        now: Time,
+    ) -> Result<(), Box<StepFault>> {
+        for input in &mut self.inputs {
+            let MessageOrigin::Timer(term, _) = input.from else {
+                continue;
+            };
+            let holds = machine.evaluate(term, frame, now.nanos())? == Value::Bool(true);
+            for location in &mut input.locations {
+                location.newest = holds.then(|| location.newest.unwrap_or(now));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Result of taking a message into the locations of an input.
+enum Taken {
+    Yes,
+    /// It was queued, and this many older events were dropped for it.
+    Dropped(u64),
+    /// Its value does not fit the codomain.
+    Misfit,
+    /// Its key selects no element.
+    UnknownKey,
 }
 
 impl BoundInput {
     fn new(
         monitored: &Monitored,
+        located: BoundLocations,
         from: MessageOrigin,
-        specification: &Specification,
+        program: &Program,
     ) -> Result<Self, BindError> {
-        let program = &specification.program;
-        let function = function(&monitored.function, specification)?;
-        let shape = codomain(function, program);
-        let constant = |constant: &Option<Constant>| match constant {
+        let shape = &located.codomain;
+        let constant = |constant: Option<&Constant>| match constant {
             None => Ok(Value::Undef),
-            Some(it) => value_of(&it.datum, &shape, program).ok_or_else(|| BindError::NotAValue {
-                function: monitored.function.clone(),
+            Some(it) => value_of(&it.datum, shape, program).ok_or_else(|| BindError::NotAValue {
+                function: monitored.location.to_string(),
                 value: format!("{it:?}"),
             }),
         };
-        let none = constant(&monitored.none)?;
+        let none = constant(match &monitored.from {
+            Source::Value(value) => Some(value),
+            Source::Port(_) | Source::Request(_) | Source::Timer { .. } => monitored.none.as_ref(),
+        })?;
         let stale = match monitored.stale_ms {
-            Some(age) => Some((Duration::from_millis(age), constant(&monitored.on_stale)?)),
+            Some(age) => Some((
+                Duration::from_millis(age),
+                constant(monitored.on_stale.as_ref())?,
+            )),
             None => None,
         };
         Ok(Self {
-            function,
+            located,
             from,
             receive: monitored.receive,
             field: monitored.field.clone().or_else(|| monitored.map.clone()),
             is: monitored.is.clone(),
             none,
             stale,
-            newest: None,
-            last: None,
-            waiting: VecDeque::new(),
-            shape,
+            locations: Vec::new(),
+            reported_key: false,
         })
+    }
+
+    /// Returns whether only the newest message of a cycle counts. With a key, each message is for a location of its
+    /// own.
+    fn takes_newest(&self) -> bool {
+        let of_state = match self.receive {
+            Receive::Last => true,
+            Receive::Edge => self.is.is_empty(),
+            Receive::All => false,
+        };
+        of_state && self.located.key.is_empty()
+    }
+
+    fn take(&mut self, message: &Datum, now: Time, program: &Program) -> Taken {
+        let Some(position) = self.selected(message, program) else {
+            return Taken::UnknownKey;
+        };
+        if let Some(location) = self.locations.get_mut(position) {
+            location.has_received = true;
+        }
+        let value = match self.receive {
+            Receive::Edge if self.is.is_empty() => Some(Value::Bool(true)),
+            Receive::Edge => {
+                let truth = Value::Bool(true);
+                if self.value(message, program).as_ref() != Some(&truth) {
+                    return Taken::Yes;
+                }
+                Some(truth)
+            }
+            Receive::Last | Receive::All => self.value(message, program),
+        };
+        let (Some(value), Some(location)) = (value, self.locations.get_mut(position)) else {
+            return Taken::Misfit;
+        };
+        match self.receive {
+            Receive::Edge => location.last = Some(value),
+            Receive::Last => {
+                location.newest = Some(now);
+                location.last = Some(value);
+            }
+            Receive::All => return Taken::Dropped(location.enqueue(None, value)),
+        }
+        Taken::Yes
+    }
+
+    /// Iterates over the locations that messages are bound to and none has arrived for.
+    pub fn silent(&self) -> impl Iterator<Item = &InputLocation> {
+        let is_bound = match self.from {
+            MessageOrigin::Calls | MessageOrigin::Timer(..) => false,
+            MessageOrigin::Port(_) | MessageOrigin::Requests(_) => true,
+        };
+        let locations = self.locations.iter();
+        locations.filter(move |location| is_bound && !location.has_received)
+    }
+
+    /// Position of the location that the key of a message selects.
+    fn selected(&self, message: &Datum, program: &Program) -> Option<usize> {
+        let selected = self.located.key.iter();
+        let selected = selected
+            .map(|field| value_of(&*message.get(&field.path)?, &field.shape, program))
+            .collect::<Option<Vec<_>>>()?;
+        self.located.position(&selected)
+    }
+
+    /// Describes a message whose key selects no element.
+    fn unknown_key(&self, message: &Datum, program: &Program) -> String {
+        let function = program
+            .symbols
+            .functions
+            .get(self.located.function.0 as usize);
+        let fields = self.located.key.iter().map(|field| {
+            let found = message.get(&field.path);
+            let found = found.map_or_else(|| "nothing".to_owned(), |it| format!("{it:?}"));
+            format!("`{}` is {found}", field.path)
+        });
+        format!(
+            "a message for `{}` selects no location: {}; such messages are counted as misfits",
+            function.map_or("", |name| &**name),
+            fields.collect::<Vec<_>>().join(", ")
+        )
     }
 
     fn value(&self, message: &Datum, program: &Program) -> Option<Value> {
@@ -239,14 +437,16 @@ impl BoundInput {
             None => Cow::Borrowed(message),
         };
         if self.is.is_empty() {
-            return value_of(&part, &self.shape, program);
+            return value_of(&part, &self.located.codomain, program);
         }
         let text = part.as_text()?;
         Some(Value::Bool(self.is.iter().any(|known| known == text)))
     }
+}
 
+impl InputLocation {
     /// Queues an event. Returns how many events were dropped for it.
-    fn enqueue(&mut self, answers: Option<FunctionId>, value: Value) -> u64 {
+    fn enqueue(&mut self, answers: Option<usize>, value: Value) -> u64 {
         self.waiting.push_back((answers, value));
         if self.waiting.len() > MAX_WAITING {
             self.waiting.pop_front();
@@ -256,13 +456,18 @@ impl BoundInput {
         }
     }
 
-    fn current_value(&self, now: Time) -> Value {
-        if let Some((age, value)) = &self.stale
+    /// Returns true once the timer that `newest` started has run for `after`.
+    fn has_elapsed(&self, after: Duration, now: Time) -> Value {
+        Value::Bool(self.newest.is_some_and(|since| now.since(since) >= after))
+    }
+
+    fn current_value(&self, now: Time, stale: &Option<(Duration, Value)>, none: &Value) -> Value {
+        if let Some((age, value)) = stale
             && self.newest.is_none_or(|newest| now.since(newest) > *age)
         {
             return value.clone();
         }
-        self.last.clone().unwrap_or_else(|| self.none.clone())
+        self.last.clone().unwrap_or_else(|| none.clone())
     }
 }
 
@@ -270,8 +475,14 @@ fn origin(
     source: &Source,
     ports: &[(String, In<Datum>)],
     requests: &Requests,
+    terms: &BindingTerms,
 ) -> Result<MessageOrigin, BindError> {
     match source {
+        Source::Value(_) => Ok(MessageOrigin::Calls),
+        Source::Timer { running, ms } => {
+            let after = Duration::from_millis(*ms);
+            Ok(MessageOrigin::Timer(terms.get(running)?, after))
+        }
         Source::Port(name) => {
             let port = ports.iter().find(|(known, _)| known == name);
             let (_, port) = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
@@ -284,19 +495,4 @@ fn origin(
                 .ok_or_else(|| BindError::UnknownOperation(operation.clone()))
         }
     }
-}
-
-fn function(name: &str, specification: &Specification) -> Result<FunctionId, BindError> {
-    specification
-        .function(name, 0)
-        .ok_or_else(|| BindError::UnknownFunction {
-            function: name.to_owned(),
-        })
-}
-
-fn codomain(function: FunctionId, program: &Program) -> ValueShape {
-    program
-        .functions
-        .get(function.0 as usize)
-        .map_or(ValueShape::Any, |function| function.codomain.clone())
 }

@@ -6,6 +6,7 @@
 
 mod bind_error;
 mod binding;
+mod bound_location;
 mod convert;
 mod coordinator;
 mod effects;
@@ -13,9 +14,12 @@ mod fingerprint;
 mod frame;
 mod freeze;
 mod inputs;
+mod location;
 mod partners;
 mod requests;
+mod status;
 mod step;
+mod terms;
 
 pub use bind_error::BindError;
 pub use binding::{
@@ -24,4 +28,6 @@ pub use binding::{
 };
 pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::UNSENT_REPORT;
+pub use location::{LocationArgument, LocationName};
+pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

@@ -28,6 +28,8 @@ pub(crate) struct MessagePartners {
 /// An operation of a partner.
 pub(crate) struct PartnerOperation {
     partner: Value,
+    /// Name of the reference to the partner.
+    reference: String,
     operation: String,
     handle: Required<Dynamic>,
     /// Expected shape of responses.
@@ -111,6 +113,7 @@ impl MessagePartners {
         let known = specification.program.operation(operation);
         self.partner_operations.push(PartnerOperation {
             partner,
+            reference: reference.to_owned(),
             operation: operation.to_owned(),
             handle,
             response: known.gives,
@@ -227,6 +230,15 @@ impl MessagePartners {
             Err(_) => machine.set_unsent(call.from.clone(), &operation.operation),
         }
         fits
+    }
+
+    /// The operations of the calls under way, as `partner.operation`.
+    pub fn pending_calls(&self) -> impl Iterator<Item = String> {
+        let calls = self.calls.iter();
+        calls.filter_map(|(_, call)| {
+            let called = self.partner_operations.get(call.operation_index)?;
+            Some(format!("{}.{}", called.reference, called.operation))
+        })
     }
 
     /// Ends all calls as cancelled, because the component stops.

@@ -4,12 +4,13 @@
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
-    Activity, Component, Cycle, Fault, Interface, Losses, Operation, Policy, Provided,
-    ServiceFault, Span, Time, Transition, Wire,
+    Activity, Component, Cycle, Fault, Interface, Losses, NOTICE_REPORT, Operation, Policy,
+    Provided, ServiceFault, Span, Time, Transition, Wire,
 };
 use asmotion_coordinator::{
-    Action, Binding, BoundOperation, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
-    Monitored, Out, Receive, STEP_REPORT, Source, StepRecord,
+    Action, Argument, Binding, BoundOperation, Call, Case, Coordinator, CoordinatorStatus, Effect,
+    Interfaces, LOSSES_REPORT, Monitored, Out, PublishWhen, Published, Receive, STEP_REPORT,
+    Source, StepRecord,
 };
 use asmotion_datum::{Datum, Schema};
 use asmotion_lang::MemoryFiles;
@@ -74,7 +75,7 @@ default init s0:
 fn system(activity: Activity, fault: Option<&'static str>) -> System {
     let mut files = MemoryFiles::new();
     files.add("worker.asm", WORKER);
-    let specification = Arc::new(asmotion_lang::open("worker.asm", &files).unwrap());
+    let specification = asmotion_lang::open("worker.asm", &files).unwrap();
     let named = |name: &str| Some(name.to_owned());
     let binding = Binding {
         monitored: vec![Monitored {
@@ -82,7 +83,7 @@ fn system(activity: Activity, fault: Option<&'static str>) -> System {
             ..Monitored::new("event", Source::Port("event".to_owned()))
         }],
         out: vec![Out {
-            function: "command".to_owned(),
+            location: "command".into(),
             effect: Effect::Literals(vec![Case {
                 literal: "WORK".to_owned(),
                 actions: vec![Action::Call(Call {
@@ -233,4 +234,392 @@ fn a_call_does_not_outlive_a_stop() {
     run.transition("Worker", Transition::Start).unwrap();
     run.run_for(100.s());
     assert_eq!(seen(&told), ["[GO]", "[GO, FAILED]"]);
+}
+
+const FLEET: &str = "
+asm fleet
+import StandardLibrary
+signature:
+	enum domain Robot = {ROB1 | ROB2}
+	monitored wants: Robot -> Boolean
+	controlled asked: Seq(Robot)
+	out order: Robot -> Integer
+definitions:
+	main rule r_Main =
+		let ($all = {$r in Robot | wants($r) : $r}) in
+			if notEmpty($all) then
+				par
+					forall $r in $all do order($r) := size($all)
+					asked := union(asked, asSequence($all))
+				endpar
+			endif
+		endlet
+default init s0:
+	function asked = []
+";
+
+/// A fleet whose robots send their wishes on one topic, and the orders that it publishes.
+fn fleet() -> (Simulation, Told, Arc<Mutex<Vec<Datum>>>) {
+    let mut files = MemoryFiles::new();
+    files.add("fleet.asm", FLEET);
+    let specification = asmotion_lang::open("fleet.asm", &files).unwrap();
+    let key = vec![("r".to_owned(), "robot".to_owned())];
+    let binding = Binding {
+        monitored: vec![Monitored {
+            key: key.clone(),
+            field: Some("wants".to_owned()),
+            none: Some(Datum::Bool(false).into()),
+            ..Monitored::new("wants($r)", Source::Port("wishes".to_owned()))
+        }],
+        out: vec![Out {
+            location: "order($r)".into(),
+            effect: Effect::Publish(Published {
+                port: "orders".to_owned(),
+                field: Some("number".to_owned()),
+                key,
+                when: PublishWhen::OnUpdate,
+            }),
+        }],
+    };
+    let interfaces = Interfaces {
+        inputs: vec![("wishes".to_owned(), Schema::opaque("test/Wish"))],
+        outputs: vec![("orders".to_owned(), Schema::opaque("test/Order"))],
+        ..Interfaces::default()
+    };
+    let mut system = System::new();
+    let made = system.add("Fleet", Activity::event(), |interface| {
+        let made = Coordinator::new(specification, &binding, &interfaces, 1, interface);
+        Box::new(made.unwrap())
+    });
+    made.unwrap();
+    system
+        .subscribe("wishes", "Fleet.wishes", Policy::buffer(64))
+        .unwrap();
+    let (told, sent) = (Told::default(), Arc::new(Mutex::new(Vec::new())));
+    let (teller, orders) = (Arc::clone(&told), Arc::clone(&sent));
+    system.observe(move |_: Time, event: &Event<'_>| {
+        if let Event::Report { kind, data, .. } = event {
+            let report = ((*kind).to_owned(), (*data).clone());
+            teller.lock().unwrap().push(report);
+        } else if let Event::Published { sample, .. } = event {
+            orders.lock().unwrap().push(sample.to_datum().unwrap());
+        }
+    });
+    (system.simulate(), told, sent)
+}
+
+fn wish(run: &mut Simulation, robot: &str, wants: bool) {
+    let (robot, wants) = (Datum::text(robot), Datum::Bool(wants));
+    let sample = Arc::new(Datum::record([("robot", robot), ("wants", wants)]));
+    let now = run.now();
+    run.publish_sample(now, "wishes", sample).unwrap();
+}
+
+#[test]
+fn a_field_of_the_message_selects_the_location() {
+    let (mut run, told, sent) = fleet();
+    run.run_for(1.ms());
+    // none of them hides another, although they come together and only the newest value counts
+    wish(&mut run, "ROB1", true);
+    wish(&mut run, "ROB2", true);
+    wish(&mut run, "ROB1", false);
+    run.run_for(1.ms());
+    wish(&mut run, "ROB1", true);
+    run.run_for(1.ms());
+    let order = |robot: &str, number| {
+        Datum::record([
+            ("robot", Datum::text(robot)),
+            ("number", Datum::Int(number)),
+        ])
+    };
+    let wanted = [order("ROB2", 1), order("ROB1", 2), order("ROB2", 2)];
+    assert_eq!(*sent.lock().unwrap(), wanted);
+    assert_eq!(run.losses("Fleet"), Losses::default());
+    assert!(
+        told.lock()
+            .unwrap()
+            .iter()
+            .all(|(kind, _)| kind == STEP_REPORT)
+    );
+}
+
+#[test]
+fn a_key_that_names_no_element_is_counted_and_reported_once() {
+    let (mut run, told, _) = fleet();
+    run.run_for(1.ms());
+    for robot in ["ROB3", "", "ROB3"] {
+        wish(&mut run, robot, true);
+    }
+    wish(&mut run, "ROB2", true);
+    run.run_for(1.ms());
+    assert_eq!(run.losses("Fleet").misfits, 3);
+    let told = told.lock().unwrap();
+    let mut notices = told.iter().filter(|(kind, _)| kind == NOTICE_REPORT);
+    let notice = notices.next().unwrap().1.as_text().unwrap();
+    assert!(
+        notice.contains("wants") && notice.contains("ROB3"),
+        "{notice}"
+    );
+    assert!(notices.next().is_none());
+    // the message behind them is not lost
+    let steps = told.iter().filter(|(kind, _)| kind == STEP_REPORT);
+    let steps: Vec<StepRecord> = steps.map(|(_, step)| step.to().unwrap()).collect();
+    let updates = steps.iter().flat_map(|step| &step.updates);
+    assert!(updates.into_iter().any(|it| it.location == "order(ROB2)"));
+}
+
+#[test]
+fn a_fleet_that_was_frozen_goes_on_with_what_each_robot_said_last() {
+    let (mut run, ..) = fleet();
+    run.run_for(1.ms());
+    wish(&mut run, "ROB1", true);
+    wish(&mut run, "ROB9", true);
+    run.run_for(1.ms());
+    let frozen = run.freeze().unwrap();
+    let (mut other, told, sent) = fleet();
+    other.run_for(1.ms());
+    other.thaw(&frozen).unwrap();
+    wish(&mut other, "ROB2", true);
+    wish(&mut other, "ROB9", true);
+    other.run_for(1.ms());
+    let orders = sent.lock().unwrap().len();
+    assert_eq!(orders, 2, "both robots have orders");
+    assert_eq!(other.losses("Fleet").misfits, 2);
+    let told = told.lock().unwrap();
+    assert!(told.iter().all(|(kind, _)| kind != NOTICE_REPORT));
+}
+
+fn status(run: &mut Simulation) -> CoordinatorStatus {
+    CoordinatorStatus::of(&run.inspect("Worker").unwrap()).unwrap()
+}
+
+#[test]
+fn its_state_is_described_to_observers() {
+    let (mut run, told) = simulate(Activity::periodic(10.ms()));
+    run.run_for(25.ms());
+    let before = status(&mut run);
+    assert_eq!(before.control_state(), Some(("command", "NONE")));
+    assert!(before.silent.contains("event") && before.last_update.is_none());
+    assert_eq!(before.read["event"], "undef");
+    let now = run.now();
+    for event in ["GO", "DONE", "DONE"] {
+        tell(&mut run, now, event);
+    }
+    run.trigger("Worker").unwrap();
+    run.run_for(1.ms());
+    let after = status(&mut run);
+    assert_eq!(after.control_state(), Some(("command", "WORK")));
+    assert_eq!(after.calls, ["works.work"]);
+    assert!(after.silent.is_empty());
+    let last = after.last_update.as_ref().unwrap();
+    assert!(last.updates.contains_key("seen") && last.step <= after.step);
+    // an observer changes nothing
+    let steps = seen(&told).len();
+    for _ in 0..100 {
+        status(&mut run);
+    }
+    assert_eq!((seen(&told).len(), status(&mut run)), (steps, after));
+    assert!(run.inspect("Deaf").unwrap().is_empty());
+    assert!(run.inspect("Nobody").is_err());
+}
+
+const CHARGER: &str = "
+asm charger
+import StandardLibrary
+signature:
+	enum domain Mode = {DRIVING | CHARGING | GIVEN_UP}
+	enum domain Order = {NONE | GO}
+	monitored full: Boolean
+	monitored chargeTimeout: Boolean
+	monitored tour: Seq(Prod(Integer, String))
+	controlled mode: Mode
+	controlled left: Seq(Prod(Integer, String))
+	controlled goal: Prod(Integer, String)
+	out order: Order
+definitions:
+	rule r_next =
+		if length(left) > 0 then
+			par
+				goal := first(left)
+				left := tail(left)
+				order := GO
+			endpar
+		endif
+	main rule r_Main =
+		switch mode
+			case DRIVING: par mode := CHARGING  left := tour endpar
+			case CHARGING:
+				if chargeTimeout then mode := GIVEN_UP
+				else if full then mode := DRIVING else r_next[] endif endif
+			case GIVEN_UP: if full then mode := DRIVING endif
+		endswitch
+default init s0:
+	function mode = DRIVING
+	function order = NONE
+";
+
+/// A charger that steps every 100 ms, gives up after 500 ms of charging, and sends its tour meanwhile.
+fn charger() -> (Simulation, Told, Arc<Mutex<Vec<Datum>>>) {
+    let mut files = MemoryFiles::new();
+    files.add("charger.asm", CHARGER);
+    let specification = asmotion_lang::open("charger.asm", &files).unwrap();
+    let stop = |number, name: &str| Datum::List(vec![Datum::Int(number), Datum::text(name)]);
+    let tour = Datum::List(vec![stop(1, "hall"), stop(2, "lab"), stop(3, "dock")]);
+    let term = |text: &str| Argument::Term(text.to_owned());
+    let goal = vec![
+        ("number".to_owned(), term("first(goal)")),
+        ("name".to_owned(), term("second(goal)")),
+        ("mode".to_owned(), term("mode")),
+    ];
+    let timer = Source::Timer {
+        running: "mode = CHARGING".to_owned(),
+        ms: 500,
+    };
+    let binding = Binding {
+        monitored: vec![
+            Monitored {
+                none: Some(Datum::Bool(false).into()),
+                ..Monitored::new("full", Source::Port("full".to_owned()))
+            },
+            Monitored::new("chargeTimeout", timer),
+            Monitored::new("tour", Source::Value(tour.into())),
+        ],
+        out: vec![Out {
+            location: "order".into(),
+            effect: Effect::Literals(vec![Case {
+                literal: "GO".to_owned(),
+                actions: vec![Action::Publish {
+                    port: "goal".to_owned(),
+                    value: Argument::Record(goal),
+                }],
+            }]),
+        }],
+    };
+    let interfaces = Interfaces {
+        inputs: vec![("full".to_owned(), Schema::opaque("test/Full"))],
+        outputs: vec![("goal".to_owned(), Schema::opaque("test/Goal"))],
+        ..Interfaces::default()
+    };
+    let mut system = System::new();
+    let made = system.add("Charger", Activity::periodic(100.ms()), |interface| {
+        let made = Coordinator::new(specification, &binding, &interfaces, 1, interface);
+        Box::new(made.unwrap())
+    });
+    made.unwrap();
+    system
+        .subscribe("full", "Charger.full", Policy::data())
+        .unwrap();
+    let (told, sent) = (Told::default(), Arc::new(Mutex::new(Vec::new())));
+    let (teller, goals) = (Arc::clone(&told), Arc::clone(&sent));
+    system.observe(move |now: Time, event: &Event<'_>| {
+        if let Event::Report { kind, data, .. } = event
+            && *kind == STEP_REPORT
+        {
+            let at = format!("{} ms", now.nanos() / 1_000_000);
+            teller.lock().unwrap().push((at, (*data).clone()));
+        } else if let Event::Published { sample, .. } = event {
+            goals.lock().unwrap().push(sample.to_datum().unwrap());
+        }
+    });
+    (system.simulate(), told, sent)
+}
+
+/// The modes that the charger entered, with their times.
+fn modes(told: &Told) -> Vec<(String, String)> {
+    let mut modes = Vec::new();
+    for (at, step) in told.lock().unwrap().iter() {
+        let step: StepRecord = step.to().unwrap();
+        let entered = step.updates.iter().filter(|it| it.location == "mode");
+        modes.extend(entered.map(|it| (at.clone(), it.after.clone())));
+    }
+    modes
+}
+
+fn mode(at: &str, mode: &str) -> (String, String) {
+    (at.to_owned(), mode.to_owned())
+}
+
+#[test]
+fn a_timer_starts_with_its_condition_and_stops_without_it() {
+    let (mut run, told, _) = charger();
+    run.run_for(350.ms());
+    // charging ends in time, begins again, and lasts too long
+    let full = |run: &mut Simulation, full: bool| {
+        let now = run.now();
+        let sample = Arc::new(Datum::Bool(full));
+        run.publish_sample(now, "full", sample).unwrap();
+    };
+    full(&mut run, true);
+    run.run_for(100.ms());
+    full(&mut run, false);
+    run.run_for(1.s());
+    let entered = modes(&told);
+    let expected = [
+        mode("0 ms", "CHARGING"),
+        mode("400 ms", "DRIVING"),
+        mode("500 ms", "CHARGING"),
+        mode("1000 ms", "GIVEN_UP"),
+    ];
+    assert_eq!(entered, expected);
+}
+
+#[test]
+fn a_timer_that_was_frozen_elapses_at_the_same_time() {
+    let (mut run, told, _) = charger();
+    run.run_for(250.ms());
+    let frozen = run.freeze().unwrap();
+    let (mut other, again, _) = charger();
+    other.thaw(&frozen).unwrap();
+    run.run_for(1.s());
+    other.run_for(1.s());
+    let last = modes(&told).pop().unwrap();
+    assert_eq!(last.1, "GIVEN_UP");
+    assert_eq!(modes(&again), [last]);
+}
+
+#[test]
+fn a_message_takes_values_of_the_specification() {
+    let (mut run, _, sent) = charger();
+    run.run_for(2.s());
+    let goal = |number, name: &str| {
+        Datum::record([
+            ("number", Datum::Int(number)),
+            ("name", Datum::text(name)),
+            ("mode", Datum::text("CHARGING")),
+        ])
+    };
+    let tour = [goal(1, "hall"), goal(2, "lab"), goal(3, "dock")];
+    assert_eq!(*sent.lock().unwrap(), tour);
+}
+
+#[test]
+fn a_term_that_does_not_fit_is_an_error_of_the_binding() {
+    let mut files = MemoryFiles::new();
+    files.add("charger.asm", CHARGER);
+    let specification = asmotion_lang::open("charger.asm", &files).unwrap();
+    let timer = Source::Timer {
+        running: "mode = CHARGED".to_owned(),
+        ms: 500,
+    };
+    let binding = Binding {
+        monitored: vec![Monitored::new("chargeTimeout", timer)],
+        out: Vec::new(),
+    };
+    let mut system = System::new();
+    let mut error = None;
+    let _ = system.add("Charger", Activity::event(), |interface| {
+        let interfaces = Interfaces::default();
+        error = Coordinator::new(specification, &binding, &interfaces, 1, interface).err();
+        Box::new(Idle)
+    });
+    let error = error.unwrap().to_string();
+    assert!(error.contains("mode = CHARGED"), "{error}");
+}
+
+struct Idle;
+
+impl Component for Idle {
+    fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
 }

@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 
+use crate::error::DatumError;
 use crate::numbers::Packed;
 use crate::schema::{Schema, Shape};
 use crate::ser::RawBytes;
@@ -20,6 +21,14 @@ pub trait Described: Sized {
 
     /// The value of the field in a new message: zero, empty or false.
     fn initial() -> Self;
+
+    /// Checks that the value can be meant; see [`Message::check`](crate::Message::check). Numbers alone are always accepted.
+    ///
+    /// # Errors
+    /// The problem, with its path in the value.
+    fn check_value(&self) -> Result<(), DatumError> {
+        Ok(())
+    }
 
     /// Serialises a field.
     ///
@@ -193,6 +202,10 @@ impl<T: Described> Described for Vec<T> {
         Self::new()
     }
 
+    fn check_value(&self) -> Result<(), DatumError> {
+        check_all(self)
+    }
+
     fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         T::write_many(self, serializer)
     }
@@ -209,6 +222,10 @@ impl<T: Described, const N: usize> Described for [T; N] {
 
     fn initial() -> Self {
         std::array::from_fn(|_| T::initial())
+    }
+
+    fn check_value(&self) -> Result<(), DatumError> {
+        check_all(self)
     }
 
     fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -232,6 +249,10 @@ impl<T: Described> Described for Option<T> {
         None
     }
 
+    fn check_value(&self) -> Result<(), DatumError> {
+        self.as_ref().map_or(Ok(()), T::check_value)
+    }
+
     fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             None => serializer.serialize_none(),
@@ -243,6 +264,12 @@ impl<T: Described> Described for Option<T> {
         Option::<DeserializeDescribed<T>>::deserialize(deserializer)
             .map(|some| some.map(|reading| reading.0))
     }
+}
+
+/// Checks a list.
+fn check_all<T: Described>(all: &[T]) -> Result<(), DatumError> {
+    let mut elements = all.iter().enumerate();
+    elements.try_for_each(|(index, one)| one.check_value().map_err(|error| error.within(index)))
 }
 
 /// Adapts a described value to serde's `Serialize`.

@@ -18,6 +18,9 @@ pub enum DatumProblem {
     /// The expected type needs another kind of data or another value.
     #[error("{0}")]
     Mismatch(String),
+    /// The value has the right type, but cannot be meant, such as a position that is not finite.
+    #[error("{0}")]
+    Implausible(&'static str),
     /// The integer does not fit into a datum's 64-bit signed integer.
     #[error("the integer {0} does not fit into 64 signed bits")]
     IntegerTooBig(String),

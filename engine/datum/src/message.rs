@@ -22,6 +22,15 @@ pub trait Message:
     /// The type's schema.
     fn schema() -> &'static Schema;
 
+    /// Checks that the values can be meant: that they are finite where a quantity is, and of plausible size. Ports and services
+    /// refuse messages that fail. The default accepts all values.
+    ///
+    /// # Errors
+    /// [`DatumProblem::Implausible`](crate::DatumProblem::Implausible) with the path of the first such value.
+    fn check(&self) -> Result<(), DatumError> {
+        Ok(())
+    }
+
     /// The message that this one points to; `None` unless it is a pointer.
     fn pointee(&self) -> Option<Arc<dyn Sample>> {
         None
@@ -88,6 +97,10 @@ impl<T: Message> Message for Arc<T> {
         T::schema()
     }
 
+    fn check(&self) -> Result<(), DatumError> {
+        T::check(self)
+    }
+
     fn pointee(&self) -> Option<Arc<dyn Sample>> {
         Some(Arc::clone(self) as Arc<dyn Sample>)
     }
@@ -117,7 +130,8 @@ impl Message for Datum {
 /// Fields have the order of the ROS definition, and doc comments with their units. The initial value of a field is
 /// zero, or the value after `=`. In decoding, an omitted field gets its initial value, and an unknown field is an
 /// error. Field types implement [`Described`](crate::Described): numbers, text, other messages, and lists, arrays and
-/// options of them.
+/// options of them. `check = FUNCTION` after the ROS name adds a function to [`Message::check`], which otherwise checks the
+/// messages in the fields.
 ///
 /// ```
 /// asmotion_datum::message! {
@@ -138,7 +152,7 @@ impl Message for Datum {
 macro_rules! message {
     ($(
         $(#[$meta:meta])*
-        $vis:vis struct $name:ident = $ros:literal {
+        $vis:vis struct $name:ident = $ros:literal $(, check = $check:path)? {
             $($(#[doc = $doc:literal])* $field_vis:vis $field:ident: $type:ty $(= $initial:expr)?),* $(,)?
         }
     )+) => {
@@ -176,6 +190,15 @@ macro_rules! message {
                         }),*])
                     })
                 }
+
+                fn check(&self) -> ::core::result::Result<(), $crate::DatumError> {
+                    $(
+                        <$type as $crate::Described>::check_value(&self.$field)
+                            .map_err(|error| error.within(stringify!($field)))?;
+                    )*
+                    $($check(self)?;)?
+                    ::core::result::Result::Ok(())
+                }
             }
 
             impl $crate::Described for $name {
@@ -192,6 +215,10 @@ macro_rules! message {
                     serializer: S,
                 ) -> ::core::result::Result<S::Ok, S::Error> {
                     $crate::serde::Serialize::serialize(self, serializer)
+                }
+
+                fn check_value(&self) -> ::core::result::Result<(), $crate::DatumError> {
+                    <Self as $crate::Message>::check(self)
                 }
 
                 fn read<'de, D: $crate::serde::Deserializer<'de>>(

@@ -272,3 +272,55 @@ fn what_does_not_fit_a_schema_says_where() {
         Scan::schema().accepts(&datum).unwrap();
     }
 }
+
+asmotion_datum::message! {
+    /// A share that must be between 0 and 1.
+    pub struct Share = "test/Share", check = check_share {
+        pub share: f64,
+    }
+
+    /// Messages in fields of all kinds.
+    pub struct Shares = "test/Shares" {
+        pub one: Share,
+        pub many: Vec<Share>,
+        pub pair: [Share; 2],
+        pub maybe: Option<Share>,
+        pub number: f64,
+    }
+}
+
+fn check_share(share: &Share) -> Result<(), asmotion_datum::DatumError> {
+    if (0.0..=1.0).contains(&share.share) {
+        return Ok(());
+    }
+    let problem = asmotion_datum::DatumProblem::Implausible("not between 0 and 1");
+    Err(asmotion_datum::DatumError::new(problem).within("share"))
+}
+
+#[test]
+fn a_check_covers_the_messages_in_all_fields_and_names_the_place() {
+    let bad = || Share { share: f64::NAN };
+    let good = Shares {
+        number: f64::NAN,
+        maybe: Some(Share::default()),
+        ..Shares::default()
+    };
+    assert_eq!(good.check(), Ok(()));
+    let change = |change: fn(&mut Shares, Share)| {
+        let mut shares = good.clone();
+        change(&mut shares, bad());
+        shares.check().unwrap_err().to_string()
+    };
+    let end = "share`: not between 0 and 1";
+    assert_eq!(change(|it, bad| it.one = bad), format!("`one.{end}"));
+    assert_eq!(
+        change(|it, bad| it.many = vec![Share::default(), bad]),
+        format!("`many.1.{end}")
+    );
+    assert_eq!(change(|it, bad| it.pair[0] = bad), format!("`pair.0.{end}"));
+    assert_eq!(
+        change(|it, bad| it.maybe = Some(bad)),
+        format!("`maybe.{end}")
+    );
+    assert!(std::sync::Arc::new(bad()).check().is_err());
+}

@@ -7,12 +7,16 @@ use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
 use asmotion_diagnostics::{LoadError, Loader};
 use asmotion_plan::Opened;
 
-/// Loads files from `specs`.
-struct Specs;
+/// Loads files from `specs`, with a word replaced.
+struct Specs {
+    word: &'static str,
+    other: &'static str,
+}
 
 impl Loader for Specs {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         let text = std::fs::read_to_string(format!("../../specs/{path}"));
+        let text = text.map(|text| text.replace(self.word, self.other));
         text.map(Arc::from).map_err(|error| LoadError {
             path: path.to_owned(),
             reason: error.to_string(),
@@ -29,12 +33,18 @@ impl Loader for Specs {
     }
 }
 
-fn open(file: &str) -> Opened {
+/// The composites as they are.
+const UNCHANGED: Specs = Specs {
+    word: "\0",
+    other: "",
+};
+
+fn open(file: &str, specs: &Specs) -> Opened {
     let context = Context {
-        loader: &Specs,
+        loader: specs,
         environment: &EmptyEnvironment,
         catalogue: &Tables::EMPTY,
-        specifications: &AsmFiles::new(&Specs),
+        specifications: &AsmFiles::new(specs),
         settings: &[],
     };
     asmotion_plan::open(file, &context)
@@ -42,8 +52,12 @@ fn open(file: &str) -> Opened {
 
 /// Draws a composite in all formats, and checks that drawing it again gives the same.
 fn drawn(file: &str) -> [String; 3] {
+    drawn_from(file, &UNCHANGED)
+}
+
+fn drawn_from(file: &str, specs: &Specs) -> [String; 3] {
     let draw = || {
-        let opened = open(file);
+        let opened = open(file, specs);
         let plan = opened
             .plan(None)
             .unwrap_or_else(|| panic!("{:#?}", opened.report));
@@ -67,6 +81,64 @@ fn c15_a_picture_is_equal_after_reloading_the_file() {
     ] {
         drawn(file);
     }
+}
+
+#[test]
+fn c15_every_format_shows_the_components_of_the_file() {
+    let file = "navigation/navigation.composite.toml";
+    let opened = open(file, &UNCHANGED);
+    let plan = opened.plan(None).expect("a plan");
+    assert_eq!(plan.components.len(), 10);
+    for picture in drawn(file) {
+        for component in &plan.components {
+            assert!(
+                picture.contains(&*component.name),
+                "{}: {picture}",
+                component.name
+            );
+        }
+    }
+}
+
+#[test]
+fn n5_the_picture_of_the_navigation_names_its_topics() {
+    for picture in drawn("navigation/navigation.composite.toml") {
+        for topic in ["goal", "cancel", "estop", "event", "plan", "permit", "odom"] {
+            assert!(picture.contains(topic), "{topic}: {picture}");
+        }
+    }
+}
+
+#[test]
+fn c15_a_picture_follows_a_change_of_the_file() {
+    let file = "courier/courier.composite.toml";
+    let before = drawn(file);
+    let renamed = drawn_from(
+        file,
+        &Specs {
+            word: "Dispatcher",
+            other: "Headquarters",
+        },
+    );
+    let unwired = drawn_from(
+        file,
+        &Specs {
+            word: "timeout_ms = 500",
+            other: "timeout_ms = 400",
+        },
+    );
+    for (before, after) in before.iter().zip(&renamed) {
+        assert!(
+            before.contains("Dispatcher") && !before.contains("Headquarters"),
+            "{before}"
+        );
+        assert!(
+            after.contains("Headquarters") && !after.contains("Dispatcher"),
+            "{after}"
+        );
+    }
+    // what a picture does not show does not change it
+    assert_eq!(before, unwired);
 }
 
 #[test]

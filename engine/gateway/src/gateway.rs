@@ -7,22 +7,29 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use asmotion_bus::Bus;
+use asmotion_bus::{Bus, BusError};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Builder;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+use tokio::sync::{oneshot, watch};
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
 
+use crate::components::ComponentListing;
+use crate::connections::{ConnectionPlace, OpenConnections};
 use crate::handler::RequestHandler;
+use crate::problem::Problem;
 use crate::service::GatewayService;
 use crate::settings::GatewaySettings;
 
 /// Time that calls under way have to end when the gateway closes.
 const DRAIN: Duration = Duration::from_secs(2);
+/// Limit on connections that wait for the response that the gateway is busy.
+const MAX_REJECTIONS: usize = 256;
+/// Limit on the time in which such a connection must send its request.
+const REJECTION_TIMEOUT: Duration = Duration::from_secs(1);
 /// Pause before listening again after an error of `accept`, for example for want of file descriptors.
 const REST: Duration = Duration::from_millis(50);
 
@@ -37,6 +44,9 @@ pub enum GatewayCheckError {
         /// The operating system's reason.
         reason: std::io::Error,
     },
+    /// The bus refuses the subscription to the descriptions of components.
+    #[error("cannot subscribe to the components: {0}")]
+    Components(BusError),
     /// No thread can be started.
     #[error("cannot start the listening thread: {0}")]
     Thread(std::io::Error),
@@ -51,10 +61,11 @@ pub struct Gateway {
 }
 
 impl Gateway {
-    /// Opens a gateway to services on a bus, each operation of which has the address `SERVICE.OPERATION`.
+    /// Opens a gateway to services on a bus, each operation of which has the address `SERVICE.OPERATION`. The components
+    /// are those that the process describes on this bus.
     ///
     /// # Errors
-    /// An error if the gateway cannot listen at the address, or if no thread can be started.
+    /// An error if the gateway cannot listen at the address, if the bus refuses it, or if no thread can be started.
     pub fn open(
         settings: GatewaySettings,
         services: Vec<GatewayService>,
@@ -76,8 +87,10 @@ impl Gateway {
             let _inside = runtime.enter();
             TcpListener::from_std(listener).map_err(listen)?
         };
+        let components = ComponentListing::new(&*bus).map_err(GatewayCheckError::Components)?;
         let reception = Arc::new(RequestHandler {
             services,
+            components,
             bus,
             settings,
         });
@@ -115,18 +128,26 @@ async fn listen_until(
     listener: TcpListener,
     handler: Arc<RequestHandler>,
 ) {
-    let connection_permits = Arc::new(Semaphore::new(handler.settings.max_connections.max(1)));
+    let table = OpenConnections::new(handler.settings.max_connections);
+    let rejections = OpenConnections::new(MAX_REJECTIONS);
     let mut callers = JoinSet::new();
     loop {
         tokio::select! {
             () = shutdown_requested(&mut shutdown) => break,
             Some(_) = callers.join_next() => {}
-            caller = accept(&listener, &connection_permits) => {
-                let Some(caller) = caller else {
+            caller = listener.accept() => {
+                let Ok((stream, from)) = caller else {
                     sleep(REST).await;
                     continue;
                 };
-                callers.spawn(serve(caller, Arc::clone(&handler), shutdown.clone()));
+                // not essential: without it responses arrive a little later
+                let _ = stream.set_nodelay(true);
+                if let Some((place, evicted)) = table.enter() {
+                    let served = serve(stream, from, place, Arc::clone(&handler), shutdown.clone());
+                    callers.spawn(until_evicted(served, evicted));
+                } else if let Some((place, evicted)) = rejections.enter() {
+                    callers.spawn(until_evicted(reject(stream, place), evicted));
+                }
             }
         }
     }
@@ -138,44 +159,33 @@ async fn listen_until(
     .await;
 }
 
-/// A connection that counts towards the limit.
-struct HttpConnection {
-    stream: TcpStream,
-    from: SocketAddr,
-    _permit: OwnedSemaphorePermit,
-}
-
-async fn accept(
-    listener: &TcpListener,
-    connection_permits: &Arc<Semaphore>,
-) -> Option<HttpConnection> {
-    let permit = Arc::clone(connection_permits).acquire_owned().await.ok()?;
-    let (stream, from) = listener.accept().await.ok()?;
-    Some(HttpConnection {
-        stream,
-        from,
-        _permit: permit,
-    })
+/// Serves a connection until its place is needed for another one.
+async fn until_evicted(served: impl Future<Output = ()>, evicted: oneshot::Receiver<()>) {
+    tokio::select! {
+        () = served => {}
+        _ = evicted => {}
+    }
 }
 
 /// Serves a connection until the client closes it. This drops the future of a request under way, which cancels its
 /// call.
 async fn serve(
-    connection: HttpConnection,
+    stream: TcpStream,
+    from: SocketAddr,
+    place: ConnectionPlace,
     handler: Arc<RequestHandler>,
     mut shutdown: watch::Receiver<bool>,
 ) {
-    let (from, patience) = (connection.from, handler.settings.request_timeout);
+    let patience = handler.settings.request_timeout;
+    let place = Arc::new(place);
     let service = service_fn(|asked| {
-        let reception = Arc::clone(&handler);
-        async move { Ok::<_, Infallible>(reception.respond(asked, from).await) }
+        let (handler, place) = (Arc::clone(&handler), Arc::clone(&place));
+        async move { Ok::<_, Infallible>(handler.respond(asked, from, &place).await) }
     });
-    // not essential: without it responses arrive a little later
-    let _ = connection.stream.set_nodelay(true);
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(patience)
-        .serve_connection(TokioIo::new(connection.stream), service);
+        .serve_connection(TokioIo::new(stream), service);
     let mut connection = pin!(connection);
     tokio::select! {
         // connection errors concern the client only
@@ -183,6 +193,18 @@ async fn serve(
         () = shutdown_requested(&mut shutdown) => connection.as_mut().graceful_shutdown(),
     }
     let _ = connection.await;
+}
+
+/// Responds to one request that calls are under way on all connections.
+async fn reject(stream: TcpStream, _place: ConnectionPlace) {
+    let service = service_fn(|_| async { Ok::<_, Infallible>(Problem::Busy.response()) });
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(REJECTION_TIMEOUT)
+        .keep_alive(false)
+        .serve_connection(TokioIo::new(stream), service);
+    // connection errors concern the client only
+    let _ = timeout(REJECTION_TIMEOUT, connection).await;
 }
 
 /// Waits for `shutdown`; a dropped sender counts as the end.

@@ -11,7 +11,10 @@ use hyper::{Method, StatusCode, header};
 use serde_json::json;
 use tokio::time::timeout;
 
+use crate::access;
 use crate::call::call;
+use crate::components::ComponentListing;
+use crate::connections::ConnectionPlace;
 use crate::listing;
 use crate::parameters::CallParameters;
 use crate::problem::Problem;
@@ -25,18 +28,30 @@ type HttpRequest = hyper::Request<Incoming>;
 /// Handles the requests of all connections.
 pub(crate) struct RequestHandler {
     pub services: Vec<GatewayService>,
+    pub components: ComponentListing,
     pub bus: Arc<dyn Bus>,
     pub settings: GatewaySettings,
 }
 
 impl RequestHandler {
     /// Handles a request.
-    pub(crate) async fn respond(&self, request: HttpRequest, from: SocketAddr) -> HttpResponse {
-        let answer = self.route(request, from).await;
+    pub(crate) async fn respond(
+        &self,
+        request: HttpRequest,
+        from: SocketAddr,
+        place: &ConnectionPlace,
+    ) -> HttpResponse {
+        let answer = self.route(request, from, place).await;
         answer.unwrap_or_else(|problem| problem.response())
     }
 
-    async fn route(&self, request: HttpRequest, from: SocketAddr) -> Result<HttpResponse, Problem> {
+    async fn route(
+        &self,
+        request: HttpRequest,
+        from: SocketAddr,
+        place: &ConnectionPlace,
+    ) -> Result<HttpResponse, Problem> {
+        access::check(&self.settings, request.uri(), request.headers())?;
         // only browsers send this header; web pages of other origins must not control a robot
         if request.headers().contains_key(header::ORIGIN) {
             return Err(Problem::WebPage);
@@ -47,12 +62,15 @@ impl RequestHandler {
             (["health"], &Method::GET) => Ok(self.health()),
             (["services"], &Method::GET) => Ok(listing::all(&self.services)),
             (["services", name], &Method::GET) => Ok(listing::one(self.service(name)?)),
+            (["components"], &Method::GET) => self.components.all(),
+            (["components", name], &Method::GET) => self.components.one(name),
             (["services", name, operation], &Method::POST) => {
                 let service = self.service(name)?;
                 let operation = self::operation(service, operation)?;
-                self.call(service, operation, request, from).await
+                let called = (service, operation);
+                self.call(called, request, from, place).await
             }
-            (["health"] | ["services"] | ["services", _], _) => {
+            (["health"] | ["services" | "components"] | ["services" | "components", _], _) => {
                 Err(Problem::Method { allowed: "GET" })
             }
             (["services", _, _], _) => Err(Problem::Method { allowed: "POST" }),
@@ -86,10 +104,10 @@ impl RequestHandler {
 
     async fn call(
         &self,
-        service: &GatewayService,
-        operation: &GatewayOperation,
+        (service, operation): (&GatewayService, &GatewayOperation),
         request: HttpRequest,
         from: SocketAddr,
+        place: &ConnectionPlace,
     ) -> Result<HttpResponse, Problem> {
         let question = CallParameters::of(request.uri().query())?;
         let one_way = question.one_way || operation.one_way;
@@ -102,6 +120,7 @@ impl RequestHandler {
         let mut request = Request::new(origin, Payload::of(argument), time);
         request.trace = trace;
         let address = format!("{}.{}", service.name, operation.name);
+        let _under_way = place.begin_call();
         match call(&*self.bus, &address, request, one_way).await {
             Ok(_) if one_way => Ok(response::accepted()),
             Ok(payload) => result(&payload, operation).map_err(Problem::Answer),

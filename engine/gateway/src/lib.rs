@@ -3,9 +3,12 @@
 //!
 //! A [`Gateway`] translates between HTTP and any [`Bus`](asmotion_bus::Bus): a `POST` becomes a call with a deadline
 //! and a typed result, and closing the connection cancels the call. `GET /services` lists the services with the JSON
-//! Schemas of all types. `docs/wire.md` is the specification for clients.
+//! Schemas of all types, and `GET /components` the components with their states. `docs/wire.md` is the specification for clients.
 
+mod access;
 mod call;
+mod components;
+mod connections;
 mod gateway;
 mod handler;
 mod listing;
@@ -14,7 +17,9 @@ mod problem;
 mod response;
 mod service;
 mod settings;
+mod token;
 
 pub use gateway::{Gateway, GatewayCheckError};
 pub use service::{GatewayOperation, GatewayService};
 pub use settings::GatewaySettings;
+pub use token::BearerToken;

@@ -12,6 +12,12 @@ use crate::response::{self, HttpResponse};
 /// The reason that a request has no result.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(crate) enum Problem {
+    #[error("{}", if host.is_empty() { "request without a host".to_owned() } else { format!("`{host}` is not a name of this gateway") })]
+    OtherHost { host: String },
+    #[error("missing or wrong token")]
+    Unauthorized,
+    #[error("calls are under way on all connections")]
+    Busy,
     #[error("unknown path `{path}`")]
     UnknownPath { path: String },
     #[error("unknown service `{name}`")]
@@ -22,6 +28,11 @@ pub(crate) enum Problem {
     #[error("unknown operation `{name}` of `{service}`")]
     UnknownOperation {
         service: String,
+        name: String,
+        available: Vec<String>,
+    },
+    #[error("unknown component `{name}`")]
+    UnknownComponent {
         name: String,
         available: Vec<String>,
     },
@@ -57,9 +68,12 @@ const BAD_REQUEST: &str = "BAD_REQUEST";
 impl Problem {
     fn status(&self) -> StatusCode {
         match self {
+            Self::OtherHost { .. } => StatusCode::MISDIRECTED_REQUEST,
+            Self::Unauthorized => StatusCode::UNAUTHORIZED,
             Self::UnknownPath { .. }
             | Self::UnknownService { .. }
-            | Self::UnknownOperation { .. } => StatusCode::NOT_FOUND,
+            | Self::UnknownOperation { .. }
+            | Self::UnknownComponent { .. } => StatusCode::NOT_FOUND,
             Self::Method { .. } => StatusCode::METHOD_NOT_ALLOWED,
             Self::WebPage => StatusCode::FORBIDDEN,
             Self::ContentType { .. } => StatusCode::UNSUPPORTED_MEDIA_TYPE,
@@ -71,7 +85,7 @@ impl Problem {
             Self::Fault { refusal, .. } if refusal.code == BAD_REQUEST => StatusCode::BAD_REQUEST,
             Self::Fault { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             Self::Timeout { .. } => StatusCode::GATEWAY_TIMEOUT,
-            Self::Unavailable { .. } => StatusCode::SERVICE_UNAVAILABLE,
+            Self::Unavailable { .. } | Self::Busy => StatusCode::SERVICE_UNAVAILABLE,
             Self::Answer(_) => StatusCode::BAD_GATEWAY,
         }
     }
@@ -79,9 +93,13 @@ impl Problem {
     /// The code for programs; for a fault, the operation's own code.
     fn code(&self) -> &str {
         match self {
+            Self::OtherHost { .. } => "OTHER_HOST",
+            Self::Unauthorized => "NO_TOKEN",
+            Self::Busy => "BUSY",
             Self::UnknownPath { .. } => "NO_PATH_HERE",
             Self::UnknownService { .. } => "NO_SERVICE",
             Self::UnknownOperation { .. } => "NO_OPERATION",
+            Self::UnknownComponent { .. } => "NO_COMPONENT",
             Self::Method { .. } => "OTHER_METHOD",
             Self::WebPage => "WEB_PAGE",
             Self::ContentType { .. } => "OTHER_CONTENT_TYPE",
@@ -100,12 +118,20 @@ impl Problem {
     /// A remedy; `None` for faults of an operation.
     fn help(&self) -> Option<String> {
         Some(match self {
+            Self::OtherHost { .. } => {
+                "use its IP address or `localhost`, or add the name to `allowed_hosts` of the gateway".to_owned()
+            }
+            Self::Unauthorized => {
+                "send the `token` of the gateway: `curl -H \"Authorization: Bearer $TOKEN\"`".to_owned()
+            }
+            Self::Busy => "try again later, or raise `max_connections` of the gateway".to_owned(),
             Self::UnknownPath { .. } => {
                 "`GET /services` lists the services; call one with `POST /services/NAME/OPERATION`"
                     .to_owned()
             }
             Self::UnknownService { name, available: known } => suggest_among("services", name, known),
             Self::UnknownOperation { name, available: known, .. } => suggest_among("operations", name, known),
+            Self::UnknownComponent { name, available: known } => suggest_among("components", name, known),
             Self::Method { allowed } => format!("use `curl -X {allowed}`"),
             Self::WebPage => "to allow requests from web pages, put a proxy before the gateway that authenticates the user and removes the header `Origin`"
                 .to_owned(),
@@ -130,6 +156,19 @@ impl Problem {
         })
     }
 
+    /// The header that the status requires.
+    fn header(&self) -> Option<(header::HeaderName, &'static str)> {
+        if let Self::Method { allowed } = self {
+            Some((header::ALLOW, allowed))
+        } else if let Self::Unauthorized = self {
+            Some((header::WWW_AUTHENTICATE, "Bearer"))
+        } else if let Self::Busy = self {
+            Some((header::RETRY_AFTER, "1"))
+        } else {
+            None
+        }
+    }
+
     /// The HTTP response.
     pub(crate) fn response(&self) -> HttpResponse {
         let status = self.status();
@@ -145,9 +184,9 @@ impl Problem {
         let mut response = response::json(status, details.to_string());
         let kind = header::HeaderValue::from_static("application/problem+json");
         response.headers_mut().insert(header::CONTENT_TYPE, kind);
-        if let Self::Method { allowed } = self {
-            let allowed = header::HeaderValue::from_static(allowed);
-            response.headers_mut().insert(header::ALLOW, allowed);
+        if let Some((name, value)) = self.header() {
+            let value = header::HeaderValue::from_static(value);
+            response.headers_mut().insert(name, value);
         }
         response
     }

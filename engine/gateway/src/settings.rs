@@ -3,12 +3,20 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use crate::token::BearerToken;
+
 /// Address and limits of a gateway.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GatewaySettings {
     /// Address to listen at; port 0 selects a free one.
     pub listen: SocketAddr,
-    /// Limit on simultaneous connections; further ones wait (default: 64).
+    /// Host names of the gateway, besides `localhost` and IP addresses: requests that address it by another name are rejected
+    /// (default: none).
+    pub allowed_hosts: Vec<String>,
+    /// Token that every request must present; `None` if none is needed (default).
+    pub token: Option<BearerToken>,
+    /// Limit on simultaneous connections (default: 64). A further one replaces the connection that has been idle for the
+    /// longest time; if calls are under way on all of them, it is rejected.
     pub max_connections: usize,
     /// Limit on the size of a request's body, in bytes (default: 1 MiB).
     pub max_body: usize,
@@ -21,6 +29,8 @@ impl GatewaySettings {
     pub fn at(listen: SocketAddr) -> Self {
         Self {
             listen,
+            allowed_hosts: Vec::new(),
+            token: None,
             max_connections: 64,
             max_body: 1 << 20,
             request_timeout: Duration::from_secs(10),

@@ -10,9 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use asmotion_bus::{Bus, IncomingCall, LocalBus, Notifier, Payload, Refusal};
+use asmotion_bus::{
+    Bus, IncomingCall, LocalBus, Notifier, Payload, PublishOptions, Refusal, SenderId,
+};
 use asmotion_datum::{Datum, Message, Schema, Shape};
-use asmotion_gateway::{Gateway, GatewayOperation, GatewayService, GatewaySettings};
+use asmotion_gateway::{BearerToken, Gateway, GatewayOperation, GatewayService, GatewaySettings};
 use client::{Client, Said};
 use serde_json::json;
 
@@ -119,6 +121,49 @@ fn empty() -> GatewayService {
         name: "plans".to_owned(),
         ..maps()
     }
+}
+
+/// Publishes the description of a process on a bus.
+fn describe(bus: &LocalBus, state: &str) {
+    let component = json!({
+        "name": "Coordinator", "state": "Running", "cycles": 12, "properties": [["password", "secret"]],
+        "inspection": [["state", { "mode": state }], ["calls", ["planner.plan"]]],
+    });
+    let presence = json!({ "process": "robot", "components": [component] }).to_string();
+    let presence: Datum = asmotion_datum::json::decode(&presence).unwrap();
+    let origin = SenderId::new("robot", 1);
+    let kind = Schema::opaque("asmotion/Presence");
+    let sending = PublishOptions::state();
+    let mut publisher = bus
+        .publisher("presence.robot", &origin, &kind, sending)
+        .unwrap();
+    publisher.publish(0, Payload::of(presence)).unwrap();
+}
+
+#[test]
+fn components_are_listed_with_the_state_that_they_describe() {
+    let bus = LocalBus::new();
+    let settings = GatewaySettings::at("127.0.0.1:0".parse().unwrap());
+    let gateway = Gateway::open(settings, vec![maps()], Arc::new(bus.clone())).unwrap();
+    let client = Client(gateway.address());
+    assert_eq!(client.get("/components").json, json!({ "components": [] }));
+    describe(&bus, "PLANNING");
+    describe(&bus, "FOLLOWING");
+    let said = client.get("/components/Coordinator");
+    let inspection = json!({ "state": { "mode": "FOLLOWING" }, "calls": ["planner.plan"] });
+    assert_eq!((said.status, &said.json["inspection"]), (200, &inspection));
+    assert_eq!(said.json["state"], "Running");
+    assert!(!said.body.contains("secret"), "properties are confidential");
+    let all = client.get("/components").json;
+    assert_eq!(all["components"], json!([said.json]));
+    let said = client.get("/components/Coordinater");
+    is_problem(&said, 404, "NO_COMPONENT", &["did you mean `Coordinator`?"]);
+    is_problem(
+        &client.post("/components", "{}"),
+        405,
+        "OTHER_METHOD",
+        &["GET"],
+    );
 }
 
 /// Replies with the content of the request.
@@ -298,7 +343,7 @@ fn who_hangs_up_has_taken_the_call_back() {
     let (came, comes) = std::sync::mpsc::channel();
     let open = Open::new(|_| {}, move |call| came.send(call).unwrap());
     let mut stream = TcpStream::connect(open.client().0).unwrap();
-    let head = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n";
+    let head = "POST /services/maps/get HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n";
     stream.write_all(head.as_bytes()).unwrap();
     let call = comes.recv_timeout(20 * SECOND).unwrap();
     assert!(call.is_awaited());
@@ -384,9 +429,10 @@ fn it_bears_no_more_than_it_was_told_to() {
     let long = json!({ "name": "a".repeat(101) }).to_string();
     let said = client.post("/services/maps/get", &long);
     is_problem(&said, 413, "TOO_LARGE", &["100 bytes", "max_body_kb"]);
-    let lying = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 50\r\n\r\n{";
+    let lying =
+        "POST /services/maps/get HTTP/1.1\r\nHost: localhost\r\nContent-Length: 50\r\n\r\n{";
     is_problem(&client.say(lying), 408, "SLOW", &[]);
-    let form = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\
+    let form = "POST /services/maps/get HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n\
                 Content-Type: application/x-www-form-urlencoded\r\n\r\n{}";
     is_problem(
         &client.say(form),
@@ -394,7 +440,7 @@ fn it_bears_no_more_than_it_was_told_to() {
         "OTHER_CONTENT_TYPE",
         &["curl --json"],
     );
-    let page = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\
+    let page = "POST /services/maps/get HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\
                 Origin: http://elsewhere.example\r\n\r\n";
     is_problem(&client.say(page), 403, "WEB_PAGE", &["proxy"]);
     // an incomplete request does not block other clients
@@ -440,4 +486,149 @@ fn what_is_under_way_ends_before_the_gateway_is_closed() {
     echo(call);
     assert_eq!(caller.join().unwrap().status, 200);
     closing.join().unwrap();
+}
+
+/// A `GET /health` with these header lines.
+fn health(client: &Client, headers: &[&str]) -> Said {
+    let lines: String = headers.iter().map(|line| format!("{line}\r\n")).collect();
+    client.say(&format!(
+        "GET /health HTTP/1.1\r\nConnection: close\r\n{lines}\r\n"
+    ))
+}
+
+#[test]
+fn a_request_that_addresses_another_host_is_rejected() {
+    let allowed = |settings: &mut GatewaySettings| {
+        settings.allowed_hosts = vec!["rover1.local".to_owned()];
+    };
+    let open = Open::new(allowed, |call| panic!("{call:?}"));
+    let client = open.client();
+    for host in [
+        "localhost",
+        "localhost:8080",
+        "127.0.0.1:8080",
+        "[::1]:80",
+        "Rover1.Local:8080",
+    ] {
+        assert_eq!(
+            health(&client, &[&format!("Host: {host}")]).status,
+            200,
+            "{host}"
+        );
+    }
+    for host in [
+        "evil.example",
+        "evil.example:8080",
+        "localhost.evil.example",
+        "rover1",
+        "",
+        "a b",
+        "@",
+    ] {
+        let said = health(&client, &[&format!("Host: {host}")]);
+        is_problem(&said, 421, "OTHER_HOST", &["allowed_hosts"]);
+    }
+    is_problem(
+        &health(&client, &[]),
+        421,
+        "OTHER_HOST",
+        &["request without a host"],
+    );
+    let absolute =
+        "GET http://evil.example/services HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    is_problem(&client.say(absolute), 421, "OTHER_HOST", &["evil.example"]);
+    let call = "POST /services/maps/get HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
+    is_problem(&client.say(call), 421, "OTHER_HOST", &["evil.example"]);
+}
+
+#[test]
+fn a_gateway_with_a_token_handles_only_requests_that_present_it() {
+    let secret = |settings: &mut GatewaySettings| {
+        settings.token = Some(BearerToken::new("s3cret"));
+    };
+    let open = Open::new(secret, echo);
+    let client = open.client();
+    let host = "Host: localhost";
+    assert_eq!(
+        health(&client, &[host, "Authorization: Bearer s3cret"]).status,
+        200
+    );
+    for wrong in [
+        "X: y",
+        "Authorization: Bearer s3cre",
+        "Authorization: Basic s3cret",
+        "Authorization: s3cret",
+    ] {
+        let said = health(&client, &[host, wrong]);
+        is_problem(&said, 401, "NO_TOKEN", &["Authorization: Bearer"]);
+        assert_eq!(said.header("www-authenticate"), Some("Bearer"));
+    }
+    is_problem(
+        &client.post("/services/maps/get", "{}"),
+        401,
+        "NO_TOKEN",
+        &[],
+    );
+    is_problem(&client.get("/services"), 401, "NO_TOKEN", &[]);
+}
+
+#[test]
+fn callers_that_send_no_complete_request_shut_nobody_out() {
+    let few = |settings: &mut GatewaySettings| {
+        settings.max_connections = 4;
+        settings.request_timeout = 60 * SECOND;
+    };
+    let open = Open::new(few, echo);
+    let client = open.client();
+    let begun = Instant::now();
+    let mut held = Vec::new();
+    for sent in [
+        "",
+        "GET /hea",
+        "POST /services/maps/get HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n{",
+        // a complete request on a connection that is kept open
+        "GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n",
+    ] {
+        for _ in 0..4 {
+            let mut stream = TcpStream::connect(client.0).unwrap();
+            stream.write_all(sent.as_bytes()).unwrap();
+            held.push(stream);
+        }
+        assert_eq!(client.get("/health").status, 200, "{sent:?}");
+        assert_eq!(
+            client.post("/services/maps/get", "{}").status,
+            200,
+            "{sent:?}"
+        );
+    }
+    assert!(begun.elapsed() < 20 * SECOND, "{:?}", begun.elapsed());
+    // the first to be idle was the first to be closed
+    let mut first = held.remove(0);
+    first.set_read_timeout(Some(20 * SECOND)).unwrap();
+    let mut heard = Vec::new();
+    let end = first.read_to_end(&mut heard);
+    let is_closed = end.is_ok_and(|_| heard.is_empty());
+    assert!(is_closed, "{heard:?}");
+}
+
+#[test]
+fn further_callers_hear_at_once_that_calls_are_under_way_on_all_connections() {
+    let (came, comes) = std::sync::mpsc::channel();
+    let few = |settings: &mut GatewaySettings| settings.max_connections = 2;
+    let open = Open::new(few, move |call| came.send(call).unwrap());
+    let callers = [(); 2].map(|()| {
+        let client = open.client();
+        std::thread::spawn(move || client.post("/services/maps/get", "{}"))
+    });
+    let calls = [(); 2].map(|()| comes.recv_timeout(20 * SECOND).unwrap());
+    for _ in 0..3 {
+        let said = open.client().get("/health");
+        is_problem(&said, 503, "BUSY", &["max_connections"]);
+        assert_eq!(said.header("retry-after"), Some("1"));
+    }
+    calls.into_iter().for_each(echo);
+    for caller in callers {
+        assert_eq!(caller.join().unwrap().status, 200);
+    }
+    assert_eq!(open.client().get("/health").status, 200);
 }

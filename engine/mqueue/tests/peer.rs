@@ -69,7 +69,7 @@ fn peer(arguments: &[&str]) -> Option<Child> {
         .stdout(Stdio::piped())
         .spawn();
     if peer.is_err() {
-        eprintln!("skipped: there is no python3");
+        asmotion_skip::PYTHON.skip();
     }
     peer.ok()
 }

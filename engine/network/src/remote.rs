@@ -29,6 +29,8 @@ pub(crate) struct RemoteService {
     route: RemoteRoute,
     identity: Arc<BusIdentity>,
     pending: Vec<RemoteCall>,
+    /// A provider has handled a request of this process. Until then it may be starting, and calls wait for it.
+    is_known: bool,
     /// Number of one-way calls without a provider.
     lost: u64,
 }
@@ -57,6 +59,7 @@ impl RemoteService {
             route,
             identity,
             pending: Vec::new(),
+            is_known: false,
             lost: 0,
         }
     }
@@ -92,7 +95,9 @@ impl RemoteService {
             remaining.unwrap_or(self.route.timeout),
         );
         let spans = SpanGenerator::new(&request.caller, self.identity.incarnation, &address);
-        let message = message.with_trace(spans.of(request.key.number, request.trace));
+        let message = message
+            .with_trace(spans.of(request.key.number, request.trace))
+            .with_awaited_provider(!self.is_known);
         let notifier = Arc::clone(notifier);
         let (sent, origin) = match request.reply_to {
             Some(reply_to) => {
@@ -133,6 +138,7 @@ impl RemoteService {
         now: Time,
         effects: &mut dyn Effects,
     ) {
+        self.is_known |= matches!(result, Ok(_) | Err(CallFailure::Refused(_)));
         match (origin, result) {
             // the caller's own deadline ends the call or starts a retry
             (CallOrigin::Waiting(_), Err(CallFailure::Timeout | CallFailure::Cancelled)) => {}

@@ -3,6 +3,7 @@
 pub(crate) mod c019;
 pub(crate) mod c054;
 pub(crate) mod c065;
+pub(crate) mod c067;
 pub(crate) mod c082;
 
 use asmotion_diagnostics::Code;
@@ -12,5 +13,6 @@ pub const CODES: &[&Code] = &[
     c019::SecretInFile::CODE,
     c054::PollTooSlow::CODE,
     c065::DuplicateAddress::CODE,
+    c067::OpenGateway::CODE,
     c082::TooManyComponents::CODE,
 ];

@@ -9,7 +9,7 @@ use asmotion_coordinator::Binding;
 pub struct Component {
     /// Name qualified by the enclosing composites, such as `Driver/youBotDriver`.
     pub name: String,
-    /// Identifier used for queues, logs and metrics.
+    /// Unique name by which tools can address the component, too.
     pub id: String,
     /// Implementation to run.
     pub implementation: Implementation,

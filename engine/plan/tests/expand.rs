@@ -80,7 +80,7 @@ fn expansions(folder: &str, file: &str) -> Vec<String> {
 }
 
 #[test]
-fn c11_three_composites_in_each_other_are_opened_up() {
+fn t26_c11_three_composites_in_each_other_are_opened_up() {
     let expansions = expansions("tests/composites", "c11_three_levels.toml");
     insta::assert_snapshot!(expansions.first().expect("an expansion"));
 }

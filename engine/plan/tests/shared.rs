@@ -1,6 +1,5 @@
 //! Composites of `shared/specs`: no errors in any profile, and detection of the five planted mistakes of robotics §4.4.
-//! Skipped with a notice if the folder is missing.
-#![allow(clippy::expect_used, clippy::print_stderr, reason = "tests")]
+#![allow(clippy::expect_used, reason = "tests")]
 
 mod support;
 
@@ -15,11 +14,7 @@ use support::{Files, Variables};
 const FOLDER: &str = "../../../shared/specs";
 
 fn is_there() -> bool {
-    let there = Path::new(FOLDER).is_dir();
-    if !there {
-        eprintln!("left out: there is no {FOLDER}");
-    }
-    there
+    asmotion_skip::shared("specs").is_some()
 }
 
 /// The files of the folder without the demand for a verification, which this version refuses (C128).
@@ -128,10 +123,7 @@ fn it_refuses_a_start_that_depends_on_a_verification() {
 #[test]
 fn it_finds_no_error_in_the_composites_of_this_repository() {
     let specs = Path::new("../../specs");
-    let Ok(folders) = std::fs::read_dir(specs) else {
-        eprintln!("left out: there is no {}", specs.display());
-        return;
-    };
+    let folders = std::fs::read_dir(specs).expect("the folder of specifications");
     for folder in folders {
         let folder = folder.expect("an entry").path();
         let Ok(entries) = std::fs::read_dir(&folder) else {

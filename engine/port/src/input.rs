@@ -24,8 +24,34 @@ pub struct InputPort<T> {
     last: Option<T>,
     newest: Option<Newest>,
     stale: bool,
+    /// Causes of refusals that have been returned, so that each is reported once.
+    known_causes: Vec<DatumError>,
     /// Scratch buffer of `freeze`, kept to avoid allocation.
     received: Vec<(ConnectionId, Stamped<T>)>,
+}
+
+/// Limit of remembered causes of refusals; further ones are not reported.
+const MAX_CAUSES: usize = 8;
+
+/// Samples that a port refused.
+#[derive(Debug, Default, PartialEq)]
+pub struct Refusals {
+    /// Number of samples that could not be converted to the port's type.
+    pub unreadable: u64,
+    /// Number of samples with values that cannot be meant.
+    pub implausible: u64,
+    /// Causes that this port has not returned before.
+    pub new_causes: Vec<DatumError>,
+}
+
+impl Refusals {
+    fn add(&mut self, cause: DatumError, known: &mut Vec<DatumError>) {
+        self.implausible += 1;
+        if known.len() < MAX_CAUSES && !known.contains(&cause) {
+            known.push(cause.clone());
+            self.new_causes.push(cause);
+        }
+    }
 }
 
 /// Origin of the newest sample.
@@ -48,6 +74,7 @@ impl<T: Message> InputPort<T> {
             last: None,
             newest: None,
             stale: false,
+            known_causes: Vec::new(),
             received: Vec::new(),
         }
     }
@@ -66,12 +93,12 @@ impl<T: Message> InputPort<T> {
         &self.new_samples
     }
 
-    /// Empties the channels. Returns how many samples could not be converted.
-    fn take_received(&mut self) -> u64 {
-        let mut unreadable = 0;
+    /// Empties the channels. Returns which samples were refused.
+    fn take_received(&mut self) -> Refusals {
+        let mut refusals = Refusals::default();
         for channel in &mut self.channels {
             let (arrived, connection) = (&mut self.received, channel.connection);
-            unreadable += channel.drain(|sample| arrived.push((connection, sample)));
+            refusals.unreadable += channel.drain(|sample| arrived.push((connection, sample)));
         }
         if self.channels.len() > 1 {
             // order numbers are unique, and the unstable sort needs no scratch memory
@@ -79,6 +106,10 @@ impl<T: Message> InputPort<T> {
                 .sort_unstable_by_key(|(_, sample)| sample.order);
         }
         for (connection, sample) in self.received.drain(..) {
+            if let Err(cause) = sample.value.check() {
+                refusals.add(cause, &mut self.known_causes);
+                continue;
+            }
             self.newest = Some(Newest {
                 at: sample.at,
                 connection,
@@ -90,7 +121,7 @@ impl<T: Message> InputPort<T> {
         let newest = self.newest.map(|newest| newest.connection);
         self.channels
             .retain(|channel| Some(channel.connection) == newest || !channel.is_abandoned());
-        unreadable
+        refusals
     }
 
     /// Compares the age of the newest sample with the limit of its connection, and applies `on_stale`.
@@ -140,9 +171,9 @@ pub trait AnyInput: Any + Send {
     /// Opens channels into this port; their reading ends can be joined to this port only.
     fn opener(&self) -> Arc<dyn ChannelOpener>;
 
-    /// Makes the samples that arrived since the last call visible, and marks earlier ones as old. Returns how many
-    /// samples could not be converted.
-    fn freeze(&mut self, now: Time) -> u64;
+    /// Makes the samples that arrived since the last call visible, and marks earlier ones as old. Samples whose values fail
+    /// [`Message::check`] are refused, as if they had not been written. Returns which samples were refused.
+    fn freeze(&mut self, now: Time) -> Refusals;
 
     /// Returns whether the newest sample is older than its connection's policy allows.
     fn is_stale(&self) -> bool;
@@ -184,14 +215,14 @@ impl<T: Message> AnyInput for InputPort<T> {
         Arc::new(OpenerOf::<T>(PhantomData))
     }
 
-    fn freeze(&mut self, now: Time) -> u64 {
+    fn freeze(&mut self, now: Time) -> Refusals {
         if let Some(sample) = self.new_samples.pop() {
             self.last = Some(sample);
             self.new_samples.clear();
         }
-        let unreadable = self.take_received();
+        let refusals = self.take_received();
         self.update_staleness(now);
-        unreadable
+        refusals
     }
 
     fn is_stale(&self) -> bool {

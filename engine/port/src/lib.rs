@@ -19,7 +19,7 @@ pub use asmotion_connection::{BufferKind, Notifier, PushOutcome};
 pub use channel::{ChannelOpener, OpenError, ReadingEnd, SharedQueue};
 pub use connection_id::ConnectionId;
 pub use flow::Flow;
-pub use input::{AnyInput, InputPort};
+pub use input::{AnyInput, InputPort, Refusals};
 pub use output::{
     AnyOutput, LinkReader, Notification, OutputLink, OutputPort, PortEffects, Undelivered,
 };

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
 
 use asmotion_connection::{Notifier, PushOutcome};
-use asmotion_datum::{DatumError, Message, Sample, Schema};
+use asmotion_datum::{Datum, DatumError, Message, Sample, Schema};
 
 use crate::connection_id::ConnectionId;
 use crate::policy::Policy;
@@ -23,6 +23,8 @@ pub struct OutputPort<T> {
     sequence: u64,
     /// The last sample that was sent, for new readers (RTT `keepLastWrittenValue`).
     last: Option<Stamped<T>>,
+    /// The sample to write after the component's last cycle.
+    safe: Option<T>,
 }
 
 /// The writer's record of a connection, or of several that share a queue.
@@ -90,6 +92,7 @@ impl<T: Message> OutputPort<T> {
             links: Vec::new(),
             sequence: 0,
             last: None,
+            safe: None,
         }
     }
 
@@ -220,6 +223,15 @@ pub trait AnyOutput: Any + Send {
     /// Removes a connection.
     fn disconnect(&mut self, connection: ConnectionId);
 
+    /// Sets the sample to write after the component's last cycle.
+    ///
+    /// # Errors
+    /// An error if the sample does not have the port's type; omitted fields have their initial values.
+    fn set_safe(&mut self, sample: &Datum) -> Result<(), DatumError>;
+
+    /// Queues the safe sample. Returns whether the port has one.
+    fn write_safe(&mut self) -> bool;
+
     /// Sends the oldest pending sample.
     ///
     /// # Errors
@@ -299,6 +311,18 @@ impl<T: Message> AnyOutput for OutputPort<T> {
             let lost = link.readers.len() < count;
             !(lost && link.readers.is_empty())
         });
+    }
+
+    fn set_safe(&mut self, sample: &Datum) -> Result<(), DatumError> {
+        self.safe = Some(sample.to()?);
+        Ok(())
+    }
+
+    fn write_safe(&mut self) -> bool {
+        let safe = self.safe.clone();
+        let has_safe = safe.is_some();
+        self.pending.extend(safe);
+        has_safe
     }
 
     fn flush(&mut self, now: Time, effects: &mut dyn PortEffects) -> Result<(), Undelivered> {

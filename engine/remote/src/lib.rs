@@ -23,6 +23,7 @@
 //! ```
 
 mod call;
+mod clock;
 mod contact;
 mod error;
 mod handle;
@@ -36,6 +37,7 @@ mod roster;
 mod watch;
 
 pub use self::call::SendHandle;
+pub use self::clock::{ClockOffset, clock_offsets};
 pub use self::contact::ProcessContact;
 pub use self::error::RemoteError;
 pub use self::handle::{RemoteComponent, RemoteServiceHandle};

@@ -87,6 +87,8 @@ pub struct PresentConnection {
 pub struct PresentComponent {
     /// Name within the robot.
     pub name: String,
+    /// `id` of its `task`, by which tools can name it, too; the name by default.
+    pub id: String,
     /// State in the life cycle, for example `Running`.
     pub state: String,
     /// Period in milliseconds; 0 without a period.
@@ -117,6 +119,8 @@ pub struct PresentComponent {
     pub references: Vec<PresentEndpoint>,
     /// Properties with their current values.
     pub properties: Vec<(String, Datum)>,
+    /// Internal state, as the component describes it; empty for most components.
+    pub inspection: Vec<(String, Datum)>,
 }
 
 /// A port and its message type, or a reference and its interface.
@@ -179,23 +183,31 @@ impl Presence {
             leaves: false,
             components: names
                 .iter()
-                .map(|name| PresentComponent::of(name, run))
+                .map(|name| PresentComponent {
+                    id: plan
+                        .component(name)
+                        .map_or_else(|| name.clone(), |it| it.id.clone()),
+                    ..PresentComponent::of(name, run)
+                })
                 .collect(),
             topics: topics(plan, part),
             joined: joined(plan, part),
         }
     }
 
-    /// Fills in the rates from the previous message, which is `seconds` old, and repeats its properties for components
-    /// that were too busy to report them.
+    /// Fills in the rates from the previous message, `seconds` before on the clock of the run, and repeats its properties
+    /// and internal state for components that were too busy to report them.
     #[must_use]
-    pub fn after(mut self, before: Option<&Self>, seconds: f64) -> Self {
+    pub fn after(mut self, before: &Self, seconds: f64) -> Self {
         for component in &mut self.components {
-            let known = before.iter().flat_map(|before| &before.components);
-            let known = known.into_iter().find(|known| known.name == component.name);
+            let mut known = before.components.iter();
+            let known = known.find(|known| known.name == component.name);
             let Some(known) = known else { continue };
             if component.properties.is_empty() {
                 component.properties.clone_from(&known.properties);
+            }
+            if component.inspection.is_empty() {
+                component.inspection.clone_from(&known.inspection);
             }
             if seconds > 0.0 {
                 let cycles = component.cycles.saturating_sub(known.cycles);
@@ -246,8 +258,15 @@ impl PresentComponent {
             typed.collect()
         };
         let Losses { dropped, misfits } = run.losses(name);
+        // a component in a long cycle is not asked twice; `after` fills in the previous values
+        let properties = run.properties(name);
+        let inspection = match &properties {
+            Ok(_) => run.inspect(name).unwrap_or_default(),
+            Err(_) => Vec::new(),
+        };
         Self {
             name: name.to_owned(),
+            id: name.to_owned(),
             state: run
                 .state(name)
                 .as_ref()
@@ -273,8 +292,8 @@ impl PresentComponent {
                     kind: reference.interface.clone(),
                 })
                 .collect(),
-            // empty if a long cycle is under way; `after` fills in the previous values
-            properties: run.properties(name).unwrap_or_default(),
+            properties: properties.unwrap_or_default(),
+            inspection,
         }
     }
 }

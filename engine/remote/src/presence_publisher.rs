@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use asmotion_bus::{Bus, BusError, Payload, PublishOptions, Publisher, SenderId};
+use asmotion_component::Time;
 use asmotion_datum::{Codec, Datum, Schema};
 use asmotion_plan::{Part, Plan};
 use asmotion_runtime::Run;
@@ -19,10 +20,18 @@ pub(crate) struct PresencePublisher<'p> {
     part: Part,
     process: String,
     publisher: Box<dyn Publisher>,
-    /// Time and content of the last message.
-    last_published: Option<(Instant, Presence)>,
+    last_published: Option<PublishedPresence>,
     /// Publish at the next opportunity, before the period has passed.
     is_due_now: bool,
+}
+
+/// The last message of a process.
+struct PublishedPresence {
+    /// Real time, by which messages are due.
+    at: Instant,
+    /// Time of the run, by which rates are measured.
+    run_time: Time,
+    presence: Presence,
 }
 
 impl<'p> PresencePublisher<'p> {
@@ -52,18 +61,27 @@ impl<'p> PresencePublisher<'p> {
 
     /// Publishes the presence if it is due.
     pub(crate) fn publish_if_due(&mut self, run: &mut dyn Run) {
-        let now = Instant::now();
+        let (at, run_time) = (Instant::now(), run.now());
         let previous = self.last_published.take();
-        let since = previous.as_ref().map(|(at, _)| now.duration_since(*at));
-        if !self.is_due_now && since.is_some_and(|since| since < PERIOD) {
+        let is_early = |last: &PublishedPresence| at.duration_since(last.at) < PERIOD;
+        if !self.is_due_now && previous.as_ref().is_some_and(is_early) {
             self.last_published = previous;
             return;
         }
         let presence = Presence::of(self.plan, &self.part, &self.process, run);
-        let before = previous.map(|(_, before)| before);
-        let presence = presence.after(before.as_ref(), since.unwrap_or_default().as_secs_f64());
+        let presence = match &previous {
+            Some(last) => {
+                let seconds = run_time.since(last.run_time).as_secs_f64();
+                presence.after(&last.presence, seconds)
+            }
+            None => presence,
+        };
         self.publish(&presence);
-        self.last_published = Some((now, presence));
+        self.last_published = Some(PublishedPresence {
+            at,
+            run_time,
+            presence,
+        });
         self.is_due_now = false;
     }
 
@@ -77,7 +95,7 @@ impl<'p> PresencePublisher<'p> {
         let mut presence = self
             .last_published
             .take()
-            .map(|(_, last)| last)
+            .map(|last| last.presence)
             .unwrap_or_default();
         presence.leaves = true;
         self.publish(&presence);

@@ -94,13 +94,19 @@ impl Roster {
     }
 }
 
-/// The component with this name, optionally with its robot: `rover1.RoverDriver`.
+/// The component with this name, optionally with its robot: `rover1.RoverDriver`; otherwise the one with this `id`.
 pub(crate) fn find_component(
     name: &str,
     all: &[ComponentLocation],
 ) -> Result<ComponentLocation, RemoteError> {
     let is_it = |it: &&ComponentLocation| it.present.name == name || it.full_name() == name;
-    let matches: Vec<&ComponentLocation> = all.iter().filter(is_it).collect();
+    let mut matches: Vec<&ComponentLocation> = all.iter().filter(is_it).collect();
+    if matches.is_empty() {
+        let has_id = |it: &&ComponentLocation| {
+            it.present.id == name || crate::presence::key(&it.robot, &it.present.id) == name
+        };
+        matches = all.iter().filter(has_id).collect();
+    }
     match matches.as_slice() {
         [one] => Ok((*one).clone()),
         [] => Err(RemoteError::Unknown {

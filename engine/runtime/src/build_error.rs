@@ -148,6 +148,14 @@ pub enum BuildError {
         /// The part of the type that has no zero value.
         source: DatumError,
     },
+    /// A safe sample that does not have the type of its output.
+    #[error("the safe sample of `{output}` does not fit: {source}")]
+    SafeSample {
+        /// The output, as `component.port`.
+        output: String,
+        /// The first difference.
+        source: DatumError,
+    },
     /// A value that the property does not accept.
     #[error(transparent)]
     Property(#[from] PropertyError),

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use asmotion_component::{
     AnyProperty, CallId, CycleAction, CycleHost, Declaration, Fault, Interface, InterfaceParts,
-    Losses, OperationSlot, PropertyError, PropertyHost, PropertyProblem, Reply, RequestId,
-    WaitingRequest, WorkPlace, suggestion_among,
+    Losses, NOTICE_REPORT, OperationSlot, PropertyError, PropertyHost, PropertyProblem, Reply,
+    RequestId, WaitingRequest, WorkPlace, suggestion_among,
 };
 use asmotion_datum::{Datum, DatumError, Sample};
 use asmotion_port::{AnyInput, AnyOutput, PortEffects};
@@ -88,19 +88,30 @@ impl ComponentBody {
         }
     }
 
-    /// Freezes the inputs, replies and requests that have arrived since the last cycle, for the next one to read.
-    pub(crate) fn freeze(&mut self, effects: &mut ComponentEffects<'_>) {
+    /// Freezes the inputs, replies and requests that have arrived since the last cycle, for the next one to read. Returns the
+    /// number of samples refused for their values.
+    pub(crate) fn freeze(&mut self, effects: &mut ComponentEffects<'_>) -> u64 {
+        let mut implausible = 0;
         self.cause.begin_cycle();
         self.cycle_duration = Duration::ZERO;
         for (input, declared) in self.inputs.iter_mut().zip(&self.declaration.inputs) {
-            let unreadable = input.freeze(effects.now);
-            if unreadable > 0 {
+            let refusals = input.freeze(effects.now);
+            if refusals.unreadable > 0 {
                 effects.emit(&Event::Dropped {
                     component: effects.name,
                     port: &declared.name,
                     to: "what it takes",
-                    total: unreadable,
+                    total: refusals.unreadable,
                     reason: None,
+                });
+            }
+            implausible += refusals.implausible;
+            for cause in &refusals.new_causes {
+                let text = format!("`{}` refuses a message: {cause}", declared.name);
+                effects.emit(&Event::Report {
+                    component: effects.name,
+                    kind: NOTICE_REPORT,
+                    data: &Datum::text(text),
                 });
             }
         }
@@ -109,6 +120,7 @@ impl ComponentBody {
         }
         self.caller.process_replies(&self.references, effects);
         self.caller.freeze();
+        implausible
     }
 
     /// Carries out the actions of the cycle in order. If a mandatory connection could not take a sample, returns a
@@ -176,6 +188,15 @@ impl ComponentBody {
                 port: port.to_owned(),
                 to: undelivered.to,
             })
+    }
+
+    /// Adds the safe samples of the outputs to the cycle.
+    pub(crate) fn write_safe_samples(&mut self) {
+        for (index, output) in self.outputs.iter_mut().enumerate() {
+            if output.write_safe() {
+                self.journal.push(CycleAction::Write(index));
+            }
+        }
     }
 
     /// Drops the actions and outputs of the cycle.

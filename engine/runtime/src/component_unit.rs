@@ -92,6 +92,14 @@ impl ComponentUnit {
         self.state
     }
 
+    /// The component's description of its internal state; empty before it is configured, or if the description fails.
+    pub(crate) fn inspect(&self) -> Vec<(String, Datum)> {
+        if !self.state.is_configured() {
+            return Vec::new();
+        }
+        guarded(|| Ok(self.component.inspect())).unwrap_or_default()
+    }
+
     /// Runs one cycle: freeze, compute, commit all or nothing. A component that does not run only applies changed
     /// properties.
     pub(crate) fn cycle(&mut self, now: Time, effects: &mut dyn Effects) {
@@ -100,7 +108,8 @@ impl ComponentUnit {
         if !self.state.is_running() {
             return;
         }
-        self.body.freeze(&mut own);
+        let refused = self.body.freeze(&mut own);
+        self.status.add_misfits(refused);
         let number = self.status.cycles.fetch_add(1, Ordering::Relaxed) + 1;
         own.emit(&Event::Cycle {
             component: &self.name,
@@ -159,11 +168,13 @@ impl ComponentUnit {
         let before = self.state;
         self.has_faulted |= before.is_running();
         self.set_state(State::Exception, now, effects);
+        let stopped = if before.is_running() {
+            self.last_cycle(now, effects)
+        } else {
+            Ok(())
+        };
         let component = &mut self.component;
         let tidied = guarded(|| {
-            if before.is_running() {
-                component.stop();
-            }
             if before.is_configured() {
                 component.cleanup();
             }
@@ -171,10 +182,38 @@ impl ComponentUnit {
             Ok(())
         });
         self.close(now, effects);
-        if let Err(fault) = tidied {
+        if let Err(fault) = stopped.and(tidied) {
             self.record_fault(fault, now, effects);
             self.set_state(State::FatalError, now, effects);
         }
+    }
+
+    /// Runs the component's `stop` hook as its last cycle, then writes the safe samples of its outputs. If the hook
+    /// panics, only the safe samples leave.
+    fn last_cycle(&mut self, now: Time, effects: &mut dyn Effects) -> Result<(), Fault> {
+        let Self {
+            component,
+            body,
+            status,
+            name,
+            ..
+        } = self;
+        let number = status.cycles.load(Ordering::Relaxed);
+        let stopped = guarded(|| {
+            let mut host = CycleBody { body, status };
+            let mut cycle = Cycle::new(&mut host, now, number);
+            component.stop(&mut cycle);
+            cycle.finish()
+        });
+        if stopped.is_err() {
+            body.discard();
+        }
+        body.write_safe_samples();
+        let mut own = component_effects(name, self.index, now, effects);
+        // a period set here would have no effect
+        let committed = body.commit(&mut own, |_| {});
+        let reported = stopped?;
+        reported.map_or(committed, Err)
     }
 
     /// Restarts the component after a failed cycle if its activity says so. Returns whether it runs again.
@@ -256,6 +295,9 @@ impl ComponentUnit {
             ..
         } = self;
         body.apply(&mut component_effects(name, self.index, now, effects));
+        if transition == Transition::Stop {
+            return self.last_cycle(now, effects);
+        }
         guarded(|| match transition {
             Transition::Configure => {
                 let mut setup = Setup::new(body, name);
@@ -263,15 +305,11 @@ impl ComponentUnit {
                 setup.finish()
             }
             Transition::Start => component.start(),
-            Transition::Stop => {
-                component.stop();
-                Ok(())
-            }
             Transition::Cleanup => {
                 component.cleanup();
                 Ok(())
             }
-            Transition::Recover | Transition::ResetException => Ok(()),
+            Transition::Stop | Transition::Recover | Transition::ResetException => Ok(()),
         })
     }
 

@@ -172,6 +172,11 @@ impl ComponentStatus {
         self.misfits.store(losses.misfits, Ordering::Relaxed);
     }
 
+    /// Counts messages that were ignored because of their content.
+    pub(crate) fn add_misfits(&self, count: u64) {
+        self.misfits.fetch_add(count, Ordering::Relaxed);
+    }
+
     /// Returns the status without the state and the period, which are derived from the unit.
     pub(crate) fn snapshot(&self) -> StatusSnapshot {
         StatusSnapshot {

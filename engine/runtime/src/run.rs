@@ -183,6 +183,12 @@ pub trait Run {
     /// [`RunError::Unknown`] if there is no such component, [`RunError::Busy`] if its cycle does not end soon.
     fn properties(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError>;
 
+    /// A component's description of its internal state, by names in display order; empty for most components.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component, [`RunError::Busy`] if its cycle does not end soon.
+    fn inspect(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError>;
+
     /// Stops all running components in reverse order of addition. Returns the names of those that did not stop in time.
     fn stop(&mut self) -> Vec<String>;
 

@@ -14,6 +14,7 @@ use asmotion_port::Notifier;
 use crate::adapter::Adapter;
 use crate::build_error::BuildError;
 use crate::component_body::ComponentBody;
+use crate::component_end::outputs;
 use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
@@ -162,6 +163,24 @@ impl System {
         // takes effect when the component is configured
         let values = [(property.to_owned(), value.clone())];
         unit.body.prepare(&unit.name, &values)
+    }
+
+    /// Sets the sample that is written to an output (`component.port`) after the component's last cycle, in place of the
+    /// one that the component declares. Omitted fields have their initial values.
+    ///
+    /// # Errors
+    /// [`BuildError::Unknown`] or [`BuildError::Direction`] if there is no such output, [`BuildError::SafeSample`] if the
+    /// sample does not have its type.
+    pub fn set_safe_sample(&mut self, output: &str, sample: &Datum) -> Result<(), BuildError> {
+        let end = self.end(output, outputs)?;
+        let body = &mut self.units[end.unit].body;
+        let set = body.outputs[end.index].set_safe(sample);
+        set.map_err(|source| BuildError::SafeSample {
+            output: end.name,
+            source,
+        })?;
+        body.declaration.outputs[end.index].safe = Some(sample.clone());
+        Ok(())
     }
 
     /// Adds an observer, which receives all events from the first configuration on.

@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
@@ -71,13 +72,59 @@ fn at(ms: u64) -> Time {
 }
 
 #[test]
-fn c6_a_reply_comes_in_a_later_cycle_of_the_caller() {
+fn t24_c6_a_reply_comes_in_a_later_cycle_of_the_caller() {
     let replies = Replies::default();
     let activity = Activity::periodic(10.ms());
     let provider = (Activity::event(), doubler());
     let (system, _) = wired(activity, &replies, provider, Wire::default());
     system.simulate().run_for(1.s());
     assert_eq!(*replies.lock().unwrap(), [(at(10), Ok(42))]);
+}
+
+#[test]
+fn c6_a_caller_that_was_stopped_does_not_see_replies_to_its_former_life() {
+    for (restarts, expected) in [(false, vec![Ok(42)]), (true, vec![])] {
+        let (replies, reads) = (
+            Arc::<Mutex<Vec<_>>>::default(),
+            Arc::new(AtomicBool::new(false)),
+        );
+        let (taken, is_reading) = (Arc::clone(&replies), Arc::clone(&reads));
+        let caller = behaviour(move |interface| {
+            let double = interface.require::<Double>("sums", "to double");
+            let mut called = false;
+            move |cycle| {
+                if !std::mem::replace(&mut called, true) {
+                    cycle.call(double, number(21));
+                }
+                if is_reading.load(Ordering::Relaxed) {
+                    let all = cycle.replies(double).into_iter();
+                    let all = all.map(|reply| reply.result.map(|sample| sample.n));
+                    taken.lock().unwrap().extend(all);
+                }
+                Ok(())
+            }
+        });
+        let mut system = System::new();
+        system
+            .add("Caller", Activity::periodic(10.ms()), caller)
+            .unwrap();
+        system
+            .add("Provider", Activity::event(), doubler())
+            .unwrap();
+        system
+            .wire("Caller.sums", "Provider.sums", Wire::default())
+            .unwrap();
+        let mut run = system.simulate();
+        // the reply is visible in the second cycle, and nobody takes it
+        run.run_for(25.ms());
+        if restarts {
+            run.transition("Caller", Transition::Stop).unwrap();
+            run.transition("Caller", Transition::Start).unwrap();
+        }
+        reads.store(true, Ordering::Relaxed);
+        run.run_for(1.s());
+        assert_eq!(*replies.lock().unwrap(), expected, "restarts: {restarts}");
+    }
 }
 
 #[test]

@@ -5,8 +5,8 @@ use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord};
 use asmotion_runtime::Event;
 use serde_json::json;
 
-use crate::mission::{MissionEnd, MissionOutcome};
-use crate::story::{DrivenPath, EventCounts};
+use crate::mission::{MissionEnd, MissionOutcome, StalledCoordinator};
+use crate::story::{DrivenPath, EventCounts, RobotSummary};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 
 pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
@@ -95,6 +95,7 @@ fn outcome_name(outcome: MissionOutcome) -> &'static str {
         MissionOutcome::Reached => "reached",
         MissionOutcome::Failed => "failed",
         MissionOutcome::TimeUp => "time up",
+        MissionOutcome::Completed => "completed",
         MissionOutcome::Fault => "fault",
         MissionOutcome::Stopped => "stopped",
     }
@@ -102,16 +103,19 @@ fn outcome_name(outcome: MissionOutcome) -> &'static str {
 
 pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
     let summary = &end.summary;
-    let path = summary.path.as_ref();
+    let path = summary.robots.only_path();
     json!({
         "type": "summary", "v": 1, "outcome": outcome_name(end.outcome),
         "time_s": end.time.as_secs_f64(), "wall_s": end.wall.as_secs_f64(),
         "steps": summary.steps, "transitions": summary.transitions,
         "driven_m": path.map(|way| way.driven_m), "to_goal_m": path.and_then(DrivenPath::to_goal_m),
+        "true_to_goal_m": path.and_then(DrivenPath::true_to_goal_m),
         "failed_calls": summary.failed_calls, "control_state": summary.control_state,
         "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
         "failed_components": end.failed,
+        "stalled": end.stalled.iter().map(stalled_json).collect::<Vec<_>>(),
         "collisions": summary.collisions,
+        "robots": summary.robots.all().map(|robot| robot_json(&robot)).collect::<Vec<_>>(),
     })
 }
 
@@ -121,36 +125,94 @@ fn counts_json(counts: &EventCounts) -> Vec<serde_json::Value> {
         .collect()
 }
 
+fn robot_json(robot: &RobotSummary<'_>) -> serde_json::Value {
+    json!({
+        "name": robot.name, "control_state": robot.control_state,
+        "driven_m": robot.path.driven_m, "to_goal_m": robot.path.to_goal_m(),
+        "true_to_goal_m": robot.path.true_to_goal_m(),
+    })
+}
+
+fn stalled_json(stalled: &StalledCoordinator) -> serde_json::Value {
+    json!({
+        "component": stalled.component, "state": stalled.state, "since_s": stalled.since_s,
+        "reasons": stalled.reasons,
+    })
+}
+
+/// A coordinator and what it waits for, on one line.
+fn stalled_line(stalled: &StalledCoordinator) -> String {
+    let state = stalled.state.as_deref();
+    let state = state.map_or_else(String::new, |state| format!(" in {state}"));
+    let since = match stalled.since_s {
+        Some(since) => format!(" since {since:.1} s"),
+        None => " since the start".to_owned(),
+    };
+    let reasons = stalled.reasons.join("; ");
+    format!("{}{state}{since}: {reasons}", stalled.component)
+}
+
+/// The result of a mission on one line: `reached in ARRIVED after 41.3 s`.
+pub(super) fn headline(end: &MissionEnd) -> String {
+    format!("{}{}", outcome_name(end.outcome), circumstances(end))
+}
+
+/// The control state, time and collisions at the end.
+fn circumstances(end: &MissionEnd) -> String {
+    let state = end.summary.control_state.as_deref();
+    let state = state.unwrap_or("no control state");
+    let seconds = end.time.as_secs_f64();
+    let collisions = match end.summary.collisions {
+        0 => String::new(),
+        1 => ", with a collision".to_owned(),
+        count => format!(", with {count} collisions"),
+    };
+    format!(" in {state} after {seconds:.1} s{collisions}")
+}
+
+/// The driven distance, and the distances to the goal.
+fn driven(path: &DrivenPath) -> String {
+    let mut text = format!("{:.1} m", path.driven_m);
+    if let Some(metres) = path.to_goal_m() {
+        text += &format!(", {metres:.2} m from the goal by odometry");
+    }
+    if let Some(metres) = path.true_to_goal_m() {
+        text += &format!(", {metres:.2} m in truth (simulator)");
+    }
+    text
+}
+
 pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     let summary = &end.summary;
     let style = match end.outcome {
-        MissionOutcome::Reached if summary.collisions > 0 => BAD,
-        MissionOutcome::Reached => GOOD,
+        MissionOutcome::Reached | MissionOutcome::Completed if summary.collisions > 0 => BAD,
+        MissionOutcome::Reached | MissionOutcome::Completed => GOOD,
         MissionOutcome::Failed | MissionOutcome::Fault => BAD,
         MissionOutcome::TimeUp | MissionOutcome::Stopped => NOTE,
     };
-    let state = summary
-        .control_state
-        .as_deref()
-        .unwrap_or("no control state");
     let seconds = end.time.as_secs_f64();
     terminal.progress("");
     terminal.result(format_args!(
-        "{style}{}{style:#} in {state} after {seconds:.1} s{}",
+        "{style}{}{style:#}{}",
         outcome_name(end.outcome),
-        match summary.collisions {
-            0 => String::new(),
-            1 => ", with a collision".to_owned(),
-            count => format!(", with {count} collisions"),
-        }
+        circumstances(end)
     ));
-    if let Some(path) = &summary.path {
-        let distance = match path.to_goal_m() {
-            Some(metres) => format!(", {metres:.2} m from the goal"),
-            None => String::new(),
-        };
-        let driven = path.driven_m;
-        terminal.result(format_args!("  driven     {driven:.1} m{distance}"));
+    match summary.robots.only_path() {
+        Some(path) => terminal.result(format_args!("  driven     {}", driven(path))),
+        None => {
+            for RobotSummary {
+                name,
+                path,
+                control_state,
+            } in summary.robots.all()
+            {
+                let state = control_state.unwrap_or("no control state");
+                terminal.result(format_args!(
+                    "  {name:<9}  {state}, driven {}",
+                    driven(path)
+                ));
+            }
+        }
     }
     if !summary.received.0.is_empty() {
         terminal.result(format_args!("  received   {}", summary.received));
@@ -174,6 +236,10 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
         terminal.result(format_args!(
             "  {BAD}failed{BAD:#}     {failed}: not running at the end"
         ));
+    }
+    for stalled in &end.stalled {
+        let line = stalled_line(stalled);
+        terminal.result(format_args!("  {NOTE}waits{NOTE:#}      {line}"));
     }
     let wall = end.wall.as_secs_f64();
     terminal.progress(format_args!(

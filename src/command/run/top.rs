@@ -1,13 +1,13 @@
 //! `--top`: runs a composite and shows the monitor beside it, in one process.
 
 use std::io::IsTerminal;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use asmotion_remote::Remote;
 
 use crate::broker;
-use crate::mission::{Mission, MissionBrokers};
+use crate::mission::{Mission, MissionBrokers, MissionClock};
 use crate::top;
 
 /// The monitor of a run.
@@ -32,7 +32,10 @@ pub fn spectator(is_requested: bool, mission: &Mission) -> Result<Option<Spectat
         MissionBrokers::Inside(bus) => {
             let remote = Remote::over_bus(Arc::new(bus.clone()), None);
             let remote = remote.map_err(|error| error.to_string())?;
-            let location = "this process".to_owned();
+            let location = match mission.clock {
+                MissionClock::Wall => "this process".to_owned(),
+                MissionClock::Virtual(_) => "this process, virtual clock".to_owned(),
+            };
             return Ok(Some(Spectator { remote, location }));
         }
         MissionBrokers::One(settings) => Some(&**settings),
@@ -51,18 +54,25 @@ pub fn spectator(is_requested: bool, mission: &Mission) -> Result<Option<Spectat
 }
 
 impl Spectator {
-    /// Runs `work` and shows the monitor until a key ends both. After the end of the run, the last state remains
-    /// visible until a key is pressed. If the run fails to start, the monitor is not shown.
+    /// Performs `run` and shows the monitor until a key ends both. After the end of the run, its `headline` and the last
+    /// state remain visible until a key is pressed. If the run fails to start, the monitor is not shown.
     pub fn run_beside<T: Send, E: Send>(
         &self,
         stop: &AtomicBool,
         run: impl FnOnce() -> Result<T, E> + Send,
+        headline: impl FnOnce(&T) -> String + Send,
     ) -> Result<T, E> {
+        let result = OnceLock::new();
         std::thread::scope(|scope| {
-            let running =
-                scope.spawn(|| run().inspect_err(|_| stop.store(true, Ordering::Relaxed)));
+            let running = scope.spawn(|| {
+                let end = run().inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
+                // set once, here
+                let _ = result.set(headline(&end));
+                Ok(end)
+            });
+            let result = || result.get().cloned();
             // the run continues if the screen cannot be drawn
-            if top::show(&self.remote, &self.location, stop).is_ok() {
+            if top::show(&self.remote, &self.location, stop, &result).is_ok() {
                 stop.store(true, Ordering::Relaxed);
             }
             match running.join() {

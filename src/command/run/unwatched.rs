@@ -26,6 +26,7 @@ impl Spectator {
         &self,
         _: &AtomicBool,
         _: impl FnOnce() -> Result<T, E>,
+        _: impl FnOnce(&T) -> String,
     ) -> Result<T, E> {
         match *self {}
     }

@@ -1,30 +1,58 @@
 //! Simulates one specification.
 
-use super::{Sim, SimStartError, comment};
+use super::{Sim, SimStartError, StartedSimulation, comment};
 use crate::exit::Exit;
 use crate::show;
 use crate::terminal::{FAINT, NAME, TerminalOutput, count};
+use crate::trace::{RecordedUpdates, ReplayError};
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::{self, SimulationError, Trace};
 use asmotion_lang::{Diagnostic, Report, Severity, Specification};
 use serde_json::{Map, Value, json};
 
+/// Compares the last step with the recorded one.
+///
+/// # Errors
+/// [`ReplayError::Deviates`] if their update sets differ.
+fn compare(machine: &Machine, recorded: Option<RecordedUpdates>) -> Result<(), Box<ReplayError>> {
+    let Some(recorded) = recorded else {
+        return Ok(());
+    };
+    let updates = simulate::updates(machine, &machine.last_step()).into_iter();
+    let replayed: Vec<String> = updates
+        .map(|(location, _, after)| format!("{location} = {after}"))
+        .collect();
+    if replayed == recorded.updates {
+        return Ok(());
+    }
+    Err(Box::new(ReplayError::Deviates { recorded, replayed }))
+}
+
 impl Sim {
-    pub(super) fn single(&self, terminal: &mut TerminalOutput) -> Exit {
-        let mut specification = match self.open(&self.spec) {
+    /// Simulates the specification at a path.
+    pub(super) fn single(&self, path: &str, terminal: &mut TerminalOutput) -> Exit {
+        let mut specification = match self.open(path) {
             Ok(specification) => specification,
             Err(failure) => {
                 terminal.report(&failure.report, &failure.sources);
                 terminal.error(count(&failure.report).unwrap_or_default());
-                return self.refused(&failure);
+                return self.refused(path, &failure);
             }
         };
         if specification.report.count(Severity::Warning) > 0 {
             terminal.report(&specification.report, &specification.sources);
         }
-        let comment = comment(&self.spec);
-        let mut simulation = match self.start(&mut specification, self.replay_inputs.as_deref()) {
-            Ok(simulation) => simulation,
+        let comment = comment(path);
+        let recorded = self.replay_inputs.as_deref();
+        let StartedSimulation {
+            mut simulation,
+            expected,
+        } = match self.start(&mut specification, recorded) {
+            Ok(started) => started,
+            Err(SimStartError::Replay(error)) => {
+                terminal.error(error);
+                return Exit::Usage;
+            }
             Err(SimStartError::Inputs(report)) => {
                 terminal.report(&report, &specification.sources);
                 return Exit::Usage;
@@ -43,6 +71,7 @@ impl Sim {
             simulation = simulation.traced(&comment);
         }
         let mut stopped = None;
+        let mut expected = expected.into_iter();
         for _ in 0..self.steps(&simulation) {
             if let Err(reason) = simulation.step() {
                 stopped = Some(reason);
@@ -50,6 +79,10 @@ impl Sim {
             }
             if !self.quiet {
                 self.step(simulation.machine(), terminal);
+            }
+            if let Err(error) = compare(simulation.machine(), expected.next()) {
+                terminal.error(error);
+                return Exit::Findings;
             }
         }
         if !(self.json && stopped.is_some()) {

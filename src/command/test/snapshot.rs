@@ -9,6 +9,7 @@ use crate::codes::s000::UnreadableScript;
 use crate::codes::v030::NoSnapshot;
 use crate::codes::v031::SnapshotDiffers;
 use crate::files::DiskLoader;
+use crate::paths::FileKind;
 use asmotion_diagnostics::Finding;
 use asmotion_lang::coverage::Coverage;
 use asmotion_lang::machine::Machine;
@@ -24,7 +25,7 @@ const SCRIPT: &str = ".env.toml";
 
 /// Returns `true` if the file is the script of a snapshot scenario.
 pub fn is_script(path: &Path) -> bool {
-    path.to_string_lossy().ends_with(SCRIPT)
+    FileKind::of(path) == Some(FileKind::Script)
 }
 
 /// Runs the scenario of a script, with coverage if `covers` is set.
@@ -146,7 +147,7 @@ fn run_simulation(
 }
 
 /// The specification of a script: the part of its name before the first dot.
-fn specification(script: &Path) -> String {
+pub(super) fn specification(script: &Path) -> String {
     let name = script.file_name().unwrap_or_default().to_string_lossy();
     let stem = name.split('.').next().unwrap_or_default();
     let path = script.with_file_name(format!("{stem}.asm"));

@@ -1,5 +1,6 @@
 //! `asmotion topic echo`: prints the messages of a topic.
 
+use super::unknown_topic;
 use crate::build::BUILD;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
@@ -10,6 +11,9 @@ use asmotion_remote::Remote;
 use clap::Args;
 use serde_json::json;
 use std::time::{Duration, Instant};
+
+/// Time without a message after which an unknown topic is reported.
+const DISCOVERY: Duration = Duration::from_millis(500);
 
 #[derive(Args)]
 pub struct Echo {
@@ -26,16 +30,24 @@ pub struct Echo {
 }
 
 impl Echo {
-    /// Prints each message as a JSON object on a line. Receiving none is a finding.
+    /// Prints each message as a JSON object on a line. Receiving none is a finding. If the topic is unknown, this warns and
+    /// waits for it.
     pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let subscription = remote
             .listen(&self.topic)
             .map_err(|error| error.to_string())?;
         let until = Instant::now() + Duration::from_secs(self.limit);
         let mut count = 0;
+        let mut first = subscription.next_within(DISCOVERY.min(Duration::from_secs(self.limit)));
+        if first.is_none()
+            && let Some(warning) = unknown_topic(&self.topic, remote)
+        {
+            terminal.warn(format_args!("{warning}; waiting for {} s", self.limit));
+        }
         while self.count.is_none_or(|max| count < max) {
             let remaining = until.saturating_duration_since(Instant::now());
-            let Some(envelope) = subscription.next_within(remaining) else {
+            let next = || subscription.next_within(remaining);
+            let Some(envelope) = first.take().or_else(next) else {
                 break;
             };
             count += 1;

@@ -1,5 +1,6 @@
 //! `asmotion topic hz`: measures the rate of a topic.
 
+use super::unknown_topic;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_remote::Remote;
@@ -35,6 +36,11 @@ impl Hz {
             .collect();
         if gaps.is_empty() {
             terminal.result(format_args!("{} messages in {window:?}", arrivals.len()));
+            if arrivals.is_empty()
+                && let Some(warning) = unknown_topic(&self.topic, remote)
+            {
+                terminal.warn(warning);
+            }
             return Ok(Exit::Findings);
         }
         let (least, most) = gaps

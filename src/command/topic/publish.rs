@@ -18,13 +18,17 @@ pub struct Pub {
     #[arg(default_value = "{}")]
     message: String,
 
-    /// Type of the message, `geometry_msgs/Twist`; readers check the fields only
-    #[arg(long = "type", default_value = "")]
-    kind: String,
+    /// Type of the message, `geometry_msgs/Twist`; readers check the fields only [default: the type of the topic]
+    #[arg(long = "type")]
+    kind: Option<String>,
 
     /// Number of times to publish it
     #[arg(long, default_value_t = 1)]
     count: u64,
+
+    /// Publishes the message even if its readers refuse it
+    #[arg(long)]
+    unchecked: bool,
 
     /// Messages per second
     #[arg(long, default_value_t = 1.0)]
@@ -32,7 +36,8 @@ pub struct Pub {
 }
 
 impl Pub {
-    /// Publishes the message. A topic without subscribers earns a warning, not a failure.
+    /// Publishes the message, if it fits the type that each reader expects. A topic without subscribers earns a warning, not
+    /// a failure.
     pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
         let message: Datum = asmotion_datum::json::decode(&self.message)
             .map_err(|error| format!("`{}` is not JSON: {error}", self.message))?;
@@ -41,7 +46,12 @@ impl Pub {
         let origin = SenderId::new("asmotion-tool", 0);
         let sending =
             PublishOptions::events(NonZeroUsize::MIN.saturating_add(255)).with_codec(Codec::Json);
-        let kind = Schema::opaque(self.kind);
+        let readers = readers(&self.topic, remote);
+        if !self.unchecked {
+            check(&message, &self.topic, &readers)?;
+        }
+        let known = readers.first().map(|(_, schema)| schema.name.to_string());
+        let kind = Schema::opaque(self.kind.or(known).unwrap_or_default());
         let bus = remote.bus();
         let mut publisher = bus
             .publisher(&self.topic, &origin, &kind, sending)
@@ -66,6 +76,40 @@ impl Pub {
         }
         Ok(Exit::Ok)
     }
+}
+
+/// The inputs that subscribe to a topic, with the types that they expect. Inputs of processes that do not reply are left
+/// out.
+fn readers(topic: &str, remote: &Remote) -> Vec<(String, Schema)> {
+    let mut readers = Vec::new();
+    for presence in remote.processes() {
+        let topics = presence.presence.topics.iter();
+        let subscribers = topics.filter(|known| presence.key(&known.name) == topic);
+        for input in subscribers.flat_map(|topic| &topic.subscribers) {
+            readers.extend(expected(&presence.key(input), remote));
+        }
+    }
+    readers
+}
+
+/// The type of an input, `robot.Component.port`.
+fn expected(input: &str, remote: &Remote) -> Option<(String, Schema)> {
+    let (component, port) = input.rsplit_once('.')?;
+    let declared = remote.component(component).ok()?.declaration().ok()?;
+    let schema = declared.input(port)?.schema.clone();
+    Some((input.to_owned(), schema))
+}
+
+/// Checks a message against the types of all readers.
+fn check(message: &Datum, topic: &str, readers: &[(String, Schema)]) -> Result<(), String> {
+    for (input, schema) in readers {
+        schema.accepts(message).map_err(|error| {
+            format!(
+                "`{input}` reads `{topic}` as `{schema}`, and the message does not fit: {error} (`--unchecked` publishes it anyway)"
+            )
+        })?;
+    }
+    Ok(())
 }
 
 fn now() -> i64 {

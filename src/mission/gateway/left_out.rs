@@ -1,5 +1,6 @@
 //! Replacement for gateways in a build without the feature `http`: composites with gateways cannot be run.
 
+use asmotion_bus::LocalBus;
 use asmotion_network::Network;
 use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::System;
@@ -20,6 +21,7 @@ impl Mission {
         _: &Opened,
         plan: &Plan,
         part: &Part,
+        _: &LocalBus,
     ) -> Result<Vec<Gateway>, MissionError> {
         let first = plan.gateways_of(part).into_iter().next();
         match (&self.gateways, first) {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_bus::LocalBus;
-use asmotion_gateway::{Gateway, GatewayOperation, GatewayService, GatewaySettings};
+use asmotion_gateway::{BearerToken, Gateway, GatewayOperation, GatewayService, GatewaySettings};
 use asmotion_network::{Network, NetworkError};
 use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::System;
@@ -15,7 +15,7 @@ use crate::describe::{self, ServedOperation};
 use crate::mission::{Mission, MissionError};
 
 impl Mission {
-    /// Opens the gateways for a system that is about to run.
+    /// Opens the gateways for a system that is about to run, with their services on this bus.
     pub(in crate::mission) fn open_gateways(
         &self,
         system: &mut System,
@@ -23,6 +23,7 @@ impl Mission {
         opened: &Opened,
         plan: &Plan,
         part: &Part,
+        bus: &LocalBus,
     ) -> Result<Vec<Gateway>, MissionError> {
         let MissionGateways::Open {
             address_overrides: elsewhere,
@@ -34,7 +35,7 @@ impl Mission {
         let gateways = plan.gateways_of(part);
         let served = gateways.iter().flat_map(|(_, promoted)| promoted);
         let served: Vec<(&str, &str)> = served.map(|it| (&*it.inside, &*it.name)).collect();
-        let bus = Arc::new(LocalBus::new());
+        let bus: Arc<LocalBus> = Arc::new(bus.clone());
         let launch = |error: NetworkError| MissionError::Launch(error.to_string());
         let serving = network.serve_on(system, bus.clone(), &served);
         serving.map_err(launch)?;
@@ -62,6 +63,11 @@ impl Mission {
 fn settings(gateway: &asmotion_plan::Gateway, listen: SocketAddr) -> GatewaySettings {
     let count = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
     GatewaySettings {
+        allowed_hosts: gateway.allowed_hosts.clone(),
+        token: gateway
+            .token
+            .as_ref()
+            .map(|token| BearerToken::new(token.reveal())),
         max_connections: count(gateway.max_connections),
         max_body: count(gateway.max_body_kb.saturating_mul(1000)),
         ..GatewaySettings::at(listen)

@@ -68,8 +68,7 @@ fn keeps_what_our_programs_say() {
 /// For development only: the corpus is not part of the project.
 #[test]
 fn keeps_what_the_corpus_says() {
-    let Some(corpus) = std::env::var_os("ASMETA_CORPUS") else {
-        println!("skipped: there is no corpus here");
+    let Some(corpus) = asmotion_skip::corpus() else {
         return;
     };
     for kind in ["asm", "avalla"] {

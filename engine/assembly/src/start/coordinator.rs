@@ -1,7 +1,6 @@
 //! Creates coordinators for components implemented by specifications.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use asmotion_component::{Component, Interface};
 use asmotion_coordinator::{Coordinator, Interfaces};
@@ -19,7 +18,6 @@ pub(super) fn make(
     seed: u64,
 ) -> Result<Make, String> {
     let specification = asmotion_lang::open(file, loader).map_err(|failure| failure.to_string())?;
-    let specification = Arc::new(specification);
     let binding = component.binding.clone().unwrap_or_default();
     let interfaces = interfaces(component, types);
     Ok(Box::new(move |interface: &mut Interface| {

@@ -181,6 +181,10 @@ impl Building<'_> {
                 source,
             })?;
         }
+        for (output, sample) in &component.lifecycle.safe {
+            let output = format!("{}.{output}", component.name);
+            self.system.set_safe_sample(&output, &sample.datum())?;
+        }
         Ok(())
     }
 

@@ -188,7 +188,7 @@ impl Bus for AmqpBus {
         queue: QueuePolicy,
         notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
-        let binding = self.names.binding(pattern)?;
+        let key = self.names.binding(pattern)?;
         let sender = SubscriptionSender::new(queue, notifier);
         let (leaving, leave) = oneshot::channel();
         let (ready, told) = FirstDeclaration::new();
@@ -196,7 +196,7 @@ impl Bus for AmqpBus {
             link: Arc::clone(&self.link),
             names: self.names.clone(),
             pattern: pattern.clone(),
-            binding,
+            key,
             queue: self.names.queue(reader, pattern, self.next_number()),
             policy: queue,
             sender: sender.clone(),

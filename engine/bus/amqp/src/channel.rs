@@ -3,7 +3,8 @@
 use amqprs::callbacks::ChannelCallback;
 use amqprs::channel::{
     BasicConsumeArguments, BasicQosArguments, Channel, ConfirmSelectArguments, ConsumerMessage,
-    QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments, QueuePurgeArguments,
+    ExchangeDeclareArguments, QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments,
+    QueuePurgeArguments,
 };
 use amqprs::connection::Connection;
 use amqprs::{Ack, BasicProperties, Cancel, CloseChannel, Nack, Return};
@@ -30,6 +31,8 @@ pub(crate) enum BrokerEvent {
 
 /// Reply code of a channel closed because another connection holds the queue exclusively.
 pub(crate) const LOCKED: u16 = 405;
+/// Reply code of a channel closed because something does not exist.
+const NOT_FOUND: u16 = 404;
 
 struct ChannelListener(UnboundedSender<BrokerEvent>);
 
@@ -136,6 +139,18 @@ pub(crate) async fn consume(
     .await
 }
 
+/// Binds a queue.
+pub(crate) async fn bind(channel: Channel, binding: QueueBindArguments) -> AmqpResult<()> {
+    run_to_completion(async move { channel.queue_bind(binding).await }).await
+}
+
+/// Checks that an exchange exists, for which no permission is needed. If it does not, the broker closes the channel.
+pub(crate) async fn check_exchange(channel: Channel, exchange: &str) -> AmqpResult<()> {
+    let mut arguments = ExchangeDeclareArguments::new(exchange, "topic");
+    arguments.passive(true);
+    run_to_completion(async move { channel.exchange_declare(arguments).await }).await
+}
+
 /// Removes all messages from a queue.
 pub(crate) async fn purge(connection: &Connection, queue: &str) -> AmqpResult<()> {
     let (channel, _words) = open(connection).await?;
@@ -163,7 +178,7 @@ pub(crate) async fn barrier(channel: Channel) -> AmqpResult<()> {
 pub(crate) fn close_reason(events: &mut UnboundedReceiver<BrokerEvent>) -> ChannelError {
     while let Ok(word) = events.try_recv() {
         if let BrokerEvent::Closed { code, reason } = word {
-            return ChannelError::Closed { code, reason };
+            return ChannelError::closed(code, reason);
         }
     }
     ChannelError::Lost
@@ -174,8 +189,21 @@ pub(crate) fn close_reason(events: &mut UnboundedReceiver<BrokerEvent>) -> Chann
 pub(crate) enum ChannelError {
     /// The broker closed the channel.
     Closed { code: u16, reason: String },
+    /// The broker closed the channel because an exchange does not exist.
+    ExchangeMissing { reason: String },
     /// A queue being consumed was deleted.
     Cancelled,
     /// The connection was lost.
     Lost,
+}
+
+impl ChannelError {
+    /// The error of a channel that the broker closed with this code and reason.
+    pub(crate) fn closed(code: u16, reason: String) -> Self {
+        if code == NOT_FOUND && reason.contains("no exchange") {
+            Self::ExchangeMissing { reason }
+        } else {
+            Self::Closed { code, reason }
+        }
+    }
 }

@@ -18,6 +18,7 @@
 //! | does not reconnect | the supervisor does (`supervisor`) |
 
 mod backoff;
+mod binding_refresh;
 mod bus;
 mod channel;
 mod duplicate_filter;

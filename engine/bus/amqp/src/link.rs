@@ -10,7 +10,7 @@ use std::time::Duration;
 use amqprs::connection::Connection;
 use asmotion_bus::{Health, Notifier};
 use tokio::runtime::Handle;
-use tokio::sync::{Notify, watch};
+use tokio::sync::watch;
 use tokio::time::timeout;
 
 use crate::channel;
@@ -61,8 +61,8 @@ pub(crate) struct Link {
     task_count: watch::Sender<usize>,
     /// Number of channels that the broker has closed on the current connections.
     refusals: AtomicUsize,
-    /// Notified when `refusals` reaches its limit and new connections are needed.
-    refusal_limit: Notify,
+    /// Reason for which the current connections have to be replaced although they work.
+    replacement: watch::Sender<Option<String>>,
     /// Number of consecutive connections that failed while reading shortly after they were opened.
     short_connections: AtomicUsize,
 }
@@ -93,7 +93,7 @@ impl Link {
             watchers: Mutex::default(),
             task_count: watch::Sender::new(0),
             refusals: AtomicUsize::new(0),
-            refusal_limit: Notify::new(),
+            replacement: watch::Sender::new(None),
             short_connections: AtomicUsize::new(0),
         }
     }
@@ -182,8 +182,23 @@ impl Link {
         let what = what.to_owned();
         self.report(BusNotice::Refused { what, reason });
         if self.refusals.fetch_add(1, Ordering::Relaxed) == REFUSALS {
-            self.refusal_limit.notify_one();
+            let reason = "the broker refused too many channels of the connection";
+            self.replacement.send_replace(Some(reason.to_owned()));
         }
+    }
+
+    /// Called when an exchange turns out to be missing on a pair: requests new connections, which declare the exchanges
+    /// and everything bound to them, and waits for them.
+    pub(crate) async fn replace_after_deletion(&self, pair: &Arc<ConnectionPair>, reason: &str) {
+        let is_current = |state: &LinkStatus| {
+            let current = state.pair.as_ref();
+            current.is_some_and(|current| Arc::ptr_eq(current, pair))
+        };
+        if is_current(&self.state.borrow()) {
+            let reason = format!("an exchange was deleted: {reason}");
+            self.replacement.send_replace(Some(reason));
+        }
+        self.wait_after_error(pair).await;
     }
 
     /// Records the end of a pair of connections: `failed_while_reading` if reading failed shortly after they were
@@ -199,14 +214,21 @@ impl Link {
         self.short_connections.load(Ordering::Relaxed) >= POISON
     }
 
-    /// Waits until so many channels were closed that new connections are needed.
-    pub(crate) async fn wait_for_refusal_limit(&self) {
-        self.refusal_limit.notified().await;
+    /// Waits until the current connections have to be replaced although they work. Returns the reason.
+    pub(crate) async fn wait_for_replacement(&self) -> String {
+        let mut replacement = self.replacement.subscribe();
+        let reason = replacement.wait_for(Option::is_some).await;
+        // never fails: `self` owns the sender
+        reason
+            .ok()
+            .and_then(|reason| reason.clone())
+            .unwrap_or_default()
     }
 
     /// Publishes new connections to the tasks.
     pub(crate) fn set_connections(&self, pair: &Arc<ConnectionPair>) {
         self.refusals.store(0, Ordering::Relaxed);
+        self.replacement.send_replace(None);
         self.state.send_modify(|state| {
             state.pair = Some(Arc::clone(pair));
             state.blocked = false;

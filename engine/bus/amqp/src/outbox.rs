@@ -268,8 +268,10 @@ impl PublisherOutbox {
     /// refused message is alone.
     pub(crate) fn connection_lost(&mut self, refused: bool) {
         self.returned = false;
-        // a publisher that never had a reader does not wait for one
-        self.probing = self.is_confirmed() && self.counts.accepted > self.counts.unrouted;
+        // a publisher that never had a reader does not wait for one; a message in flight may have had one
+        let had_reader = self.counts.accepted > self.counts.unrouted;
+        let may_have_one = !refused && !self.in_flight.is_empty();
+        self.probing = self.is_confirmed() && (had_reader || may_have_one);
         self.in_flight_bytes = 0;
         let count = self.in_flight.len();
         if !self.is_confirmed() {
@@ -460,6 +462,10 @@ mod tests {
         never.confirm(1, false);
         never.connection_lost(false);
         assert!(!never.is_probing());
+        let mut unconfirmed = outbox(events(9), 3, true);
+        send(&mut unconfirmed, 1..=1);
+        unconfirmed.connection_lost(false);
+        assert!(unconfirmed.is_probing());
     }
 
     #[test]

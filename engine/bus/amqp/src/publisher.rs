@@ -157,6 +157,10 @@ impl PublisherTask {
                     self.link.report_refusal(&self.key, reason);
                     sleep(REFUSED_REST).await;
                 }
+                Err(ChannelError::ExchangeMissing { reason }) => {
+                    self.shared.outbox().connection_lost(false);
+                    self.link.replace_after_deletion(&pair, &reason).await;
+                }
                 Err(ChannelError::Cancelled | ChannelError::Lost) => {
                     self.shared.outbox().connection_lost(false);
                     self.shared.outbox().close();
@@ -275,7 +279,7 @@ impl PublisherTask {
             Some(BrokerEvent::Returned { .. }) => outbox.returned(),
             Some(BrokerEvent::Cancelled) => {}
             Some(BrokerEvent::Closed { code, reason }) => {
-                return Err(ChannelError::Closed { code, reason });
+                return Err(ChannelError::closed(code, reason));
             }
             None => return Err(session.why_closed()),
         }

@@ -3,7 +3,7 @@
 //! A client that does not announce the capability never receives `connection.blocked`, and heartbeats detect a dead
 //! peer only after twice their interval. Each connection is therefore probed. The publishers' connection sends a
 //! message that is routed nowhere and must be confirmed: a blocked broker does not confirm it. The consumers'
-//! connection sends a request and awaits its reply.
+//! connection asks whether the exchanges still exist: readers learn nothing of the deletion of an exchange otherwise.
 
 use std::time::{Duration, Instant};
 
@@ -22,7 +22,9 @@ pub(crate) async fn watch_connections(link: &Link, pair: &ConnectionPair) -> Str
         PublisherPulse::open(link, pair).await,
         channel::open(&pair.consumers).await,
     ) {
-        (Ok(publishing), Ok((channel, _))) => (publishing, ConsumerPulse::new(channel)),
+        (Ok(publishing), Ok((channel, events))) => {
+            (publishing, ConsumerPulse::new(link, channel, events))
+        }
         (Err(error), _) | (_, Err(error)) => return error.to_string(),
     };
     let mut ticks = interval(timing.pulse);
@@ -34,7 +36,9 @@ pub(crate) async fn watch_connections(link: &Link, pair: &ConnectionPair) -> Str
                 consuming.send();
             }
             () = publishing.receive() => {}
-            () = consuming.receive() => {}
+            deleted = consuming.receive() => if let Some(reason) = deleted {
+                return format!("an exchange was deleted: {reason}");
+            },
         }
         let silence = consuming.silence();
         if silence > timing.dead_timeout {
@@ -112,6 +116,9 @@ impl PublisherPulse {
 /// Probe of the consumers' connection.
 struct ConsumerPulse {
     channel: Channel,
+    events: UnboundedReceiver<BrokerEvent>,
+    /// The exchanges to ask for, the next one in front.
+    exchanges: [String; 2],
     /// Start of the wait for the last probe's reply.
     sent_at: Option<Instant>,
     replies: UnboundedReceiver<()>,
@@ -119,10 +126,13 @@ struct ConsumerPulse {
 }
 
 impl ConsumerPulse {
-    fn new(channel: Channel) -> Self {
+    fn new(link: &Link, channel: Channel, events: UnboundedReceiver<BrokerEvent>) -> Self {
         let (reply_sender, replies) = unbounded_channel();
+        let settings = &link.settings;
         Self {
             channel,
+            events,
+            exchanges: [settings.exchange.clone(), settings.services()],
             sent_at: None,
             replies,
             reply_sender,
@@ -135,18 +145,34 @@ impl ConsumerPulse {
         }
         self.sent_at = Some(Instant::now());
         let (channel, answered) = (self.channel.clone(), self.reply_sender.clone());
+        let [exchange, _] = self.exchanges.clone();
+        self.exchanges.reverse();
         tokio::spawn(async move {
             // a request that fails counts as one without a reply
-            if channel::barrier(channel).await.is_ok() {
+            if channel::check_exchange(channel, &exchange).await.is_ok() {
                 let _ = answered.send(());
             }
         });
     }
 
-    async fn receive(&mut self) {
-        if self.replies.recv().await.is_some() {
-            self.sent_at = None;
+    /// Waits for a reply. Returns the broker's reason if an exchange does not exist.
+    async fn receive(&mut self) -> Option<String> {
+        tokio::select! {
+            reply = self.replies.recv() => if reply.is_some() {
+                self.sent_at = None;
+            },
+            event = self.events.recv() => match event {
+                Some(BrokerEvent::Closed { reason, .. }) => return Some(reason),
+                Some(
+                    BrokerEvent::Ack { .. }
+                    | BrokerEvent::Nack { .. }
+                    | BrokerEvent::Returned { .. }
+                    | BrokerEvent::Cancelled,
+                ) => {}
+                None => std::future::pending().await,
+            },
         }
+        None
     }
 
     fn silence(&self) -> Duration {

@@ -169,6 +169,7 @@ impl Services {
             callback: request.callback.clone(),
             trace: request.trace,
             user: self.link.settings.credentials.user().to_owned(),
+            awaits_provider: request.awaits_provider,
         })
     }
 

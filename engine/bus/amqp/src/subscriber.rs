@@ -18,6 +18,7 @@ use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::sync::oneshot;
 use tokio::time::{Instant, sleep, sleep_until};
 
+use crate::binding_refresh::BindingRefresh;
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::duplicate_filter::DuplicateFilter;
 use crate::first_declaration::FirstDeclaration;
@@ -43,7 +44,7 @@ pub(crate) struct SubscriberTask {
     pub names: RoutingNames,
     pub pattern: Pattern,
     /// Binding key on the topic exchange.
-    pub binding: String,
+    pub key: String,
     /// Name of the queue at the broker.
     pub queue: String,
     pub policy: QueuePolicy,
@@ -107,6 +108,9 @@ impl SubscriberTask {
                     what: self.pattern.to_string(),
                     reason: "its queue was deleted".to_owned(),
                 }),
+                Err(ChannelError::ExchangeMissing { reason }) => {
+                    link.replace_after_deletion(&pair, &reason).await;
+                }
                 Err(ChannelError::Lost) => link.wait_after_error(&pair).await,
             }
         }
@@ -135,13 +139,14 @@ impl SubscriberTask {
         let link = Arc::clone(&self.link);
         let mut closing = pin!(link.wait_until_closing());
         let mut owed = PendingAcknowledgement::default();
+        let mut binding = BindingRefresh::new(&channel, self.binding());
         loop {
             tokio::select! {
                 _ = &mut self.stop => break,
                 () = &mut closing => break,
                 word = words.recv() => match word {
                     Some(BrokerEvent::Closed { code, reason }) => {
-                        return Err(ChannelError::Closed { code, reason });
+                        return Err(ChannelError::closed(code, reason));
                     }
                     Some(BrokerEvent::Cancelled) => return Err(ChannelError::Cancelled),
                     Some(BrokerEvent::Ack { .. } | BrokerEvent::Nack { .. } | BrokerEvent::Returned { .. }) => {}
@@ -162,8 +167,11 @@ impl SubscriberTask {
                 () = owed.wait_until_due() => {
                     owed.send(&channel).await.map_err(|_| channel::close_reason(&mut words))?;
                 }
+                bound = binding.refresh() => bound.map_err(|_| channel::close_reason(&mut words))?,
             }
         }
+        // its reply must not meet the end of the channel
+        let _ = binding.finish().await;
         // messages already passed on must not be delivered again to the next subscription; a closed channel accepts
         // nothing
         let _ = owed.send(&channel).await;
@@ -195,12 +203,15 @@ impl SubscriberTask {
                 },
             );
         queue.arguments(arguments.into_table());
-        let exchange = &self.link.settings.exchange;
-        let binding = QueueBindArguments::new(&self.queue, exchange, &self.binding);
         // exclusive: messages that an earlier consumer of ours still holds would be redelivered behind newer ones
         let mut consume = BasicConsumeArguments::new(&self.queue, "");
         consume.manual_ack(true).exclusive(true);
-        channel::consume(channel, queue, binding, prefetch, consume).await
+        channel::consume(channel, queue, self.binding(), prefetch, consume).await
+    }
+
+    fn binding(&self) -> QueueBindArguments {
+        let exchange = &self.link.settings.exchange;
+        QueueBindArguments::new(&self.queue, exchange, &self.key)
     }
 
     /// Passes on a message and those waiting behind it. Returns the last delivery tag.

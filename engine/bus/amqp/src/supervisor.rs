@@ -101,7 +101,7 @@ async fn live(
         reason = pulse::watch_connections(link, &pair) => LinkFailure::Said(reason),
         _ = pair.publishers.listen_network_io_failure() => LinkFailure::Writing,
         _ = pair.consumers.listen_network_io_failure() => LinkFailure::Reading,
-        () = link.wait_for_refusal_limit() => LinkFailure::Said("the broker refused too many channels of the connection".to_owned()),
+        reason = link.wait_for_replacement() => LinkFailure::Said(reason),
     };
     link.take_connections();
     tokio::spawn(async move { pair.close().await });
@@ -189,7 +189,9 @@ async fn declare(connection: &Connection, exchange: &str, kind: &str) -> Result<
                     code: PRECONDITION_FAILED,
                     reason,
                 } => return Err(reason),
-                ChannelError::Closed { reason, .. } => Err(reason),
+                ChannelError::Closed { reason, .. } | ChannelError::ExchangeMissing { reason } => {
+                    Err(reason)
+                }
                 ChannelError::Cancelled | ChannelError::Lost => Err(error.to_string()),
             },
         };

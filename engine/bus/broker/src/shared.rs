@@ -1,13 +1,11 @@
 //! One broker for a test run: shared by tests that leave it intact, held exclusively by tests that break it.
 
-use std::io::Write;
 use std::ops::Deref;
-use std::sync::{Once, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use crate::broker::TestBroker;
 
 static BROKER: OnceLock<Option<RwLock<TestBroker>>> = OnceLock::new();
-static NOTICE: Once = Once::new();
 
 /// Shared access to the test run's broker, which is intact.
 pub struct SharedBroker(RwLockReadGuard<'static, TestBroker>);
@@ -37,7 +35,8 @@ pub fn alone() -> Option<ExclusiveBroker> {
 #[expect(clippy::panic, reason = "a test without its broker has failed")]
 fn shared() -> Option<&'static RwLock<TestBroker>> {
     let start = || {
-        if !TestBroker::is_installed() && std::env::var_os("CI").is_none() {
+        if !TestBroker::is_installed() {
+            asmotion_skip::BROKER.skip();
             return None;
         }
         match TestBroker::start() {
@@ -45,17 +44,7 @@ fn shared() -> Option<&'static RwLock<TestBroker>> {
             Err(error) => panic!("{error}"),
         }
     };
-    let broker = BROKER.get_or_init(start).as_ref();
-    if broker.is_none() {
-        NOTICE.call_once(notice);
-    }
-    broker
-}
-
-/// Writes to standard error directly: the test harness captures what passing tests print.
-fn notice() {
-    let words = "\n*** SKIPPED: the tests on a real broker. Install the package `rabbitmq-server`, or run `./test`.\n\n";
-    let _ = std::io::stderr().write_all(words.as_bytes());
+    BROKER.get_or_init(start).as_ref()
 }
 
 impl Deref for SharedBroker {

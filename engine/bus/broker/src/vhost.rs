@@ -131,6 +131,36 @@ impl Vhost<'_> {
             ))
             .map(drop)
     }
+
+    /// Deletes an exchange with all its bindings.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`].
+    pub fn delete_exchange(&self, exchange: &str) -> Result<(), BrokerError> {
+        let delete = self.deletion_of(exchange);
+        self.broker.evaluate(&delete).map(drop)
+    }
+
+    /// Deletes an exchange with all its bindings, and declares one of the given type in its place at once.
+    ///
+    /// # Errors
+    /// As [`TestBroker::evaluate`].
+    pub fn replace_exchange(&self, exchange: &str, kind: &str) -> Result<(), BrokerError> {
+        let (vhost, delete) = (&self.name, self.deletion_of(exchange));
+        self.broker
+            .evaluate(&format!(
+                "begin {delete}, rabbit_exchange:declare(rabbit_misc:r(<<\"{vhost}\">>, exchange, <<\"{exchange}\">>), \
+                 {kind}, true, false, false, [], <<\"test\">>) end"
+            ))
+            .map(drop)
+    }
+
+    fn deletion_of(&self, exchange: &str) -> String {
+        let vhost = &self.name;
+        format!(
+            "rabbit_exchange:delete(rabbit_misc:r(<<\"{vhost}\">>, exchange, <<\"{exchange}\">>), false, <<\"test\">>)"
+        )
+    }
 }
 
 impl Drop for Vhost<'_> {

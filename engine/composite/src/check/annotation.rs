@@ -121,8 +121,8 @@ fn unannotated<'c>(
 }
 
 /// Returns the references called by the bindings of the composite; they need no annotation.
-fn called<'c>(part: &CheckedComponent<'c>) -> Vec<&'c str> {
-    let effects = part.component.bind.out.iter().map(|it| &it.effect);
+fn called<'p>(part: &'p CheckedComponent<'_>) -> Vec<&'p str> {
+    let effects = part.bind.out.iter().map(|it| &it.effect);
     let actions = effects.flat_map(|effect| match effect {
         Effect::Literals(literals) => literals.as_slice(),
         Effect::Publish(_) => &[],

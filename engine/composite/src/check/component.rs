@@ -20,7 +20,7 @@ use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDi
 use super::scene::{CheckedComponent, CheckedComposite};
 use crate::at::At;
 use crate::finding::Findings;
-use crate::model::{BuiltinComponent, Component, Implementation, Listed, Wanted};
+use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
 use crate::nearest::{Nearest, nearest_name};
 use asmotion_datum::Word;
 
@@ -41,7 +41,13 @@ pub(crate) fn parts<'s>(
         pace(scene, component, report);
         verify(component, report);
         let face = face(scene, component, nested, report);
-        parts.push(CheckedComponent { component, face });
+        safe(scene, component, &face, report);
+        let bind = scene.family.bind(scene.member, component);
+        parts.push(CheckedComponent {
+            component,
+            face,
+            bind,
+        });
     }
     parts
 }
@@ -120,6 +126,33 @@ fn verify(component: &Component, report: &mut Report) {
     }
 }
 
+/// Checks that `lifecycle.safe` names outputs and has samples of their types.
+fn safe(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    face: &Endpoints,
+    report: &mut Report,
+) {
+    let lifecycle = component.lifecycle.iter();
+    for Setting { name, value } in lifecycle.flat_map(|lifecycle| &lifecycle.safe) {
+        let outputs = face.outputs.iter();
+        match outputs.clone().find(|port| port.name.text == name.value) {
+            Some(port) => {
+                let kind = port.kind.as_ref();
+                let schema = kind.and_then(|kind| scene.types.schema(&kind.text));
+                if let Some(schema) = schema {
+                    super::literal::check(scene.types, name, value, &schema, report);
+                }
+            }
+            None if face.blank => {}
+            None => {
+                let outputs = outputs.map(|port| port.name.text.as_str());
+                report.found(unknown("output", name, nearest_name(name, outputs)));
+            }
+        }
+    }
+}
+
 /// Iterates over the master of a component, the master of that master and so on; stops at the first repetition.
 pub(crate) fn masters<'s>(
     scene: &CheckedComposite<'s>,
@@ -176,10 +209,30 @@ fn face(
             builtin(scene, name, implementation.builtin(), report);
             listed(component, report)
         }
-        Implementation::Asm { .. }
-        | Implementation::Process { .. }
-        | Implementation::Ros { .. }
-        | Implementation::Orocos { .. } => listed(component, report),
+        Implementation::Process { arguments, .. } => {
+            outside("arguments", arguments.first(), report);
+            listed(component, report)
+        }
+        Implementation::Ros { executable, .. } => {
+            outside("executable", executable.as_ref(), report);
+            listed(component, report)
+        }
+        Implementation::Orocos { name_service, .. } => {
+            outside("name_service", name_service.as_ref(), report);
+            listed(component, report)
+        }
+        Implementation::Asm { .. } => listed(component, report),
+    }
+}
+
+/// Reports a key for a program outside, which this version does not start.
+fn outside(key: &'static str, value: Option<&At<String>>, report: &mut Report) {
+    if let Some(value) = value {
+        report.found(UnsupportedKey {
+            key,
+            at: value.span,
+            instead: "start the program yourself; it takes part over the broker (docs/wire.md)",
+        });
     }
 }
 

@@ -52,7 +52,7 @@ fn awaited(
 
 /// Returns the binding that keeps a reply or reports its arrival.
 fn by_binding(part: &CheckedComponent<'_>, reference: &str) -> Option<(String, Option<Span>)> {
-    let effects = part.component.bind.out.iter().map(|out| &out.effect);
+    let effects = part.bind.out.iter().map(|out| &out.effect);
     let actions = effects.flat_map(|effect| match effect {
         Effect::Literals(cases) => cases.iter().flat_map(|(_, actions)| actions).collect(),
         Effect::Publish(_) => Vec::new(),

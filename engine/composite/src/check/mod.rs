@@ -16,6 +16,7 @@ mod endpoint;
 pub mod endpoints;
 mod fan_out;
 mod gateway;
+mod literal;
 mod profile;
 mod promote;
 mod proxy;

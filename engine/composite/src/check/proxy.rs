@@ -19,9 +19,7 @@ use super::scene::CheckedComposite;
 use crate::at::At;
 use crate::finding::Findings;
 use crate::map;
-use crate::model::{
-    Component, Condition, Delivery, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode, Terminal,
-};
+use crate::model::{Component, Condition, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode};
 use crate::nearest::nearest;
 use crate::types::{is_float, is_integer};
 
@@ -204,15 +202,9 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, told: &Notify, repo
     let Some(stale_ms) = &told.stale_ms else {
         return;
     };
-    let cycles = component.pace().and_then(|pace| pace.period_ms.as_ref());
-    let polls = scene.composite.connections.iter().any(|connection| {
-        let delivery = connection.policy.delivery.as_ref();
-        let into = |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component.name.value);
-        delivery.is_some_and(|delivery| delivery.value == Delivery::Poll)
-            && connection.to.iter().any(into)
-    });
-    if cycles.is_none() && !polls {
+    if !scene.cycles_by_time(component) {
         report.found(StaleWithoutPeriod {
+            key: "stale_ms",
             component: component.name.value.clone(),
             at: stale_ms.span,
             declared: component.name.span,

@@ -5,6 +5,7 @@ use crate::codes::c021::UnknownMember;
 use crate::codes::c022::MissingBroker;
 use crate::codes::c025::ImplementationNotInBuild;
 use asmotion_diagnostics::Report;
+use std::borrow::Cow;
 
 use super::endpoints::{
     EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, find, nearest_service,
@@ -14,7 +15,10 @@ use crate::at::At;
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
 use crate::finding::Findings;
-use crate::model::{Component, Composite, End, Implementation, Transport};
+use crate::model::binding::Bind;
+use crate::model::{
+    Amount, Component, Composite, Delivery, End, Implementation, Terminal, Transport,
+};
 use crate::nearest::{Nearest, nearest};
 use crate::types::Types;
 
@@ -34,6 +38,8 @@ pub(crate) struct CheckedComposite<'s> {
 pub(crate) struct CheckedComponent<'s> {
     pub component: &'s Component,
     pub face: Endpoints,
+    /// Its bindings, one for each location.
+    pub bind: Cow<'s, Bind>,
 }
 
 /// Returns the file name of a nested composite; `None` for other implementations.
@@ -49,6 +55,20 @@ fn names<'n>(named: impl Iterator<Item = &'n NamedAt>) -> Vec<String> {
 }
 
 impl<'s> CheckedComposite<'s> {
+    /// Returns whether the component cycles without messages: by its period, after its master, or to poll a connection.
+    pub(crate) fn cycles_by_time(&self, component: &Component) -> bool {
+        let pace = component.pace();
+        let period = pace.and_then(|pace| pace.period_ms.as_ref());
+        let has_period = period.is_some_and(|it| !matches!(it.value, Amount::Number(0)));
+        let has_master = pace.is_some_and(|pace| pace.master.is_some());
+        has_period || has_master || self.composite.connections.iter().any(|connection| {
+            let delivery = connection.policy.delivery.as_ref();
+            let into = |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component.name.value);
+            delivery.is_some_and(|delivery| delivery.value == Delivery::Poll)
+                && connection.to.iter().any(into)
+        })
+    }
+
     /// Returns whether an element with these profiles is active in this profile.
     pub(crate) fn active(&self, profiles: &[At<String>]) -> bool {
         takes_part(profiles, self.profile)

@@ -35,6 +35,8 @@ pub(crate) struct WrongKeyType {
     pub expected: &'static str,
     pub found: &'static str,
     pub at: Span,
+    /// Unit of a number; empty if none.
+    pub unit: &'static str,
     pub example: String,
 }
 
@@ -44,10 +46,15 @@ impl Finding for WrongKeyType {
             key,
             expected,
             example,
+            unit,
             ..
         } = self;
+        let value = match *unit {
+            "" => "a value".to_owned(),
+            unit => format!("a whole number of {unit}"),
+        };
         diagnostic
             .label(self.at, format!("expected {expected}"))
-            .help(format!("write a value as in `{key} = {example}`"))
+            .help(format!("write {value} as in `{key} = {example}`"))
     }
 }

@@ -45,6 +45,12 @@ pub(crate) enum InvalidSetting {
         choices: String,
         at: Option<Span>,
     },
+    #[error("invalid value for `{name}`: {reason}")]
+    Refused {
+        name: String,
+        reason: String,
+        at: Option<Span>,
+    },
 }
 
 impl Finding for InvalidSetting {
@@ -62,6 +68,10 @@ impl Finding for InvalidSetting {
                     Some(declared) => diagnostic.label(*declared, "declared here"),
                     None => diagnostic,
                 }
+            }
+            Self::Refused { name, at, .. } => {
+                label_or_outside(diagnostic, *at, "refused by the component")
+                    .help(format!("the README of the component describes `{name}`"))
             }
             Self::NoChoice { choices, at, .. } => {
                 label_or_outside(diagnostic, *at, "not an option").help(format!("write {choices}"))

@@ -27,8 +27,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// listen = "127.0.0.1:8080"
 /// ```
 ///
-/// A gateway neither authenticates nor encrypts. Put a proxy that does in front of a gateway that is
-/// reachable from a network.
+/// A gateway does not encrypt. Give one that is reachable from a network a `token`, and put a proxy that
+/// encrypts in front of it.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C064, error)]
 #[error("invalid address `{text}` of gateway `{name}`")]

@@ -1,21 +1,18 @@
 use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Bound function with arguments
+/// Bound function with another number of arguments
 ///
-/// A topic holds one value at a time, whereas a function with arguments has many. Bind a function
-/// without arguments and distinguish the cases in the specification.
+/// A binding names locations: one for each combination of arguments. `"wants(ROB1)"` is a single location,
+/// `"wants($r)"` all of them; `$r` in the rest of the binding is the name of the element. With a key, a field of the
+/// message selects the element.
 ///
 /// ```asm
 /// asm example
 /// signature:
-///   enum domain Command = {NOTHING | GET_MAP | STOP}
-///   enum domain Reply = {NONE | MAP_OK | FAILED}
-///   monitored estop: Boolean
-///   monitored near: Command -> Boolean
-///   monitored reply: Reply
+///   enum domain Robot = {ROB1 | ROB2}
+///   monitored wants: Robot -> Boolean
 ///   controlled tries: Integer
-///   out command: Command
 /// definitions:
 ///   main rule r_Main = skip
 /// ```
@@ -28,24 +25,18 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// [components.Coordinator]
 /// implementation = { asm = "example.asm" }
-/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
-/// publish = { command = "nav/Event" }
+/// subscribe = { "ROB1/wants" = "std_msgs/Bool", "ROB2/wants" = "std_msgs/Bool" }
 ///
 /// [components.Coordinator.bind.monitored]
-/// estop = { topic = "estop" }
-/// near = { topic = "estop" }
-/// reply = { topic = "event", map = "code", none = "NONE" }
-///
-/// [components.Coordinator.bind.out]
-/// command = { topic = "command" }
+/// wants = { topic = "ROB1/wants" }
 ///
 /// [[promote]]
-/// topic = "estop"
-/// as = "estop"
+/// topic = "ROB1/wants"
+/// as = "ROB1/wants"
 ///
 /// [[promote]]
-/// topic = "event"
-/// as = "event"
+/// topic = "ROB2/wants"
+/// as = "ROB2/wants"
 /// ```
 ///
 /// Corrected:
@@ -58,40 +49,58 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// [components.Coordinator]
 /// implementation = { asm = "example.asm" }
-/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
-/// publish = { command = "nav/Event" }
+/// subscribe = { "ROB1/wants" = "std_msgs/Bool", "ROB2/wants" = "std_msgs/Bool" }
 ///
 /// [components.Coordinator.bind.monitored]
-/// estop = { topic = "estop" }
-/// reply = { topic = "event", map = "code", none = "NONE" }
-///
-/// [components.Coordinator.bind.out]
-/// command = { topic = "command" }
+/// "wants($r)" = { topic = "$r/wants" }
 ///
 /// [[promote]]
-/// topic = "estop"
-/// as = "estop"
+/// topic = "ROB1/wants"
+/// as = "ROB1/wants"
 ///
 /// [[promote]]
-/// topic = "event"
-/// as = "event"
+/// topic = "ROB2/wants"
+/// as = "ROB2/wants"
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C092, error)]
-#[error("`{}` has arguments, so one message cannot set it", function.name)]
-pub(crate) struct BoundFunctionHasArguments {
+#[error("`{}` takes {}, but its binding has {}", function.name, count(function.parameters.len()), count(*given))]
+pub(crate) struct WrongLocationArity {
     pub function: FunctionInfo,
+    pub given: usize,
     pub at: Span,
 }
 
-impl Finding for BoundFunctionHasArguments {
+fn count(arguments: usize) -> String {
+    match arguments {
+        0 => "no arguments".to_owned(),
+        1 => "one argument".to_owned(),
+        several => format!("{several} arguments"),
+    }
+}
+
+impl Finding for WrongLocationArity {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
+        let Self { function, .. } = self;
+        let declared = if function.domain.is_empty() {
+            "declared without arguments".to_owned()
+        } else {
+            format!("from `{}`", function.domain)
+        };
+        let diagnostic = diagnostic
             .label(self.at, "bound here")
-            .label(
-                self.function.declared,
-                format!("from `{}`", self.function.domain),
-            )
-            .help("bind a function without arguments")
+            .label(function.declared, declared);
+        let pattern = function.pattern();
+        let variables: Vec<_> = pattern.variables().collect();
+        match variables.as_slice() {
+            [] => diagnostic.help(format!("bind `{}`", function.name)),
+            [first, ..] => diagnostic
+                .help(format!(
+                    "bind all locations with `\"{pattern}\" = {{ topic = \"${first}/…\" }}`"
+                ))
+                .help(format!(
+                    "or select the element by a field of the message, with `key = {{ {first} = \"…\" }}`"
+                )),
+        }
     }
 }

@@ -1,4 +1,5 @@
 use crate::signature::FunctionInfo;
+use crate::wording::missing;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unbound monitored function
@@ -74,20 +75,33 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C097, warning)]
-#[error("unbound monitored function `{}` stays undef", function.name)]
+#[error("unbound monitored {} undef", subject(self))]
 pub(crate) struct UnboundMonitored {
     pub function: FunctionInfo,
+    /// Locations without a binding; empty if the function has none at all.
+    pub missing: Vec<String>,
     pub at: Span,
+}
+
+fn subject(unbound: &UnboundMonitored) -> String {
+    let function = &unbound.function.name;
+    match unbound.missing.as_slice() {
+        [] => format!("function `{function}` stays"),
+        _ => format!("locations of `{function}` stay"),
+    }
 }
 
 impl Finding for UnboundMonitored {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, format!("no binding for `{}`", self.function.name))
+            .label(
+                self.at,
+                format!("no binding for {}", missing(&self.function, &self.missing)),
+            )
             .label(self.function.declared, "declared `monitored` here")
             .help(format!(
-                "add `{} = {{ topic = \"…\" }}` to `bind.monitored`",
-                self.function.name
+                "add `{}` to `bind.monitored`",
+                self.function.binding_example(&self.missing)
             ))
     }
 }

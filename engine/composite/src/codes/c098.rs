@@ -1,4 +1,5 @@
 use crate::signature::FunctionInfo;
+use crate::wording::missing;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unbound out function
@@ -74,20 +75,33 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C098, warning)]
-#[error("unbound out function `{}`", function.name)]
+#[error("unbound out {}", subject(self))]
 pub(crate) struct UnboundOut {
     pub function: FunctionInfo,
+    /// Locations without a binding; empty if the function has none at all.
+    pub missing: Vec<String>,
     pub at: Span,
+}
+
+fn subject(unbound: &UnboundOut) -> String {
+    let function = &unbound.function.name;
+    match unbound.missing.as_slice() {
+        [] => format!("function `{function}`"),
+        _ => format!("locations of `{function}`"),
+    }
 }
 
 impl Finding for UnboundOut {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, format!("no binding for `{}`", self.function.name))
+            .label(
+                self.at,
+                format!("no binding for {}", missing(&self.function, &self.missing)),
+            )
             .label(self.function.declared, "declared `out` here")
             .help(format!(
-                "add `{} = {{ topic = \"…\" }}` to `bind.out`",
-                self.function.name
+                "add `{}` to `bind.out`",
+                self.function.binding_example(&self.missing)
             ))
     }
 }

@@ -104,11 +104,20 @@ pub(crate) struct UnknownKept {
     pub name: String,
     pub at: Span,
     pub known: Vec<String>,
+    /// The specification has a function of this name.
+    pub is_function: bool,
 }
 
 impl Finding for UnknownKept {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { name, .. } = self;
+        if self.is_function {
+            return diagnostic
+                .label(self.at, "neither an input nor kept from a reply")
+                .help(format!(
+                    "write `\"@({name})\"` for the value of the function of the specification"
+                ));
+        }
         let nearest = nearest_name(name, self.known.iter().map(String::as_str));
         diagnostic
             .label(self.at, "neither an input nor kept from a reply")

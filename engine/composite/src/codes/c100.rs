@@ -109,6 +109,10 @@ impl Finding for WrongArgument {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "has another type")
-            .help("select a part of a message with `@name.field`")
+            .help(if self.given == "this" {
+                "write a value of this type"
+            } else {
+                "select a part of a message with `@name.field`"
+            })
     }
 }

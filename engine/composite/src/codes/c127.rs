@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// `stale_ms` without a period
+/// `stale_ms` or `timer` without a period
 ///
 /// A component without a period runs only when a message arrives. It cannot notice that messages have
-/// stopped.
+/// stopped, or that a timer has elapsed.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -69,8 +69,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C127, warning)]
-#[error("`stale_ms` needs a period, but `{component}` runs only when a message arrives")]
+#[error("`{key}` needs a period, but `{component}` runs only when a message arrives")]
 pub(crate) struct StaleWithoutPeriod {
+    pub key: &'static str,
     pub component: String,
     pub at: Span,
     pub declared: Span,
@@ -79,7 +80,7 @@ pub(crate) struct StaleWithoutPeriod {
 impl Finding for StaleWithoutPeriod {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "the age is never checked")
+            .label(self.at, "the time is never checked")
             .label(self.declared, "runs only when a message arrives")
             .help("add `activity = { period_ms = 20 }`")
     }

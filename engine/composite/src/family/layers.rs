@@ -1,14 +1,17 @@
 //! Merges a composite file with its base file and loaded property files into one tree, in which every key and value
 //! keeps its source location.
 
+use crate::codes::c048::IdleKey;
 use crate::codes::c080::CircularInclusion;
+use crate::codes::c129::NothingToLeaveOut;
 use asmotion_diagnostics::Span;
 
 use super::Visit;
 use crate::at::At;
 use crate::finding::Findings;
+use crate::nearest::nearest_name;
 use crate::read;
-use crate::tree::{Branch, Entry, Table};
+use crate::tree::{Branch, Node, Table};
 
 impl Visit<'_, '_> {
     /// Returns the tree of a composite file merged with its base and the property files of its components.
@@ -37,6 +40,13 @@ impl Visit<'_, '_> {
         self.report.extend(report);
         let table = table?;
         let Some(base) = text_at(&table, "base") else {
+            if let Some(without) = table.get("without") {
+                self.report.found(IdleKey {
+                    key: "without",
+                    at: without.key.span,
+                    reason: "a composite without `base` inherits nothing",
+                });
+            }
             return Some(table);
         };
         above.push(path.to_owned());
@@ -48,8 +58,23 @@ impl Visit<'_, '_> {
             return None;
         }
         let mut under = self.laid_over(&found, Some(base.span), above)?;
+        self.leave_out(&table, &found, &mut under);
         under.lay(table);
         Some(under)
+    }
+
+    /// Removes what a file leaves out of its base, and reports what the base does not have.
+    fn leave_out(&mut self, table: &Table, base: &str, under: &mut Table) {
+        for path in texts_at(table, "without") {
+            if let Err(known) = under.remove(&path) {
+                self.report.found(NothingToLeaveOut {
+                    nearest: nearest_name(&path, known.iter().map(String::as_str)),
+                    path: path.value,
+                    at: path.span,
+                    base: base.to_owned(),
+                });
+            }
+        }
     }
 
     /// Merges the loaded property file into the properties of a component, which take precedence.
@@ -84,14 +109,22 @@ fn value_mut<'t>(table: &'t mut Table, key: &str) -> Option<&'t mut Branch> {
 
 /// Returns the string value of a key; other types are reported by the reader.
 fn text_at(table: &Table, key: &str) -> Option<At<String>> {
-    let Entry { node, .. } = table.get(key)?;
-    match &node.value {
-        Branch::Text(text) => Some(At::new(text.clone(), node.span)),
-        Branch::Integer(_)
-        | Branch::Float(_)
-        | Branch::Boolean(_)
-        | Branch::Date(_)
-        | Branch::List(_)
-        | Branch::Table(_) => None,
+    text_of(&table.get(key)?.node)
+}
+
+/// Returns the string or the list of strings of a key; other types are reported by the reader.
+fn texts_at(table: &Table, key: &str) -> Vec<At<String>> {
+    match table.get(key).map(|entry| &entry.node) {
+        Some(Node {
+            value: Branch::List(items),
+            ..
+        }) => items.iter().filter_map(text_of).collect(),
+        Some(node) => text_of(node).into_iter().collect(),
+        None => Vec::new(),
     }
+}
+
+fn text_of(node: &Node) -> Option<At<String>> {
+    let text = node.value.text()?;
+    Some(At::new(text.to_owned(), node.span))
 }

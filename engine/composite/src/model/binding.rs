@@ -29,7 +29,7 @@ pub struct Bind {
     pub out: Vec<Out>,
 }
 
-/// The binding of a monitored function.
+/// The binding of a monitored function, or of locations of it.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "a bound monitored function",
@@ -38,9 +38,9 @@ pub struct Bind {
     after = super::binding_value::monitored
 )]
 pub struct Monitored {
-    /// Name of the function in the specification.
+    /// The function in the specification, or a location such as `wants(ROB1)`; `wants($r)` stands for all elements.
     #[key(entry = any)]
-    pub function: At<String>,
+    pub location: At<String>,
     /// Topic or service that supplies the value.
     #[key(flatten)]
     pub from: Source,
@@ -56,6 +56,9 @@ pub struct Monitored {
     /// The field whose text names an enum literal.
     #[key(example = "\"data\"")]
     pub map: Option<MessagePath>,
+    /// For each variable of the location, the field whose value selects the element.
+    #[key(example = "{ r = \"robot\" }")]
+    pub key: Vec<NamedValue<MessagePath>>,
     /// Field values for which the function is true.
     #[key(example = "\"idle\"")]
     pub is: Vec<At<String>>,
@@ -71,7 +74,7 @@ pub struct Monitored {
 impl Monitored {
     /// Returns the receive mode; the default if none is written.
     pub fn received(&self) -> At<Receive> {
-        let last = || At::new(Receive::default(), self.function.span);
+        let last = || At::new(Receive::default(), self.location.span);
         self.receive.clone().unwrap_or_else(last)
     }
 }
@@ -90,13 +93,26 @@ pub enum Source {
     /// `service.operation`: requests that the component answers; the `component` of the end is the service.
     #[key(name = "service", example = "\"move.moveTo\"")]
     Request(End),
+    /// True once a condition of the specification has held for `ms`.
+    Timer {
+        /// The condition, a term of the specification: the timer starts with the step that makes it true, and stops
+        /// when it no longer holds.
+        #[key(name = "timer", example = "\"mode = CHARGING\"")]
+        running: At<String>,
+        /// Time after which the function is true.
+        #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+        ms: At<u64>,
+    },
+    /// A constant, such as a list of waypoints.
+    #[key(name = "value", example = "[1, 2, 3]")]
+    Value(Node),
 }
 
-/// Binding of an out function.
+/// Binding of an out function, or of locations of it.
 #[derive(Clone, Debug)]
 pub struct Out {
-    /// Name of the function in the specification.
-    pub function: At<String>,
+    /// The function in the specification, or a location such as `command(ARM1)`; `command($a)` stands for all elements.
+    pub location: At<String>,
     /// Effect of its updates.
     pub effect: Effect,
 }
@@ -124,6 +140,9 @@ pub struct Published {
     /// Message field that receives the value.
     #[key(example = "\"data\"")]
     pub field: Option<MessagePath>,
+    /// For each variable of the location, the field that takes the element.
+    #[key(example = "{ a = \"arm\" }")]
+    pub key: Vec<NamedValue<MessagePath>>,
     /// The steps after which it is published.
     #[key(name = "publish", or_default)]
     pub when: Option<At<PublishWhen>>,
@@ -146,7 +165,7 @@ pub enum Action {
         /// Publishes a message: the name under `publish` or `ports.out`.
         #[key(name = "publish", example = "\"plan\"")]
         port: At<String>,
-        /// Content of the message: a literal value, a record or `@name`.
+        /// Content of the message: a literal value, a record, `@name` or `@(term)`.
         #[key(example = "\"@path\"")]
         value: Argument,
     },
@@ -184,7 +203,7 @@ pub struct Call {
     /// Literal for no provider; `failed`, if absent.
     #[key(example = "\"NOBODY_THERE\"")]
     pub unavailable: Option<At<String>>,
-    /// Monitored function that takes these literals.
+    /// Monitored function or location that takes these literals.
     #[key(example = "\"ev\"")]
     pub event: Option<At<String>>,
     /// Service whose pending request is completed with the outcome of this call.
@@ -213,6 +232,8 @@ pub enum Argument {
     },
     /// A record given field by field; omitted fields have their default.
     Record(Span, Vec<(At<String>, Argument)>),
+    /// `"@(term)"`: the value of a term of the specification.
+    Term(At<String>),
     /// Any other value; strings may contain substitutions.
     Value(Node),
 }

@@ -5,7 +5,8 @@ use asmotion_datum::Datum;
 use serde_json::{Value as Json, json};
 use toml_edit::Value as Toml;
 
-use super::binding::{Action, Argument, Call, Effect, Monitored, Out, Published};
+use super::binding::{Action, Argument, Call, Effect, Monitored, Out, Published, Source};
+use super::component::MessagePath;
 use super::end_text;
 use crate::at::At;
 use crate::table::derived::{Keys, Reader};
@@ -20,6 +21,32 @@ pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) 
     keys.either("field", "map", "only one field can be the value");
     if monitored.on_stale.is_some() {
         keys.need("stale_ms", "300");
+    }
+    let source = match &monitored.from {
+        Source::Timer { running, .. } => Some(("timer", running.span)),
+        Source::Value(node) => Some(("value", node.span)),
+        Source::Port(_) | Source::Request(_) => None,
+    };
+    if let Some(source) = source {
+        let path = |path: &Option<MessagePath>| path.as_ref().map(|path| path.span);
+        // expanded composites contain the default
+        let receive = monitored.receive.as_ref();
+        let receive = receive.filter(|it| it.value != Receive::default());
+        let of_messages = [
+            ("receive", receive.map(|it| it.span)),
+            ("edge", monitored.edge.as_ref().map(|it| it.span)),
+            ("field", path(&monitored.field)),
+            ("map", path(&monitored.map)),
+            ("key", monitored.key.first().map(|it| it.name.span)),
+            ("is", monitored.is.first().map(|it| it.span)),
+            ("none", monitored.none.as_ref().map(|it| it.span)),
+            ("stale_ms", monitored.stale_ms.as_ref().map(|it| it.span)),
+        ];
+        for (name, at) in of_messages {
+            if let Some(at) = at {
+                keys.excluded((name, at), source, "it concerns messages");
+            }
+        }
     }
     // `edge = true` is short for `receive = "edge"`
     let Some(edge) = monitored.edge.as_ref().filter(|edge| edge.value) else {
@@ -62,24 +89,24 @@ impl Value for Out {
 
     fn read(
         reader: &mut Reader<'_>,
-        function: &At<String>,
+        location: &At<String>,
         spec: &Key,
         node: &Node,
     ) -> Option<Self> {
         let Branch::Table(table) = &node.value else {
             let example = "{ topic = \"command\", publish = \"on_update\" }";
-            reader.wrong_type(function, "a table", node, example);
+            reader.wrong_type(location, "a table", node, example);
             return None;
         };
         let effect = if is_publish(table) {
-            Effect::Publish(Published::read(reader, function, spec, node)?)
+            Effect::Publish(Published::read(reader, location, spec, node)?)
         } else {
             let entries = table.entries.iter();
             let literals = entries.map(|it| (it.key.clone(), actions(reader, it, spec)));
             Effect::Literals(literals.collect())
         };
-        let function = function.clone();
-        Some(Self { function, effect })
+        let location = location.clone();
+        Some(Self { location, effect })
     }
 }
 
@@ -121,8 +148,8 @@ impl Resolve for Out {
             }
             Effect::Publish(published) => coordinator::Effect::Publish(published.resolve(key, to)?),
         };
-        let function = self.function.value.clone();
-        Some(coordinator::Out { function, effect })
+        let location = self.location.value.as_str().into();
+        Some(coordinator::Out { location, effect })
     }
 }
 
@@ -145,11 +172,11 @@ impl Written for coordinator::Out {
     }
 
     fn list(items: &[Self]) -> Option<Toml> {
-        named(items.iter().map(|out| (&out.function, out)))
+        named(items.iter().map(|out| (&out.location, out)))
     }
 }
 
-/// Reads `"@name.field"`, a record of arguments or a plain value.
+/// Reads `"@name.field"`, `"@(term)"`, a record of arguments or a plain value.
 impl Value for Argument {
     fn schema(_: &Key) -> Json {
         json!({})
@@ -167,6 +194,12 @@ impl Value for Argument {
                     span: node.span,
                     value: plain,
                 })
+            }
+            Branch::Text(text) if text.starts_with("@(") && text.ends_with(')') => {
+                let inner = 2..text.len() - 1;
+                let whole = At::new(text.clone(), node.span);
+                let span = reader.part(&whole, inner.clone());
+                Self::Term(At::new(text[inner].to_owned(), span))
             }
             Branch::Text(text) if text.starts_with('@') => {
                 let whole = At::new(text.clone(), node.span);
@@ -221,6 +254,7 @@ impl Resolve for Argument {
                 }
                 Resolved::Record(record)
             }
+            Self::Term(term) => Resolved::Term(term.value.clone()),
             Self::Value(node) => {
                 let value = node.resolve(key, to);
                 value.map_or_else(Resolved::default, |value| Resolved::Value(value.into()))
@@ -239,6 +273,7 @@ impl Written for coordinator::Argument {
                 path: Some(path),
             } => Some(format!("@{name}.{path}").into()),
             Self::Record(fields) => fields.toml(),
+            Self::Term(term) => Some(format!("@({term})").into()),
             // a leading `@` denotes a kept reply unless it is doubled
             Self::Value(Constant {
                 datum: Datum::Text(text),

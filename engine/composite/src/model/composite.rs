@@ -21,6 +21,10 @@ pub struct Composite {
     /// Base composite: tables of the same name are merged, other values override those of the base.
     #[key(example = "\"navigation.composite.toml\"")]
     pub base: Option<At<String>>,
+    /// Elements of the base left out: paths of keys, such as `components.Joystick`, and connections, wires or promotions by
+    /// their ends, such as `connections.Joystick.twist -> Rover.twist`.
+    #[key(example = "[\"components.Joystick\", \"connections.Joystick.twist\"]")]
+    pub without: Vec<At<String>>,
     /// Name and description of the composite.
     #[key(
         name = "composite",

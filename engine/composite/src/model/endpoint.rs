@@ -79,7 +79,13 @@ pub struct Gateway {
     /// Address and port to listen on; port 0 selects a free port.
     #[key(example = "\"127.0.0.1:8080\"", unresolved)]
     pub listen: At<Address>,
-    /// Maximum number of simultaneous connections.
+    /// Host names by which requests may address it, besides `localhost` and IP addresses.
+    #[key(example = "\"rover1.local\"")]
+    pub allowed_hosts: Vec<At<String>>,
+    /// Secret that every request must present as `Authorization: Bearer TOKEN`.
+    #[key(example = "\"${GATEWAY_TOKEN_FILE}\"")]
+    pub token: Option<At<Template>>,
+    /// Maximum number of simultaneous connections; a further one replaces the one that has been idle for the longest time.
     #[key(range = 1..=10_000, default = 64)]
     pub max_connections: Option<At<u64>>,
     /// Maximum size of a request body.

@@ -5,7 +5,7 @@ use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
 
 use super::limits::DAY_MS;
-use super::setting::Amount;
+use super::setting::{Amount, Setting};
 use crate::at::At;
 
 /// Schedule of a component. A `task` can use a broker; an `activity` has a thread with a scheduling class.
@@ -19,7 +19,7 @@ use crate::at::At;
 pub struct Pace {
     /// Source location of the table.
     pub span: Span,
-    /// Identifier used for queues, logs and metrics; the component name by default.
+    /// Unique name by which tools can address the component, too; the component name by default.
     #[key(within = "task", example = "\"planner\"", written)]
     pub id: Option<At<String>>,
     /// Period; 0 makes the component event-driven.
@@ -76,4 +76,7 @@ pub struct Lifecycle {
     /// Maximum number of resets after exceptions.
     #[key(range = 0..=1_000_000, default = 3)]
     pub max_resets: Option<At<u64>>,
+    /// Samples written to outputs after the last cycle, by output name; in place of those that the component declares.
+    #[key(example = "{ twist = { } }")]
+    pub safe: Vec<Setting>,
 }

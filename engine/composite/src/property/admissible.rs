@@ -44,7 +44,7 @@ pub fn lawful(
         }
     }
     if declared.choices.is_empty() || declared.choices.contains(&value.datum()) {
-        return Some(value);
+        return converts(declared, &value, at, notes).then_some(value);
     }
     let choices: Vec<String> = declared.choices.iter().map(Datum::to_string).collect();
     let (value, choices) = (value.to_string(), choices.join(", "));
@@ -55,6 +55,25 @@ pub fn lawful(
         at,
     });
     None
+}
+
+/// Returns whether the type of the property accepts the value; otherwise reports the reason.
+fn converts(
+    declared: &PropertyDeclaration,
+    value: &SettingValue,
+    at: Option<Span>,
+    notes: &mut SubstitutionNotes,
+) -> bool {
+    let result = declared.conversion.check(&value.datum());
+    result
+        .map_err(|error| {
+            notes.found(InvalidSetting::Refused {
+                name: declared.name.clone(),
+                reason: error.to_string(),
+                at,
+            });
+        })
+        .is_ok()
 }
 
 /// Converts a value to the type of `schema`; an integer becomes a float if a float is required.

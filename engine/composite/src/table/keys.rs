@@ -166,6 +166,18 @@ impl<'t> Reader<'t> {
         Span::new(text.span.file, start + range.start, start + range.end)
     }
 
+    /// Reports a value of an integer key, with the unit of the key.
+    pub(crate) fn no_integer(&mut self, key: &str, spec: &Key, found: &Node, example: i64) {
+        self.report.found(WrongKeyType {
+            key: key.to_owned(),
+            expected: "an integer",
+            found: found.value.describe(),
+            at: found.span,
+            unit: spec.unit,
+            example: example.to_string(),
+        });
+    }
+
     pub(crate) fn wrong_type(
         &mut self,
         key: &str,
@@ -178,6 +190,7 @@ impl<'t> Reader<'t> {
             expected,
             found: found.value.describe(),
             at: found.span,
+            unit: "",
             example: example.to_owned(),
         });
     }

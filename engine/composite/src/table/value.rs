@@ -62,7 +62,7 @@ impl Value for u64 {
                 None
             };
             let example = meant.unwrap_or(spec.least.max(1.0) as i64);
-            reader.wrong_type(key, "an integer", node, &example.to_string());
+            reader.no_integer(key, spec, node, example);
             return None;
         };
         reader.within(key, spec, number as f64, node)?;

@@ -107,12 +107,12 @@ pub fn tables_of(items: &[impl Written]) -> Option<Toml> {
 }
 
 /// Serialises named tables as a table of their names; `None` if there are none.
-pub fn named<'t, T: Written + 't>(
-    items: impl Iterator<Item = (&'t String, &'t T)>,
+pub fn named<'t, N: Display + 't, T: Written + 't>(
+    items: impl Iterator<Item = (&'t N, &'t T)>,
 ) -> Option<Toml> {
     let mut keys = Lines::new();
     for (name, item) in items {
-        keys.put_some(name, Some(present(item)));
+        keys.put_some(&name.to_string(), Some(present(item)));
     }
     keys.inline()
 }

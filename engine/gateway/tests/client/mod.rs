@@ -29,14 +29,14 @@ impl Said {
 impl Client {
     pub fn get(&self, path: &str) -> Said {
         self.say(&format!(
-            "GET {path} HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n"
+            "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
         ))
     }
 
     pub fn post(&self, path: &str, json: &str) -> Said {
         let length = json.len();
         self.say(&format!(
-            "POST {path} HTTP/1.1\r\nHost: a\r\nConnection: close\r\nContent-Type: application/json\r\n\
+            "POST {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\n\
              Content-Length: {length}\r\n\r\n{json}"
         ))
     }

@@ -28,15 +28,23 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C019, warning)]
-#[error("password in the file")]
+#[error("{what} in the file")]
 pub(crate) struct SecretInFile {
+    /// `password` or `token`.
+    pub what: &'static str,
+    /// Environment variable for the name of a file that holds the secret.
+    pub variable: &'static str,
     pub at: Span,
 }
 
 impl Finding for SecretInFile {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let help = format!(
+            "store it in a file, and refer to the file with a variable: `${{{}}}`",
+            self.variable
+        );
         diagnostic
             .label(self.at, "visible to everyone who can read the file")
-            .help("store it in a file, and refer to the file with a variable: `${AMQP_PASSWORD_FILE}`")
+            .help(help)
     }
 }

@@ -10,9 +10,14 @@ pub(super) fn bind(binding: &Binding) -> Table {
     let is_publication = |out: &&Out| matches!(out.effect, Effect::Publish(_));
     // a line after the header of a table would belong to that table
     let (lines, tables): (Vec<_>, Vec<_>) = binding.out.iter().partition(is_publication);
-    let lines = lines.into_iter().map(|out| (&out.function, line(out)));
-    let tables = tables.into_iter().map(|out| (&out.function, header(out)));
-    let monitored = binding.monitored.iter().map(|it| (&it.function, line(it)));
+    let lines = lines
+        .into_iter()
+        .map(|out| (out.location.to_string(), line(out)));
+    let tables = tables
+        .into_iter()
+        .map(|out| (out.location.to_string(), header(out)));
+    let monitored = binding.monitored.iter();
+    let monitored = monitored.map(|it| (it.location.to_string(), line(it)));
     let mut bind = Table::new();
     bind.set_implicit(true);
     for (key, table) in [

@@ -8,6 +8,7 @@ use asmotion_diagnostics::Span;
 use super::Flattener;
 use crate::codes::c019::SecretInFile;
 use crate::codes::c065::DuplicateAddress;
+use crate::codes::c067::OpenGateway;
 use asmotion_composite::At;
 use asmotion_composite::address::password;
 use asmotion_composite::finding::Findings;
@@ -44,8 +45,22 @@ impl Flattener<'_, '_> {
             let Some(gateway) = to.of(written) else {
                 continue;
             };
-            // port 0 selects a distinct free port for each gateway
             let at = written.listen.span;
+            match &written.token {
+                Some(token) if is_literal(token) => to.notes.found(SecretInFile {
+                    what: "token",
+                    variable: "GATEWAY_TOKEN_FILE",
+                    at: token.span,
+                }),
+                Some(_) => {}
+                None => {
+                    let open = gateway.listen.filter(|address| !address.ip().is_loopback());
+                    if let Some(address) = open {
+                        to.notes.found(OpenGateway { address, at });
+                    }
+                }
+            }
+            // port 0 selects a distinct free port for each gateway
             if let Some(address) = gateway.listen.filter(|it| it.port() != 0)
                 && let Some(first) = taken.insert(address, at)
             {
@@ -55,6 +70,12 @@ impl Flattener<'_, '_> {
             self.plan.gateways.push(gateway);
         }
     }
+}
+
+/// Returns whether a template contains its whole text.
+fn is_literal(template: &Template) -> bool {
+    let mut pieces = template.pieces.iter();
+    pieces.all(|piece| matches!(piece, model::Piece::Text(_)))
 }
 
 /// Warns about a password written in the file, where every reader of the file can see it.
@@ -71,7 +92,11 @@ fn secret(url: &At<Template>, notes: &mut SubstitutionNotes) {
         && password != PUBLIC_PASSWORD
         && password != REDACTED
     {
-        notes.found(SecretInFile { at: url.span });
+        notes.found(SecretInFile {
+            what: "password",
+            variable: "AMQP_PASSWORD_FILE",
+            at: url.span,
+        });
     }
 }
 

@@ -204,9 +204,11 @@ impl<'p> Flattener<'p, '_> {
         let Some(types) = self.parts.types.get(instance.path) else {
             return;
         };
+        let bind = self.parts.family.bind(member, component);
         let source = component::PartSource {
             member,
             component,
+            bind: &bind,
             face,
             types,
             prefix: &instance.prefix,

@@ -186,6 +186,7 @@ fn port(name: &str, message: &str) -> PortDeclaration {
         name: name.to_owned(),
         schema,
         doc: String::new(),
+        safe: None,
     }
 }
 
@@ -218,6 +219,7 @@ fn property(name: &str, shape: Shape, default: Datum) -> PropertyDeclaration {
         default,
         range: None,
         choices: Vec::new(),
+        conversion: asmotion_component::PropertyConversion::default(),
     }
 }
 

@@ -1,9 +1,9 @@
-//! A line-based scanner for the subset of AsmetaL used in tests. Specifications with annotations are read by the
-//! language crates.
+//! A line-based scanner for the subset of AsmetaL used in tests. Specifications with annotations or imports are read
+//! by the language crates.
 
 use asmotion_composite::AsmFiles;
 use asmotion_composite::signature::{
-    Codomain, FunctionInfo, FunctionKind, Signature, Specifications,
+    Codomain, FunctionInfo, FunctionKind, ParameterInfo, Signature, Specifications,
 };
 use asmotion_diagnostics::{Loader, Report, Sources, Span};
 
@@ -18,7 +18,7 @@ impl Specifications for Files {
         let Ok(text) = self.read(path) else {
             return Ok(None);
         };
-        if text.contains("//@") {
+        if text.contains("//@") || text.contains("import ") {
             return AsmFiles::new(self).open(path, sources);
         }
         let file = sources.add(path, text.clone());
@@ -78,6 +78,19 @@ impl Scanner {
     }
 
     fn codomain(&self, name: &str) -> Codomain {
+        if let Some((constructor, parts)) = applied(name) {
+            let name = name.to_owned();
+            return match constructor {
+                "Prod" => Codomain::Tuple {
+                    name,
+                    items: parts.split(", ").map(|part| self.codomain(part)).collect(),
+                },
+                _ => Codomain::List {
+                    name,
+                    item: Box::new(self.codomain(parts)),
+                },
+            };
+        }
         match name {
             "Boolean" => Codomain::Boolean,
             "Integer" | "Natural" => Codomain::Integer,
@@ -95,6 +108,33 @@ impl Scanner {
     }
 }
 
+/// Splits `Seq(Integer)` into its constructor and its parts.
+fn applied(name: &str) -> Option<(&str, &str)> {
+    name.strip_suffix(')')?.split_once('(')
+}
+
+impl Scanner {
+    fn parameter(&self, name: &str) -> ParameterInfo {
+        let domain = self.codomain(name);
+        let elements = match &domain {
+            Codomain::Enum { literals, .. } => Some(literals.clone()),
+            Codomain::Boolean
+            | Codomain::Integer
+            | Codomain::Real
+            | Codomain::Text
+            | Codomain::List { .. }
+            | Codomain::Tuple { .. }
+            | Codomain::Other(_) => None,
+        };
+        let name = name.to_owned();
+        ParameterInfo {
+            name,
+            domain,
+            elements,
+        }
+    }
+}
+
 impl Signature for Scanner {
     fn functions(&self) -> Vec<FunctionInfo> {
         let functions = self
@@ -102,10 +142,12 @@ impl Signature for Scanner {
             .iter()
             .map(|(kind, name, domains, declared)| {
                 let (domain, codomain) = domains.split_once(" -> ").unwrap_or(("", domains));
+                let names = domain.split(", ").filter(|name| !name.is_empty());
                 FunctionInfo {
                     name: name.clone(),
                     kind: *kind,
                     domain: domain.to_owned(),
+                    parameters: names.map(|name| self.parameter(name)).collect(),
                     codomain: self.codomain(codomain),
                     declared: *declared,
                 }

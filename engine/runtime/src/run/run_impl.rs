@@ -343,6 +343,12 @@ impl<E: Executor> Run for E {
         values.ok_or_else(|| busy(component))
     }
 
+    fn inspect(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError> {
+        let (index, patience) = (self.index_of(component)?, self.inspect_timeout());
+        let description = self.run_on(index, patience, |unit, _, _| unit.inspect());
+        description.ok_or_else(|| busy(component))
+    }
+
     fn stop(&mut self) -> Vec<String> {
         let late = self.stop_all();
         let now = self.clock();

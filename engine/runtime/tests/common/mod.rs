@@ -97,3 +97,23 @@ pub fn doubler() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
         }
     })
 }
+
+/// Number of attempts of a test in real time.
+const ATTEMPTS: u32 = 5;
+
+/// Runs a test in real time until it passes, at most five times. A busy machine delays threads now and then; an executor that
+/// is wrong fails every attempt.
+///
+/// # Panics
+/// Panics like the last attempt.
+pub fn in_real_time(attempt: impl Fn()) {
+    for number in 1..=ATTEMPTS {
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(&attempt));
+        match result {
+            Ok(()) => return,
+            Err(problem) if number == ATTEMPTS => std::panic::resume_unwind(problem),
+            // the load can pass in the meantime
+            Err(_) => std::thread::sleep(std::time::Duration::from_millis(200) * number),
+        }
+    }
+}

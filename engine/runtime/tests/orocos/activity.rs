@@ -6,7 +6,7 @@ use std::thread::ThreadId;
 use asmotion_component::{Activity, Component, Interface, Scheduler, Span};
 use asmotion_runtime::{BuildError, Log, Run, System};
 
-use crate::common::behaviour;
+use crate::common::{behaviour, in_real_time};
 
 /// Cycles in order: name of the component, and its thread.
 type Cycles = Arc<Mutex<Vec<(&'static str, ThreadId)>>>;
@@ -64,35 +64,37 @@ fn o3_a_slave_cycles_after_its_master_and_only_then() {
 
 #[test]
 fn o3_a_slave_cycles_in_its_masters_thread() {
-    let cycles = Cycles::default();
-    let mut run = household(&cycles).live();
-    run.run_for(200.ms());
-    run.stop();
-    let cycles = cycles.lock().unwrap();
-    let thread = |of: &str| {
-        let mut threads: Vec<_> = cycles
+    in_real_time(|| {
+        let cycles = Cycles::default();
+        let mut run = household(&cycles).live();
+        run.run_for(200.ms());
+        run.stop();
+        let cycles = cycles.lock().unwrap();
+        let thread = |of: &str| {
+            let mut threads: Vec<_> = cycles
+                .iter()
+                .filter(|(name, _)| *name == of)
+                .map(|(_, id)| *id)
+                .collect();
+            threads.dedup();
+            assert_eq!(threads.len(), 1, "{of} has one thread");
+            threads[0]
+        };
+        assert_eq!(thread("Master"), thread("Child"));
+        assert_eq!(thread("Master"), thread("Grandchild"));
+        assert_ne!(thread("Master"), thread("Other"));
+        let order: Vec<_> = cycles
             .iter()
-            .filter(|(name, _)| *name == of)
-            .map(|(_, id)| *id)
+            .map(|(name, _)| *name)
+            .filter(|name| *name != "Other")
             .collect();
-        threads.dedup();
-        assert_eq!(threads.len(), 1, "{of} has one thread");
-        threads[0]
-    };
-    assert_eq!(thread("Master"), thread("Child"));
-    assert_eq!(thread("Master"), thread("Grandchild"));
-    assert_ne!(thread("Master"), thread("Other"));
-    let order: Vec<_> = cycles
-        .iter()
-        .map(|(name, _)| *name)
-        .filter(|name| *name != "Other")
-        .collect();
-    assert!(order.len() > 15, "{order:?}");
-    assert!(
-        order
-            .chunks(3)
-            .all(|three| ["Master", "Child", "Grandchild"].starts_with(three))
-    );
+        assert!(order.len() > 15, "{order:?}");
+        assert!(
+            order
+                .chunks(3)
+                .all(|three| ["Master", "Child", "Grandchild"].starts_with(three))
+        );
+    });
 }
 
 #[test]

@@ -68,7 +68,7 @@ impl Component for Script {
         self.hook("start")
     }
 
-    fn stop(&mut self) {
+    fn stop(&mut self, _: &mut Cycle<'_>) {
         let _ = self.hook("stop");
     }
 

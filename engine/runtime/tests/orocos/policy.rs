@@ -1,9 +1,10 @@
 //! The connection policy: O7, O8.
 
-use asmotion_component::{BufferKind, Fault, Lock, Policy, Sharing, State};
-use asmotion_runtime::Run;
+use asmotion_component::{Activity, BufferKind, Fault, Lock, Policy, Sharing, Span, State};
+use asmotion_runtime::{Run, System};
 
-use crate::support::Bench;
+use crate::common::burst;
+use crate::support::{Bench, Seen, reader, taken};
 
 #[test]
 fn o8_the_defaults_are_those_of_the_book() {
@@ -150,11 +151,29 @@ fn o8_mandatory_and_full_is_a_failure_of_the_writer_otherwise_it_is_a_counted_dr
 }
 
 #[test]
-fn o9_a_locked_connection_is_as_good_as_a_lock_free_one_but_for_waiting() {
+fn o9_a_locked_connection_loses_and_reorders_nothing_between_two_threads() {
     for lock in [Lock::LockFree, Lock::Locked] {
-        let policy = Policy::buffer(64).lock(lock);
-        let mut hands = Bench::connected(&["A X"], &policy).simulate();
-        hands.write("A", 1..=64);
-        assert_eq!(hands.read("X"), (1..=64).collect::<Vec<_>>());
+        let seen = Seen::default();
+        let mut system = System::new();
+        system
+            .add("Counter", Activity::periodic(1.ms()), burst(50))
+            .unwrap();
+        system
+            .add("Reader", Activity::event(), reader(&seen))
+            .unwrap();
+        let policy = Policy::buffer(100_000).lock(lock);
+        system.connect("Counter.n", "Reader.n", policy).unwrap();
+        let mut run = system.live();
+        let limit = run.now() + 20.s();
+        while seen.lock().unwrap().len() < 5_000 {
+            assert!(run.now() < limit, "{lock:?}: nothing arrives");
+            run.run_for(10.ms());
+        }
+        run.stop();
+        let seen = taken(&seen);
+        assert!(
+            seen.iter().zip(1..).all(|(n, expected)| *n == expected),
+            "{lock:?}"
+        );
     }
 }

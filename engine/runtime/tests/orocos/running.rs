@@ -68,6 +68,26 @@ fn o8_a_connection_that_has_ended_carries_nothing_and_its_last_sample_is_gone() 
 }
 
 #[test]
+fn o8_a_sample_that_was_read_before_is_gone_with_its_connection_too() {
+    let seen = Seen::default();
+    let ready = Seen::default();
+    let mut system = System::new();
+    system.add("A", Activity::manual(), writer(&ready)).unwrap();
+    system.add("X", Activity::manual(), looker(&seen)).unwrap();
+    system.connect("A.n", "X.n", Policy::data()).unwrap();
+    let mut run = system.simulate();
+    ready.lock().unwrap().push(7);
+    for who in ["A", "X", "X"] {
+        run.trigger(who).unwrap();
+        run.run_for(1.ms());
+    }
+    run.disconnect("A.n", "X.n").unwrap();
+    run.trigger("X").unwrap();
+    run.run_for(1.ms());
+    assert_eq!(taken(&seen), ["new 7", "old 7", "no data"]);
+}
+
+#[test]
 fn o8_one_who_leaves_a_queue_in_common_leaves_the_others_alone() {
     for lock in [Lock::LockFree, Lock::Locked] {
         let policy = Policy::buffer(8).shared("all").lock(lock);

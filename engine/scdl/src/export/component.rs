@@ -157,8 +157,8 @@ impl Exporter<'_> {
         let first = |listed: &[here::Listed]| listed.first().map(|it| it.name.span);
         let ports = first(&component.ports.inputs).or_else(|| first(&component.ports.outputs));
         let topics = first(&component.subscribe).or_else(|| first(&component.publish));
-        let monitored = component.bind.monitored.first().map(|it| it.function.span);
-        let out = component.bind.out.first().map(|it| it.function.span);
+        let monitored = component.bind.monitored.first().map(|it| it.location.span);
+        let out = component.bind.out.first().map(|it| it.location.span);
         let rows: [(&str, Option<Span>); 9] = [
             ("the scheduling", scheduled.map(|pace| pace.span)),
             (

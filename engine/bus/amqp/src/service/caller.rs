@@ -21,6 +21,8 @@ const TICK: Duration = Duration::from_millis(25);
 const ENQUIRY: Duration = Duration::from_millis(250);
 /// Time within which a provider must return after the link was lost.
 const GRACE: Duration = Duration::from_secs(5);
+/// Share of its timeout for which a call waits for its provider.
+const PROVIDER_WAIT: f64 = 0.9;
 /// Pause after the broker refused the channel.
 const REST: Duration = Duration::from_millis(200);
 
@@ -63,17 +65,22 @@ pub(crate) struct OpenCall {
     last_query: Instant,
     /// End of the period after a broken link in which a request without a provider is sent again.
     grace_deadline: Option<Instant>,
+    /// End of the wait for a provider that is not there yet; `None` once the request has reached a queue.
+    provider_deadline: Option<Instant>,
     /// `true` if the next attempt has to publish the request, because the broker returned it or the link broke.
     unsent: bool,
 }
 
 impl OpenCall {
     pub(crate) fn new(message: OutgoingRequest, awaited: AwaitedReply) -> Self {
+        // before the timeout, which does not tell a missing provider from a slow one
+        let patience = message.timeout.mul_f64(PROVIDER_WAIT);
         Self {
+            grace_deadline: None,
+            provider_deadline: message.awaits_provider.then(|| Instant::now() + patience),
             message,
             awaited,
             last_query: Instant::now(),
-            grace_deadline: None,
             unsent: false,
         }
     }
@@ -124,6 +131,9 @@ impl CallerTask {
                     self.fail_all();
                     sleep(REST).await;
                 }
+                Err(ChannelError::ExchangeMissing { reason }) => {
+                    link.replace_after_deletion(&pair, &reason).await;
+                }
                 Err(ChannelError::Cancelled | ChannelError::Lost) => {
                     link.wait_after_error(&pair).await
                 }
@@ -164,7 +174,7 @@ impl CallerTask {
                 },
                 word = words.recv() => match word {
                     Some(BrokerEvent::Closed { code, reason }) => {
-                        return Err(ChannelError::Closed { code, reason });
+                        return Err(ChannelError::closed(code, reason));
                     }
                     Some(word) => {
                         self.handle(word, &mut session);
@@ -225,10 +235,8 @@ impl CallerTask {
         let Some(mut open) = self.open_calls.remove(id) else {
             return;
         };
-        if open
-            .grace_deadline
-            .is_some_and(|grace| Instant::now() < grace)
-        {
+        let deadline = open.grace_deadline.max(open.provider_deadline);
+        if deadline.is_some_and(|deadline| Instant::now() < deadline) {
             open.unsent = true;
             self.open_calls.insert(id.to_owned(), open);
         } else {
@@ -263,11 +271,14 @@ impl CallerTask {
         for open in self.open_calls.values_mut() {
             if open.unsent {
                 open.unsent = false;
+                open.last_query = Instant::now();
                 session.send(open).await?;
             } else if let AwaitedReply::Answer(_) = open.awaited
                 && open.last_query.elapsed() > ENQUIRY
             {
                 open.last_query = Instant::now();
+                // not returned since it was sent: a provider that is not there any more has left
+                open.provider_deadline = None;
                 session
                     .send_notice(&open.message, wire::ENQUIRY, true)
                     .await?;

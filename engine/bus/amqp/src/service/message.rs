@@ -27,6 +27,8 @@ pub(crate) struct OutgoingRequest {
     pub callback: Option<Arc<str>>,
     pub trace: Option<TraceContext>,
     pub user: String,
+    /// See [`Request::awaits_provider`].
+    pub awaits_provider: bool,
 }
 
 impl OutgoingRequest {
@@ -76,6 +78,7 @@ pub(crate) fn read_request(
         timeout: wire::time_left(properties),
         callback: wire::text(properties, wire::CALLBACK).map(Into::into),
         trace: wire::trace(properties),
+        awaits_provider: false,
     })
 }
 

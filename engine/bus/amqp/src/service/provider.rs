@@ -17,6 +17,7 @@ use tokio::time::{MissedTickBehavior, interval, sleep};
 
 use super::lateness::LatenessEstimate;
 use super::message::{self, OutgoingReply};
+use crate::binding_refresh::BindingRefresh;
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
@@ -146,6 +147,9 @@ impl ProviderTask {
                     link.report_refusal(&self.setup.key, reason);
                     sleep(REST).await;
                 }
+                Err(ChannelError::ExchangeMissing { reason }) => {
+                    link.replace_after_deletion(&pair, &reason).await;
+                }
                 Err(ChannelError::Cancelled | ChannelError::Lost) => {
                     link.wait_after_error(&pair).await
                 }
@@ -169,6 +173,7 @@ impl ProviderTask {
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let link = Arc::clone(&self.setup.link);
         let mut closing = pin!(link.wait_until_closing());
+        let mut binding = BindingRefresh::new(&channel, self.binding());
         loop {
             let end = tokio::select! {
                 // replies first: a leaving provider rejects the waiting requests before it leaves
@@ -186,9 +191,12 @@ impl ProviderTask {
                     self.evict();
                     Ok(())
                 }
+                bound = binding.refresh() => bound,
             };
             end.map_err(|_| channel::close_reason(&mut words))?;
         }
+        // its reply must not meet the end of the channel
+        let _ = binding.finish().await;
         self.reject_remaining(channel, &replies).await;
         Ok(())
     }
@@ -202,11 +210,14 @@ impl ProviderTask {
             .text("x-overflow", "reject-publish");
         let mut queue = QueueDeclareArguments::new(&post.queue);
         queue.exclusive(true).arguments(arguments.into_table());
-        let exchange = post.link.settings.services();
-        let binding = QueueBindArguments::new(&post.queue, &exchange, &post.key);
         let mut consume = BasicConsumeArguments::new(&post.queue, "");
         consume.manual_ack(true);
-        channel::consume(channel, queue, binding, PREFETCH, consume).await
+        channel::consume(channel, queue, self.binding(), PREFETCH, consume).await
+    }
+
+    fn binding(&self) -> QueueBindArguments {
+        let exchange = self.setup.link.settings.services();
+        QueueBindArguments::new(&self.setup.queue, &exchange, &self.setup.key)
     }
 
     async fn handle_message(
@@ -487,7 +498,7 @@ fn refusal(code: &str, detail: String) -> Option<OutgoingReply> {
 
 fn broken(word: Option<BrokerEvent>) -> ChannelError {
     match word {
-        Some(BrokerEvent::Closed { code, reason }) => ChannelError::Closed { code, reason },
+        Some(BrokerEvent::Closed { code, reason }) => ChannelError::closed(code, reason),
         Some(BrokerEvent::Cancelled) => ChannelError::Cancelled,
         Some(BrokerEvent::Ack { .. } | BrokerEvent::Nack { .. } | BrokerEvent::Returned { .. })
         | None => ChannelError::Lost,

@@ -9,6 +9,7 @@
 
 mod common;
 mod contract;
+mod deleted_exchange;
 mod faults;
 mod life;
 mod line;

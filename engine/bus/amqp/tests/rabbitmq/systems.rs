@@ -1,7 +1,7 @@
 //! Two systems, as in two processes, whose topics are connected through a broker.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_bus::{Payload, PublishOptions};
 use asmotion_component::{
@@ -190,6 +190,99 @@ fn a_call_is_tried_again_over_the_broker() {
     assert_eq!(said, Some(Datum::Int(7)));
     // the first attempts may precede the observer
     assert_eq!(attempts.last(), Some(&3));
+}
+
+/// A system that calls once, with this timeout, on its own bus.
+fn asking(url: &str, timeout: Duration) -> System {
+    let mut system = System::new();
+    let asker = |interface: &mut asmotion_component::Interface| {
+        let echo = interface.require("echo", "a number");
+        let asked = false;
+        Box::new(Asker { echo, asked }) as Box<dyn Component>
+    };
+    system
+        .add("Asker", Activity::periodic(20.ms()), asker)
+        .unwrap();
+    let wire = Wire {
+        timeout,
+        retries: 0,
+        backoff: Duration::ZERO,
+        cancel_on_timeout: true,
+        one_way: false,
+    };
+    let mut network = Network::new();
+    network
+        .wire_remote(&mut system, "Asker.echo", "Sleepy.echoing", wire)
+        .unwrap();
+    let bus = Arc::new(connect(settings(url)));
+    network.attach(&mut system, bus, 2).unwrap();
+    system
+}
+
+/// A system that replies to each request, on its own bus.
+fn echoing(url: &str) -> System {
+    let mut system = System::new();
+    let awake = |interface: &mut asmotion_component::Interface| {
+        let echo = interface.serve("echoing", "at once");
+        Box::new(Sleepy { echo, requests: 2 }) as Box<dyn Component>
+    };
+    system.add("Sleepy", Activity::event(), awake).unwrap();
+    let mut network = Network::new();
+    network.offer(&system, "Sleepy.echoing").unwrap();
+    let bus = Arc::new(connect(settings(url)));
+    network.attach(&mut system, bus, 1).unwrap();
+    system
+}
+
+/// Runs a system until its call has an outcome.
+fn outcome(system: System) -> Option<Datum> {
+    let mut outcome = None;
+    let mut is_over = |_: Time, event: &Event<'_>| {
+        if let Event::Report { data, .. } = event {
+            outcome = Some((*data).clone());
+        }
+        outcome.is_some()
+    };
+    system
+        .live()
+        .run_until_event(Time::ZERO + LONG, &mut is_over);
+    outcome
+}
+
+#[test]
+fn a_call_waits_for_a_provider_whose_process_starts_later() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let late = Duration::from_millis(1500);
+    for delay in [Duration::ZERO, late] {
+        let vhost = broker.vhost().unwrap();
+        let url = vhost.url();
+        let (end, ended) = std::sync::mpsc::channel::<()>();
+        let provider = std::thread::spawn(move || {
+            std::thread::sleep(delay);
+            let _provider = echoing(&url).live();
+            // until the sender is dropped
+            let _ = ended.recv();
+        });
+        let caller = asking(&vhost.url(), LONG);
+        let begun = Instant::now();
+        assert_eq!(outcome(caller), Some(Datum::Int(7)), "{delay:?}");
+        assert!(begun.elapsed() < delay + LONG / 2, "{:?}", begun.elapsed());
+        drop(end);
+        provider.join().unwrap();
+    }
+}
+
+#[test]
+fn a_call_whose_provider_never_starts_ends_as_unavailable_before_its_deadline() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let caller = asking(&vhost.url(), Duration::from_secs(3));
+    let expected = asmotion_component::CallError::Unavailable.to_string();
+    assert_eq!(outcome(caller), Some(Datum::text(expected)));
 }
 
 #[test]

@@ -14,11 +14,8 @@ use crate::nearest::nearest;
 use crate::signature::FunctionKind;
 
 /// Names of the functions that receive the outcome of calls.
-pub(super) fn events(bind: &Bind) -> Vec<&str> {
-    calls(bind)
-        .filter_map(|call| call.event.as_ref())
-        .map(|event| event.value.as_str())
-        .collect()
+pub(super) fn events(bind: &Bind) -> Vec<&At<String>> {
+    calls(bind).filter_map(|call| call.event.as_ref()).collect()
 }
 
 /// Iterates over all calls in a binding.
@@ -67,7 +64,7 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
     let Some(signature) = bound.signature else {
         return;
     };
-    let Some(told) = function::function(signature, event, report) else {
+    let Some(told) = function::location(signature, event, &[], report) else {
         return;
     };
     if !matches!(told.kind, FunctionKind::Monitored | FunctionKind::Shared) {
@@ -118,7 +115,7 @@ fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<Sche
 /// unknown.
 pub(super) fn kept(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
     let keeps = |call: &&Call| call.keep.as_ref().is_some_and(|keep| keep.value == name);
-    let call = calls(&bound.part.component.bind).find(keeps)?;
+    let call = calls(&bound.part.bind).find(keeps)?;
     let reference = find(&bound.part.face.references, &call.operation.component);
     let operations = reference.and_then(|it| bound.scene.catalogue.operations(&it.interface.text));
     let operation = operations

@@ -1,17 +1,16 @@
 //! Checks arguments of calls and fields of published messages.
 
 use crate::codes::c099::UnknownKept;
-use crate::codes::c100::WrongArgument;
 use crate::codes::c115::UnknownField;
+use crate::codes::c145::InvalidTerm;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::Report;
 
+use super::super::literal;
 use super::{Bound, action, function};
 use crate::at::At;
 use crate::finding::Findings;
 use crate::model::binding::{Argument, Source};
-use crate::tree::{Branch, Node};
-use crate::types::is_integer;
 
 /// Checks that `argument` yields a value of type `wanted` for the port or operation `what`.
 pub(super) fn check(
@@ -24,9 +23,25 @@ pub(super) fn check(
     match argument {
         Argument::Kept { name, path } => kept(bound, what, (name, path), wanted, report),
         Argument::Record(span, fields) => record(bound, what, (*span, fields), wanted, report),
+        Argument::Term(term) => {
+            let found = bound.signature.map(|signature| signature.term(term));
+            match (found, wanted) {
+                (Some(Err(reason)), _) => report.found(InvalidTerm {
+                    term: term.value.clone(),
+                    reason,
+                    at: term.span,
+                }),
+                (Some(Ok(Some(found))), Some(wanted)) if !function::fits(&found, &wanted.shape) => {
+                    let given = format!("`@({})`", term.value);
+                    let found = format!("`{}`", found.name());
+                    literal::wrong(what, wanted, &given, found, term.span, report);
+                }
+                (Some(Ok(_)) | None, _) => {}
+            }
+        }
         Argument::Value(node) => {
             if let Some(wanted) = wanted {
-                value(what, node, wanted, report);
+                literal::check(bound.scene.types, what, node, wanted, report);
             }
         }
     }
@@ -49,7 +64,7 @@ fn kept(
         None => match action::kept(bound, name).or_else(|| asked(bound, name)) {
             Some(response) => response,
             None => {
-                let kept = action::calls(&bound.part.component.bind);
+                let kept = action::calls(&bound.part.bind);
                 let kept = kept
                     .filter_map(|call| call.keep.as_ref())
                     .map(|it| it.value.clone());
@@ -58,6 +73,9 @@ fn kept(
                     name: name.value.clone(),
                     at: name.span,
                     known: known.collect(),
+                    is_function: bound
+                        .signature
+                        .is_some_and(|it| it.function(name).is_some()),
                 });
                 return;
             }
@@ -75,7 +93,7 @@ fn kept(
                 let at = path.iter().fold(name.span, |span, step| span.to(step.span));
                 let steps = path.iter().map(|step| format!(".{}", step.value));
                 let given = format!("`@{}{}`", name.value, steps.collect::<String>());
-                wrong(what, wanted, &given, format!("`{found}`"), at, report);
+                literal::wrong(what, wanted, &given, format!("`{found}`"), at, report);
             }
         }
         Ok(None) => {}
@@ -85,10 +103,10 @@ fn kept(
 /// Returns the request type of the service bound to the monitored function `name`: `None` if there is no such binding,
 /// `Some(None)` if the type is unknown.
 fn asked(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
-    let mut monitored = bound.part.component.bind.monitored.iter();
+    let mut monitored = bound.part.bind.monitored.iter();
     let end = monitored.find_map(|monitored| match &monitored.from {
         Source::Request(end) if end.component.value == name => Some(end),
-        Source::Request(_) | Source::Port(_) => None,
+        Source::Request(_) | Source::Port(_) | Source::Timer { .. } | Source::Value(_) => None,
     })?;
     Some(function::request(bound, end, &mut Report::new()))
 }
@@ -105,7 +123,7 @@ fn record(
         None | Some((_, Shape::Any)) => None,
         Some((wanted, _)) => {
             if !fields.is_empty() {
-                wrong(what, wanted, "this", "a table".to_owned(), span, report);
+                literal::wrong(what, wanted, "this", "a table".to_owned(), span, report);
             }
             return;
         }
@@ -126,47 +144,4 @@ fn record(
             }),
         }
     }
-}
-
-/// Checks a literal value. Strings containing substitutions are accepted for every type.
-fn value(what: &At<String>, node: &Node, wanted: &Schema, report: &mut Report) {
-    let fits = match (&wanted.shape, &node.value) {
-        (Shape::Any, _) => true,
-        (_, Branch::Text(text)) if text.contains("${") => true,
-        (Shape::Text, Branch::Text(_)) | (Shape::Bool, Branch::Boolean(_)) => true,
-        (Shape::F32 | Shape::F64, Branch::Integer(_) | Branch::Float(_)) => true,
-        (Shape::List(item) | Shape::Array(item, _), Branch::List(items)) => {
-            items
-                .iter()
-                .for_each(|node| value(what, node, item, report));
-            true
-        }
-        (shape, Branch::Integer(_)) if is_integer(shape) => true,
-        (Shape::Option(inner), _) => {
-            value(what, node, inner, report);
-            true
-        }
-        _ => false,
-    };
-    if !fits {
-        let found = node.value.describe().to_owned();
-        wrong(what, wanted, "this", found, node.span, report);
-    }
-}
-
-fn wrong(
-    what: &At<String>,
-    wanted: &Schema,
-    given: &str,
-    found: String,
-    at: asmotion_diagnostics::Span,
-    report: &mut Report,
-) {
-    report.found(WrongArgument {
-        what: what.value.clone(),
-        wanted: wanted.to_string(),
-        given: given.to_owned(),
-        found,
-        at,
-    });
 }

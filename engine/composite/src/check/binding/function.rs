@@ -2,11 +2,17 @@
 
 use crate::codes::c090::UnknownBoundFunction;
 use crate::codes::c091::WrongFunctionKind;
-use crate::codes::c092::BoundFunctionHasArguments;
+use crate::codes::c092::WrongLocationArity;
 use crate::codes::c093::UnknownLiteral;
 use crate::codes::c094::WrongLiteralType;
 use crate::codes::c095::WrongFieldType;
 use crate::codes::c096::AmbiguousField;
+use crate::codes::c127::StaleWithoutPeriod;
+use crate::codes::c140::UnknownElement;
+use crate::codes::c141::UnlistedDomain;
+use crate::codes::c142::UnknownKeyVariable;
+use crate::codes::c143::WrongSelectorType;
+use crate::codes::c145::InvalidTerm;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::{Report, Span};
 
@@ -18,10 +24,12 @@ use crate::finding::Findings;
 use crate::model::binding::{Effect, Monitored, Out, Source};
 use crate::model::{End, MessagePath};
 use crate::nearest::nearest;
-use crate::signature::{Codomain, FunctionInfo, FunctionKind};
+use crate::pattern::{function_of, out_key};
+use crate::signature::{Codomain, FunctionInfo, FunctionKind, Signature};
+use crate::table::NamedValue;
 use crate::tree::{Branch, Node};
 use crate::types::{is_float, is_integer};
-use asmotion_coordinator::Receive;
+use asmotion_coordinator::{LocationArgument, LocationName, Receive};
 
 pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut Report) {
     let message = match &monitored.from {
@@ -29,18 +37,44 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
             input(bound, port, report).and_then(|port| Some(port.kind.as_ref()?.text.clone()))
         }
         Source::Request(end) => request(bound, end, report).map(|schema| schema.to_string()),
+        Source::Timer { .. } | Source::Value(_) => None,
     };
     let function = bound.signature.and_then(|signature| {
-        let found = function(signature, &monitored.function, report)?;
-        read_by_asm(&found, monitored.function.span, report).then_some(found)
+        let found = location(signature, &monitored.location, &monitored.key, report)?;
+        read_by_asm(&found, monitored.location.span, report).then_some(found)
     });
+    if let Some(message) = &message {
+        self::key(
+            bound,
+            function.as_ref(),
+            &monitored.location,
+            message,
+            &monitored.key,
+            report,
+        );
+    }
+    let selected = selected_fields(&monitored.key);
     if let Some(function) = &function {
         for value in [&monitored.none, &monitored.on_stale].into_iter().flatten() {
             self::value(function, value, report);
         }
     }
+    match &monitored.from {
+        Source::Port(_) | Source::Request(_) => {}
+        Source::Timer { running, .. } => {
+            timer(bound, function.as_ref(), running, report);
+            return;
+        }
+        Source::Value(node) => {
+            let is_text = matches!(&node.value, Branch::Text(text) if text.contains("${"));
+            if let Some(function) = function.filter(|_| !is_text) {
+                value(&function, node, report);
+            }
+            return;
+        }
+    }
     let path = monitored.field.as_ref().or(monitored.map.as_ref());
-    let name = &monitored.function;
+    let name = &monitored.location;
     if let Some(first) = monitored.is.first() {
         let truth = function
             .as_ref()
@@ -59,7 +93,14 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
                 codomain: Codomain::Text,
                 ..function
             });
-            field(bound, text.as_ref(), name, message, path, report);
+            field(
+                bound,
+                text.as_ref(),
+                name,
+                message,
+                (path, &selected),
+                report,
+            );
         }
         return;
     }
@@ -70,7 +111,8 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
         return;
     }
     if let Some(message) = &message {
-        field(bound, function.as_ref(), name, message, path, report);
+        let function = function.as_ref();
+        field(bound, function, name, message, (path, &selected), report);
     }
 }
 
@@ -91,7 +133,7 @@ pub(super) fn request(bound: &Bound<'_>, end: &End, report: &mut Report) -> Opti
     found.map(|operation| operation.request.clone())
 }
 
-/// Checks that the function is monitored or shared and has no arguments.
+/// Checks that the function is monitored or shared.
 fn read_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
     let monitored = matches!(
         function.kind,
@@ -105,18 +147,46 @@ fn read_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
             at,
         });
     }
-    monitored && nullary(function, at, report)
+    monitored
 }
 
-fn nullary(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
-    if function.domain.is_empty() {
-        return true;
+/// Checks a function bound to a timer: its condition must be a term of the specification, and both must be Boolean.
+fn timer(
+    bound: &Bound<'_>,
+    function: Option<&FunctionInfo>,
+    running: &At<String>,
+    report: &mut Report,
+) {
+    let component = bound.part.component;
+    if !bound.scene.cycles_by_time(component) {
+        report.found(StaleWithoutPeriod {
+            key: "timer",
+            component: component.name.value.clone(),
+            at: running.span,
+            declared: component.name.span,
+        });
     }
-    report.found(BoundFunctionHasArguments {
-        function: function.clone(),
-        at,
-    });
-    false
+    let term = bound.signature.map(|signature| signature.term(running));
+    let reason = match term {
+        Some(Err(reason)) => Some(reason),
+        Some(Ok(Some(Codomain::Boolean) | None)) | None => None,
+        Some(Ok(Some(found))) => Some(format!("a condition is Boolean, not {}", found.name())),
+    };
+    if let Some(reason) = reason {
+        report.found(InvalidTerm {
+            term: running.value.clone(),
+            reason,
+            at: running.span,
+        });
+    }
+    if let Some(function) = function.filter(|it| it.codomain != Codomain::Boolean) {
+        report.found(WrongFieldType {
+            function: function.clone(),
+            found: "a timer".to_owned(),
+            at: running.span,
+            typed: None,
+        });
+    }
 }
 
 /// Checks a function bound to an edge: its codomain must be Boolean, and no message field may be given.
@@ -140,23 +210,19 @@ fn edge(function: Option<&FunctionInfo>, at: Span, path: Option<Span>, report: &
 
 pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
     let function = bound.signature.and_then(|signature| {
-        let found = function(signature, &out.function, report)?;
-        written_by_asm(&found, out.function.span, report).then_some(found)
+        let found = location(signature, &out.location, out_key(out), report)?;
+        written_by_asm(&found, out.location.span, report).then_some(found)
     });
     match &out.effect {
         Effect::Publish(published) => {
             let path = &published.field;
             let port = output(bound, &published.port, report);
             if let Some(kind) = port.and_then(|port| port.kind.as_ref()) {
-                let function = function.as_ref();
-                field(
-                    bound,
-                    function,
-                    &out.function,
-                    &kind.text,
-                    path.as_ref(),
-                    report,
-                );
+                let (function, name) = (function.as_ref(), &out.location);
+                let selected = selected_fields(&published.key);
+                key(bound, function, name, &kind.text, &published.key, report);
+                let part = (path.as_ref(), selected.as_slice());
+                field(bound, function, name, &kind.text, part, report);
             }
         }
         Effect::Literals(cases) => {
@@ -182,24 +248,143 @@ fn written_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> boo
             at,
         });
     }
-    out && nullary(function, at, report)
+    out
 }
 
-/// Looks up a function; reports an error if it does not exist.
-pub(super) fn function(
-    signature: &dyn crate::signature::Signature,
-    name: &At<String>,
+/// Looks up the function of a location; reports an error if it does not exist or if the arguments are not of its domain.
+pub(super) fn location(
+    signature: &dyn Signature,
+    written: &At<String>,
+    key: &[NamedValue<MessagePath>],
     report: &mut Report,
 ) -> Option<FunctionInfo> {
-    let found = signature.function(name);
-    if found.is_none() {
+    let (name, at) = (LocationName::from(written.as_str()), written.span);
+    let Some(function) = function_of(&name, signature) else {
         let all = signature.functions();
         let known = all.iter().map(|it| (it.name.as_str(), Some(it.declared)));
-        let nearest = nearest(name, known);
-        let (name, at) = (name.value.clone(), name.span);
+        let mut nearest = nearest(&name.function, known);
+        if let (Some(nearest), Some(arguments)) =
+            (&mut nearest, written.strip_prefix(&name.function))
+        {
+            // the correction keeps the arguments of the location
+            nearest.name += arguments;
+        }
+        let name = name.function;
         report.found(UnknownBoundFunction { name, at, nearest });
+        return None;
+    };
+    if function.parameters.len() != name.arguments.len() {
+        let given = name.arguments.len();
+        report.found(WrongLocationArity {
+            function,
+            given,
+            at,
+        });
+        return None;
     }
-    found
+    for field in key {
+        let variable = &field.name;
+        if !name.variables().any(|known| known == variable.value) {
+            report.found(UnknownKeyVariable {
+                variable: variable.value.clone(),
+                at: variable.span,
+            });
+        }
+    }
+    let mut arguments = name.arguments.iter().zip(&function.parameters);
+    let is_good = arguments.all(|(argument, parameter)| match argument {
+        LocationArgument::Element(element) => {
+            let known = match (&parameter.elements, &parameter.domain) {
+                (Some(elements), _) => elements.contains(element),
+                (None, Codomain::Integer) => element.parse::<i64>().is_ok(),
+                (None, _) => false,
+            };
+            if !known {
+                report.found(UnknownElement {
+                    element: element.clone(),
+                    parameter: parameter.clone(),
+                    at,
+                    declared: function.declared,
+                });
+            }
+            known
+        }
+        LocationArgument::Variable(variable) => {
+            let selected = key.iter().any(|field| field.name.value == *variable);
+            let elements = parameter.elements.as_ref();
+            let known = selected && elements.is_some_and(|elements| !elements.is_empty());
+            if !known {
+                report.found(UnlistedDomain {
+                    variable: variable.clone(),
+                    parameter: parameter.clone(),
+                    at,
+                    declared: function.declared,
+                });
+            }
+            known
+        }
+    });
+    is_good.then_some(function)
+}
+
+/// Checks that the fields of a key exist and select elements of the domains of their variables.
+fn key(
+    bound: &Bound<'_>,
+    function: Option<&FunctionInfo>,
+    written: &At<String>,
+    message: &str,
+    key: &[NamedValue<MessagePath>],
+    report: &mut Report,
+) {
+    let name = LocationName::from(written.as_str());
+    for field in key {
+        let schema = match bound.scene.types.field(message, &field.value) {
+            Ok(Some(schema)) => schema,
+            Ok(None) => continue,
+            Err(error) => {
+                report.found(error);
+                continue;
+            }
+        };
+        let is_variable = |argument: &LocationArgument| match argument {
+            LocationArgument::Variable(variable) => *variable == field.name.value,
+            LocationArgument::Element(_) => false,
+        };
+        let position = name.arguments.iter().position(is_variable);
+        let parameter = position.and_then(|at| function?.parameters.get(at));
+        if let Some(parameter) = parameter
+            && !selects(&parameter.domain, &schema.shape)
+        {
+            report.found(WrongSelectorType {
+                variable: field.name.value.clone(),
+                parameter: parameter.clone(),
+                found: schema.to_string(),
+                at: field.value.span,
+                declared: function.map(|function| function.declared),
+            });
+        }
+    }
+}
+
+/// Returns whether values of the shape name elements of the domain.
+fn selects(domain: &Codomain, shape: &Shape) -> bool {
+    match domain {
+        // constants of abstract domains are named by texts
+        Codomain::Other(_) => matches!(shape, Shape::Text | Shape::Any),
+        Codomain::Boolean
+        | Codomain::Integer
+        | Codomain::Real
+        | Codomain::Text
+        | Codomain::Enum { .. }
+        | Codomain::List { .. }
+        | Codomain::Tuple { .. } => fits(domain, shape),
+    }
+}
+
+/// Returns the names of the outermost fields that a key uses.
+fn selected_fields(key: &[NamedValue<MessagePath>]) -> Vec<&str> {
+    let paths = key.iter().filter_map(|field| field.value.steps.first());
+    paths.map(|step| step.value.as_str()).collect()
 }
 
 /// Looks up an input port.
@@ -236,13 +421,14 @@ fn port<'b>(
     found
 }
 
-/// Checks that the message field exists, is unambiguous and matches the codomain of the function.
+/// Checks that the message field exists, is unambiguous and matches the codomain of the function. The fields in
+/// `selected` are those of the key.
 fn field(
     bound: &Bound<'_>,
     function: Option<&FunctionInfo>,
     name: &At<String>,
     message: &str,
-    path: Option<&MessagePath>,
+    (path, selected): (Option<&MessagePath>, &[&str]),
     report: &mut Report,
 ) {
     let types = bound.scene.types;
@@ -258,7 +444,7 @@ fn field(
             let Some(whole) = types.schema(message) else {
                 return;
             };
-            match chosen(&whole) {
+            match chosen(&whole, selected) {
                 Chosen::Whole => Some(whole),
                 Chosen::Field(_, schema) => Some(schema),
                 Chosen::None(fields) => {
@@ -295,10 +481,14 @@ enum Chosen {
     None(Vec<String>),
 }
 
-fn chosen(schema: &Schema) -> Chosen {
+fn chosen(schema: &Schema, selected: &[&str]) -> Chosen {
     let Shape::Record(fields) = &schema.shape else {
         return Chosen::Whole;
     };
+    let fields = fields.iter();
+    let fields: Vec<_> = fields
+        .filter(|field| !selected.contains(&&*field.name))
+        .collect();
     let named = |name: &str| fields.iter().find(|field| field.name == name);
     let only = match fields.as_slice() {
         [only] => Some(only),
@@ -310,55 +500,111 @@ fn chosen(schema: &Schema) -> Chosen {
     }
 }
 
-/// Returns the field selected if none is named; `None` for the whole message or if the choice is ambiguous.
-pub fn chosen_field(schema: &Schema) -> Option<String> {
-    match chosen(schema) {
+/// Returns the field that is the value if none is named; `None` for the whole message or if the choice is ambiguous. The
+/// paths of the key are no candidates.
+pub fn chosen_field(schema: &Schema, key: &[(String, String)]) -> Option<String> {
+    let paths = key.iter();
+    let selected: Vec<&str> = paths
+        .filter_map(|(_, path)| path.split('.').next())
+        .collect();
+    match chosen(schema, &selected) {
         Chosen::Field(name, _) => Some(name),
         Chosen::Whole | Chosen::None(_) => None,
     }
 }
 
 /// Returns whether values of the shape are representable in the codomain.
-fn fits(codomain: &Codomain, shape: &Shape) -> bool {
-    let whole = is_integer(shape);
-    match codomain {
-        _ if *shape == Shape::Any => true,
-        Codomain::Boolean => *shape == Shape::Bool,
-        Codomain::Integer => whole,
-        Codomain::Real => whole || is_float(shape),
-        Codomain::Text | Codomain::Enum { .. } => *shape == Shape::Text,
-        Codomain::Other(_) => true,
+pub(super) fn fits(codomain: &Codomain, shape: &Shape) -> bool {
+    match (codomain, shape) {
+        (_, Shape::Any) | (Codomain::Other(_), _) => true,
+        (_, Shape::Option(present)) => fits(codomain, &present.shape),
+        (Codomain::Boolean, _) => *shape == Shape::Bool,
+        (Codomain::Integer, _) => is_integer(shape),
+        (Codomain::Real, _) => is_integer(shape) || is_float(shape),
+        (Codomain::Text | Codomain::Enum { .. }, _) => *shape == Shape::Text,
+        (Codomain::List { item, .. }, Shape::List(element) | Shape::Array(element, _)) => {
+            fits(item, &element.shape)
+        }
+        (Codomain::Tuple { items, .. }, Shape::Record(fields)) if fields.len() == items.len() => {
+            let mut fields = items.iter().zip(fields);
+            fields.all(|(item, field)| fits(item, &field.schema.shape))
+        }
+        (Codomain::Tuple { items, .. }, Shape::List(element)) => {
+            items.iter().all(|item| fits(item, &element.shape))
+        }
+        (Codomain::Tuple { items, .. }, Shape::Array(element, count)) => {
+            *count == items.len() && items.iter().all(|item| fits(item, &element.shape))
+        }
+        // a record with one field stands for that field
+        (Codomain::List { .. } | Codomain::Tuple { .. }, Shape::Record(fields)) => {
+            matches!(fields.as_slice(), [only] if fits(codomain, &only.schema.shape))
+        }
+        (Codomain::List { .. } | Codomain::Tuple { .. }, _) => false,
     }
 }
 
 /// Checks a constant of the composite assigned to a function.
 fn value(function: &FunctionInfo, node: &Node, report: &mut Report) {
-    let fits = match (&function.codomain, &node.value) {
-        (Codomain::Enum { .. }, Branch::Text(text)) => {
-            literal(function, &At::new(text.clone(), node.span), report);
-            true
+    if let (Codomain::Enum { .. }, Branch::Text(text)) = (&function.codomain, &node.value) {
+        literal(function, &At::new(text.clone(), node.span), report);
+        return;
+    }
+    if let Some((codomain, misfit)) = misfit(&function.codomain, node) {
+        report.found(WrongLiteralType {
+            function: FunctionInfo {
+                codomain: codomain.clone(),
+                ..function.clone()
+            },
+            found: described(&misfit.value),
+            at: misfit.span,
+        });
+    }
+}
+
+/// Returns the innermost part of a constant that does not fit, and its codomain.
+fn misfit<'v>(codomain: &'v Codomain, node: &'v Node) -> Option<(&'v Codomain, &'v Node)> {
+    let fits = match (codomain, &node.value) {
+        (Codomain::List { item, .. }, Branch::List(nodes)) => {
+            return nodes.iter().find_map(|node| misfit(item, node));
         }
+        (Codomain::Tuple { items, .. }, Branch::List(nodes)) if items.len() == nodes.len() => {
+            let mut parts = items.iter().zip(nodes);
+            return parts.find_map(|(codomain, node)| misfit(codomain, node));
+        }
+        (Codomain::Enum { literals, .. }, Branch::Text(text)) => {
+            text.contains("${") || literals.contains(text)
+        }
+        (_, Branch::Text(text)) if text.contains("${") => true,
         (Codomain::Boolean, Branch::Boolean(_))
         | (Codomain::Integer, Branch::Integer(_))
         | (Codomain::Real, Branch::Integer(_) | Branch::Float(_))
         | (Codomain::Text, Branch::Text(_))
+        | (Codomain::Tuple { .. }, Branch::Table(_))
         | (Codomain::Other(_), _) => true,
         (
             Codomain::Boolean
             | Codomain::Integer
             | Codomain::Real
             | Codomain::Text
+            | Codomain::List { .. }
+            | Codomain::Tuple { .. }
             | Codomain::Enum { .. },
             _,
         ) => false,
     };
-    if !fits {
-        let found = node.value.describe().to_owned();
-        report.found(WrongLiteralType {
-            function: function.clone(),
-            found,
-            at: node.span,
-        });
+    (!fits).then_some((codomain, node))
+}
+
+/// Describes a value that does not fit, a list with its length.
+fn described(value: &Branch) -> String {
+    match value {
+        Branch::List(nodes) => format!("{} of length {}", value.describe(), nodes.len()),
+        Branch::Text(_)
+        | Branch::Integer(_)
+        | Branch::Float(_)
+        | Branch::Boolean(_)
+        | Branch::Date(_)
+        | Branch::Table(_) => value.describe().to_owned(),
     }
 }
 
@@ -376,7 +622,11 @@ pub(super) fn literal(function: &FunctionInfo, literal: &At<String>, report: &mu
             None,
         ),
         Codomain::Integer if literal.parse::<i64>().is_ok() => return,
-        Codomain::Integer | Codomain::Real | Codomain::Text => {
+        Codomain::Integer
+        | Codomain::Real
+        | Codomain::Text
+        | Codomain::List { .. }
+        | Codomain::Tuple { .. } => {
             let (found, at) = (format!("the literal `{}`", literal.value), literal.span);
             report.found(WrongLiteralType {
                 function: function.clone(),

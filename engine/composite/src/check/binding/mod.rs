@@ -2,18 +2,17 @@
 
 mod action;
 mod argument;
+mod coverage;
 mod function;
 
-use crate::codes::c097::UnboundMonitored;
-use crate::codes::c098::UnboundOut;
 use crate::codes::c101::OtherMainRule;
-use asmotion_diagnostics::Report;
+use asmotion_diagnostics::{Diagnostic, Report};
 
 use super::annotation;
 use super::scene::{CheckedComponent, CheckedComposite};
 use crate::finding::Findings;
 use crate::model::Implementation;
-use crate::signature::{FunctionKind, Signature};
+use crate::signature::Signature;
 
 pub use function::chosen_field;
 
@@ -38,14 +37,16 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
                 });
             }
         }
-        for monitored in &part.component.bind.monitored {
-            function::monitored(&bound, monitored, report);
+        let mut found = Report::new();
+        for monitored in &part.bind.monitored {
+            function::monitored(&bound, monitored, &mut found);
         }
-        for out in &part.component.bind.out {
-            function::out(&bound, out, report);
+        for out in &part.bind.out {
+            function::out(&bound, out, &mut found);
         }
+        extend_once(report, found);
         if let Some(signature) = signature {
-            unbound(&bound, signature, file.span, report);
+            coverage::check(&bound, signature, file.span, report);
             annotation::check(part, signature, file.span, report);
         }
     }
@@ -58,34 +59,29 @@ pub(crate) struct Bound<'b> {
     pub signature: Option<&'b dyn Signature>,
 }
 
-/// Reports monitored and out functions of the specification that have no binding.
-fn unbound(
-    bound: &Bound<'_>,
-    signature: &dyn Signature,
-    file: asmotion_diagnostics::Span,
-    report: &mut Report,
-) {
-    let bind = &bound.part.component.bind;
-    let events = action::events(bind);
-    for function in signature.functions() {
-        let name = function.name.as_str();
-        match function.kind {
-            FunctionKind::Monitored => {
-                let bound = bind.monitored.iter().any(|it| it.function.value == name);
-                if !bound && !events.contains(&name) {
-                    report.found(UnboundMonitored { function, at: file });
-                }
+/// Adds the findings. The bindings that stand for the elements of a domain have one place; of their findings with one
+/// code, the first is added with the number of the others, and without a fix, which would replace the variable.
+fn extend_once(report: &mut Report, found: Report) {
+    let mut added: Vec<(Diagnostic, usize)> = Vec::new();
+    for finding in found.diagnostics {
+        let place = |it: &Diagnostic| it.primary.as_ref().map(|label| label.span);
+        let is_same = |(first, _): &&mut (Diagnostic, usize)| {
+            first.code == finding.code && place(first) == place(&finding)
+        };
+        match added.iter_mut().find(is_same) {
+            Some((first, _)) if *first == finding => {}
+            Some((first, others)) => {
+                first.fix = None;
+                *others += 1;
             }
-            FunctionKind::Out => {
-                if !bind.out.iter().any(|it| it.function.value == name) {
-                    report.found(UnboundOut { function, at: file });
-                }
-            }
-            FunctionKind::Shared
-            | FunctionKind::Controlled
-            | FunctionKind::Static
-            | FunctionKind::Derived
-            | FunctionKind::Local => {}
+            None => added.push((finding, 0)),
         }
+    }
+    for (finding, others) in added {
+        report.push(match others {
+            0 => finding,
+            1 => finding.note("the same holds for another location"),
+            _ => finding.note(format!("the same holds for {others} other locations")),
+        });
     }
 }

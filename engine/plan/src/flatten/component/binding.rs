@@ -14,15 +14,17 @@ pub(super) fn binding(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Option<
     let Some(model::Implementation::Asm { .. }) = &source.component.implementation else {
         return None;
     };
-    let mut binding = to.of(&source.component.bind)?;
+    let mut binding = to.of(source.bind)?;
     for monitored in &mut binding.monitored {
         let looks = monitored.receive != Receive::Edge || !monitored.is.is_empty();
         if monitored.field.is_none() && monitored.map.is_none() && looks {
             let message = match &monitored.from {
                 Source::Port(port) => message(source, &source.face.inputs, port),
                 Source::Request(operation) => request(source, operation),
+                Source::Timer { .. } | Source::Value(_) => None,
             };
-            monitored.field = message.as_ref().and_then(chosen_field);
+            let field = message.map(|message| chosen_field(&message, &monitored.key));
+            monitored.field = field.flatten();
         }
     }
     for out in &mut binding.out {
@@ -30,7 +32,8 @@ pub(super) fn binding(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Option<
             && published.field.is_none()
         {
             let message = message(source, &source.face.outputs, &published.port);
-            published.field = message.as_ref().and_then(chosen_field);
+            let field = message.map(|message| chosen_field(&message, &published.key));
+            published.field = field.flatten();
         }
     }
     Some(binding)

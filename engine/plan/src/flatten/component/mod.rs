@@ -18,6 +18,8 @@ use asmotion_composite::types::Types;
 pub(super) struct PartSource<'p> {
     pub member: &'p Member,
     pub component: &'p model::Component,
+    /// Its bindings, one for each location.
+    pub bind: &'p model::binding::Bind,
     pub face: &'p Endpoints,
     pub types: &'p Types<'p>,
     /// Name prefix of the enclosing composites.

@@ -1,15 +1,15 @@
-//! Simulates all specifications of a folder and prints a line for each.
+//! Simulates several specifications and prints a line for each.
 
 use super::{Sim, SimStartError, comment};
 use crate::exit::Exit;
-use crate::files::{reason, specifications};
+use crate::paths::NamedFile;
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 use asmotion_lang::simulate::{SimulationError, Trace};
 use asmotion_lang::{Diagnostic, OpenFailure, Severity, Specification, StepFault};
 use rayon::prelude::*;
 use serde_json::json;
 use std::fmt;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 /// Result for one specification.
 enum SpecificationOutcome {
@@ -26,38 +26,41 @@ enum SpecificationOutcome {
 }
 
 impl Sim {
-    pub(super) fn folder(&self, folder: &Path, terminal: &mut TerminalOutput) -> Exit {
+    /// Simulates several specifications, and prints a line for each.
+    pub(super) fn several(&self, files: &[NamedFile], terminal: &mut TerminalOutput) -> Exit {
         if self.env.is_some() {
             terminal.error("`--env` names inputs, so it needs a single specification");
             return Exit::Usage;
         }
-        let files = match specifications(folder) {
-            Ok(files) => files,
-            Err(error) => {
-                let (folder, reason) = (folder.display(), reason(&error));
-                terminal.error(format_args!("cannot read `{folder}`: {reason}"));
-                return Exit::Usage;
-            }
-        };
         let outcomes: Vec<SpecificationOutcome> = files
             .par_iter()
-            .map(|file| self.outcome(folder, file))
+            .map(|file| self.outcome(&file.path, &self.name(file)))
             .collect();
-        let mut tally = FolderSummary::default();
+        let mut tally = SimSummary::default();
         for (file, outcome) in files.iter().zip(&outcomes) {
             tally.count(outcome);
             if !self.quiet {
-                let name = file.strip_prefix(folder).unwrap_or(file).display();
-                self.print_outcome(&name.to_string(), outcome, terminal);
+                let name = self.name(file).display().to_string();
+                self.print_outcome(&name, outcome, terminal);
             }
         }
         terminal.status("Simulated", &tally);
         tally.exit()
     }
 
+    /// The name of a specification, also of its trace: relative to the folder if that is the only argument.
+    fn name(&self, file: &NamedFile) -> PathBuf {
+        let path = match (&file.folder, self.paths.as_slice()) {
+            (Some(folder), [_]) => file.path.strip_prefix(folder).unwrap_or(&file.path),
+            (Some(_) | None, _) => &file.path,
+        };
+        // inside the folder of the traces
+        let inside = |part: &Component<'_>| matches!(part, Component::Normal(_));
+        path.components().filter(inside).collect()
+    }
+
     /// Opens, checks and runs one specification.
-    fn outcome(&self, folder: &Path, file: &Path) -> SpecificationOutcome {
-        let name = file.strip_prefix(folder).unwrap_or(file);
+    fn outcome(&self, file: &Path, name: &Path) -> SpecificationOutcome {
         let mut specification = match self.open(&file.to_string_lossy()) {
             Ok(specification) => specification,
             Err(failure) => return rejected(&failure),
@@ -90,8 +93,11 @@ impl Sim {
     ) -> (SpecificationOutcome, Option<String>) {
         let comment = comment(&name.to_string_lossy());
         let mut simulation = match self.start(specification, recorded) {
-            Ok(simulation) if self.trace.is_some() => simulation.traced(&comment),
-            Ok(simulation) => simulation,
+            Ok(started) if self.trace.is_some() => started.simulation.traced(&comment),
+            Ok(started) => started.simulation,
+            Err(SimStartError::Replay(error)) => {
+                return (SpecificationOutcome::Unusable(error.to_string()), None);
+            }
             Err(SimStartError::Fault(fault)) => {
                 let trace = Trace::failed_initial_state(&specification.program, &fault, &comment);
                 return (failed(specification, &fault), Some(trace));
@@ -181,7 +187,7 @@ fn write(path: &Path, text: &str) -> std::io::Result<()> {
 
 /// Numbers of specifications by result.
 #[derive(Default)]
-struct FolderSummary {
+struct SimSummary {
     ran: usize,
     steps: u64,
     modules: usize,
@@ -190,7 +196,7 @@ struct FolderSummary {
     unusable: usize,
 }
 
-impl FolderSummary {
+impl SimSummary {
     fn count(&mut self, outcome: &SpecificationOutcome) {
         match outcome {
             SpecificationOutcome::Ran(steps) => {
@@ -217,7 +223,7 @@ impl FolderSummary {
     }
 }
 
-impl fmt::Display for FolderSummary {
+impl fmt::Display for SimSummary {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let files = self.ran + self.modules + self.rejected + self.faults + self.unusable;
         write!(

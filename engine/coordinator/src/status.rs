@@ -1,0 +1,173 @@
+//! The state of a coordinator as text, for observers.
+
+use crate::coordinator::Coordinator;
+use crate::inputs::{BoundInput, InputLocation};
+use crate::step::StepRecord;
+use asmotion_component::Time;
+use asmotion_datum::{Datum, DatumError};
+use asmotion_lang::ir::{DomainElements, Function, FunctionKind, Program, ValueShape};
+use asmotion_lang::simulate;
+use asmotion_lang::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Usual names of functions that contain a control state.
+pub const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
+
+/// The state of a coordinator between two steps, as observers see it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CoordinatorStatus {
+    /// Number of the last step.
+    pub step: u64,
+    /// Locations that rules update and whose values are literals of an enumeration: the control states.
+    pub state: BTreeMap<String, String>,
+    /// The last step that wrote something; `None` before it.
+    pub last_update: Option<LastUpdate>,
+    /// The monitored locations that the last step read, with their values: the inputs it depends on.
+    pub read: BTreeMap<String, String>,
+    /// Operations whose calls have not ended, as `reference.operation`.
+    pub calls: Vec<String>,
+    /// Monitored locations bound to a port or a service for which no message has arrived.
+    pub silent: BTreeSet<String>,
+    /// Number of events waiting for a step, by location.
+    pub waiting_events: BTreeMap<String, u64>,
+}
+
+/// A step that wrote something.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LastUpdate {
+    /// Number of the step.
+    pub step: u64,
+    /// Time of the step in seconds of the run.
+    pub at_s: f64,
+    /// The update set, ordered by location: location and value.
+    pub updates: BTreeMap<String, String>,
+}
+
+impl CoordinatorStatus {
+    /// The status as entries for observers, in display order.
+    ///
+    /// # Errors
+    /// None in practice: every part is representable.
+    pub fn entries(&self) -> Result<Vec<(String, Datum)>, DatumError> {
+        let Datum::Record(fields) = Datum::of(self)? else {
+            return Ok(Vec::new());
+        };
+        let entries = fields.into_iter();
+        Ok(entries
+            .map(|(name, value)| (name.into_owned(), value))
+            .collect())
+    }
+
+    /// The control state: the location with a usual name, or the only one, and its value.
+    pub fn control_state(&self) -> Option<(&str, &str)> {
+        let named = CONTROL_STATES
+            .iter()
+            .find_map(|name| self.state.get_key_value(*name));
+        let only = || self.state.iter().next().filter(|_| self.state.len() == 1);
+        let (location, value) = named.or_else(only)?;
+        Some((location, value))
+    }
+
+    /// Reads the entries of a component's description; `None` if the component is no coordinator.
+    pub fn of(entries: &[(String, Datum)]) -> Option<Self> {
+        let is_status = entries.iter().any(|(name, _)| name == "waiting_events");
+        let record = Datum::record(entries.iter().cloned());
+        record.to().ok().filter(|_| is_status)
+    }
+}
+
+impl LastUpdate {
+    fn of((at, record): &(Time, StepRecord)) -> Self {
+        let updates = record.updates.iter();
+        Self {
+            step: record.number,
+            at_s: at.seconds(),
+            updates: updates
+                .map(|update| (update.location.clone(), update.after.clone()))
+                .collect(),
+        }
+    }
+}
+
+impl Coordinator {
+    /// The state between two steps.
+    pub(crate) fn status(&self) -> CoordinatorStatus {
+        let calls = self.outbox.pending_calls().map(ToString::to_string);
+        let calls = calls.chain(self.partners.pending_calls());
+        CoordinatorStatus {
+            step: self.machine.steps(),
+            state: self.control_states(),
+            last_update: self.last_record.as_ref().map(LastUpdate::of),
+            read: self.last_inputs(),
+            calls: calls.collect(),
+            silent: self.silent_locations(),
+            waiting_events: self.waiting_events(),
+        }
+    }
+
+    fn control_states(&self) -> BTreeMap<String, String> {
+        let (state, program) = (self.machine.state(), self.machine.program());
+        let locations = state.locations(program).into_iter();
+        let control = locations.filter(|(function, arguments, _)| {
+            let function = program.functions.get(function.0 as usize);
+            arguments.is_empty() && function.is_some_and(|it| is_control(it, program))
+        });
+        let shown = control.map(|(function, arguments, slot)| {
+            let location = simulate::applied(&self.machine, function, &arguments);
+            (location, self.show(state.get(slot)))
+        });
+        shown.collect()
+    }
+
+    fn last_inputs(&self) -> BTreeMap<String, String> {
+        let step = self.machine.last_step();
+        let inputs = step.inputs().iter().map(|input| {
+            let location = simulate::location(&self.machine, input.slot);
+            (location, self.show(&input.value))
+        });
+        inputs.collect()
+    }
+
+    fn silent_locations(&self) -> BTreeSet<String> {
+        let inputs = self.inbox.inputs.iter();
+        let silent = inputs.flat_map(|input| input.silent().map(|it| self.location(input, it)));
+        silent.collect()
+    }
+
+    fn waiting_events(&self) -> BTreeMap<String, u64> {
+        let inputs = self.inbox.inputs.iter();
+        let all = inputs.flat_map(|input| input.locations.iter().map(move |it| (input, it)));
+        let waiting = all.filter(|(_, location)| !location.waiting.is_empty());
+        let counted = waiting.map(|(input, location)| {
+            let name = self.location(input, location);
+            (name, location.waiting.len() as u64)
+        });
+        counted.collect()
+    }
+
+    fn location(&self, input: &BoundInput, location: &InputLocation) -> String {
+        simulate::applied(&self.machine, input.located.function, &location.arguments)
+    }
+
+    fn show(&self, value: &Value) -> String {
+        value.show(&self.machine.naming()).to_string()
+    }
+}
+
+/// Returns whether rules update the function and its values are literals of an enumeration.
+fn is_control(function: &Function, program: &Program) -> bool {
+    let is_written = matches!(
+        function.kind,
+        FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared
+    );
+    let ValueShape::Domain(domain) = &function.codomain else {
+        return false;
+    };
+    let domain = program.domains.get(domain.0 as usize);
+    is_written
+        && domain.is_some_and(|domain| {
+            matches!(domain.elements, DomainElements::Atoms { .. }) && !domain.grows
+        })
+}

@@ -1,0 +1,186 @@
+//! Messages of every form reach the functions of a specification, and values of every form become messages.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::sync::{Arc, Mutex};
+
+use asmotion_component::{Activity, Span};
+use asmotion_coordinator::{
+    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Published, STEP_REPORT,
+    Source, StepRecord,
+};
+use asmotion_datum::{Datum, Numbers, Schema};
+use asmotion_lang::MemoryFiles;
+use asmotion_runtime::{Event, Run, System};
+
+/// The value of `seen` after a message to `input`, whose codomain is given; `None` if the message did not fit.
+fn seen(codomain: &str, message: Datum) -> Option<String> {
+    let text = format!(
+        "
+asm reader
+import StandardLibrary
+signature:
+	enum domain Gear = {{LOW | MIDDLE | HIGH}}
+	domain Fast subsetof Gear
+	domain Speed subsetof Real
+	monitored input: {codomain}
+	controlled seen: {codomain}
+definitions:
+	domain Fast = {{MIDDLE, HIGH}}
+	domain Speed = {{0.5, 1.5}}
+	main rule r_Main = if isDef(input) then seen := input endif
+"
+    );
+    let binding = Binding {
+        monitored: vec![Monitored::new("input", Source::Port("input".to_owned()))],
+        out: Vec::new(),
+    };
+    let interfaces = Interfaces {
+        inputs: vec![("input".to_owned(), Schema::opaque("test/Any"))],
+        ..Interfaces::default()
+    };
+    let mut system = system(&text, &binding, &interfaces);
+    let found = Arc::new(Mutex::new(None));
+    let note = found.clone();
+    system.observe(move |_, event: &Event<'_>| {
+        if let Event::Report { kind, data, .. } = event
+            && *kind == STEP_REPORT
+        {
+            let step: StepRecord = data.to().unwrap();
+            *note.lock().unwrap() = step.updates.first().map(|update| update.after.clone());
+        }
+    });
+    let mut run = system.simulate();
+    run.inject(run.now(), "Reader.input", message).unwrap();
+    run.run_for(50.ms());
+    let fits = run.losses("Reader").misfits == 0;
+    let found = found.lock().unwrap().take();
+    assert_eq!(
+        fits,
+        found.is_some(),
+        "{codomain}: a message is read or counted"
+    );
+    found
+}
+
+fn system(text: &str, binding: &Binding, interfaces: &Interfaces) -> System {
+    let mut files = MemoryFiles::new();
+    files.add("reader.asm", text);
+    let specification = asmotion_lang::open("reader.asm", &files).unwrap();
+    let mut system = System::new();
+    let made = system.add("Reader", Activity::periodic(10.ms()), |interface| {
+        let made = Coordinator::new(specification, binding, interfaces, 1, interface);
+        Box::new(made.unwrap())
+    });
+    made.unwrap();
+    system
+}
+
+fn list(items: impl IntoIterator<Item = i64>) -> Datum {
+    Datum::List(items.into_iter().map(Datum::Int).collect())
+}
+
+#[test]
+fn a_list_reaches_a_specification_in_whatever_form_it_is_sent() {
+    let forms = [
+        list([3, 1, 3]),
+        Datum::Bytes([3, 1, 3].into()),
+        Datum::Numbers(Numbers::I32([3, 1, 3].into())),
+        Datum::Numbers(Numbers::U16([3, 1, 3].into())),
+        Datum::record([("data", Datum::Numbers(Numbers::I64([3, 1, 3].into())))]),
+    ];
+    for form in forms {
+        let as_a = |codomain| seen(codomain, form.clone());
+        assert_eq!(
+            as_a("Seq(Integer)").as_deref(),
+            Some("[3, 1, 3]"),
+            "{form:?}"
+        );
+        assert_eq!(as_a("Seq(Natural)").as_deref(), Some("[3, 1, 3]"));
+        assert_eq!(as_a("Seq(Real)").as_deref(), Some("[3.0, 1.0, 3.0]"));
+        assert_eq!(as_a("Powerset(Integer)").as_deref(), Some("{1, 3}"));
+        assert_eq!(as_a("Bag(Integer)").as_deref(), Some("<1, 3, 3>"));
+        let tuple = as_a("Prod(Integer, Integer, Integer)");
+        assert_eq!(tuple.as_deref(), Some("(3, 1, 3)"));
+        assert_eq!(as_a("Prod(Integer, Integer)"), None);
+        assert_eq!(as_a("Seq(String)"), None);
+        assert_eq!(as_a("Integer"), None);
+    }
+    let floats = Datum::Numbers(Numbers::F32([0.5, 1.5].into()));
+    assert_eq!(
+        seen("Seq(Real)", floats.clone()).as_deref(),
+        Some("[0.5, 1.5]")
+    );
+    assert_eq!(seen("Seq(Integer)", floats), None);
+    let signed = Datum::Numbers(Numbers::I8([-1].into()));
+    assert_eq!(
+        seen("Seq(Integer)", signed.clone()).as_deref(),
+        Some("[-1]")
+    );
+    assert_eq!(seen("Seq(Natural)", signed), None);
+    assert_eq!(
+        seen("Seq(Integer)", Datum::Bytes([].into())).as_deref(),
+        Some("[]")
+    );
+}
+
+#[test]
+fn elements_of_subsets_and_characters_reach_a_specification() {
+    assert_eq!(seen("Speed", Datum::Float(0.5)).as_deref(), Some("0.5"));
+    assert_eq!(seen("Fast", Datum::text("HIGH")).as_deref(), Some("HIGH"));
+    assert_eq!(seen("Fast", Datum::text("REVERSE")), None);
+    assert_eq!(seen("Gear", Datum::text("LOW")).as_deref(), Some("LOW"));
+    assert_eq!(seen("Char", Datum::text("x")).as_deref(), Some("'x'"));
+    assert_eq!(seen("Char", Datum::text("xy")), None);
+    assert_eq!(seen("Char", Datum::text("")), None);
+}
+
+/// The message published for a value.
+fn published(codomain: &str, value: &str) -> Datum {
+    let text = format!(
+        "
+asm writer
+import StandardLibrary
+signature:
+	enum domain Gear = {{LOW | MIDDLE | HIGH}}
+	out output: {codomain}
+definitions:
+	main rule r_Main = output := {value}
+"
+    );
+    let out = Out {
+        location: "output".into(),
+        effect: Effect::Publish(Published {
+            port: "output".to_owned(),
+            field: None,
+            key: Vec::new(),
+            when: PublishWhen::OnUpdate,
+        }),
+    };
+    let binding = Binding {
+        monitored: Vec::new(),
+        out: vec![out],
+    };
+    let interfaces = Interfaces {
+        outputs: vec![("output".to_owned(), Schema::opaque("test/Any"))],
+        ..Interfaces::default()
+    };
+    let mut system = system(&text, &binding, &interfaces);
+    let found = Arc::new(Mutex::new(Datum::Null));
+    let note = found.clone();
+    system.observe(move |_, event: &Event<'_>| {
+        if let Event::Published { sample, .. } = event {
+            *note.lock().unwrap() = sample.to_datum().unwrap();
+        }
+    });
+    system.simulate().run_for(5.ms());
+    let found = found.lock().unwrap();
+    found.clone()
+}
+
+#[test]
+fn collections_are_published_as_lists_and_records() {
+    assert_eq!(published("Bag(Integer)", "<2, 1, 2>"), list([1, 2, 2]));
+    assert_eq!(published("Powerset(Integer)", "{2, 1}"), list([1, 2]));
+    let record = Datum::record([("HIGH", Datum::Int(3))]);
+    assert_eq!(published("Map(Gear, Integer)", "{HIGH -> 3}"), record);
+}

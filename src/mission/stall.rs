@@ -1,0 +1,131 @@
+//! Explains why the time of a run was up: the state of each coordinator, and what it waits for.
+
+use asmotion_coordinator::{CoordinatorStatus, LocationName, Source};
+use asmotion_lang::Specification;
+use asmotion_lang::value::{Atom, Value};
+use asmotion_plan::{Component, Implementation, Plan};
+use asmotion_runtime::Run;
+
+use crate::files::DiskLoader;
+
+/// A coordinator that had not ended when the time of the run was up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StalledCoordinator {
+    /// Name of the component.
+    pub component: String,
+    /// Control state of the component, as in `mode = PLANNING`; `None` if it has none.
+    pub state: Option<String>,
+    /// Time of its last update in seconds of the run; `None` before the first.
+    pub since_s: Option<f64>,
+    /// Reasons for which it makes no progress, the most specific first.
+    pub reasons: Vec<String>,
+}
+
+/// Describes the coordinators of a run whose time is up. A coordinator in a long cycle is left out.
+pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator> {
+    let describe = |component: &Component| {
+        let Implementation::Asm { file, .. } = &component.implementation else {
+            return None;
+        };
+        let status = CoordinatorStatus::of(&run.inspect(&component.name).ok()?)?;
+        Some(StalledCoordinator {
+            component: component.name.clone(),
+            state: status.control_state().map(equation),
+            since_s: status.last_update.as_ref().map(|last| last.at_s),
+            reasons: reasons(plan, component, file, &status),
+        })
+    };
+    plan.components.iter().filter_map(describe).collect()
+}
+
+fn equation((location, value): (&str, &str)) -> String {
+    format!("{location} = {value}")
+}
+
+fn reasons(
+    plan: &Plan,
+    component: &Component,
+    file: &str,
+    status: &CoordinatorStatus,
+) -> Vec<String> {
+    if status.step == 0 {
+        return vec!["it has made no step".to_owned()];
+    }
+    let calls = status.calls.iter();
+    let mut reasons: Vec<String> = calls
+        .map(|call| format!("the call of `{call}` has no reply"))
+        .collect();
+    reasons.extend(without_exit(file, status));
+    let silent = status.silent.iter();
+    let read = silent.filter(|function| status.read.contains_key(*function));
+    reasons.extend(read.map(|function| no_message(plan, component, function)));
+    if reasons.is_empty() {
+        reasons.push(last_step(status));
+    }
+    reasons
+}
+
+/// The control state, if no rule leaves it.
+fn without_exit(file: &str, status: &CoordinatorStatus) -> Option<String> {
+    let (location, value) = status.control_state()?;
+    // the file was read at the start of the run
+    let specification = asmotion_lang::open(file, &DiskLoader).ok()?;
+    let exits = has_exit(&specification, location, value)?;
+    (!exits).then(|| format!("no rule leaves `{location} = {value}`"))
+}
+
+fn has_exit(specification: &Specification, function: &str, literal: &str) -> Option<bool> {
+    let model = &specification.model;
+    let mut functions = model.own_functions();
+    let (function, _) =
+        functions.find(|(_, it)| &*it.name == function && it.parameters.is_empty())?;
+    let atom = model.atoms.iter().position(|atom| &*atom.name == literal)?;
+    let state = Value::Atom(Atom(u32::try_from(atom).ok()?));
+    Some(model.has_exit(function, &state))
+}
+
+/// The reason that no message has arrived for a monitored location, with the origin of its messages.
+fn no_message(plan: &Plan, component: &Component, location: &str) -> String {
+    let name = LocationName::from(location);
+    let bound = component.binding.iter().flat_map(|it| &it.monitored);
+    let mut bound = bound.filter(|it| {
+        let is_selected = !it.key.is_empty() && it.location.function == name.function;
+        it.location == name || is_selected
+    });
+    let origin = match bound.next().map(|monitored| &monitored.from) {
+        Some(Source::Port(port)) => origin_of(plan, component, port),
+        Some(Source::Request(operation)) => format!("requests of `{operation}`"),
+        Some(Source::Timer { .. } | Source::Value(_)) | None => "its binding".to_owned(),
+    };
+    format!("no message has arrived for `{location}` ({origin})")
+}
+
+fn origin_of(plan: &Plan, component: &Component, port: &str) -> String {
+    let is_port = |end: &asmotion_plan::End| end.component == component.name && end.name == port;
+    let mut topics = plan.topics.iter();
+    match topics.find(|topic| topic.subscribers.iter().any(is_port)) {
+        Some(topic) if topic.publishers.is_empty() => {
+            format!("topic `{}`, which no component publishes", topic.name)
+        }
+        Some(topic) => format!("topic `{}`", topic.name),
+        None => format!("port `{port}`"),
+    }
+}
+
+/// The inputs of the last step, and whether it wrote anything.
+fn last_step(status: &CoordinatorStatus) -> String {
+    let inputs = status.read.iter();
+    let inputs: Vec<String> = inputs
+        .map(|(location, value)| format!("{location} = {value}"))
+        .collect();
+    let inputs = match inputs.as_slice() {
+        [] => "no input".to_owned(),
+        inputs => inputs.join(", "),
+    };
+    let is_last = |last: &asmotion_coordinator::LastUpdate| last.step == status.step;
+    let wrote = match status.last_update.as_ref().filter(|last| is_last(last)) {
+        Some(_) => "still wrote",
+        None => "wrote nothing",
+    };
+    format!("its last step read {inputs} and {wrote}")
+}

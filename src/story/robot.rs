@@ -1,0 +1,180 @@
+//! The robots of a mission: their paths, goals and control states.
+
+use std::collections::BTreeMap;
+
+use asmotion_component::Time;
+use asmotion_messages::Point;
+
+use super::driven_path::DrivenPath;
+
+/// The robots of a composite. A robot is a nested composite whose components publish odometry, or the whole composite.
+///
+/// Goals, true positions and control states belong to the robots that share the longest part of their component's name:
+/// those of `Left/Coordinator` to `Left`, those of a coordinator outside to all robots.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Robots {
+    paths: BTreeMap<String, DrivenPath>,
+    goals: BTreeMap<String, Point>,
+    true_positions: BTreeMap<String, Point>,
+    control_states: BTreeMap<String, String>,
+}
+
+/// A robot at the end of a mission.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotSummary<'a> {
+    /// Name of its composite, as in `Left`; empty if it is the whole composite.
+    pub name: &'a str,
+    /// The driven path and its goal.
+    pub path: &'a DrivenPath,
+    /// The last control state of its coordinator; `None` if it has none.
+    pub control_state: Option<&'a str>,
+}
+
+impl Robots {
+    /// All robots by name.
+    pub fn all(&self) -> impl Iterator<Item = RobotSummary<'_>> {
+        let is_only = self.paths.len() == 1;
+        self.paths.iter().map(move |(name, path)| RobotSummary {
+            name,
+            path,
+            control_state: nearest(&self.control_states, name, is_only).map(String::as_str),
+        })
+    }
+
+    /// The path of the only robot; `None` if there are several, or if nothing moved.
+    pub fn only_path(&self) -> Option<&DrivenPath> {
+        let mut paths = self.paths.values();
+        paths.next().filter(|_| paths.next().is_none())
+    }
+
+    /// Handles a position of the robot to which the component belongs. Returns a report of progress, if due.
+    pub(super) fn moved(&mut self, component: &str, at: Time, to: Point) -> Option<String> {
+        let robot = composite_of(component);
+        // at its first position, the robot is not counted yet
+        let is_only = self.paths.keys().all(|known| known == robot);
+        let goal = nearest(&self.goals, robot, is_only).copied();
+        let path = self.path(robot);
+        path.goal = goal;
+        let report = path.moved(at, to)?;
+        Some(if is_only {
+            report
+        } else {
+            format!("{report} {robot}")
+        })
+    }
+
+    /// The path of the robot to which the component belongs.
+    fn path(&mut self, robot: &str) -> &mut DrivenPath {
+        if !self.paths.contains_key(robot) {
+            self.paths.insert(robot.to_owned(), DrivenPath::default());
+        }
+        self.paths.entry(robot.to_owned()).or_default()
+    }
+
+    /// Sets the goal of the robots that the component coordinates.
+    pub(super) fn set_goal(&mut self, component: &str, goal: Point) {
+        self.goals.insert(composite_of(component).to_owned(), goal);
+        let is_only = self.paths.len() == 1;
+        for (robot, path) in &mut self.paths {
+            path.goal = nearest(&self.goals, robot, is_only).copied();
+        }
+    }
+
+    /// Sets the true position of the robots that the component simulates.
+    pub(super) fn set_true_position(&mut self, component: &str, position: Point) {
+        self.true_positions
+            .insert(composite_of(component).to_owned(), position);
+        let is_only = self.paths.len() == 1;
+        for (robot, path) in &mut self.paths {
+            path.set_true_position(nearest(&self.true_positions, robot, is_only).copied());
+        }
+    }
+
+    /// Sets the control state of a coordinator.
+    pub(super) fn set_control_state(&mut self, component: &str, state: &str) {
+        let robot = composite_of(component).to_owned();
+        self.control_states.insert(robot, state.to_owned());
+    }
+}
+
+/// The nested composite of a component: `Left` of `Left/RoverDriver`.
+fn composite_of(component: &str) -> &str {
+    component.rsplit_once('/').map_or("", |(outer, _)| outer)
+}
+
+/// The entry whose composite shares the most with the robot's; the first of several. Of several robots, each has only
+/// entries that share something with it, or that are outside all nested composites.
+fn nearest<'m, T>(
+    by_composite: &'m BTreeMap<String, T>,
+    robot: &str,
+    is_only: bool,
+) -> Option<&'m T> {
+    let shared = |composite: &str| {
+        let pairs = composite.split('/').zip(robot.split('/'));
+        pairs.take_while(|(one, other)| one == other).count()
+    };
+    let is_related = |composite: &str| {
+        is_only || composite.is_empty() || robot.is_empty() || shared(composite) > 0
+    };
+    // the last maximum in reverse order is the first one
+    let entries = by_composite.iter().rev();
+    let related = entries.filter(|(composite, _)| is_related(composite));
+    let nearest = related.max_by_key(|(composite, _)| shared(composite));
+    nearest.map(|(_, value)| value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Robots;
+    use asmotion_component::{Span, Time};
+    use asmotion_messages::Point;
+
+    fn at(x: f64) -> Point {
+        Point {
+            x,
+            ..Point::default()
+        }
+    }
+
+    #[test]
+    fn each_robot_has_its_own_path_goal_and_state() {
+        let mut robots = Robots::default();
+        for tick in 0..=10_u32 {
+            let now = Time::ZERO + (u64::from(tick) * 100).ms();
+            let x = f64::from(tick);
+            robots.moved("Left/Driver", now, at(x));
+            robots.moved("Right/base/Driver", now, at(-2.0 * x));
+            if tick == 5 {
+                robots.set_goal("Left/Coordinator", at(11.0));
+                robots.set_goal("Right/Coordinator", at(-25.0));
+                robots.set_control_state("Left/Coordinator", "ARRIVED");
+                robots.set_true_position("Left/World", at(9.0));
+            }
+        }
+        let all: Vec<_> = robots.all().collect();
+        assert_eq!((all[0].name, all[1].name), ("Left", "Right/base"));
+        assert_eq!((all[0].path.driven_m, all[1].path.driven_m), (10.0, 20.0));
+        assert_eq!(all[0].path.to_goal_m(), Some(1.0));
+        assert_eq!(all[1].path.to_goal_m(), Some(5.0));
+        assert_eq!(all[0].path.true_to_goal_m(), Some(2.0));
+        assert_eq!(all[1].path.true_to_goal_m(), None);
+        assert_eq!(all[0].control_state, Some("ARRIVED"));
+        assert_eq!(all[1].control_state, None);
+        assert_eq!(robots.only_path(), None);
+    }
+
+    #[test]
+    fn a_robot_in_a_composite_of_its_own_has_the_goal_of_the_coordinator_outside() {
+        let mut robots = Robots::default();
+        robots.set_goal("Coordinator", at(3.0));
+        robots.set_control_state("Coordinator", "FOLLOWING");
+        robots.moved("base/Driver", Time::ZERO, at(1.0));
+        let path = robots.only_path().unwrap();
+        assert_eq!(path.to_goal_m(), Some(2.0));
+        let state = robots
+            .all()
+            .next()
+            .and_then(|robot| robot.control_state.map(str::to_owned));
+        assert_eq!(state.as_deref(), Some("FOLLOWING"));
+    }
+}

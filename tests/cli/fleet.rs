@@ -1,0 +1,55 @@
+//! Several robots in one composite: each has its own summary.
+
+use super::{NAVIGATION, run};
+use std::path::Path;
+
+/// A composite of two rovers in worlds of their own with the same goal; the left one starts closer to it.
+fn fleet() -> (tempfile::TempDir, String) {
+    let navigation = Path::new(env!("CARGO_MANIFEST_DIR")).join(NAVIGATION);
+    let robot = |name: &str, settings: &str| {
+        let path = navigation.display();
+        format!("[components.{name}]\nimplementation = {{ composite = \"{path}\" }}\n{settings}\n")
+    };
+    let left = robot("Left", "properties = { start = [20.0, 7.0, 0.0] }\n");
+    let right = robot("Right", "");
+    let text = format!("schema = \"composite/1\"\n[composite]\nname = \"fleet\"\n\n{left}{right}");
+    super::file("fleet.composite.toml", text)
+}
+
+#[test]
+fn a_run_of_several_robots_ends_when_all_have_reached_their_goals() {
+    let (_folder, path) = fleet();
+    let command = ["run", &path, "-q"];
+    let (code, out, err) = run(&command);
+    assert_eq!(code, 0, "{out}{err}");
+    let line = |robot: &str| {
+        out.lines()
+            .find(|line| line.trim_start().starts_with(robot))
+            .unwrap()
+    };
+    assert!(line("Left").contains("ARRIVED, driven"), "{out}");
+    assert!(line("Right").contains("ARRIVED, driven"), "{out}");
+
+    let (_, json, _) = run(&[&command[..], &["--json"]].concat());
+    let summary: serde_json::Value = serde_json::from_str(json.lines().last().unwrap()).unwrap();
+    assert_eq!(summary["outcome"], "reached");
+    assert_eq!(
+        summary["driven_m"],
+        serde_json::Value::Null,
+        "there are two paths"
+    );
+    let robots = summary["robots"].as_array().unwrap();
+    let names: Vec<_> = robots.iter().map(|robot| &robot["name"]).collect();
+    assert_eq!(names, ["Left", "Right"]);
+    for robot in robots {
+        assert!(robot["to_goal_m"].as_f64().unwrap() < 0.15, "{robot}");
+        assert_eq!(robot["control_state"], "ARRIVED");
+    }
+    let driven = |index: usize| robots[index]["driven_m"].as_f64().unwrap();
+    assert!((7.0..12.0).contains(&driven(0)), "{robots:?}");
+    assert!((25.0..60.0).contains(&driven(1)), "{robots:?}");
+    assert!(
+        summary["time_s"].as_f64().unwrap() > 40.0,
+        "the last one decides"
+    );
+}

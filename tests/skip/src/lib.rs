@@ -1,0 +1,118 @@
+//! For tests that need something that not every machine has. A skipped test says so past the test harness, which hides the output
+//! of tests that pass, and fails where the environment variable `CI` is set.
+
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Names of requirements that may be missing although `CI` is set, separated by blanks.
+const PERMISSION: &str = "ASMOTION_SKIP";
+
+/// Requirements of which a notice has been printed.
+static NOTICED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+
+/// Something that tests need.
+#[derive(Clone, Copy, Debug)]
+pub struct Requirement<'a> {
+    /// Name in the environment variable `ASMOTION_SKIP`.
+    pub name: &'a str,
+    /// The tests that need it.
+    pub tests: &'a str,
+    /// How to get it.
+    pub remedy: &'a str,
+}
+
+/// Python 3, in which the peers of some tests are written.
+pub const PYTHON: Requirement<'_> = Requirement {
+    name: "python",
+    tests: "the tests with a program in Python",
+    remedy: "Install the package `python3`, or run `./test`",
+};
+
+/// RabbitMQ.
+pub const BROKER: Requirement<'_> = Requirement {
+    name: "broker",
+    tests: "the tests on a real broker",
+    remedy: "Install the package `rabbitmq-server`, or run `./test`",
+};
+
+/// The specifications of the ASMETA project.
+const CORPUS: Requirement<'_> = Requirement {
+    name: "corpus",
+    tests: "the tests on the specifications of ASMETA",
+    remedy: "Set `ASMETA_CORPUS` to a checkout of asmeta/asmeta",
+};
+
+impl Requirement<'_> {
+    /// Reports that tests are skipped because this is missing, once for each test program.
+    ///
+    /// # Panics
+    /// Panics if `CI` is set and `ASMOTION_SKIP` does not contain the name.
+    #[expect(clippy::panic, reason = "a test without what it needs has failed")]
+    pub fn skip(&self) {
+        let Self {
+            name,
+            tests,
+            remedy,
+        } = self;
+        let permitted = std::env::var(PERMISSION).unwrap_or_default();
+        if must_fail(std::env::var_os("CI").is_some(), &permitted, name) {
+            panic!("{tests} cannot run. {remedy}, or add `{name}` to `{PERMISSION}`.");
+        }
+        let mut noticed = NOTICED.lock().unwrap_or_else(PoisonError::into_inner);
+        if noticed.insert((*name).to_owned()) {
+            let notice = format!("\n*** SKIPPED: {tests}. {remedy}.\n\n");
+            let _ = std::io::stderr().write_all(notice.as_bytes());
+        }
+    }
+}
+
+fn must_fail(is_ci: bool, permitted: &str, name: &str) -> bool {
+    is_ci && !permitted.split_whitespace().any(|word| word == name)
+}
+
+/// Returns the folder of ASMETA's specifications, which `ASMETA_CORPUS` names; `None`, with a notice, if it is not set.
+///
+/// # Panics
+/// See [`Requirement::skip`].
+pub fn corpus() -> Option<PathBuf> {
+    let corpus = std::env::var_os("ASMETA_CORPUS").map(PathBuf::from);
+    if corpus.is_none() {
+        CORPUS.skip();
+    }
+    corpus
+}
+
+/// Returns a path in the folder `shared` beside the repository, which contains reference results and data too large for it;
+/// `None`, with a notice, if there is no such file or folder.
+///
+/// # Panics
+/// See [`Requirement::skip`].
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let found = repository.join("../shared").join(path);
+    if found.exists() {
+        return Some(found);
+    }
+    let requirement = Requirement {
+        name: "shared",
+        tests: &format!("the tests on `../shared/{path}`"),
+        remedy: "Put the folder `shared` beside the repository",
+    };
+    requirement.skip();
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::must_fail;
+
+    #[test]
+    fn what_is_missing_fails_in_ci_unless_it_is_permitted() {
+        assert!(!must_fail(false, "", "corpus"));
+        assert!(must_fail(true, "", "corpus"));
+        assert!(must_fail(true, "corpus-2 shared", "corpus"));
+        assert!(!must_fail(true, "shared corpus", "corpus"));
+    }
+}
