@@ -6,6 +6,8 @@ mod support;
 
 use std::collections::BTreeSet;
 
+use asmotion_plan::Opened;
+
 /// Expected diagnostics of a file as line and code; line 0 for diagnostics without a location in it.
 fn expected(text: &str) -> BTreeSet<(usize, String)> {
     let mut expected = BTreeSet::new();
@@ -22,7 +24,7 @@ fn expected(text: &str) -> BTreeSet<(usize, String)> {
     expected
 }
 
-fn found(file: &str, opened: &asmotion_plan::Opened) -> BTreeSet<(usize, String)> {
+fn found(file: &str, opened: &Opened) -> BTreeSet<(usize, String)> {
     let findings = opened.report.diagnostics.iter().map(|finding| {
         let place = finding.primary.as_ref().map(|label| label.span);
         let here = place.filter(|span| opened.sources.path(span.file) == file);
@@ -30,6 +32,15 @@ fn found(file: &str, opened: &asmotion_plan::Opened) -> BTreeSet<(usize, String)
         (line, finding.code.to_string())
     });
     findings.collect()
+}
+
+/// Drops the warnings about programs outside, which most files use where the implementation of a component does not matter.
+fn without_programs(mut opened: Opened) -> Opened {
+    opened.report.diagnostics.retain(|finding| {
+        let kinds = ["program ", "ROS node ", "Orocos component "];
+        finding.code != "C025" || !kinds.iter().any(|kind| finding.message.starts_with(kind))
+    });
+    opened
 }
 
 fn files() -> Vec<String> {
@@ -51,7 +62,10 @@ fn it_finds_every_planted_mistake_and_nothing_else() {
     let mut wrong = Vec::new();
     for file in files() {
         let text = std::fs::read_to_string(format!("tests/composites/{file}")).expect("a file");
-        let opened = support::open("tests/composites", &file);
+        let mut opened = support::open("tests/composites", &file);
+        if !file.starts_with("c025_") {
+            opened = without_programs(opened);
+        }
         let (expected, found) = (expected(&text), found(&file, &opened));
         let rendered = support::render::report(&opened.sources, &opened.report);
         if expected != found {

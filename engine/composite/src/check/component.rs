@@ -17,6 +17,7 @@ use asmotion_diagnostics::{Report, Span};
 
 use super::declared::declared;
 use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt};
+use super::operations::operations;
 use super::scene::{CheckedComponent, CheckedComposite};
 use crate::at::At;
 use crate::finding::Findings;
@@ -197,6 +198,7 @@ fn face(
                 Some(declaration) => {
                     let face = declared(scene, face, name, &declaration, report);
                     properties(component, &face, name.span, report);
+                    operations(scene, component, name, &face, report);
                     face
                 }
                 None => {
@@ -207,31 +209,59 @@ fn face(
         }
         Implementation::Builtin { name, .. } => {
             builtin(scene, name, implementation.builtin(), report);
+            let face = listed(component, report);
+            operations(scene, component, name, &face, report);
+            face
+        }
+        Implementation::Process { command, arguments } => {
+            outside("program", command, report);
+            unsupported("arguments", arguments.first(), report);
             listed(component, report)
         }
-        Implementation::Process { arguments, .. } => {
-            outside("arguments", arguments.first(), report);
+        Implementation::Ros {
+            package,
+            executable,
+        } => {
+            outside("ROS node", package, report);
+            unsupported("executable", executable.as_ref(), report);
             listed(component, report)
         }
-        Implementation::Ros { executable, .. } => {
-            outside("executable", executable.as_ref(), report);
+        Implementation::Orocos {
+            component: name,
+            name_service,
+        } => {
+            outside("Orocos component", name, report);
+            unsupported("name_service", name_service.as_ref(), report);
             listed(component, report)
         }
-        Implementation::Orocos { name_service, .. } => {
-            outside("name_service", name_service.as_ref(), report);
-            listed(component, report)
+        Implementation::Asm { file, .. } => {
+            let face = listed(component, report);
+            operations(scene, component, file, &face, report);
+            face
         }
-        Implementation::Asm { .. } => listed(component, report),
     }
 }
 
-/// Reports a key for a program outside, which this version does not start.
-fn outside(key: &'static str, value: Option<&At<String>>, report: &mut Report) {
+/// Way out where an implementation is a program that this version does not start.
+const OUTSIDE: &str = "start the program yourself; it takes part over the broker (docs/wire.md)";
+
+/// Reports an implementation that is a program of its own, which this version does not start.
+fn outside(what: &'static str, name: &At<String>, report: &mut Report) {
+    report.found(ImplementationNotInBuild {
+        what,
+        name: name.value.clone(),
+        at: name.span,
+        instead: Some(OUTSIDE),
+    });
+}
+
+/// Reports a key for a program outside.
+fn unsupported(key: &'static str, value: Option<&At<String>>, report: &mut Report) {
     if let Some(value) = value {
         report.found(UnsupportedKey {
             key,
             at: value.span,
-            instead: "start the program yourself; it takes part over the broker (docs/wire.md)",
+            instead: OUTSIDE,
         });
     }
 }
@@ -251,6 +281,7 @@ fn absent(scene: &CheckedComposite<'_>, name: &At<String>, report: &mut Report) 
             what,
             name: name.value.clone(),
             at,
+            instead: None,
         }),
     }
 }
@@ -267,6 +298,7 @@ fn builtin(
             what: "built-in",
             name: name.value.clone(),
             at: name.span,
+            instead: None,
         }),
         None => report.found(UnknownImplementation {
             what: "built-in",

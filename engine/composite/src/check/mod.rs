@@ -17,6 +17,7 @@ pub mod endpoints;
 mod fan_out;
 mod gateway;
 mod literal;
+mod operations;
 mod profile;
 mod promote;
 mod proxy;

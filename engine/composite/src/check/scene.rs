@@ -199,6 +199,7 @@ impl<'s> CheckedComposite<'s> {
                 what: "binding",
                 name: binding.value.to_string(),
                 at: binding.span,
+                instead: None,
             }),
         }
     }

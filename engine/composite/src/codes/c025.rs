@@ -4,6 +4,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// The ports and services of the component cannot be verified, because this build does not contain it.
 /// The composite can be checked with what it lists about the component, but not started by this build.
+/// This also holds for a program of its own (`process`, `ros`, `orocos`): start it yourself, in a process that the
+/// composite does not start.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -24,10 +26,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// name = "example"
 ///
 /// [components.Arm]
-/// implementation = { process = "welding-gun" }
+/// implementation = { rust = "youbot::DummyDriver" }
 /// ```
-///
-/// A component that runs as a program of its own (`process`) does not have to be in the build.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C025, warning)]
 #[error("{what} `{name}` is not in this build")]
@@ -35,12 +35,18 @@ pub(crate) struct ImplementationNotInBuild {
     pub what: &'static str,
     pub name: String,
     pub at: Span,
+    /// What to do without it.
+    pub instead: Option<&'static str>,
 }
 
 impl Finding for ImplementationNotInBuild {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
+        let diagnostic = diagnostic
             .label(self.at, "not verified by this build")
-            .note("this build can check the composite, but not start it")
+            .note("this build can check the composite, but not start it");
+        match self.instead {
+            Some(instead) => diagnostic.help(instead),
+            None => diagnostic,
+        }
     }
 }

@@ -5,7 +5,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Member not declared by the component
 ///
-/// A composite may list the ports, services and references of a component for its readers. The list is
+/// A composite may list the ports, services, operations and references of a component for its readers. The list is
 /// compared with the declarations of the component, and this entry is not among them.
 ///
 /// ```toml wrong

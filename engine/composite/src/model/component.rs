@@ -58,7 +58,7 @@ pub struct Component {
     /// References it needs, with their interfaces.
     #[key(example = "{ maps = \"nav/MapService\" }")]
     pub references: Vec<Wanted>,
-    /// Operations callable by any component, with their signatures.
+    /// Operations of its services, with their signatures: the types of the request's fields, and of the response.
     #[key(example = "{ setPeriod = \"fn(f64) -> bool\" }")]
     pub operations: Vec<Listed>,
     /// File with property values; `properties` takes precedence.
