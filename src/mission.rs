@@ -7,7 +7,7 @@ mod process;
 mod stall;
 mod version_switch;
 
-pub use self::gateway::{ListenCallback, MissionGateways};
+pub use self::gateway::{ListenCallback, ListeningGateway, MissionGateways};
 pub use error::MissionError;
 pub use process::{MissionBrokers, NamedBrokers};
 pub use stall::StalledCoordinator;

@@ -220,6 +220,12 @@ fn a_gateway_is_opened_elsewhere_or_not_at_all_or_says_what_stands_in_the_way() 
         (&first["type"], &first["name"]),
         (&json!("gateway"), &json!("main"))
     );
+    let loopback = ["--for", "0.2", "--http", "127.0.0.1:0"];
+    let everywhere = ["--for", "0.2", "--http", "0.0.0.0:0"];
+    for (arguments, warns) in [(loopback, false), (everywhere, true)] {
+        let (code, said) = ends(&arguments);
+        assert_eq!((code, said.contains("C067")), (Some(0), warns), "{said}");
+    }
     let (_folder, plain) = composite(&MAPS.replace("binding = \"http\"", ""));
     let output = run(&plain, &["--http", "127.0.0.1:0"]).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();

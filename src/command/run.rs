@@ -24,8 +24,8 @@ use crate::broker::{self, BrokerAccess};
 use crate::exit::Exit;
 use crate::gateway;
 use crate::mission::{
-    ListenCallback, Mission, MissionBrokers, MissionClock, MissionError, MissionOutcome,
-    NamedBrokers,
+    ListenCallback, ListeningGateway, Mission, MissionBrokers, MissionClock, MissionError,
+    MissionOutcome, NamedBrokers,
 };
 use crate::output_files::{OutputArguments, OutputFiles};
 use crate::paths::composite_file;
@@ -195,14 +195,28 @@ impl Run {
     /// Returns the printer of gateway addresses.
     fn on_listen(&self) -> ListenCallback {
         let (quiet, as_json) = (self.common.quiet, self.common.json);
-        ListenCallback::new(move |name, at| {
-            let url = format!("http://{at}/services");
+        // an address in the composite has been checked with it
+        let is_unchecked = !self.http.is_empty();
+        ListenCallback::new(move |gateway| {
+            let ListeningGateway {
+                name,
+                address,
+                needs_token,
+            } = gateway;
+            let url = format!("http://{address}/services");
             if as_json {
                 let object = json!({ "type": "gateway", "v": 1, "name": name, "url": url });
                 let _ = writeln!(anstream::stdout(), "{object}");
             }
             if !quiet {
                 let _ = writeln!(anstream::stderr(), "   Listening {url} (gateway `{name}`)");
+            }
+            if is_unchecked && !needs_token && !address.ip().is_loopback() {
+                let _ = writeln!(
+                    anstream::stderr(),
+                    "warning[C067]: the gateway at {address} is open to every program on the network; \
+                     give `gateways.{name}` a `token`, or listen at 127.0.0.1"
+                );
             }
         })
     }

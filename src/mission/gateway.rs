@@ -23,23 +23,34 @@ pub enum MissionGateways {
     Open {
         /// Overriding addresses, as pairs of gateway and address.
         address_overrides: Vec<(String, SocketAddr)>,
-        /// Called with the address of each gateway.
+        /// Called with each gateway.
         on_listen: ListenCallback,
     },
 }
 
-/// Callback for the name and address of each opened gateway.
+/// A gateway that has been opened.
+#[derive(Clone, Copy, Debug)]
+pub struct ListeningGateway<'a> {
+    /// Name in the composite.
+    pub name: &'a str,
+    /// The address it listens at, with the port that the system chose for port 0.
+    pub address: SocketAddr,
+    /// Whether callers need a token.
+    pub needs_token: bool,
+}
+
+/// Callback for each opened gateway.
 #[derive(Clone)]
 pub struct ListenCallback(
     #[cfg_attr(not(feature = "http"), allow(dead_code, reason = "nothing listens"))]
     Arc<ListenFunction>,
 );
 
-type ListenFunction = dyn Fn(&str, SocketAddr) + Send + Sync;
+type ListenFunction = dyn Fn(ListeningGateway<'_>) + Send + Sync;
 
 impl ListenCallback {
     /// Wraps a function.
-    pub fn new(callback: impl Fn(&str, SocketAddr) + Send + Sync + 'static) -> Self {
+    pub fn new(callback: impl Fn(ListeningGateway<'_>) + Send + Sync + 'static) -> Self {
         Self(Arc::new(callback))
     }
 }

@@ -10,7 +10,7 @@ use asmotion_network::{Network, NetworkError};
 use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::System;
 
-use super::MissionGateways;
+use super::{ListeningGateway, MissionGateways};
 use crate::describe::{self, ServedOperation};
 use crate::mission::{Mission, MissionError};
 
@@ -53,7 +53,11 @@ impl Mission {
                     name: gateway.name.clone(),
                     reason: reason.to_string(),
                 })?;
-                (on_listen.0)(&gateway.name, open.address());
+                (on_listen.0)(ListeningGateway {
+                    name: &gateway.name,
+                    address: open.address(),
+                    needs_token: gateway.token.is_some(),
+                });
                 Ok(open)
             };
         gateways.iter().map(open).collect()
