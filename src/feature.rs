@@ -20,7 +20,7 @@ pub trait Feature {
 /// Systems on RabbitMQ: `run --bus`, and the commands that inspect and control a running system.
 pub struct Amqp;
 
-/// Services over HTTP: gateways of composites.
+/// Services over HTTP: gateways of composites, and wires to other systems.
 pub struct Http;
 
 /// Composites of the Service Component Architecture, and RTT's property files.
@@ -36,7 +36,7 @@ impl Feature for Amqp {
 
 impl Feature for Http {
     const NAME: &'static str = "http";
-    const BRINGS: &'static str = "the gateway for services over HTTP";
+    const BRINGS: &'static str = "the gateway and client for services over HTTP";
 }
 
 impl Feature for Scdl {

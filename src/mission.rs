@@ -1,5 +1,6 @@
 //! Assembles a composite and runs it until an end condition holds.
 
+mod client;
 mod end_condition;
 mod error;
 mod gateway;
@@ -23,7 +24,7 @@ use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
-use asmotion_plan::{Opened, Plan, Terminal};
+use asmotion_plan::{Opened, Part, Plan, Terminal};
 use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 
@@ -163,8 +164,8 @@ impl Mission {
                 available: known,
             });
         };
-        self.check_clock_of_queues(plan)?;
         let part = self.part(plan)?;
+        self.check_clock(plan, &part)?;
         let watch = EndCondition::new(
             plan,
             &part,
@@ -221,6 +222,7 @@ impl Mission {
         if !gateways.is_empty() {
             contacts.push(self.gateway_contact(&mut system, &gateway_bus, plan, &part)?);
         }
+        let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             MissionClock::Wall => Box::new(system.live()),
@@ -255,7 +257,7 @@ impl Mission {
         // the last messages of the components are sent before the bus closes
         contacts.iter_mut().for_each(ProcessContact::leave);
         drop((run, contacts, successor));
-        drop(connected);
+        drop((connected, client));
         Ok(MissionEnd {
             outcome,
             summary,
@@ -266,15 +268,16 @@ impl Mission {
         })
     }
 
-    /// Rejects virtual time if a message queue leads to a component outside, which uses the wall clock.
-    fn check_clock_of_queues(&self, plan: &Plan) -> Result<(), MissionError> {
+    /// Rejects virtual time if a message queue or a wire leads to a system outside, which uses the wall clock.
+    fn check_clock(&self, plan: &Plan, part: &Part) -> Result<(), MissionError> {
         let mut ends = plan.connections.iter().flat_map(|it| [&it.from, &it.to]);
-        match (
-            self.clock,
-            ends.find(|it| matches!(it, Terminal::Mqueue(_))),
-        ) {
-            (MissionClock::Virtual(_), Some(queue)) => Err(MissionError::Launch(format!(
-                "`{queue}` leads to another process, which uses the wall clock: add `--clock wall`"
+        let queue = ends.find(|it| matches!(it, Terminal::Mqueue(_)));
+        let queue = queue.map(ToString::to_string);
+        let urls = plan.wires_outside(part).map(|(_, url)| url.shown());
+        let outside = queue.or_else(|| urls.map(str::to_owned).next());
+        match (self.clock, outside) {
+            (MissionClock::Virtual(_), Some(outside)) => Err(MissionError::Launch(format!(
+                "`{outside}` leads to another process, which uses the wall clock: add `--clock wall`"
             ))),
             (MissionClock::Virtual(_), None) | (MissionClock::Wall, _) => Ok(()),
         }

@@ -1,7 +1,7 @@
 //! Services over HTTP: promoted operations are called by clients without access to the bus.
 
 use serde_json::{Value, json};
-use std::io::{Read, Write};
+use std::io::{BufRead, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -330,4 +330,116 @@ fn the_state_of_a_coordinator_is_read_over_http() {
         2,
         "{listed}"
     );
+}
+
+/// The composite `courier` as two systems: the dispatcher behind a gateway, and the courier, which calls it over HTTP.
+fn offices(folder: &Path) -> (PathBuf, PathBuf) {
+    let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/courier");
+    for file in ["courier.asm", "dispatcher.asm", "Dispatch.asm"] {
+        std::fs::copy(specs.join(file), folder.join(file)).unwrap();
+    }
+    let write = |name: &str, text: &str| {
+        let path = folder.join(name);
+        let head = format!("schema = \"composite/1\"\n[composite]\nname = \"{name}\"\n");
+        std::fs::write(&path, head + text).unwrap();
+        path
+    };
+    let office = write("office", OFFICE);
+    let street = write("street", STREET);
+    (office, street)
+}
+
+const OFFICE: &str = r#"
+[gateways.main]
+listen = "127.0.0.1:0"
+token = "${OFFICE_TOKEN}"
+[components.Dispatcher]
+implementation = { asm = "dispatcher.asm" }
+task = { period_ms = 20 }
+services = { dispatch = "courier/Dispatch" }
+[[promote]]
+service = "Dispatcher.dispatch"
+as = "jobs"
+binding = "http"
+"#;
+
+const STREET: &str = r#"
+[components.Courier]
+implementation = { asm = "courier.asm" }
+task = { period_ms = 20 }
+references = { dispatcher = "courier/Dispatch" }
+[[wires]]
+reference = "Courier.dispatcher"
+binding = "http"
+url = "${JOBS}"
+token = "${TOKEN}"
+timeout_ms = 2000
+"#;
+
+/// Runs the courier against a service until it has done two jobs.
+fn courier(street: &Path, url: &str, token: &str, arguments: &[&str]) -> std::process::Output {
+    let limits = ["--until", "jobs=2", "--for", "5", "--json"];
+    let mut command = run(street, &[&limits[..], arguments].concat());
+    command.env("JOBS", url).env("TOKEN", token);
+    command.output().unwrap()
+}
+
+#[test]
+fn c5_a_reference_calls_a_service_of_another_system_over_http() {
+    let folder = tempfile::tempdir().unwrap();
+    let (office, street) = offices(folder.path());
+    let mut dispatcher = Running::start(run(&office, &[]).env("OFFICE_TOKEN", "s3cret"));
+    let url = format!("{}/jobs", dispatcher.listening());
+    let output = courier(&street, &url, "s3cret", &["--clock", "wall"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("s3cret"));
+    let output = courier(&street, &url, "guess", &["--clock", "wall"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("NO_TOKEN"));
+    // virtual time would pass while the other system replies
+    let output = courier(&street, &url, "s3cret", &["--clock", "virtual"]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--clock wall"));
+    // the other system is gone: its calls end, and the run goes on
+    drop(dispatcher.interrupt());
+    let output = courier(&street, &url, "s3cret", &["--clock", "wall"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+}
+
+/// A server made of Python's standard library.
+const PYTHON: &str = r#"
+import http.server, json
+class Jobs(http.server.BaseHTTPRequestHandler):
+    def do_POST(self):
+        argument = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+        is_job = self.path.split("?")[0] == "/jobs/job"
+        reply = json.dumps(argument + 3).encode() if is_job else b""
+        self.send_response(200)
+        self.send_header("Content-Type", "application/json; charset=utf-8")
+        self.end_headers()
+        self.wfile.write(reply)
+server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Jobs)
+print(server.server_port, flush=True)
+server.serve_forever()
+"#;
+
+#[test]
+fn c5_a_reference_calls_a_service_written_in_python() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, street) = offices(folder.path());
+    let mut command = Command::new("python3");
+    command.args(["-c", PYTHON]).stdout(Stdio::piped());
+    let Ok(mut server) = command.stderr(Stdio::null()).spawn() else {
+        asmotion_skip::PYTHON.skip();
+        return;
+    };
+    let mut port = String::new();
+    std::io::BufReader::new(server.stdout.as_mut().unwrap())
+        .read_line(&mut port)
+        .unwrap();
+    let url = format!("http://127.0.0.1:{}/jobs", port.trim());
+    let output = courier(&street, &url, "none", &["--clock", "wall"]);
+    server.kill().unwrap();
+    server.wait().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
 }

@@ -240,7 +240,7 @@ fn broker_error(location: &str, reason: BusError) -> MissionError {
 }
 
 /// Incarnation of this process: increases with every start and is unique among processes.
-fn incarnation() -> u64 {
+pub(super) fn incarnation() -> u64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     u64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(u64::MAX)
 }

@@ -4,7 +4,9 @@ use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Run};
 
 use crate::start;
-use asmotion_plan::{Component, Connection, End, Part, Plan, PropertyValues, Terminal, Wire};
+use asmotion_plan::{
+    Component, Connection, End, Endpoint, Part, Plan, PropertyValues, Terminal, Wire,
+};
 
 /// A difference between two plans that requires a restart.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -220,7 +222,7 @@ impl Difference<'_> {
         if !self.part.has(&reference.component) {
             return None;
         }
-        let (from, to) = (reference.to_string(), joint.service.to_string());
+        let (from, to) = (reference.to_string(), joint.service.clone());
         if !joint.stays_here {
             let (reference, service) = (from, to);
             self.fixed.push(FixedPart::Wire { reference, service });
@@ -236,7 +238,9 @@ impl Difference<'_> {
 #[derive(PartialEq)]
 struct WiredService<'p> {
     reference: &'p End,
-    service: &'p End,
+    /// A service of the plan, or a URL.
+    service: String,
+    token: Option<&'p Endpoint>,
     how: asmotion_component::Wire,
     /// `true` if both ends run in this part and the call does not go over a bus.
     stays_here: bool,
@@ -247,9 +251,17 @@ fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
     for wire in wires {
         joints.extend(wire.services.iter().map(|service| WiredService {
             reference: &wire.reference,
-            service,
+            service: service.to_string(),
+            token: None,
             how: start::how(wire),
             stays_here: start::stays_here(wire, service, part),
+        }));
+        joints.extend(wire.url.iter().map(|url| WiredService {
+            reference: &wire.reference,
+            service: url.shown().to_owned(),
+            token: wire.token.as_ref(),
+            how: start::how(wire),
+            stays_here: false,
         }));
     }
     joints

@@ -15,6 +15,7 @@ mod publish_options;
 mod queue;
 mod request;
 mod sender_id;
+mod service_client;
 mod trace_context;
 
 pub use asmotion_connection::Notifier;
@@ -31,4 +32,5 @@ pub use request::{
     ServedAddress,
 };
 pub use sender_id::SenderId;
+pub use service_client::ServiceClient;
 pub use trace_context::{InvalidTraceparent, SpanGenerator, TraceContext};

@@ -244,6 +244,13 @@ impl<'d> PictureBuilder<'d> {
                 let ends = (self.right(&wire.reference), self.left(service));
                 self.edge(ends, EdgeKind::Call);
             }
+            if let Some(url) = &wire.url {
+                let ends = (
+                    self.right(&wire.reference),
+                    self.outside(url.shown().to_owned()),
+                );
+                self.edge(ends, EdgeKind::Call);
+            }
         }
         for connection in &plan.connections {
             let ends = match (&connection.from, &connection.to) {

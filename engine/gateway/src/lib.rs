@@ -4,9 +4,12 @@
 //! A [`Gateway`] translates between HTTP and any [`Bus`](asmotion_bus::Bus): a `POST` becomes a call with a deadline
 //! and a typed result, and closing the connection cancels the call. `GET /services` lists the services with the JSON
 //! Schemas of all types, and `GET /components` the components with their states. `docs/wire.md` is the specification for clients.
+//!
+//! An [`HttpClient`] calls services of other systems in the same form, as a [`ServiceClient`](asmotion_bus::ServiceClient).
 
 mod access;
 mod call;
+mod client;
 mod components;
 mod connections;
 mod gateway;
@@ -19,6 +22,7 @@ mod service;
 mod settings;
 mod token;
 
+pub use client::{HttpClient, HttpClientError};
 pub use gateway::{Gateway, GatewayCheckError};
 pub use service::{GatewayOperation, GatewayService};
 pub use settings::GatewaySettings;

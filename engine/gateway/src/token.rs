@@ -1,6 +1,8 @@
-//! The token of a gateway's clients.
+//! The token of a client.
 
 use std::fmt;
+
+use hyper::header::HeaderValue;
 
 /// A secret that clients present as `Authorization: Bearer TOKEN` (RFC 6750). Never shown.
 #[derive(Clone, PartialEq, Eq)]
@@ -10,6 +12,13 @@ impl BearerToken {
     /// Wraps a token.
     pub fn new(token: impl Into<String>) -> Self {
         Self(token.into())
+    }
+
+    /// The value of the header `Authorization`; `None` if a header cannot contain the token.
+    pub(crate) fn credentials(&self) -> Option<HeaderValue> {
+        let mut value = HeaderValue::try_from(format!("Bearer {}", self.0)).ok()?;
+        value.set_sensitive(true);
+        Some(value)
     }
 
     /// Returns whether the credentials of a request contain this token. The time this takes depends on the length only.

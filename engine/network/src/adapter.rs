@@ -15,6 +15,7 @@ use asmotion_runtime::{
 use crate::attachment::{Attachment, is_component_on};
 use crate::identity::BusIdentity;
 use crate::offered::OfferedOperations;
+use crate::remote::RemoteService;
 use crate::remote_ends::{OfferedService, RemoteEnds};
 
 /// Connects the remote ends of a system to its buses.
@@ -99,5 +100,16 @@ impl ServingAdapter {
 impl Adapter for ServingAdapter {
     fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         self.0.deliver(now, effects);
+    }
+}
+
+/// Calls services of other systems.
+pub(crate) struct CallingAdapter(pub Vec<RemoteService>);
+
+impl Adapter for CallingAdapter {
+    fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
+        for remote in &mut self.0 {
+            remote.deliver(now, effects);
+        }
     }
 }

@@ -9,7 +9,7 @@ use asmotion_runtime::{Effects, LiveContext, System, SystemTopic};
 
 use crate::identity::BusIdentity;
 use crate::offered::OfferedOperations;
-use crate::remote::RemoteService;
+use crate::remote::{BusClient, CallerIdentity, RemoteService};
 use crate::remote_ends::{RemoteEnds, is_on};
 use crate::topics::BusTopics;
 
@@ -58,7 +58,12 @@ impl Attachment {
         let reached = remote_ends
             .remote_references
             .extract_if(.., |it| is_on(it.bus.as_deref(), name));
-        let remote = reached.map(|it| RemoteService::new(it.route, Arc::clone(&identity)));
+        let caller = CallerIdentity {
+            client: Arc::new(BusClient(Arc::clone(&identity.bus))),
+            incarnation: identity.incarnation,
+            notifier: Arc::clone(&identity.notifier),
+        };
+        let remote = reached.map(|it| RemoteService::new(it.route, caller.clone()));
         Ok(Self {
             topics,
             offered,

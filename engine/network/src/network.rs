@@ -3,14 +3,22 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use asmotion_bus::{Bus, BusError, PublishOptions};
+use asmotion_bus::{Bus, BusError, PublishOptions, ServiceClient};
 use asmotion_component::Wire;
 use asmotion_runtime::{BuildError, ComponentId, RequestQueue, System};
 
-use crate::adapter::{BusAdapter, ServingAdapter};
+use crate::adapter::{BusAdapter, CallingAdapter, ServingAdapter};
 use crate::error::NetworkError;
-use crate::remote::RemoteRoute;
+use crate::remote::{CallerIdentity, RemoteRoute, RemoteService};
 use crate::remote_ends::{OfferedService, RemoteEnds, RemoteReference, address};
+
+/// A reference to a service of another system.
+struct ExternalReference {
+    /// The reference, for example `Coordinator.maps`.
+    from: String,
+    url: String,
+    route: RemoteRoute,
+}
 
 /// The remote ends of a system, collected first and then connected to buses by [`attach`](Self::attach).
 ///
@@ -32,6 +40,8 @@ use crate::remote_ends::{OfferedService, RemoteEnds, RemoteReference, address};
 #[derive(Default)]
 pub struct Network {
     remote_ends: RemoteEnds,
+    /// References to services of other systems, until their clients are [connected](Self::connect_clients).
+    external: Vec<ExternalReference>,
     /// The system is attached to a bus.
     attached: bool,
 }
@@ -149,19 +159,68 @@ impl Network {
         wire: Wire,
         bus: Option<&str>,
     ) -> Result<(), BuildError> {
-        let from = system.reference(from)?;
-        let queue = RequestQueue::remote(Arc::clone(system.notifier()));
-        let operations = system.wire_remote(&from, service, wire, Arc::clone(&queue))?;
-        let operations = operations.iter();
-        let route = RemoteRoute {
-            queue,
-            addresses: operations.map(|called| address(service, called)).collect(),
-            timeout: wire.timeout,
-        };
+        let address = |operation: &str| address(service, operation);
+        let route = remote_route(system, from, service, wire, address)?;
         let bus = bus.map(str::to_owned);
         self.remote_ends
             .remote_references
             .push(RemoteReference { route, bus });
+        Ok(())
+    }
+
+    /// Wires a reference to a service of another system: operation `getMap` has the address `URL/getMap`. Calls time out
+    /// until its client is [connected](Self::connect_clients). `shown` is the URL without secrets.
+    ///
+    /// # Errors
+    /// An error if there is no such reference, or if it has a service already.
+    pub fn wire_external(
+        &mut self,
+        system: &mut System,
+        from: &str,
+        url: &str,
+        shown: &str,
+        wire: Wire,
+    ) -> Result<(), BuildError> {
+        let base = url.trim_end_matches('/');
+        let address = |operation: &str| format!("{base}/{operation}");
+        let route = remote_route(system, from, shown, wire, address)?;
+        self.external.push(ExternalReference {
+            from: from.to_owned(),
+            url: url.to_owned(),
+            route,
+        });
+        Ok(())
+    }
+
+    /// Connects each reference that is [wired to another system](Self::wire_external) to the client that `client` returns
+    /// for the reference and the URL. If the system is attached to a bus too, call [`attach`](Self::attach) first.
+    /// `incarnation` must be unique among all processes and restarts.
+    ///
+    /// # Errors
+    /// An error if a bus refuses the system's topics.
+    pub fn connect_clients(
+        &mut self,
+        system: &mut System,
+        mut client: impl FnMut(&str, &str) -> Arc<dyn ServiceClient>,
+        incarnation: u64,
+    ) -> Result<(), BusError> {
+        if self.external.is_empty() {
+            return Ok(());
+        }
+        if !self.attached {
+            self.add_bus_adapter(system, Vec::new(), incarnation)?;
+        }
+        let external = std::mem::take(&mut self.external);
+        let services = external.into_iter().map(|it| {
+            let identity = CallerIdentity {
+                client: client(&it.from, &it.url),
+                incarnation,
+                notifier: Arc::clone(system.notifier()),
+            };
+            RemoteService::new(it.route, identity)
+        });
+        let adapter = CallingAdapter(services.collect());
+        system.add_adapter(Box::new(adapter));
         Ok(())
     }
 
@@ -236,4 +295,23 @@ impl Network {
         self.attached = true;
         Ok(())
     }
+}
+
+/// Wires a reference to a queue of requests for a remote service.
+fn remote_route(
+    system: &mut System,
+    from: &str,
+    service: &str,
+    wire: Wire,
+    address: impl Fn(&str) -> String,
+) -> Result<RemoteRoute, BuildError> {
+    let from = system.reference(from)?;
+    let queue = RequestQueue::remote(Arc::clone(system.notifier()));
+    let operations = system.wire_remote(&from, service, wire, Arc::clone(&queue))?;
+    let operations = operations.iter();
+    Ok(RemoteRoute {
+        queue,
+        addresses: operations.map(|called| address(called)).collect(),
+        timeout: wire.timeout,
+    })
 }

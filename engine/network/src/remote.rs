@@ -1,18 +1,19 @@
-//! Services of other processes: requests of a component are called over the bus, and replies are put into the
-//! component's queue.
+//! Services of other processes and systems: requests of a component are called by a client, and replies are put into
+//! the component's queue.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_bus::{CallFailure, Payload, PendingCall, Request, SenderId, SpanGenerator};
+use asmotion_bus::{
+    Bus, BusError, CallFailure, Notifier, Payload, PendingCall, Request, SenderId, ServiceClient,
+    SpanGenerator,
+};
 use asmotion_component::{CallError, ServiceFault};
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_port::Time;
 use asmotion_runtime::{
     CallKey, Effects, Event, ProviderMessage, ReplyTo, RequestQueue, ServiceRequest,
 };
-
-use crate::identity::BusIdentity;
 
 /// The route from a reference to a remote service.
 pub(crate) struct RemoteRoute {
@@ -24,10 +25,39 @@ pub(crate) struct RemoteRoute {
     pub timeout: Duration,
 }
 
+/// The calling side of a system.
+#[derive(Clone)]
+pub(crate) struct CallerIdentity {
+    pub client: Arc<dyn ServiceClient>,
+    /// Number of this process' incarnation, unique among all processes.
+    pub incarnation: u64,
+    /// The system's notifier, which wakes the thread that delivers.
+    pub notifier: Arc<Notifier>,
+}
+
+/// Calls services over a bus.
+pub(crate) struct BusClient(pub Arc<dyn Bus>);
+
+impl ServiceClient for BusClient {
+    fn call(
+        &self,
+        address: &str,
+        request: Request,
+        one_way: bool,
+        notifier: Arc<Notifier>,
+    ) -> Result<PendingCall, BusError> {
+        if one_way {
+            self.0.call_one_way(address, request, notifier)
+        } else {
+            self.0.call(address, request, notifier)
+        }
+    }
+}
+
 /// A remote service and the calls of it under way.
 pub(crate) struct RemoteService {
     route: RemoteRoute,
-    identity: Arc<BusIdentity>,
+    identity: CallerIdentity,
     pending: Vec<RemoteCall>,
     /// A provider has handled a request of this process. Until then it may be starting, and calls wait for it.
     is_known: bool,
@@ -54,7 +84,7 @@ enum CallOrigin {
 }
 
 impl RemoteService {
-    pub(crate) fn new(route: RemoteRoute, identity: Arc<BusIdentity>) -> Self {
+    pub(crate) fn new(route: RemoteRoute, identity: CallerIdentity) -> Self {
         Self {
             route,
             identity,
@@ -87,7 +117,6 @@ impl RemoteService {
     fn send(&mut self, request: ServiceRequest, now: Time, effects: &mut dyn Effects) {
         let address = self.route.addresses.get(request.operation).cloned();
         let address = address.unwrap_or_default();
-        let BusIdentity { bus, notifier, .. } = &*self.identity;
         let remaining = request.deadline.map(|deadline| deadline.since(now));
         let message = Request::new(
             SenderId::new(Arc::clone(&request.caller), self.identity.incarnation),
@@ -98,17 +127,16 @@ impl RemoteService {
         let message = message
             .with_trace(spans.of(request.key.number, request.trace))
             .with_awaited_provider(!self.is_known);
-        let notifier = Arc::clone(notifier);
-        let (sent, origin) = match request.reply_to {
-            Some(reply_to) => {
-                let sent = bus.call(&address, message, notifier);
-                (sent, CallOrigin::Waiting(reply_to))
-            }
-            None => {
-                let sent = bus.call_one_way(&address, message, notifier);
-                let component = request.caller;
-                (sent, CallOrigin::OneWay { component, address })
-            }
+        let notifier = Arc::clone(&self.identity.notifier);
+        let one_way = request.reply_to.is_none();
+        let client = &self.identity.client;
+        let sent = client.call(&address, message, one_way, notifier);
+        let origin = match request.reply_to {
+            Some(reply_to) => CallOrigin::Waiting(reply_to),
+            None => CallOrigin::OneWay {
+                component: request.caller,
+                address,
+            },
         };
         let key = request.key;
         match sent {

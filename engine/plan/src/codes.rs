@@ -4,6 +4,7 @@ pub(crate) mod c019;
 pub(crate) mod c054;
 pub(crate) mod c065;
 pub(crate) mod c067;
+pub(crate) mod c068;
 pub(crate) mod c082;
 
 use asmotion_diagnostics::Code;
@@ -14,5 +15,6 @@ pub const CODES: &[&Code] = &[
     c054::PollTooSlow::CODE,
     c065::DuplicateAddress::CODE,
     c067::OpenGateway::CODE,
+    c068::InvalidServiceUrl::CODE,
     c082::TooManyComponents::CODE,
 ];

@@ -13,11 +13,20 @@ pub struct ConnectionRoute {
     /// Writer or caller.
     pub from: Terminal,
     /// Reader or service.
-    pub to: Terminal,
+    pub to: RouteEnd,
     /// Topic of the route; `None` for connections and wires.
     pub topic: Option<String>,
     /// Transport between both ends.
     pub over: RouteTransport,
+}
+
+/// Reader or service at the end of a route.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RouteEnd {
+    /// A port, service, topic or message queue of the system.
+    Inside(Terminal),
+    /// The URL of a service of another system.
+    Url(String),
 }
 
 /// Transport between a writer and its reader.
@@ -56,7 +65,7 @@ impl Plan {
         };
         Some(ConnectionRoute {
             from: connection.from.clone(),
-            to: connection.to.clone(),
+            to: RouteEnd::Inside(connection.to.clone()),
             topic: None,
             over,
         })
@@ -68,7 +77,7 @@ impl Plan {
     ) -> impl Iterator<Item = ConnectionRoute> + 'p {
         let route = |from: &End, to: &End| ConnectionRoute {
             from: Terminal::Port(from.clone()),
-            to: Terminal::Port(to.clone()),
+            to: RouteEnd::Inside(Terminal::Port(to.clone())),
             topic: Some(topic.name.clone()),
             over: self.between(from, to, self.lock_of(topic, to)),
         };
@@ -77,20 +86,28 @@ impl Plan {
     }
 
     fn routes_of_wire<'p>(&'p self, wire: &'p Wire) -> impl Iterator<Item = ConnectionRoute> + 'p {
-        let route = |to: &End| ConnectionRoute {
+        let route = |to: RouteEnd, over| ConnectionRoute {
             from: Terminal::Port(wire.reference.clone()),
-            to: Terminal::Port(to.clone()),
+            to,
             topic: None,
-            over: match wire.binding {
+            over,
+        };
+        let inside = wire.services.iter().map(move |to| {
+            let over = match wire.binding {
                 // requests to a component's inbox are lock-free
                 Transport::Local => self.between(&wire.reference, to, Lock::LockFree),
                 Transport::Amqp => {
                     RouteTransport::Broker(self.broker_of_wire(wire).map(str::to_owned))
                 }
                 other @ (Transport::Ros | Transport::Http) => RouteTransport::Other(other),
-            },
-        };
-        wire.services.iter().map(route)
+            };
+            route(RouteEnd::Inside(Terminal::Port(to.clone())), over)
+        });
+        let outside = wire.url.iter().map(move |url| {
+            let url = url.shown().to_owned();
+            route(RouteEnd::Url(url), RouteTransport::Other(wire.binding))
+        });
+        inside.chain(outside)
     }
 
     fn between(&self, from: &End, to: &End, lock: Lock) -> RouteTransport {
@@ -115,7 +132,11 @@ impl Plan {
 impl ConnectionRoute {
     /// Returns the ends that are ports, services or references.
     pub fn ends(&self) -> impl Iterator<Item = &End> {
-        let both = [&self.from, &self.to].into_iter();
+        let to = match &self.to {
+            RouteEnd::Inside(terminal) => Some(terminal),
+            RouteEnd::Url(_) => None,
+        };
+        let both = std::iter::once(&self.from).chain(to);
         both.filter_map(|terminal| match terminal {
             Terminal::Port(end) => Some(end),
             Terminal::Topic(_) | Terminal::Mqueue(_) => None,
@@ -129,6 +150,15 @@ impl RouteTransport {
         match self {
             Self::Nothing(Lock::LockFree | Lock::Unsync) => true,
             Self::Nothing(Lock::Locked) | Self::Mqueue | Self::Broker(_) | Self::Other(_) => false,
+        }
+    }
+}
+
+impl fmt::Display for RouteEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Inside(terminal) => terminal.fmt(f),
+            Self::Url(url) => f.write_str(url),
         }
     }
 }

@@ -15,7 +15,7 @@ mod route;
 
 pub use codes::CODES;
 pub use component::{Component, Port, Service};
-pub use connection_route::{ConnectionRoute, RouteTransport};
+pub use connection_route::{ConnectionRoute, RouteEnd, RouteTransport};
 pub use expand::{beside, expand};
 pub use graph::Dependency;
 pub use joint::{Connection, Promoted, Topic};

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use crate::component::Component;
 use crate::joint::Promoted;
 use crate::part::Part;
-use crate::plan::{Broker, End, Gateway, Plan, Wire};
+use crate::plan::{Broker, End, Endpoint, Gateway, Plan, Wire};
 use asmotion_composite::model::Transport;
 
 impl Plan {
@@ -94,6 +94,16 @@ impl Plan {
         gateways
             .filter(|(_, promoted)| !promoted.is_empty())
             .collect()
+    }
+
+    /// Returns the wires from a part to services of other systems, each with the URL of the service.
+    pub fn wires_outside<'p>(
+        &'p self,
+        part: &'p Part,
+    ) -> impl Iterator<Item = (&'p Wire, &'p Endpoint)> {
+        let wires = self.wires.iter();
+        let here = wires.filter(|wire| part.has(&wire.reference.component));
+        here.filter_map(|wire| Some((wire, wire.url.as_ref()?)))
     }
 
     /// Returns the brokers used by a part.

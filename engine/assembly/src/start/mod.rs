@@ -74,8 +74,15 @@ pub const SUBSCRIPTION_SIZE: usize = 64;
 ///
 /// # Errors
 ///
-/// The first error encountered.
+/// The first error encountered. [`StartError::Binding`] if a wire leads to another system, for which the system needs a
+/// client ([`Network::connect_clients`]).
 pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartError> {
+    if let Some(wire) = plan.wires.iter().find(|wire| wire.url.is_some()) {
+        return Err(StartError::Binding {
+            reference: wire.reference.to_string(),
+            binding: wire.binding,
+        });
+    }
     start_part(plan, &Part::Whole, workshop).map(|assembled| assembled.system)
 }
 
@@ -293,15 +300,23 @@ impl Building<'_> {
         }) {
             return Ok(());
         }
-        if matches!(wire.binding, Transport::Ros | Transport::Http) {
-            return Err(StartError::Binding {
-                reference: reference.to_string(),
-                binding: wire.binding,
-            });
-        }
         let how = how(wire);
         let broker = self.plan.broker_of_wire(wire);
         let caller = reference.to_string();
+        match (wire.binding, &wire.url) {
+            (Transport::Http, Some(url)) => {
+                let (system, url, shown) = (&mut self.system, url.reveal(), url.shown());
+                let network = &mut self.network;
+                network.wire_external(system, &caller, url, shown, how)?;
+            }
+            (Transport::Local | Transport::Amqp, _) => {}
+            (binding @ (Transport::Ros | Transport::Http), _) => {
+                return Err(StartError::Binding {
+                    reference: caller,
+                    binding,
+                });
+            }
+        }
         for service in &wire.services {
             let provider = service.to_string();
             if stays_here(wire, service, self.part) {

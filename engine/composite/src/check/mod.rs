@@ -14,6 +14,7 @@ mod declared;
 mod deploy;
 mod endpoint;
 pub mod endpoints;
+mod external;
 mod fan_out;
 mod gateway;
 mod literal;

@@ -9,8 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use asmotion_diagnostics::{Report, Span};
 
 use super::endpoints::{EndpointService, nearest_service};
-use super::fan_out;
 use super::scene::{CheckedComponent, CheckedComposite};
+use super::{external, fan_out};
 use crate::finding::Findings;
 use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Wire};
 
@@ -91,7 +91,8 @@ fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: 
             });
         }
     }
-    if !answered {
+    external::check(wire, report);
+    if !answered && !wire.services.is_empty() {
         return;
     }
     let end = &wire.reference;
@@ -100,8 +101,11 @@ fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: 
     if reference.is_none() {
         joined.meant.extend(meant(scene, end));
     }
-    scene.broker(wire.binding.as_ref(), wire.broker.as_ref(), report);
-    scene.transport(wire.binding.as_ref(), report);
+    let over_http = external::is_over_http(wire);
+    if !over_http {
+        scene.broker(wire.binding.as_ref(), wire.broker.as_ref(), report);
+        scene.transport(wire.binding.as_ref(), report);
+    }
     if let Some((part, reference)) = found {
         fan_out::check(scene, wire, part, reference, report);
     }
@@ -133,7 +137,7 @@ fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
 /// Returns whether the caller waits for a reply. Calls to several services are one-way.
 pub fn waits(wire: &Wire) -> bool {
     let oneway = wire.oneway.as_ref().is_some_and(|oneway| oneway.value);
-    !oneway && wire.services.len() == 1
+    !oneway && wire.services.len() < 2
 }
 
 fn dangling(

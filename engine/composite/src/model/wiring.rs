@@ -6,6 +6,7 @@ use asmotion_diagnostics::Span;
 
 use super::limits::{DAY_MS, DEFAULT_TIMEOUT_MS};
 use crate::at::At;
+use crate::template::Template;
 
 /// `Component.name`: a port, a service, a reference or a property of a component.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,9 +74,15 @@ pub struct Wire {
     /// Reference of the calling component.
     #[key(example = "\"Coordinator.planner\"")]
     pub reference: End,
-    /// Called service; several for a fan-out of one-way calls.
-    #[key(name = "service", needed, one, example = "\"Planner.planning\"")]
+    /// Called service; several for a fan-out of one-way calls. A wire over HTTP has a `url` instead.
+    #[key(name = "service", one, example = "\"Planner.planning\"")]
     pub services: Vec<End>,
+    /// Service of another system, called over HTTP: operation `getMap` is `POST URL/getMap`.
+    #[key(example = "\"http://127.0.0.1:8080/services/maps\"")]
+    pub url: Option<At<Template>>,
+    /// Secret that the calls over HTTP present as `Authorization: Bearer TOKEN`.
+    #[key(example = "\"${MAPS_TOKEN_FILE}\"")]
+    pub token: Option<At<Template>>,
     /// Profiles that include it; all if empty.
     #[key(name = "profile", example = "\"sim\"", written)]
     pub profiles: Vec<At<String>>,

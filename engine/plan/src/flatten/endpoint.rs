@@ -9,6 +9,8 @@ use super::Flattener;
 use crate::codes::c019::SecretInFile;
 use crate::codes::c065::DuplicateAddress;
 use crate::codes::c067::OpenGateway;
+use crate::codes::c068::InvalidServiceUrl;
+use crate::plan::Endpoint;
 use asmotion_composite::At;
 use asmotion_composite::address::password;
 use asmotion_composite::finding::Findings;
@@ -47,12 +49,7 @@ impl Flattener<'_, '_> {
             };
             let at = written.listen.span;
             match &written.token {
-                Some(token) if is_literal(token) => to.notes.found(SecretInFile {
-                    what: "token",
-                    variable: "GATEWAY_TOKEN_FILE",
-                    at: token.span,
-                }),
-                Some(_) => {}
+                Some(token) => self::token(token, "GATEWAY_TOKEN_FILE", to.notes),
                 None => {
                     let open = gateway.listen.filter(|address| !address.ip().is_loopback());
                     if let Some(address) = open {
@@ -69,6 +66,58 @@ impl Flattener<'_, '_> {
             }
             self.plan.gateways.push(gateway);
         }
+    }
+}
+
+/// Warns about a token written in the file, where every reader of the file can see it.
+pub(super) fn token(token: &At<Template>, variable: &'static str, notes: &mut SubstitutionNotes) {
+    if is_literal(token) {
+        notes.found(SecretInFile {
+            what: "token",
+            variable,
+            at: token.span,
+        });
+    }
+}
+
+/// Reports the URL of a service that cannot be called.
+pub(super) fn service_url(url: &Endpoint, at: Span, notes: &mut SubstitutionNotes) {
+    if let Some(reason) = problem(url.reveal()) {
+        notes.found(InvalidServiceUrl {
+            text: url.shown().to_owned(),
+            reason,
+            at,
+        });
+    }
+}
+
+/// Returns the reason that a text is not the URL of a service.
+fn problem(url: &str) -> Option<&'static str> {
+    let rest = url
+        .strip_prefix("http://")
+        .or_else(|| url.strip_prefix("https://"));
+    let Some(rest) = rest else {
+        return Some("does not begin with `http://` or `https://`");
+    };
+    let (authority, _) = rest.split_once('/').unwrap_or((rest, ""));
+    // an IPv6 address is in brackets
+    let (host, port) = match authority.rsplit_once(':') {
+        Some((host, port)) if !port.contains(']') => (host, Some(port)),
+        Some(_) | None => (authority, None),
+    };
+    let is_port = |port: &str| port.parse::<u16>().is_ok_and(|port| port > 0);
+    if authority.contains('@') {
+        Some("contains a user name: give the secret as `token`")
+    } else if host.is_empty() {
+        Some("has no host")
+    } else if !port.is_none_or(is_port) {
+        Some("has no valid port")
+    } else if url.contains(['?', '#']) {
+        Some("has a query: its end becomes the name of the operation")
+    } else if !url.chars().all(|letter| letter.is_ascii_graphic()) {
+        Some("contains a character that must be percent-encoded")
+    } else {
+        None
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::codes::c054::PollTooSlow;
 use asmotion_diagnostics::Span;
 
-use super::Flattener;
+use super::{Flattener, endpoint};
 use crate::joint::{Connection, Promoted};
 use crate::plan::{End, Policy, Terminal};
 use asmotion_composite::finding::Findings;
@@ -88,8 +88,11 @@ impl Flattener<'_, '_> {
         let services: Vec<End> = services
             .filter_map(|end| self.inside(index, end, "service"))
             .collect();
-        if services.is_empty() {
+        if services.is_empty() && wire.url.is_none() {
             return;
+        }
+        if let Some(token) = &wire.token {
+            endpoint::token(token, "SERVICE_TOKEN_FILE", self.notes);
         }
         let Some(mut made) = self.resolver(index).and_then(|mut to| to.of(wire)) else {
             return;
@@ -98,6 +101,9 @@ impl Flattener<'_, '_> {
         made.services = services;
         made.broker = self.broker(index, made.binding, wire.broker.as_ref());
         made.oneway = !check::waits(wire);
+        if let (Some(written), Some(url)) = (&wire.url, &made.url) {
+            endpoint::service_url(url, written.span, self.notes);
+        }
         self.plan.wires.push(made);
     }
 

@@ -210,6 +210,8 @@ impl Exporter<'_> {
                 references.len() - 1
             });
             let binding = self.wire(wire);
+            let uri = wire.url.as_ref();
+            let uri = uri.map(|url| At::new(written(&url.value), url.span));
             if let Some(reference) = references.get_mut(index) {
                 reference.targets = wire
                     .services
@@ -217,7 +219,7 @@ impl Exporter<'_> {
                     .map(target)
                     .collect::<Vec<ScdlTarget>>();
                 reference.multiplicity.many = wire.services.len() > 1;
-                let bound = |over| ScdlBinding { over, uri: None };
+                let bound = |over| ScdlBinding { over, uri };
                 reference.bindings = binding.map(bound).into_iter().collect();
             }
         }
@@ -235,6 +237,7 @@ impl Exporter<'_> {
             ("the retries", wire.retry.as_ref().map(|_| wire.span)),
             ("the cancelling", wire.cancel.as_ref().map(|it| it.span)),
             ("the one-way calls", oneway.map(|it| it.span)),
+            ("the token", wire.token.as_ref().map(|it| it.span)),
         ];
         for (what, at) in rows {
             if let Some(at) = at {

@@ -1,0 +1,29 @@
+//! Replacement for the client in a build without the feature `http`: composites with wires to other systems cannot be run.
+
+use asmotion_network::Network;
+use asmotion_plan::{Part, Plan};
+use asmotion_runtime::System;
+
+use crate::feature::{Http, LeftOut};
+use crate::mission::{Mission, MissionError};
+
+impl Mission {
+    /// Does nothing, or fails if a wire leads to another system.
+    pub(in crate::mission) fn connect_clients(
+        &self,
+        _: &mut System,
+        _: &mut Network,
+        plan: &Plan,
+        part: &Part,
+    ) -> Result<(), MissionError> {
+        match plan.wires_outside(part).next() {
+            None => Ok(()),
+            Some((wire, _)) => {
+                let reason = LeftOut::new::<Http>();
+                let reference = &wire.reference;
+                let reason = format!("wire of `{reference}`: {reason}");
+                Err(MissionError::Launch(reason))
+            }
+        }
+    }
+}
