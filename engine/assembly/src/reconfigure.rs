@@ -253,14 +253,14 @@ fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
             reference: &wire.reference,
             service: service.to_string(),
             token: None,
-            how: start::how(wire),
+            how: start::how(wires, wire),
             stays_here: start::stays_here(wire, service, part),
         }));
         joints.extend(wire.url.iter().map(|url| WiredService {
             reference: &wire.reference,
             service: url.shown().to_owned(),
             token: wire.token.as_ref(),
-            how: start::how(wire),
+            how: start::how(wires, wire),
             stays_here: false,
         }));
     }

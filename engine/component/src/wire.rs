@@ -17,6 +17,8 @@ pub struct Wire {
     pub cancel_on_timeout: bool,
     /// Whether calls have no reply at all (SCA `@OneWay`; default: `false`).
     pub one_way: bool,
+    /// Position among the alternatives of the reference: a call goes to the first one that is available (default: 0).
+    pub alternative: u32,
 }
 
 impl Default for Wire {
@@ -28,6 +30,7 @@ impl Default for Wire {
             backoff: Duration::ZERO,
             cancel_on_timeout: true,
             one_way: false,
+            alternative: 0,
         }
     }
 }
@@ -53,6 +56,15 @@ impl Wire {
     #[must_use]
     pub fn retries(self, retries: u32) -> Self {
         Self { retries, ..self }
+    }
+
+    /// Sets the position among the alternatives of the reference.
+    #[must_use]
+    pub fn alternative(self, alternative: u32) -> Self {
+        Self {
+            alternative,
+            ..self
+        }
     }
 
     /// The pause after this many attempts.

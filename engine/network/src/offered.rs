@@ -104,6 +104,7 @@ impl OfferedOperation {
             argument,
             caller: Arc::clone(&call.origin.source),
             trace: call.trace,
+            awaits_provider: true,
             deadline: answered.then_some(now + remaining),
             reply_to: answered.then(|| ReplyTo::Remote(Box::new(BusCaller(call)))),
         };

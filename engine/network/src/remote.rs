@@ -126,7 +126,7 @@ impl RemoteService {
         let spans = SpanGenerator::new(&request.caller, self.identity.incarnation, &address);
         let message = message
             .with_trace(spans.of(request.key.number, request.trace))
-            .with_awaited_provider(!self.is_known);
+            .with_awaited_provider(request.awaits_provider && !self.is_known);
         let notifier = Arc::clone(&self.identity.notifier);
         let one_way = request.reply_to.is_none();
         let client = &self.identity.client;

@@ -265,8 +265,11 @@ impl ComponentBody {
             .references
             .get(reference)
             .map_or(&[][..], |it| &it.wirings);
-        if wirings.first().is_some_and(|first| first.to == service) {
-            self.caller.disconnect(&self.references, reference, effects);
+        let removed = wirings.iter().find(|wiring| wiring.to == service);
+        if let Some(alternative) = removed.map(|wiring| wiring.wire.alternative) {
+            let references = &self.references;
+            let caller = &mut self.caller;
+            caller.disconnect(references, reference, alternative, effects);
         }
         if let Some(reference) = self.references.get_mut(reference) {
             reference.wirings.retain(|wiring| wiring.to != service);

@@ -79,6 +79,15 @@ pub(crate) struct ScdlContract {
     pub notes: Vec<String>,
 }
 
+impl ScdlContract {
+    /// The URL that a reference of a component calls; `None` if it calls a service of its composite.
+    pub(crate) fn url(&self) -> Option<&str> {
+        let mut bindings = self.bindings.iter();
+        let bound = bindings.find(|bound| bound.over == ScdlTransport::Http)?;
+        bound.uri.as_ref().map(|uri| uri.value.as_str())
+    }
+}
+
 /// An interface, and optionally the interface for calls in the other direction.
 #[derive(Clone, Debug)]
 pub(crate) struct ScdlInterface {

@@ -171,7 +171,8 @@ fn bindings(asked: &mut ElementReader<'_, '_>, promoted: bool) -> Vec<ScdlBindin
         known.sort_by_key(|(_, _, over)| *over == ScdlTransport::Http);
         known.truncate(1);
     }
-    let is_called = promoted && asked.element.name.value == "service";
+    // a promoted service has an address, and a reference of a component the address of its service
+    let has_uri = promoted == (asked.element.name.value == "service");
     let mut bindings: Vec<ScdlBinding> = Vec::new();
     for (child, word, over) in known {
         if bindings.iter().any(|bound| bound.over == over) {
@@ -180,7 +181,7 @@ fn bindings(asked: &mut ElementReader<'_, '_>, promoted: bool) -> Vec<ScdlBindin
         asked.children.push((word, 1));
         let mut inner = ElementReader::new(child, asked.report);
         let uri = match over {
-            ScdlTransport::Http if is_called => inner.attribute("uri"),
+            ScdlTransport::Http if has_uri => inner.attribute("uri"),
             ScdlTransport::Http | ScdlTransport::Sca | ScdlTransport::Jms | ScdlTransport::Rmi => {
                 None
             }

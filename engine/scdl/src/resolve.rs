@@ -145,7 +145,8 @@ fn autowire(composite: &mut ScdlComposite, report: &mut Report) {
                 .iter()
                 .flat_map(|it| &it.promote)
                 .any(is_end);
-            if !is_autowired.unwrap_or(composite.autowire) || wired || promoted {
+            let bound = reference.url().is_some();
+            if !is_autowired.unwrap_or(composite.autowire) || wired || promoted || bound {
                 continue;
             }
             let source = ScdlTarget {

@@ -132,6 +132,16 @@ fn inline(entries: impl IntoIterator<Item = (String, Value)>) -> Item {
 }
 
 /// `Component.name`.
+/// The table of a wire over HTTP.
+fn wire_to_url(source: &ScdlTarget, url: &str) -> Table {
+    let mut wire = table([]);
+    wire.insert("reference", item(end(source)));
+    wire.insert("binding", item("http"));
+    wire.insert("url", item(url));
+    wire.insert("timeout_ms", item(TIMEOUT_MS.cast_signed()));
+    wire
+}
+
 fn end(target: &ScdlTarget) -> String {
     let name = target.name.as_ref().map_or("", |name| name.value.as_str());
     format!("{}.{name}", target.component.value)
@@ -387,6 +397,10 @@ impl TomlWriter<'_> {
                 .filter(|it| it.source == wire.source);
             let services: Vec<Value> = same.map(|it| end(&it.target).into()).collect();
             done.push(&wire.source);
+            if let Some(url) = self.url_of(&wire.source) {
+                wires.push(wire_to_url(&wire.source, url));
+                continue;
+            }
             let mut table = table([]);
             table.insert("reference", item(end(&wire.source)));
             table.insert(
@@ -410,7 +424,29 @@ impl TomlWriter<'_> {
             };
             wires.push(table);
         }
+        for component in &self.composite.components {
+            for reference in &component.references {
+                let source = ScdlTarget {
+                    component: component.name.clone(),
+                    name: Some(reference.name.clone()),
+                };
+                let is_wired = self.composite.wires.iter().any(|it| it.source == source);
+                if let Some(url) = self.url_of(&source).filter(|_| !is_wired) {
+                    wires.push(wire_to_url(&source, url));
+                }
+            }
+        }
         wires
+    }
+
+    /// The URL that a reference calls, if its binding has one.
+    fn url_of(&self, source: &ScdlTarget) -> Option<&str> {
+        let mut components = self.composite.components.iter();
+        let component = components.find(|it| it.name.value == source.component.value)?;
+        let name = source.name.as_ref()?;
+        let mut references = component.references.iter();
+        let reference = references.find(|it| it.name.value == name.value)?;
+        reference.url()
     }
 
     /// The transport that an end of a wire specifies, if any.
@@ -424,7 +460,9 @@ impl TomlWriter<'_> {
         };
         let name = end.name.as_ref()?;
         let listed = listed.iter().find(|it| it.name.value == name.value)?;
-        listed.bindings.first().map(|bound| bound.over)
+        // HTTP without a URL is for clients outside
+        let mut bound = listed.bindings.iter().map(|bound| bound.over);
+        bound.find(|over| *over != ScdlTransport::Http)
     }
 
     fn promotions(&mut self) -> ArrayOfTables {

@@ -78,3 +78,29 @@ fn c4_all_bindings_of_a_service_come_back() {
     let codes: Vec<_> = back.report.diagnostics.iter().map(|it| it.code).collect();
     assert_eq!(codes, ["X010"]);
 }
+
+#[test]
+fn c5_a_reference_to_a_web_service_comes_back_as_it_went() {
+    let bound = r#"<reference name="planner">
+      <interface.java interface="nav.PlanService"/>
+      <binding.ws uri="https://plans.example/services/plans"/>
+    </reference>"#;
+    let wired = r#"<reference name="planner" target="TrajectoryPlanner/planning">
+      <interface.java interface="nav.PlanService"/>
+    </reference>"#;
+    let written = text("planner.composite").replace(wired, bound);
+    assert!(written.contains(bound));
+    let files = [("planner.composite".to_owned(), written.clone())];
+    let imported = asmotion_scdl::import(&files, &asmotion_composite::Tables::EMPTY);
+    let (_, composite) = imported.files.first().expect("a composite");
+    let (_, wires) = composite.split_once("[[wires]]").expect("a wire");
+    for key in [
+        "reference = \"ASMCoordinator.planner\"",
+        "binding = \"http\"",
+        "url = \"https://plans.example/services/plans\"",
+    ] {
+        assert!(wires.contains(key), "{composite}");
+    }
+    assert!(!wires.contains("[[wires]]"), "{composite}");
+    assert_eq!(exported(&imported).text, written);
+}

@@ -300,7 +300,7 @@ impl Building<'_> {
         }) {
             return Ok(());
         }
-        let how = how(wire);
+        let how = how(&self.plan.wires, wire);
         let broker = self.plan.broker_of_wire(wire);
         let caller = reference.to_string();
         match (wire.binding, &wire.url) {
@@ -331,14 +331,18 @@ impl Building<'_> {
     }
 }
 
-/// Converts the timeout and retries of a wire.
-pub(crate) fn how(wire: &asmotion_plan::Wire) -> Wire {
+/// Converts the timeout and retries of one of these wires. Several wires of a reference are its alternatives, in this
+/// order.
+pub(crate) fn how(wires: &[asmotion_plan::Wire], wire: &asmotion_plan::Wire) -> Wire {
+    let before = wires.iter().take_while(|it| !std::ptr::eq(*it, wire));
+    let before = before.filter(|it| it.reference == wire.reference);
     Wire {
         timeout: Duration::from_millis(wire.timeout_ms),
         retries: u32::try_from(wire.retry.attempts).unwrap_or(u32::MAX),
         backoff: Duration::from_millis(wire.retry.backoff_ms),
         cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
         one_way: wire.oneway,
+        alternative: u32::try_from(before.count()).unwrap_or(u32::MAX),
     }
 }
 

@@ -12,7 +12,7 @@ use super::endpoints::{EndpointService, nearest_service};
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::{external, fan_out};
 use crate::finding::Findings;
-use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Wire};
+use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Transport, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     let mut joined = Joined::default();
@@ -26,7 +26,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
             && scene.active(&promotion.profiles)
         {
             let key = (end.component.value.clone(), end.name.value.clone());
-            joined.take(key, end.span(), false, report);
+            joined.take(key, end.span(), None, report);
         }
     }
     for part in &scene.parts {
@@ -36,34 +36,70 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     }
 }
 
-/// Connected references with the location of their connection and whether it is a wire (or a promotion).
+/// Connected references with the location of their connections, and the wires among them; the others are promotions.
 #[derive(Default)]
-struct Joined {
-    places: BTreeMap<(String, String), (Span, bool)>,
+struct Joined<'w> {
+    places: BTreeMap<(String, String), Vec<JoinedAt<'w>>>,
     /// References presumably meant by wires with a misspelled name; not reported as unconnected.
     meant: BTreeSet<(String, String)>,
 }
 
-impl Joined {
-    fn take(&mut self, key: (String, String), at: Span, wire: bool, report: &mut Report) {
+/// A connection of a reference.
+struct JoinedAt<'w> {
+    at: Span,
+    /// `None` for a promotion.
+    wire: Option<&'w Wire>,
+}
+
+impl<'w> Joined<'w> {
+    fn take(
+        &mut self,
+        key: (String, String),
+        at: Span,
+        wire: Option<&'w Wire>,
+        report: &mut Report,
+    ) {
         let reference = format!("{}.{}", key.0, key.1);
-        if let Some((first, first_wire)) = self.places.insert(key, (at, wire)) {
-            let how = match (first_wire, wire) {
-                (true, true) => WIRED_TWICE,
-                (false, false) => "promoted twice",
-                (true, false) | (false, true) => "wired and promoted",
+        let places = self.places.entry(key).or_default();
+        let mut others = places.iter();
+        let other = others.find(|other| !are_alternatives(other.wire, wire));
+        if let Some(other) = other {
+            let how = match (other.wire, wire) {
+                (Some(_), Some(_)) => WIRED_TWICE,
+                (None, None) => "promoted twice",
+                (Some(_), None) | (None, Some(_)) => "wired and promoted",
             };
             report.found(ReferenceWiredTwice {
                 reference,
                 how,
                 at,
-                first,
+                first: other.at,
             });
         }
+        places.push(JoinedAt { at, wire });
     }
 }
 
-fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report) {
+/// Returns whether a call can go to either of two wires: each has one service, and a binding of its own.
+fn are_alternatives(one: Option<&Wire>, other: Option<&Wire>) -> bool {
+    let (Some(one), Some(other)) = (one, other) else {
+        return false;
+    };
+    let binding = |wire: &Wire| {
+        wire.binding
+            .as_ref()
+            .map_or(Transport::Local, |it| it.value)
+    };
+    let has_one = |wire: &Wire| wire.services.len() < 2;
+    has_one(one) && has_one(other) && binding(one) != binding(other)
+}
+
+fn wire<'w>(
+    scene: &CheckedComposite<'_>,
+    wire: &'w Wire,
+    joined: &mut Joined<'w>,
+    report: &mut Report,
+) {
     let found = scene.reference(&wire.reference, report);
     let reference = found.map(|(_, reference)| reference);
     let mut answered = false;
@@ -97,7 +133,7 @@ fn wire(scene: &CheckedComposite<'_>, wire: &Wire, joined: &mut Joined, report: 
     }
     let end = &wire.reference;
     let key = (end.component.value.clone(), end.name.value.clone());
-    joined.take(key, end.span(), true, report);
+    joined.take(key, end.span(), Some(wire), report);
     if reference.is_none() {
         joined.meant.extend(meant(scene, end));
     }
@@ -143,7 +179,7 @@ pub fn waits(wire: &Wire) -> bool {
 fn dangling(
     part: &CheckedComponent<'_>,
     reference: &EndpointService,
-    joined: &Joined,
+    joined: &Joined<'_>,
     report: &mut Report,
 ) {
     let component = part.component.name.value.clone();

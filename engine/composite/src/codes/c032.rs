@@ -2,7 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Reference wired or promoted twice
 ///
-/// A call goes to one service. To call several services separately, declare a reference for each.
+/// A call goes to one service. To call several services separately, declare a reference for each. Several wires of a reference
+/// are alternatives, of which a call uses the first one that is available; each has one service and another `binding`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -66,7 +67,7 @@ impl Finding for ReferenceWiredTwice {
             .label(self.at, "connected again here")
             .label(self.first, "first connected here")
             .help(match self.how {
-                WIRED_TWICE => "name several services in one wire: `service = [\"A.x\", \"B.x\"]`",
+                WIRED_TWICE => "for one-way calls to several services, list them in one wire: `service = [\"A.x\", \"B.x\"]`; for alternatives, give each wire another `binding`",
                 _ => "remove one of them",
             })
     }

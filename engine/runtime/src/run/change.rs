@@ -120,7 +120,7 @@ pub(super) struct ChangePlan<'r, E: Executor> {
     /// Steps that restore the connection table if a later change is impossible.
     undo_steps: Vec<UndoStep>,
     /// Services of the references concerned, by component and reference: the name, and whether calls are one-way.
-    wires: BTreeMap<(usize, usize), Vec<(String, bool)>>,
+    wires: BTreeMap<(usize, usize), Vec<(String, Wire)>>,
 }
 
 enum UndoStep {
@@ -224,13 +224,15 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         let from = self.run.end(reference, references)?;
         let to = self.run.end(service, services)?;
         let wires = self.wires(&from)?;
-        let in_the_way =
-            |(name, told): &&(String, bool)| *name == to.name || !(*told && wire.one_way);
+        let in_the_way = |(name, other): &&(String, Wire)| {
+            let are_told = other.one_way && wire.one_way;
+            *name == to.name || other.alternative == wire.alternative && !are_told
+        };
         if let Some((taken, _)) = wires.iter().find(in_the_way) {
             let (end, to) = (from.name, format!("`{taken}`"));
             return Err(BuildError::AlreadyConnected { end, to }.into());
         }
-        wires.push((to.name.clone(), wire.one_way));
+        wires.push((to.name.clone(), wire));
         let descriptors = self.run.descriptors();
         let required = &descriptors[from.unit].declaration.references[from.index];
         let provided = &descriptors[to.unit].declaration.services[to.index];
@@ -242,7 +244,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
             wire,
         };
         let index = from.index;
-        let act: Act = Box::new(move |unit, _, _| unit.body.references[index].wirings.push(wiring));
+        let act: Act = Box::new(move |unit, _, _| unit.body.references[index].add(wiring));
         self.update_steps.push((from.unit, act));
         Ok(())
     }
@@ -264,7 +266,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
     }
 
     /// The services of a reference, including the changes planned so far.
-    fn wires(&mut self, from: &ComponentEnd) -> Result<&mut Vec<(String, bool)>, RunError> {
+    fn wires(&mut self, from: &ComponentEnd) -> Result<&mut Vec<(String, Wire)>, RunError> {
         use std::collections::btree_map::Entry::{Occupied, Vacant};
         match self.wires.entry((from.unit, from.index)) {
             Occupied(known) => Ok(known.into_mut()),
@@ -272,7 +274,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                 let (index, patience) = (from.index, self.run.change_timeout());
                 let wires = self.run.run_on(from.unit, patience, move |unit, _, _| {
                     let wirings = unit.body.references[index].wirings.iter();
-                    let wirings = wirings.map(|it| (it.to.clone(), it.wire.one_way));
+                    let wirings = wirings.map(|it| (it.to.clone(), it.wire));
                     wirings.collect::<Vec<_>>()
                 });
                 let name = &self.run.descriptors()[from.unit].name;

@@ -173,6 +173,7 @@ impl<E: Executor> Run for E {
                 operation,
                 argument: Arc::new(argument),
                 trace: None,
+                awaits_provider: true,
                 caller: Arc::from("outside"),
                 deadline: Some(deadline),
                 reply_to: Some(ReplyTo::External(answer)),

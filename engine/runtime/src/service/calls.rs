@@ -14,7 +14,9 @@ pub(crate) use self::freeze::FrozenCalls;
 use super::message::{
     CallKey, ComponentReply, ProviderMessage, ReplyQueue, ReplyTo, ServiceRequest,
 };
-use super::reference::{RequiredReference, path_names, wire_of, wiring_of};
+use super::reference::{
+    RequiredReference, Wiring, first_alternative, next_alternative, path_names, wire_of, wiring_of,
+};
 use crate::cause::CycleCause;
 use crate::effects::ComponentEffects;
 use crate::event::Event;
@@ -42,6 +44,10 @@ struct OutstandingCall {
     number: u64,
     slot: OperationSlot,
     attempt: u32,
+    /// The alternative of the reference that the current attempt is at.
+    alternative: u32,
+    /// Time at which the current attempt ends, whatever alternative it is at.
+    attempt_end: Time,
     /// Time at which the current attempt times out or, while `waits_for_retry`, the next one begins.
     deadline: Time,
     /// The last attempt has failed, and the next one has not begun.
@@ -93,13 +99,17 @@ impl OutgoingCalls {
         one_way: bool,
         effects: &mut ComponentEffects<'_>,
     ) {
-        let wire = wire_of(references, slot);
+        let alternative = first_alternative(references, slot);
+        let wire = wire_of(references, slot, alternative);
         let one_way = one_way || wire.one_way;
+        let attempt_end = effects.now + wire.timeout;
         let call = OutstandingCall {
             number,
             slot,
             attempt: 1,
-            deadline: effects.now + wire.timeout,
+            alternative,
+            attempt_end,
+            deadline: attempt_end,
             waits_for_retry: false,
             argument,
             cause: self.cause.current(),
@@ -117,7 +127,7 @@ impl OutgoingCalls {
         }
     }
 
-    /// Sends a one-way call to every service of the reference, and counts those that could not take it.
+    /// Sends a one-way call to every service of the first alternative that takes it, and counts those that could not.
     fn send_one_way(
         &mut self,
         references: &[RequiredReference],
@@ -127,7 +137,15 @@ impl OutgoingCalls {
         let (port, _) = emit_called(references, call, effects);
         let wirings = references.get(call.slot.port).map(|it| &*it.wirings);
         let wirings = wirings.unwrap_or_default();
-        let mut lose = |to: &str, effects: &mut ComponentEffects<'_>| {
+        let mut lost = vec![""];
+        for services in wirings.chunk_by(|one, next| one.wire.alternative == next.wire.alternative)
+        {
+            lost = not_taken(services, call, effects);
+            if lost.len() < services.len() {
+                break;
+            }
+        }
+        for to in lost {
             self.lost_calls += 1;
             effects.emit(&Event::Dropped {
                 component: effects.name,
@@ -136,18 +154,6 @@ impl OutgoingCalls {
                 total: self.lost_calls,
                 reason: None,
             });
-        };
-        if wirings.is_empty() {
-            lose("", effects);
-        }
-        for wiring in wirings {
-            let notified = wiring
-                .operations
-                .get(call.slot.operation)
-                .map(|operation| wiring.send(request(call, *operation, None, effects), effects));
-            if !matches!(notified, Some(Ok(()))) {
-                lose(&wiring.to, effects);
-            }
         }
     }
 
@@ -159,11 +165,14 @@ impl OutgoingCalls {
         effects: &mut ComponentEffects<'_>,
     ) -> Result<(), CallError> {
         emit_called(references, call, effects);
-        let wiring = wiring_of(references, call.slot).ok_or(CallError::Unavailable)?;
+        let wiring = wiring_of(references, call.slot, call.alternative);
+        let wiring = wiring.ok_or(CallError::Unavailable)?;
         let operation = wiring.operations.get(call.slot.operation);
         let operation = *operation.ok_or(CallError::Unavailable)?;
         let reply_to = ReplyTo::Component(ComponentReply(Arc::clone(&self.reply_queue)));
-        let request = request(call, operation, Some(reply_to), effects);
+        let mut request = request(call, operation, Some(reply_to), effects);
+        let next = next_alternative(references, call.slot, call.alternative);
+        request.awaits_provider = next.is_none();
         wiring.send(request, effects)
     }
 
@@ -183,14 +192,17 @@ impl OutgoingCalls {
         self.end(references, &call, cancelled, effects);
     }
 
-    /// Ends the calls through a reference whose service is removed; the service gets cancellations.
+    /// Ends the calls at an alternative of a reference whose service is removed; the service gets cancellations.
     pub(crate) fn disconnect(
         &mut self,
         references: &[RequiredReference],
         reference: usize,
+        alternative: u32,
         effects: &mut ComponentEffects<'_>,
     ) {
-        let through = |call: &mut OutstandingCall| call.slot.port == reference;
+        let through = |call: &mut OutstandingCall| {
+            call.slot.port == reference && call.alternative == alternative
+        };
         let ended: Vec<_> = self.outstanding.extract_if(.., through).collect();
         for call in ended {
             notify_cancelled(references, &call, effects);
@@ -241,14 +253,15 @@ impl OutgoingCalls {
         if call.waits_for_retry {
             return self.retry(references, call, effects);
         }
-        if wire_of(references, call.slot).cancel_on_timeout {
+        if wire_of(references, call.slot, call.alternative).cancel_on_timeout {
             notify_cancelled(references, &call, effects);
         }
         self.handle_failure(references, call, CallError::Timeout, effects);
     }
 
-    /// Handles a failed attempt: retries at once, retries after a rest, or ends the call. After `Unavailable` a retry
-    /// always rests first, because an immediate one would fail the same way.
+    /// Handles a failed attempt: goes on with the next alternative if this one is unavailable, retries at once, retries
+    /// after a rest, or ends the call. After `Unavailable` a retry always rests first, because an immediate one would fail
+    /// the same way.
     fn handle_failure(
         &mut self,
         references: &[RequiredReference],
@@ -256,7 +269,11 @@ impl OutgoingCalls {
         error: CallError,
         effects: &mut ComponentEffects<'_>,
     ) {
-        let wire = wire_of(references, call.slot);
+        let next = next_alternative(references, call.slot, call.alternative);
+        if let Some(next) = next.filter(|_| error == CallError::Unavailable) {
+            return self.fail_over(references, call, next, effects);
+        }
+        let wire = wire_of(references, call.slot, call.alternative);
         let delay = wire.retry_delay(call.attempt);
         let in_vain = error == CallError::Unavailable && delay.is_zero();
         if call.attempt > wire.retries || in_vain {
@@ -270,6 +287,23 @@ impl OutgoingCalls {
         self.add_outstanding(call, effects);
     }
 
+    /// Continues an attempt with another alternative.
+    fn fail_over(
+        &mut self,
+        references: &[RequiredReference],
+        mut call: OutstandingCall,
+        next: u32,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        call.alternative = next;
+        let timeout = wire_of(references, call.slot, next).timeout;
+        call.deadline = call.attempt_end.min(effects.now + timeout);
+        match self.send_request(references, &call, effects) {
+            Ok(()) => self.add_outstanding(call, effects),
+            Err(error) => self.handle_failure(references, call, error, effects),
+        }
+    }
+
     fn retry(
         &mut self,
         references: &[RequiredReference],
@@ -278,7 +312,9 @@ impl OutgoingCalls {
     ) {
         call.attempt += 1;
         call.waits_for_retry = false;
-        call.deadline = effects.now + wire_of(references, call.slot).timeout;
+        call.alternative = first_alternative(references, call.slot);
+        call.attempt_end = effects.now + wire_of(references, call.slot, call.alternative).timeout;
+        call.deadline = call.attempt_end;
         match self.send_request(references, &call, effects) {
             Ok(()) => self.add_outstanding(call, effects),
             Err(error) => self.handle_failure(references, call, error, effects),
@@ -399,8 +435,27 @@ fn request(
         caller: Arc::clone(effects.name),
         deadline: reply_to.is_some().then_some(call.deadline),
         trace: call.cause,
+        awaits_provider: true,
         reply_to,
     }
+}
+
+/// Sends a one-way call to services. Returns those that could not take it.
+fn not_taken<'r>(
+    services: &'r [Wiring],
+    call: &OutstandingCall,
+    effects: &mut ComponentEffects<'_>,
+) -> Vec<&'r str> {
+    let mut lost = Vec::new();
+    for wiring in services {
+        let operation = wiring.operations.get(call.slot.operation);
+        let sent = operation
+            .map(|operation| wiring.send(request(call, *operation, None, effects), effects));
+        if !matches!(sent, Some(Ok(()))) {
+            lost.push(&*wiring.to);
+        }
+    }
+    lost
 }
 
 fn notify_cancelled(
@@ -408,7 +463,7 @@ fn notify_cancelled(
     call: &OutstandingCall,
     effects: &mut ComponentEffects<'_>,
 ) {
-    let Some(wiring) = wiring_of(references, call.slot) else {
+    let Some(wiring) = wiring_of(references, call.slot, call.alternative) else {
         return;
     };
     let key = CallKey {

@@ -41,6 +41,8 @@ pub struct ServiceRequest {
     pub deadline: Option<Time>,
     /// The trace that the call continues; `None` without one.
     pub trace: Option<TraceContext>,
+    /// Whether the call may wait for a provider that is not there yet; `false` if the reference has an alternative.
+    pub awaits_provider: bool,
     /// Return address of the reply; `None` for a one-way call.
     pub reply_to: Option<ReplyTo>,
 }

@@ -12,7 +12,7 @@ use crate::effects::ComponentEffects;
 /// A reference at run time.
 pub(crate) struct RequiredReference {
     pub declaration: ReferenceDeclaration,
-    /// One service, or several that receive one-way calls only.
+    /// The services in the order of their alternatives; several of one alternative receive one-way calls only.
     pub wirings: Vec<Wiring>,
 }
 
@@ -49,13 +49,50 @@ impl Wiring {
     }
 }
 
-/// The wiring whose service replies: the first.
-pub(super) fn wiring_of(references: &[RequiredReference], slot: OperationSlot) -> Option<&Wiring> {
-    references.get(slot.port)?.wirings.first()
+impl RequiredReference {
+    /// Adds a service behind its alternatives that come first.
+    pub(crate) fn add(&mut self, wiring: Wiring) {
+        let position = wiring.wire.alternative;
+        let before = |it: &Wiring| it.wire.alternative <= position;
+        let index = self.wirings.partition_point(before);
+        self.wirings.insert(index, wiring);
+    }
 }
 
-pub(super) fn wire_of(references: &[RequiredReference], slot: OperationSlot) -> Wire {
-    wiring_of(references, slot).map_or_else(Wire::default, |wiring| wiring.wire)
+/// The wiring whose service replies: the first of an alternative.
+pub(super) fn wiring_of(
+    references: &[RequiredReference],
+    slot: OperationSlot,
+    alternative: u32,
+) -> Option<&Wiring> {
+    let mut wirings = references.get(slot.port)?.wirings.iter();
+    wirings.find(|it| it.wire.alternative == alternative)
+}
+
+pub(super) fn wire_of(
+    references: &[RequiredReference],
+    slot: OperationSlot,
+    alternative: u32,
+) -> Wire {
+    let wiring = wiring_of(references, slot, alternative);
+    wiring.map_or_else(Wire::default, |wiring| wiring.wire)
+}
+
+/// The alternative to which a call goes first.
+pub(super) fn first_alternative(references: &[RequiredReference], slot: OperationSlot) -> u32 {
+    let first = references.get(slot.port).and_then(|it| it.wirings.first());
+    first.map_or(0, |wiring| wiring.wire.alternative)
+}
+
+/// The alternative to which a call goes if this one is unavailable.
+pub(super) fn next_alternative(
+    references: &[RequiredReference],
+    slot: OperationSlot,
+    alternative: u32,
+) -> Option<u32> {
+    let wirings = references.get(slot.port)?.wirings.iter();
+    let mut positions = wirings.map(|it| it.wire.alternative);
+    positions.find(|position| *position > alternative)
 }
 
 pub(super) fn path_names(references: &[RequiredReference], slot: OperationSlot) -> (&str, &str) {

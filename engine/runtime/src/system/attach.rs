@@ -147,7 +147,7 @@ impl System {
             wire,
         };
         let reference = &mut self.units[from.unit].body.references[from.index];
-        reference.wirings.push(wiring);
+        reference.add(wiring);
         Ok(operations)
     }
 }

@@ -158,7 +158,8 @@ impl System {
     }
 
     /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`. A
-    /// reference has one service, or several that receive one-way calls ([`Wire::one_way`]).
+    /// reference has one service, several that receive one-way calls ([`Wire::one_way`]), or several
+    /// [alternatives](Wire::alternative).
     ///
     /// # Errors
     /// [`BuildError::AlreadyConnected`] if the reference has a service, [`BuildError::InterfaceMismatch`],
@@ -180,7 +181,7 @@ impl System {
             wire,
         };
         let reference = &mut self.units[from.unit].body.references[from.index];
-        reference.wirings.push(wiring);
+        reference.add(wiring);
         Ok(())
     }
 
@@ -192,8 +193,10 @@ impl System {
         wire: Wire,
     ) -> Result<&RequiredReference, BuildError> {
         let reference = &self.units[from.unit].body.references[from.index];
-        let stands_in_the_way =
-            |wiring: &&Wiring| wiring.to == to || !(wire.one_way && wiring.wire.one_way);
+        let stands_in_the_way = |wiring: &&Wiring| {
+            let are_told = wire.one_way && wiring.wire.one_way;
+            wiring.to == to || wiring.wire.alternative == wire.alternative && !are_told
+        };
         match reference.wirings.iter().find(stands_in_the_way) {
             None => Ok(reference),
             Some(wiring) => Err(BuildError::AlreadyConnected {

@@ -8,7 +8,7 @@ use asmotion_diagnostics::Span;
 use super::{Exporter, contract, target, written};
 use crate::model::{
     ScdlBinding, ScdlComponent, ScdlContract, ScdlImplementation, ScdlInterface, ScdlMultiplicity,
-    ScdlProperty, ScdlTarget,
+    ScdlProperty,
 };
 use crate::tca::{self, TcaTask};
 use crate::toml::TIMEOUT_MS;
@@ -213,14 +213,10 @@ impl Exporter<'_> {
             let uri = wire.url.as_ref();
             let uri = uri.map(|url| At::new(written(&url.value), url.span));
             if let Some(reference) = references.get_mut(index) {
-                reference.targets = wire
-                    .services
-                    .iter()
-                    .map(target)
-                    .collect::<Vec<ScdlTarget>>();
-                reference.multiplicity.many = wire.services.len() > 1;
+                reference.targets.extend(wire.services.iter().map(target));
+                reference.multiplicity.many |= wire.services.len() > 1;
                 let bound = |over| ScdlBinding { over, uri };
-                reference.bindings = binding.map(bound).into_iter().collect();
+                reference.bindings.extend(binding.map(bound));
             }
         }
     }

@@ -164,6 +164,7 @@ fn a_call_is_tried_again_over_the_broker() {
         backoff: Duration::ZERO,
         cancel_on_timeout: true,
         one_way: false,
+        alternative: 0,
     };
     let mut network = Network::new();
     network
@@ -209,6 +210,7 @@ fn asking(url: &str, timeout: Duration) -> System {
         backoff: Duration::ZERO,
         cancel_on_timeout: true,
         one_way: false,
+        alternative: 0,
     };
     let mut network = Network::new();
     network

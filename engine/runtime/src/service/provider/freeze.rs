@@ -103,6 +103,8 @@ impl FrozenRequest {
             caller: Arc::from(self.caller.as_str()),
             deadline: self.deadline,
             trace: trace_of(&self.trace)?,
+            // the provider is there
+            awaits_provider: true,
             reply_to: if self.replies {
                 Some(context.reply_to(self.key)?)
             } else {
