@@ -107,12 +107,9 @@ fn n4_it_is_blocked_by_a_closed_corridor_and_stands_still_before_it() {
         let wall = drive
             .obstacles
             .iter()
-            .filter(|disc| (disc.x - 5.8).abs() < 0.3);
-        let (low, high) = wall.fold((9.0_f64, -9.0_f64), |(low, high), disc| {
-            (
-                low.min(disc.y - disc.radius),
-                high.max(disc.y + disc.radius),
-            )
+            .filter(|point| (point.x - 5.8).abs() < 0.1);
+        let (low, high) = wall.fold((9.0_f64, -9.0_f64), |(low, high), point| {
+            (low.min(point.y), high.max(point.y))
         });
         assert!(low < -0.9 && high > 0.9, "told from {low} to {high}");
         // the robot really stands still
@@ -274,6 +271,43 @@ fn with_odometry_in_another_frame_it_does_not_drive() {
 }
 
 #[test]
+fn a_closed_path_is_driven_once_round() {
+    let round = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)];
+    let walls = [
+        [-2.0, -2.0, 6.0, -2.0],
+        [6.0, -2.0, 6.0, 5.0],
+        [6.0, 5.0, -2.0, 5.0],
+        [-2.0, 5.0, -2.0, -2.0],
+    ];
+    let course = Course {
+        walls: walls.concat(),
+        path: round.to_vec(),
+        start: [0.0; 3],
+        seed: 1,
+        ..Course::default()
+    };
+    // once as planned, once with a detour
+    for course in [course.clone(), course.with(disc(0.0, 2.0, 3.0, 0.2))] {
+        let drive = course.drive(90.0);
+        assert_eq!(drive.codes(), ["REACHED"], "{:?}", drive.events);
+        for (x, y) in round {
+            let corner = Point::new(x, y);
+            let distance = |(_, pose): &(f64, asmotion_geometry::Pose)| {
+                (Point::from(pose.translation.vector) - corner).norm()
+            };
+            let nearest = drive
+                .track
+                .iter()
+                .map(distance)
+                .fold(f64::INFINITY, f64::min);
+            assert!(nearest < 0.4, "{nearest} m from ({x}, {y})");
+        }
+        assert!((drive.end() - Point::origin()).norm() < 0.1);
+        assert!(drive.at("REACHED") > 14.0 / 0.5, "{:?}", drive.events);
+    }
+}
+
+#[test]
 fn without_eyes_it_stops_and_with_them_it_goes_on() {
     let mut running = Course::corridor().run();
     running.run.run_until(Time::from_nanos(nanos(5.0)));
@@ -295,8 +329,8 @@ fn with_a_map_its_walls_are_no_news() {
     let drive = course.drive(20.0);
     assert!(!drive.obstacles.is_empty());
     for reported in &drive.obstacles {
-        let off = (Point::new(reported.x, reported.y) - Point::new(5.0, 0.0)).norm();
-        assert!(off <= 0.4, "{reported:?} is not the disc");
+        let off = (reported - Point::new(5.0, 0.0)).norm();
+        assert!((off - 0.3).abs() <= 0.05, "{reported:?} is not the disc");
     }
 }
 

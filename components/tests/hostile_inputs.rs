@@ -74,11 +74,7 @@ fn good(name: &str, n: usize) -> Option<Datum> {
         }),
         Obstacles::NAME => Datum::of(&Obstacles {
             stamp: header.stamp,
-            discs: vec![Disc {
-                x: 3.0,
-                y: 0.5,
-                radius: 0.1,
-            }],
+            points: vec![Vertex { x: 3.0, y: 0.5 }],
         }),
         Event::NAME => Datum::of(&Event::new(nanos, Event::REACHED, "")),
         JointStatus::NAME => Datum::of(&JointStatus {

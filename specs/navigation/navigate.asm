@@ -1,6 +1,7 @@
 asm navigate
 // Drives a rover to a goal: gets the map, requests a path, lets the follower drive.
-// Replans when the path is blocked and repeats a call that timed out, both at most `maxTries` times.
+// Replans when the path is blocked or the rover touches something, and repeats a call that timed out; all at most
+// `maxTries` times.
 // A new goal stops the rover before a path is requested. The e-stop has priority over everything.
 import StandardLibrary
 import CTLLibrary
@@ -9,7 +10,8 @@ signature:
 	enum domain Mode = {IDLE | WAIT_MAP | WAIT_PATH | FOLLOWING | STOPPING | ARRIVED | FAILED}
 	enum domain Command = {NONE | GET_MAP | PLAN | FOLLOW | HALT}
 	enum domain Event = {
-		NOTHING | MAP_OK | PATH_OK | NO_PATH | TIMED_OUT | CALL_FAILED | REACHED | BLOCKED | HALTED
+		NOTHING | MAP_OK | PATH_OK | NO_PATH | TIMED_OUT | CALL_FAILED | REACHED | BLOCKED |
+		HALTED | CONTACT
 	}
 	domain Tries subsetof Integer
 
@@ -95,6 +97,7 @@ definitions:
 				switch event
 					case REACHED: r_halt[ARRIVED]
 					case BLOCKED: r_planAgain[]
+					case CONTACT: r_planAgain[]
 				endswitch
 			case STOPPING:
 				if event = HALTED then r_enter[WAIT_MAP, GET_MAP] endif
@@ -102,6 +105,8 @@ definitions:
 
 	// safety: the rover never moves after a step with the e-stop pressed
 	CTLSPEC ag(estop implies ax(not moving))
+	// safety: the rover stands after a step that learns of a contact
+	CTLSPEC ag(event = CONTACT implies ax(not moving))
 	// exclusivity: the rover moves only while it follows a path
 	CTLSPEC ag(moving iff mode = FOLLOWING)
 	// the command FOLLOW is given only in the mode FOLLOWING

@@ -8,13 +8,13 @@ use asmotion_component::{
 };
 use asmotion_geometry::{Distances, Point, Trail, heading, message};
 use asmotion_messages::{
-    Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time as Stamp,
+    Bool, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time as Stamp,
 };
 
 use crate::advice::{Advice, Adviser, BlockedCause, Patience};
 use crate::bend_limits::BendLimits;
 use crate::memory::ScanMemory;
-use crate::obstacle_reports::{Blockers, all_obstacles, obstacles_on_path};
+use crate::obstacle_reports::{Blockers, obstacles_on_path};
 
 /// `nav::TrajectoryAdapter`: passes the path on, bent around obstacles seen by the laser; publishes `BLOCKED` once for
 /// a path.
@@ -125,6 +125,9 @@ impl TrajectoryAdapter {
                     ..
                 } = *self.properties;
                 let laser = robot * heading(Point::new(x, y), yaw);
+                let radius = self.properties.limits.robot_radius_m;
+                self.memory
+                    .forget_under(robot.translation.vector.into(), radius);
                 let known = self.known.as_ref();
                 let is_news =
                     |point| !known.is_some_and(|known| is_mapped(known, point, map_tolerance_m));
@@ -170,11 +173,10 @@ impl TrajectoryAdapter {
     /// `obstacles_period_s`, at once when the path is blocked, and once when nothing is left. Without a map: the
     /// obstacles that have blocked a path.
     fn report_obstacles(&mut self, cycle: &mut Cycle<'_>, now: Time, blocked: bool) {
-        let discs = match &self.known {
-            Some(_) => self.is_report_due(now, blocked).then(|| {
-                let points: Vec<Point> = self.memory.points().collect();
-                all_obstacles(&points)
-            }),
+        let points = match &self.known {
+            Some(_) => self
+                .is_report_due(now, blocked)
+                .then(|| self.memory.points().collect()),
             None => {
                 let since = now - self.properties.memory_s;
                 let forgot = self.blockers.forget_before(since.nanos());
@@ -183,16 +185,16 @@ impl TrajectoryAdapter {
                         obstacles_on_path(self.memory.points(), route, &self.properties.limits);
                     self.blockers.add(&on_it, now.nanos());
                 }
-                (blocked || forgot).then(|| self.blockers.discs())
+                (blocked || forgot).then(|| self.blockers.points())
             }
         };
-        let Some(discs) = discs else {
+        let Some(points) = points else {
             return;
         };
         let had_any = self.last_report.is_some_and(|(_, any)| any);
-        self.last_report = Some((now, !discs.is_empty()));
-        if !discs.is_empty() || had_any {
-            cycle.write(self.ports.obstacles, obstacles(now, &discs));
+        self.last_report = Some((now, !points.is_empty()));
+        if !points.is_empty() || had_any {
+            cycle.write(self.ports.obstacles, obstacles(now, &points));
         }
     }
 
@@ -242,15 +244,10 @@ fn is_mapped(known: &Distances, point: Point, tolerance: f64) -> bool {
     distance.is_some_and(|distance| distance <= tolerance)
 }
 
-fn obstacles(now: Time, discs: &[asmotion_geometry::RoundObstacle]) -> Obstacles {
-    let disc = |disc: &asmotion_geometry::RoundObstacle| Disc {
-        x: disc.centre.x,
-        y: disc.centre.y,
-        radius: disc.radius,
-    };
+fn obstacles(now: Time, points: &[Point]) -> Obstacles {
     Obstacles {
         stamp: Stamp::from_nanos(now.nanos()),
-        discs: discs.iter().map(disc).collect(),
+        points: points.iter().map(message::vertex_message).collect(),
     }
 }
 

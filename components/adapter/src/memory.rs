@@ -66,6 +66,13 @@ impl ScanMemory {
         }
     }
 
+    /// Forgets the points under a robot of this radius (m), which stands where they were. Points near its rim are kept: the
+    /// robot may touch them.
+    pub fn forget_under(&mut self, robot: Point, radius: f64) {
+        let under = |point: Point| (point - robot).norm() < radius - SIDE;
+        self.seen.retain(|_, seen| !under(seen.point));
+    }
+
     /// Forgets points not seen since `nanos`.
     pub fn forget_before(&mut self, nanos: i64) {
         self.seen.retain(|_, seen| seen.at >= nanos);
@@ -161,6 +168,21 @@ mod tests {
             remembered(&[round(1.0), round(2.0)])
                 .points()
                 .all(|point| point.coords.norm() > 1.9)
+        );
+    }
+
+    #[test]
+    fn the_robot_stands_where_nothing_is() {
+        let mut memory = remembered(&[round(1.0)]);
+        let all = memory.points().count();
+        memory.forget_under(Point::new(1.2, 0.0), 0.25);
+        assert_eq!(memory.points().count(), all, "it touches them");
+        memory.forget_under(Point::new(1.1, 0.0), 0.25);
+        let left: Vec<Point> = memory.points().collect();
+        assert!(left.len() < all);
+        assert!(
+            left.iter()
+                .all(|point| (point - Point::new(1.1, 0.0)).norm() >= 0.2)
         );
     }
 

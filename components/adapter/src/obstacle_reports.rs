@@ -1,73 +1,59 @@
-//! Obstacles for the planner that the map does not show, as discs.
+//! Obstacles for the planner that the map does not show, as points of their surfaces.
 
-use asmotion_geometry::{Point, RoundObstacle};
+use asmotion_geometry::Point;
 use serde::{Deserialize, Serialize};
 
 use crate::bend_limits::BendLimits;
-use crate::cluster::{clusters, cover};
+use crate::cluster::{GAP, clusters};
 use crate::route::BendableRoute;
 
-/// Largest radius in m of the discs that cover an obstacle.
-const COVER: f64 = 0.25;
-
-/// Covers all points with discs: for a robot with a map, which remembers only points that the map does not show.
-pub fn all_obstacles(points: &[Point]) -> Vec<RoundObstacle> {
-    let mut discs = Vec::new();
-    for cluster in clusters(points) {
-        cover(cluster, COVER, &mut discs);
-    }
-    discs
-}
-
-/// Covers the obstacles on the path with discs: for a robot without a map. The planner did not know these obstacles,
+/// Selects the points of the obstacles on the path: for a robot without a map. The planner did not know these obstacles,
 /// because its path leads through them; it may know all others.
 pub fn obstacles_on_path(
     points: impl Iterator<Item = Point>,
     route: &BendableRoute,
     limits: &BendLimits,
-) -> Vec<RoundObstacle> {
+) -> Vec<Point> {
     let off = |point: &Point| route.distance(*point);
     let nearby: Vec<Point> = points
         .filter(|point| off(point) <= limits.reach_m)
         .collect();
-    let mut discs = Vec::new();
-    for cluster in clusters(&nearby) {
-        if cluster.iter().any(|point| off(point) < limits.clearance()) {
-            cover(cluster, COVER, &mut discs);
-        }
-    }
-    discs
+    let is_on_path =
+        |cluster: &Vec<Point>| cluster.iter().any(|point| off(point) < limits.clearance());
+    clusters(&nearby)
+        .into_iter()
+        .filter(is_on_path)
+        .flatten()
+        .collect()
 }
 
 /// Obstacles that have recently blocked a path, so that a robot without a map does not alternate between two blocked
 /// paths.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Blockers {
-    /// Each disc with the time at which it last blocked a path, ns.
-    discs: Vec<(RoundObstacle, i64)>,
+    /// Each point with the time at which its obstacle last blocked a path, ns.
+    points: Vec<(Point, i64)>,
 }
 
 impl Blockers {
-    /// Adds obstacles that block a path at `now`; they replace remembered ones that they overlap.
-    pub fn add(&mut self, discs: &[RoundObstacle], now: i64) {
-        let overlap = |a: &RoundObstacle, b: &RoundObstacle| {
-            (a.centre - b.centre).norm() < a.radius + b.radius
-        };
-        self.discs
-            .retain(|(old, _)| !discs.iter().any(|new| overlap(old, new)));
-        self.discs.extend(discs.iter().map(|disc| (*disc, now)));
+    /// Adds points of obstacles that block a path at `now`; they replace the remembered points that they are connected to.
+    pub fn add(&mut self, points: &[Point], now: i64) {
+        let joins = |a: &Point, b: &Point| (a - b).norm_squared() < GAP * GAP;
+        self.points
+            .retain(|(old, _)| !points.iter().any(|new| joins(old, new)));
+        self.points.extend(points.iter().map(|point| (*point, now)));
     }
 
-    /// Forgets discs that have not blocked a path since `nanos`. Returns whether there were any.
+    /// Forgets obstacles that have not blocked a path since `nanos`. Returns whether there were any.
     pub fn forget_before(&mut self, nanos: i64) -> bool {
-        let before = self.discs.len();
-        self.discs.retain(|(_, at)| *at >= nanos);
-        self.discs.len() != before
+        let before = self.points.len();
+        self.points.retain(|(_, at)| *at >= nanos);
+        self.points.len() != before
     }
 
-    /// The remembered discs, map frame.
-    pub fn discs(&self) -> Vec<RoundObstacle> {
-        self.discs.iter().map(|(disc, _)| *disc).collect()
+    /// The remembered points, map frame.
+    pub fn points(&self) -> Vec<Point> {
+        self.points.iter().map(|(point, _)| *point).collect()
     }
 }
 
@@ -90,29 +76,21 @@ mod tests {
         let reported =
             |points: &[Point]| obstacles_on_path(points.iter().copied(), &route, &LIMITS);
         assert_eq!(reported(&beside), []);
-        let discs = reported(&[beside, on_it].concat());
-        assert_eq!(discs.len(), 1);
-        assert!((discs[0].centre - Point::new(3.0, 0.3)).norm() < 1e-9);
-    }
-
-    #[test]
-    fn with_a_map_it_is_everything() {
-        assert_eq!(all_obstacles(&points(&[(1.0, 9.0), (5.0, 5.0)])).len(), 2);
+        let hits = reported(&[beside, on_it.clone()].concat());
+        assert_eq!(hits, on_it[..3], "not what stands 0.9 m behind it");
     }
 
     #[test]
     fn what_blocked_is_remembered_for_a_while_and_renewed() {
-        let disc = |x: f64| RoundObstacle {
-            centre: Point::new(x, 0.0),
-            radius: 0.2,
-        };
+        let at = |x: f64| Point::new(x, 0.0);
         let mut blockers = Blockers::default();
-        blockers.add(&[disc(0.0)], 0);
-        blockers.add(&[disc(5.0)], 10);
-        blockers.add(&[disc(0.1)], 20);
-        assert_eq!(blockers.discs(), [disc(5.0), disc(0.1)]);
+        blockers.add(&[at(0.0), at(0.3)], 0);
+        blockers.add(&[at(5.0)], 10);
+        blockers.add(&[at(0.1)], 20);
+        assert_eq!(blockers.points(), [at(0.3), at(5.0), at(0.1)]);
+        assert!(blockers.forget_before(10));
         assert!(!blockers.forget_before(10));
         assert!(blockers.forget_before(11));
-        assert_eq!(blockers.discs(), [disc(0.1)]);
+        assert_eq!(blockers.points(), [at(0.1)]);
     }
 }

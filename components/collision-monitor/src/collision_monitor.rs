@@ -7,7 +7,7 @@ use asmotion_component::{
     PropertySet, Time, freeze_by_fields,
 };
 use asmotion_geometry::{Point, Pose, heading, roll};
-use asmotion_messages::{LaserScan, Odometry, Twist};
+use asmotion_messages::{Event, LaserScan, Odometry, Twist};
 use serde::{Deserialize, Serialize};
 
 use crate::zones::{PlanarVelocity, Verdict, Zones};
@@ -35,6 +35,8 @@ pub struct CollisionMonitor {
     last: Option<Time>,
     /// The reason for which the robot is stopped; reported when it changes.
     stopped: Option<StopReason>,
+    /// `true` if the newest usable scan ends within the robot.
+    touched: bool,
 }
 
 /// Reason to stop the robot.
@@ -70,6 +72,8 @@ struct MonitorPorts {
     /// What may be driven of the command, once for each command; in between only if a new scan requires less.
     #[port(safe)]
     twist: Out<Twist>,
+    /// `CONTACT` when a scan ends within the robot's disc, once until a scan does not.
+    event: Out<Event>,
 }
 
 #[derive(Properties)]
@@ -102,6 +106,7 @@ impl CollisionMonitor {
             seen: None,
             last: None,
             stopped: None,
+            touched: false,
         }
     }
 
@@ -143,6 +148,17 @@ impl CollisionMonitor {
             .extend(scan.obstacles().map(|beam| laser * point(beam)));
         self.seen = Some(now);
         true
+    }
+
+    /// Publishes `CONTACT` if the newest scan is the first that ends within the robot.
+    fn feel(&mut self, cycle: &mut Cycle<'_>) {
+        let touched = self.properties.zones.is_touched(&self.points);
+        if touched && !self.touched {
+            let detail = "the scan ends within the robot";
+            let event = Event::new(cycle.now().nanos(), Event::CONTACT, detail);
+            cycle.write(self.ports.event, event);
+        }
+        self.touched = touched;
     }
 
     /// The reason that every motion is forbidden; `None` if the laser works.
@@ -188,6 +204,7 @@ impl Component for CollisionMonitor {
         self.seen = None;
         self.last = None;
         self.stopped = None;
+        self.touched = false;
         Ok(())
     }
 
@@ -195,6 +212,9 @@ impl Component for CollisionMonitor {
         let now = cycle.now();
         self.properties.refresh(cycle);
         let sees_anew = self.look(cycle);
+        if sees_anew {
+            self.feel(cycle);
+        }
         let is_new = match cycle.read(self.ports.command) {
             Flow::NewData(twist) => {
                 let command = Some(planar(twist)).filter(PlanarVelocity::is_finite);

@@ -13,6 +13,9 @@ pub struct Zones {
     /// Distance between the robot's disc and an obstacle at which the robot stands at the latest.
     #[property(unit = "m", range = 0.0..=10.0, default = 0.02)]
     pub stop_margin_m: f64,
+    /// Depth within the robot's disc from which a point of the scan shows a contact; must exceed the error of the laser.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.05)]
+    pub contact_depth_m: f64,
     /// Width of the zone beside the swept area in which an obstacle slows the robot down to `slow_speed`.
     #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
     pub slow_margin_m: f64,
@@ -49,6 +52,9 @@ pub enum Verdict {
 
 /// Speed in m/s up to which the robot counts as standing.
 const STANDING: f64 = 0.02;
+
+/// Number of points of a scan that show a contact; fewer may be errors of the laser.
+const CONTACT_POINTS: usize = 3;
 
 /// Time in s for which a command acts before the next one does.
 const COMMANDED: f64 = 0.1;
@@ -108,6 +114,13 @@ impl Zones {
         }
     }
 
+    /// Returns whether a scan ends within the robot: something touches it. `points` are in the base frame, m.
+    pub fn is_touched(&self, points: &[Point]) -> bool {
+        let inside = self.robot_radius_m - self.contact_depth_m;
+        let within = points.iter().filter(|point| point.coords.norm() < inside);
+        within.take(CONTACT_POINTS).count() == CONTACT_POINTS
+    }
+
     fn brakes(&self) -> Brakes {
         Brakes {
             deceleration: self.deceleration,
@@ -152,6 +165,7 @@ mod tests {
     const ZONES: Zones = Zones {
         robot_radius_m: 0.2,
         stop_margin_m: 0.02,
+        contact_depth_m: 0.05,
         slow_margin_m: 0.2,
         slow_speed: 0.6,
         deceleration: 1.0,
@@ -190,6 +204,14 @@ mod tests {
         let touching = [Point::new(0.2, 0.0)];
         let verdict = ZONES.judge(command, velocity(0.0, 0.0), &touching);
         assert_eq!(verdict, Verdict::Stop(velocity(0.0, 0.0)));
+    }
+
+    #[test]
+    fn three_points_within_the_disc_are_a_contact() {
+        let inside = [0.14, -0.14, 0.0].map(|x| Point::new(x, 0.0));
+        assert!(ZONES.is_touched(&inside));
+        assert!(!ZONES.is_touched(&inside[..2]));
+        assert!(!ZONES.is_touched(&[Point::new(0.16, 0.0); 9]));
     }
 
     #[test]

@@ -126,19 +126,20 @@ pub fn scene_message(scene: &ObstacleScene, revision: u64) -> asmotion_messages:
     }
 }
 
-/// Converts a disc message.
-pub fn disc(message: &asmotion_messages::Disc) -> RoundObstacle {
+fn disc(message: &asmotion_messages::Disc) -> RoundObstacle {
     RoundObstacle {
         centre: Point::new(message.x, message.y),
         radius: message.radius,
     }
 }
 
-fn vertex(message: &asmotion_messages::Vertex) -> Point {
+/// Converts a vertex message to a point, m.
+pub fn vertex(message: &asmotion_messages::Vertex) -> Point {
     Point::new(message.x, message.y)
 }
 
-fn vertex_message(point: &Point) -> asmotion_messages::Vertex {
+/// Converts a point to a vertex message.
+pub fn vertex_message(point: &Point) -> asmotion_messages::Vertex {
     asmotion_messages::Vertex {
         x: point.x,
         y: point.y,

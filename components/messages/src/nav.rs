@@ -3,7 +3,7 @@
 use crate::builtin_interfaces::Time;
 use crate::geometry_msgs::PoseStamped;
 use crate::nav_msgs::OccupancyGrid;
-use crate::world::Disc;
+use crate::world::Vertex;
 
 asmotion_datum::message! {
     /// An event of interest to a coordinator.
@@ -36,8 +36,8 @@ asmotion_datum::message! {
     pub struct Obstacles = "nav/Obstacles" {
         /// Time at which the newest of them was seen.
         pub stamp: Time,
-        /// Discs that cover the obstacles.
-        pub discs: Vec<Disc>,
+        /// Points of their surfaces, where beams of a laser ended.
+        pub points: Vec<Vertex>,
     }
 }
 
@@ -48,7 +48,9 @@ impl Event {
     pub const HALTED: &str = "HALTED";
     /// The adapter finds no way past an obstacle.
     pub const BLOCKED: &str = "BLOCKED";
-    /// The robot touched something.
+    /// The robot touches something, as its own sensors show.
+    pub const CONTACT: &str = "CONTACT";
+    /// The robot touched something, as the simulated world knows.
     pub const COLLISION: &str = "COLLISION";
 
     /// An event of this kind, `nanos` nanoseconds after the clock's zero.

@@ -184,11 +184,11 @@ mod tests {
             y: 0.2,
             radius: 0.3,
         };
+        let corner = Vertex { x: 1.0, y: 2.0 };
         survives(Obstacles {
             stamp: Time::from_nanos(1),
-            discs: vec![disc],
+            points: vec![corner; 2],
         });
-        let corner = Vertex { x: 1.0, y: 2.0 };
         survives(Scene {
             revision: 1 << 40,
             segments: vec![Segment {

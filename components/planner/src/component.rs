@@ -4,12 +4,12 @@ use asmotion_component::{
     CallId, Component, Cycle, Fault, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
     Provided, RequestId, Required, ServiceFault, freeze_by_fields,
 };
-use asmotion_geometry::{Grid, OCCUPIED, Point, RoundObstacle, message};
+use asmotion_geometry::{Grid, OCCUPIED, Point, Pose, message};
 use asmotion_messages::{
     GetMap, Obstacles, OccupancyGrid, Path, Place, Plan as PlanOperation, PlanRequest,
 };
 
-use crate::planner::{NoPath, Planner, PlannerSettings};
+use crate::planner::{NoPath, PlannedPath, Planner, PlannerSettings};
 use crate::planners::{PLANNERS, planner};
 
 /// `nav::TrajectoryPlanner`: provides `plan`, and publishes each path that it finds.
@@ -39,7 +39,8 @@ struct PlannerPorts {
     /// Map for requests without one.
     #[port(optional)]
     maps: Required<GetMap>,
-    /// Optional: obstacles the map does not show, map frame. A disc over the robot itself is ignored.
+    /// Optional: obstacles the map does not show, map frame. The cells that contain their points count as occupied, except
+    /// the cell of the robot itself.
     obstacles: In<Obstacles>,
     /// Every path that was found, in the frame of the map.
     trajectory: Out<Path>,
@@ -52,6 +53,10 @@ struct PlannerProperties {
     algorithm: String,
     #[property(flatten)]
     settings: PlannerSettings,
+    /// Reduction of `inflation_m` for a second search if the first finds no path, because cells and measurements are not
+    /// exact. With 0 there is no second search.
+    #[property(unit = "m", range = 0.0..=1.0, default = 0.04)]
+    squeeze_m: f64,
     /// Place whose map is requested from `maps` for a request without a map.
     place: String,
 }
@@ -145,16 +150,38 @@ impl TrajectoryPlanner {
         if let Some(seen) = cycle.read(self.ports.obstacles).any() {
             add(&mut grid, seen, start.translation.vector.into());
         }
-        let planner = self.planner()?;
-        let plan = planner
-            .plan(&grid, &start, &goal)
-            .map_err(|why| fault(&why))?;
+        let planned = match self.planner()?.plan(&grid, &start, &goal) {
+            Err(why @ NoPath::Unreachable { .. }) => {
+                let narrow = self.plan_narrowly(&grid, &start, &goal);
+                narrow
+                    .ok_or(why)
+                    .map(|plan| (plan, " through a narrow place"))
+            }
+            planned => planned.map(|plan| (plan, "")),
+        };
+        let (plan, narrow) = planned.map_err(|why| fault(&why))?;
         let (length, explored) = (plan.length, plan.explored);
         cycle.report(
             "plan",
-            format!("{length:.2} m, {explored} cells searched").into(),
+            format!("{length:.2} m{narrow}, {explored} cells searched").into(),
         );
         Ok(message::path(&plan.poses, cycle.now().nanos(), frame))
+    }
+
+    /// The path of a second search, with the inflation reduced by `squeeze_m`.
+    fn plan_narrowly(&self, grid: &Grid, start: &Pose, goal: &Pose) -> Option<PlannedPath> {
+        let PlannerProperties {
+            algorithm,
+            settings,
+            squeeze_m,
+            ..
+        } = &*self.properties;
+        let narrow = PlannerSettings {
+            inflation_m: (settings.inflation_m - squeeze_m).max(0.0),
+            ..settings.clone()
+        };
+        let mut planner = planner(algorithm, &narrow).filter(|_| narrow != *settings)?;
+        planner.plan(grid, start, goal).ok()
     }
 
     /// The planner for the current properties; the existing one if they have not changed.
@@ -178,13 +205,14 @@ impl TrajectoryPlanner {
     }
 }
 
-/// Adds seen obstacles to the map. The robot is at `start`, so an obstacle there is ignored.
+/// Marks the cells that contain points of seen obstacles. The robot is at `start`, so its cell is free.
 fn add(grid: &mut Grid, seen: &Obstacles, start: Point) {
-    let discs = seen.discs.iter().map(message::disc);
-    for RoundObstacle { centre, radius } in discs {
-        if (centre - start).norm() > radius {
-            grid.disc(centre, radius, OCCUPIED);
-        }
+    let layout = *grid.layout();
+    let robot = layout.cell(start);
+    let hits = seen.points.iter().map(message::vertex);
+    let cells = hits.filter_map(|point| layout.cell(point));
+    for cell in cells.filter(|cell| Some(*cell) != robot) {
+        grid.set(cell, OCCUPIED);
     }
 }
 

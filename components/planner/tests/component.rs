@@ -13,7 +13,7 @@ use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Provided, Required, Span, Time, Wire,
 };
 use asmotion_geometry::{FREE, Grid, GridLayout, OCCUPIED, Point, Pose, heading, message};
-use asmotion_messages::{Disc, GetMap, Obstacles, OccupancyGrid, Path, Plan, PlanRequest};
+use asmotion_messages::{GetMap, Obstacles, OccupancyGrid, Path, Plan, PlanRequest, Vertex};
 use asmotion_planner::TrajectoryPlanner;
 use asmotion_runtime::{Log, Run, System};
 
@@ -148,15 +148,44 @@ fn it_says_that_nobody_gives_a_map() {
 fn it_goes_round_what_the_robot_saw() {
     let (system, answers, _) = system(vec![request(hall(), (1.0, 2.3), (5.0, 2.3))]);
     let mut run = system.simulate();
-    let disc = |x, y, radius| Disc { x, y, radius };
+    // closes the upper opening; a point in the cell of the robot itself is ignored
+    let across = (0..=24).map(|step| (3.0, 2.8 + 0.05 * f64::from(step)));
+    let points = across.chain([(1.01, 2.31)]).map(|(x, y)| Vertex { x, y });
     let seen = Obstacles {
-        // closes the upper opening; the disc that covers the robot itself is ignored
-        discs: vec![disc(3.0, 3.4, 0.6), disc(1.1, 2.3, 0.3)],
+        points: points.collect(),
         ..Obstacles::default()
     };
     run.inject(Time::ZERO, "Planner.obstacles", seen).unwrap();
     run.run_for(1.s());
     assert!(side(answers.lock().unwrap()[0].as_ref().unwrap()) < -0.8);
+}
+
+/// The answer to a request in a hall whose upper opening is closed but for `open` cells; the lower one is closed.
+fn through_a_gap(open: u32) -> Result<Path, CallError> {
+    let (system, answers, _) = system(vec![request(hall(), (1.0, 2.3), (5.0, 2.3))]);
+    let mut run = system.simulate();
+    let closed = (0..40).filter(|row| !(32..32 + open).contains(row));
+    let points = closed.map(|row| Vertex {
+        x: 3.05,
+        y: 0.05 + 0.1 * f64::from(row),
+    });
+    let seen = Obstacles {
+        points: points.collect(),
+        ..Obstacles::default()
+    };
+    run.inject(Time::ZERO, "Planner.obstacles", seen).unwrap();
+    run.run_for(1.s());
+    answers.lock().unwrap().remove(0)
+}
+
+#[test]
+fn it_squeezes_through_a_gap_that_is_too_narrow_by_less_than_a_cell() {
+    // from the middle of five open cells it is 0.3 m to the closed ones, which is not more than the inflation
+    assert!(through_a_gap(5).is_ok());
+    let Err(CallError::Fault(fault)) = through_a_gap(4) else {
+        panic!("it is 0.2 m on one side");
+    };
+    assert_eq!(fault.code, Plan::NO_PATH);
 }
 
 #[test]

@@ -7,12 +7,13 @@ use asmotion_component::{
     Setup, Time, freeze_by_fields,
 };
 use asmotion_geometry::{Point, Pose, heading, message};
-use asmotion_messages::{Encoders, Header, Odometry, Twist, WheelSpeeds};
+use asmotion_messages::{Encoders, Event, Header, Odometry, Twist, WheelSpeeds};
 
 use crate::drive::{DifferentialDrive, DriveLimits, Velocity};
 use crate::odometry::Odometer;
+use crate::stall::{Contact, StallLimits, WheelWatch};
 
-/// `nav::sim::RoverDriver`: drives the wheels by the newest twist, and stops them once it is too old.
+/// `nav::sim::RoverDriver`: drives the wheels by the newest twist; stops them once it is too old, or when they stall.
 #[derive(Freeze)]
 #[freeze(component = "nav::sim::RoverDriver", version = 1)]
 pub struct RoverDriver {
@@ -27,6 +28,10 @@ pub struct RoverDriver {
     target: Option<(Velocity, Time)>,
     /// Time of the last cycle.
     last: Option<Time>,
+    left: WheelWatch,
+    right: WheelWatch,
+    /// The contact that holds the robot.
+    contact: Option<Contact>,
 }
 
 #[derive(Ports)]
@@ -40,6 +45,9 @@ struct RoverPorts {
     wheels: Out<WheelSpeeds>,
     /// Pose by dead reckoning, for every reading of the encoders and with its stamp; in `frame`.
     odom: Out<Odometry>,
+    /// `CONTACT` when wheels are commanded to turn and do not. The wheels stop at once, and twists in the same direction are
+    /// refused until another one arrives, for example zero.
+    event: Out<Event>,
 }
 
 #[derive(Properties)]
@@ -48,6 +56,8 @@ struct RoverProperties {
     drive: DifferentialDrive,
     #[property(flatten)]
     limits: DriveLimits,
+    #[property(flatten)]
+    stall: StallLimits,
     /// Time without a new twist after which the wheels stop at once, without a ramp.
     #[property(range = "0s"..="10s", default = "150ms")]
     command_timeout_s: Duration,
@@ -71,6 +81,9 @@ impl RoverDriver {
             velocity: Velocity::default(),
             target: None,
             last: None,
+            left: WheelWatch::default(),
+            right: WheelWatch::default(),
+            contact: None,
         }
     }
 
@@ -84,6 +97,8 @@ impl RoverDriver {
                 speed: twist.linear.x,
                 turn: twist.angular.z,
             };
+            let standing = self.properties.stall.stall_speed;
+            self.contact = self.contact.filter(|it| it.holds(target, standing));
             self.target = Some((target, now));
         }
         let dt = self
@@ -93,9 +108,10 @@ impl RoverDriver {
         let timeout = self.properties.command_timeout_s;
         let stale = cycle.is_stale(self.ports.twist);
         self.velocity = match self.target {
-            Some((wanted, at)) if now.since(at) < timeout && !stale => {
-                limits.toward(drive, self.velocity, wanted, dt)
-            }
+            Some((wanted, at)) if now.since(at) < timeout && !stale => match self.contact {
+                Some(_) => Velocity::default(),
+                None => limits.toward(drive, self.velocity, wanted, dt),
+            },
             _ => {
                 self.target = None;
                 Velocity::default()
@@ -110,6 +126,7 @@ impl RoverDriver {
             return;
         };
         self.odometer.update(&self.properties.drive, encoders);
+        let stalled = self.stalled(cycle.now());
         let mut odometry = Odometry {
             header: Header {
                 stamp: encoders.stamp,
@@ -122,6 +139,34 @@ impl RoverDriver {
         odometry.pose.pose = message::pose_message(self.odometer.pose());
         odometry.twist.twist = Twist::planar(velocity.speed, velocity.turn);
         cycle.write(self.ports.odom, odometry);
+        if let Some(wheels) = stalled
+            && self.contact.is_none()
+        {
+            self.contact = Some(Contact::new(self.velocity));
+            let place = self.odometer.pose().translation;
+            let detail = format!("{wheels} at ({:.2}, {:.2}) by odometry", place.x, place.y);
+            let event = Event::new(cycle.now().nanos(), Event::CONTACT, detail);
+            cycle.write(self.ports.event, event);
+        }
+    }
+
+    /// Compares the newest reading of the encoders with the last command. Returns what is stalled.
+    fn stalled(&mut self, now: Time) -> Option<&'static str> {
+        let RoverProperties { drive, stall, .. } = &*self.properties;
+        let commanded = drive.wheels(self.velocity);
+        let measured = drive.wheels(self.odometer.velocity());
+        let radius = drive.wheel_radius_m;
+        let watch = |wheel: &mut WheelWatch, commanded: f64, measured: f64| {
+            wheel.update(now, commanded * radius, measured * radius, stall)
+        };
+        let left = watch(&mut self.left, commanded.left, measured.left);
+        let right = watch(&mut self.right, commanded.right, measured.right);
+        match (left, right) {
+            (true, true) => Some("both wheels stall"),
+            (true, false) => Some("the left wheel stalls"),
+            (false, true) => Some("the right wheel stalls"),
+            (false, false) => None,
+        }
     }
 }
 
@@ -138,6 +183,9 @@ impl Component for RoverDriver {
         self.velocity = Velocity::default();
         self.target = None;
         self.last = None;
+        self.left = WheelWatch::default();
+        self.right = WheelWatch::default();
+        self.contact = None;
         Ok(())
     }
 

@@ -39,6 +39,10 @@ pub struct Course {
     pub speed: Option<f64>,
     /// Radius of the robot, m; `None` for the default of each component.
     pub radius: Option<f64>,
+    /// Distance that the adapter keeps between the robot's disc and obstacles, m; `None` for its default.
+    pub margin: Option<f64>,
+    /// Smallest distance of planned paths from obstacles, m; `None` for what the adapter requires.
+    pub inflation: Option<f64>,
     /// `true` if the follower does not get the scan.
     pub blind_follower: bool,
     /// `true` if the follower commands the rover directly.
@@ -61,7 +65,7 @@ pub struct Drive {
     /// Time in s and commanded wheel speeds.
     pub wheels: Vec<(f64, WheelSpeeds)>,
     /// The obstacles last published by the adapter.
-    pub obstacles: Vec<asmotion_messages::Disc>,
+    pub obstacles: Vec<Point>,
     /// Smallest distance between the robot's centre and any obstacle, m.
     pub nearest: f64,
     /// Faults of components, as text.
@@ -164,7 +168,9 @@ impl Course {
             asmotion_planner::TrajectoryPlanner::new,
         );
         if let Some(radius) = self.radius {
-            let inflation = Datum::of(&(radius + 0.085)).unwrap();
+            let required = radius + self.margin.unwrap_or(0.08) + 0.005;
+            let inflation = self.inflation.unwrap_or(required);
+            let inflation = Datum::of(&inflation).unwrap();
             set(&mut system, "Planner", "inflation_m", inflation);
         }
         let make = |interface: &mut Interface| {
@@ -198,7 +204,7 @@ impl Course {
     fn system(&self) -> (System, Arc<Mutex<Drive>>) {
         let mut system = System::new();
         add(&mut system, "World", 20, World::new);
-        add(&mut system, "Laser", 100, LaserDriver::new);
+        add(&mut system, "Laser", 50, LaserDriver::new);
         add(&mut system, "Rover", 20, RoverDriver::new);
         add(&mut system, "Adapter", 100, TrajectoryAdapter::new);
         add(&mut system, "Follower", 50, TrajectoryFollower::new);
@@ -248,6 +254,10 @@ impl Course {
                     Datum::of(&radius).unwrap(),
                 );
             }
+        }
+        if let Some(margin) = self.margin {
+            let margin = Datum::of(&margin).unwrap();
+            set(&mut system, "Adapter", "margin_m", margin);
         }
         for (from, to, policy) in [
             ("World.scene", "Laser.scene", Policy::data()),
@@ -365,7 +375,8 @@ impl Drive {
             ("World", "scene") => self.scene = message::scene(&of(sample)),
             ("Adapter", "adapted") => self.paths.push((at, of(sample))),
             ("Adapter", "obstacles") => {
-                self.obstacles = of::<asmotion_messages::Obstacles>(sample).discs
+                let points = of::<asmotion_messages::Obstacles>(sample).points;
+                self.obstacles = points.iter().map(message::vertex).collect();
             }
             ("Follower", "twist") => self.twists.push((at, of(sample))),
             ("Monitor", "twist") => self.passed.push((at, of(sample))),
