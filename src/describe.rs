@@ -227,6 +227,7 @@ impl<'a> Declarations<'a> {
                     service: service.clone(),
                     interface: interface.clone(),
                     operation: OperationDeclaration {
+                        while_stopped: operation.while_stopped,
                         request: self.resolve_named(request),
                         response: self.resolve_named(response),
                         name: operation.name,

@@ -233,7 +233,7 @@ fn a_gateway_is_opened_elsewhere_or_not_at_all_or_says_what_stands_in_the_way() 
 }
 
 #[test]
-fn a_component_that_is_stopped_is_unavailable_and_one_that_is_slow_too_late() {
+fn t18_a_component_that_is_stopped_says_so_at_once_and_one_that_is_slow_is_too_late() {
     let slow = MAPS.replace("period_ms = 20", "period_ms = 2000, delay_ms = 1500");
     let (_folder, path) = composite(&slow);
     let mut running = Running::start(&mut run(&path, &[]));
@@ -243,13 +243,30 @@ fn a_component_that_is_stopped_is_unavailable_and_one_that_is_slow_too_late() {
     assert!(began.elapsed() < std::time::Duration::from_millis(1400));
     assert_eq!((status, &said["code"]), (504, &json!("TIMEOUT")));
     drop(running);
-    let stopped = MAPS.replace("period_ms = 20", "period_ms = 20, run_on_startup = false");
+    let stopped = format!("{MAPS}{PLANNER}");
+    let stopped = stopped.replace("period_ms = 20", "period_ms = 20, run_on_startup = false");
     let (_folder, path) = composite(&stopped);
     let mut running = Running::start(&mut run(&path, &[]));
     let services = running.listening();
-    let (status, said) = post(&format!("{services}/maps/getMap"), "{}");
-    assert_eq!((status, &said["code"]), (503, &json!("UNAVAILABLE")));
+    let (status, said) = post(&format!("{services}/planning/plan"), "{}");
+    assert_eq!((status, &said["code"]), (503, &json!("STOPPED")));
+    let detail = json!("the component that serves `planning` does not run");
+    assert_eq!(said["detail"], detail);
+    // needs no cycle
+    let (status, map) = post(&format!("{services}/maps/getMap"), "{}");
+    assert_eq!((status, &map["header"]["frame_id"]), (200, &json!("map")));
 }
+
+const PLANNER: &str = r#"
+[components.Planner]
+implementation = { rust = "nav::TrajectoryPlanner" }
+task           = { period_ms = 20 }
+services       = { planning = "nav/PlanService" }
+[[promote]]
+service = "Planner.planning"
+as      = "planning"
+binding = "http"
+"#;
 
 const FLAG: &str = r#"
 schema = "composite/1"

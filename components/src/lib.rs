@@ -89,6 +89,7 @@ fn row<T: Copy>(table: &[(&str, T)], name: &str) -> Option<T> {
 
 fn operation<O: Operation>() -> OperationDeclaration {
     OperationDeclaration {
+        while_stopped: false,
         name: O::NAME.to_owned(),
         request: O::Request::schema().clone(),
         response: O::Response::schema().clone(),

@@ -11,7 +11,8 @@ use std::time::Duration;
 /// Calls an operation of a live component.
 #[derive(Args)]
 pub struct Call {
-    /// Operation as `ROBOT.COMPONENT.SERVICE.OPERATION`, for example `navigation.TrajectoryPlanner.planning.plan`
+    /// Operation as `ROBOT.COMPONENT.SERVICE.OPERATION`, for example `navigation.TrajectoryPlanner.planning.plan`, or as
+    /// `INTERFACE.OPERATION` of the only service with the interface, for example `nav/PlanService.plan`
     operation: String,
 
     /// Argument as JSON; omitted fields have their default values
@@ -51,10 +52,10 @@ impl Call {
             .map_err(|error| format!("`{}` is not JSON: {error}", self.argument))?;
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
-        let sent = self
-            .broker
-            .remote()?
-            .send(&self.operation, argument, patience)
+        let remote = self.broker.remote()?;
+        let sent = remote
+            .operation_address(&self.operation)
+            .and_then(|operation| remote.send(&operation, argument, patience))
             .map_err(|error| error.to_string())?;
         let answer = sent.collect();
         Ok(answer.and_then(|answer| Ok(asmotion_datum::json::encode_pretty(&answer)?)))

@@ -28,7 +28,11 @@ pub struct Component {
 #[derive(Subcommand)]
 enum ComponentCommand {
     /// Lists all components with process, state and rate
-    List,
+    List {
+        /// Lists only services with this interface, for example `nav/PlanService`
+        #[arg(long, value_name = "INTERFACE")]
+        offers: Option<String>,
+    },
     /// Shows ports, services, references and properties of a component
     Info {
         /// Name of the component
@@ -97,7 +101,10 @@ impl ComponentCommand {
     fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, Box<dyn Error>> {
         let take = |name: String, transition| remote.component(&name)?.transition(transition);
         match self {
-            Self::List => list(&remote.components(), terminal),
+            Self::List { offers: None } => list(&remote.components(), terminal),
+            Self::List {
+                offers: Some(interface),
+            } => return Ok(offers(remote, &interface, terminal)),
             Self::Info { name, json: false } => {
                 let component = remote.component(&name)?;
                 show(&component, component.present(), terminal);
@@ -157,6 +164,27 @@ pub(super) fn list(components: &[asmotion_remote::RemoteComponent], terminal: &m
     }
 }
 
+/// Lists the services with an interface. One that nobody offers is an error, and two are not.
+fn offers(remote: &Remote, interface: &str, terminal: &mut TerminalOutput) -> Exit {
+    let found = remote.services(interface);
+    if found.is_empty() {
+        // `service` knows the most similar interface
+        if let Err(error) = remote.service(interface) {
+            terminal.error(error);
+        }
+        return Exit::Findings;
+    }
+    let rows = found.into_iter().map(|it| {
+        let address = it.address();
+        vec![address, it.component, it.robot, it.process, it.state]
+    });
+    let head = ["service", "component", "robot", "process", "state"];
+    for line in table::lines(&head, rows) {
+        terminal.result(line);
+    }
+    Exit::Ok
+}
+
 pub(super) fn show(
     remote_component: &asmotion_remote::RemoteComponent,
     component: &PresentComponent,
@@ -197,8 +225,13 @@ pub(super) fn show(
     typed("reference", &component.references);
     for service in &component.services {
         for operation in &service.operations {
+            let also = if operation.while_stopped {
+                " (also while stopped)"
+            } else {
+                ""
+            };
             terminal.result(format_args!(
-                "  operation   {}.{}.{}: {} -> {}",
+                "  operation   {}.{}.{}: {} -> {}{also}",
                 component.name, service.name, operation.name, operation.request, operation.response
             ));
         }

@@ -63,6 +63,11 @@ pub(super) fn headers() -> [(&'static str, Value); 5] {
             "refusalHeaders",
             json!({ "type": "object", "properties": { "code": text("Code of the fault.") } }),
         ),
-        ("unavailableHeaders", json!({ "type": "object" })),
+        (
+            "unavailableHeaders",
+            json!({ "type": "object", "properties": {
+                "code": text("`STOPPED`, if the component behind the provider does not run."),
+            } }),
+        ),
     ]
 }

@@ -124,6 +124,20 @@ fn j17_the_proxy_learns_from_an_arm_of_six_joints_how_many_there_are() {
 }
 
 #[test]
+fn j15_operations_of_a_proxy_show_the_types_of_their_interface() {
+    let (simulation, _) = Bench::default().simulate();
+    let declared = simulation.declaration("Driver/SCAyouBotDriver").unwrap();
+    let operations = declared.services.iter().flat_map(|it| &it.operations);
+    let typed = operations.map(|it| format!("{}: {} -> {}", it.name, it.request, it.response));
+    let expected = [
+        "setJointsPositions: youbot/JointPositions -> std_msgs/Empty",
+        "getJointsPositions: std_msgs/Empty -> youbot/JointPositions",
+        "setPeriod: youbot/Period -> std_msgs/Empty",
+    ];
+    assert_eq!(typed.collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn j22_the_map_is_checked_before_anything_starts() {
     let shipped = Bench::default();
     assert_eq!(shipped.findings(), [""; 0]);

@@ -35,6 +35,8 @@ pub struct MapServer {
     files: Arc<dyn FileSource>,
     /// `None` until configured.
     library: Option<MapLibrary>,
+    /// Places whose maps were loaded while the server was stopped and have not been published.
+    unpublished: Vec<String>,
     /// `true` until the place to publish at the start has been looked up.
     is_first: bool,
     /// Places being loaded.
@@ -108,11 +110,14 @@ impl MapServer {
 
     /// Declares ports and properties; reads maps from another source.
     pub fn with_files(interface: &mut Interface, files: impl FileSource + 'static) -> Self {
+        let ports: MapServerPorts = interface.ports();
+        interface.while_stopped(ports.maps);
         Self {
-            ports: interface.ports(),
+            ports,
             properties: interface.properties(),
             files: Arc::new(files),
             library: None,
+            unpublished: Vec::new(),
             is_first: false,
             loading: Vec::new(),
             refreshing: None,
@@ -200,8 +205,38 @@ impl MapServer {
         let served = library.keep(loaded, cycle.now().nanos());
         let served = served.map_err(|error| fault(&error.into()))?;
         cycle.report("map", summary(&served).into());
-        cycle.write(self.ports.map, served.grid.clone());
+        if cycle.is_running() {
+            cycle.write(self.ports.map, served.grid.clone());
+        } else {
+            self.unpublished.push(served.place.to_owned());
+        }
         Ok(served.grid.clone())
+    }
+
+    /// Publishes the maps that were loaded while the server was stopped.
+    fn publish_waiting(&mut self, cycle: &mut Cycle<'_>) {
+        for place in std::mem::take(&mut self.unpublished) {
+            let library = self.library.as_ref();
+            if let Some(Ok(Lookup::Kept(served))) = library.map(|library| library.find(&place)) {
+                cycle.write(self.ports.map, served.grid.clone());
+            }
+        }
+    }
+
+    /// Replies to the waiting requests, at once or when their maps have been loaded.
+    fn answer(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let cancelled = cycle.cancelled(self.ports.maps);
+        for loading in &mut self.loading {
+            loading
+                .requests
+                .retain(|request| !cancelled.contains(request));
+        }
+        self.finish(cycle)?;
+        for request in cycle.requests(self.ports.maps) {
+            self.reply_to(cycle, request.id, &request.argument.name);
+            self.finish(cycle)?;
+        }
+        Ok(())
     }
 
     /// Watches for changed files: a cycle starts the search, and the first cycle that finds it done publishes the
@@ -250,7 +285,7 @@ fn summary(served: &ServedMap<'_>) -> String {
 /// The maps themselves are part of the state, since their files may change after freezing.
 impl Freeze for MapServer {
     const COMPONENT: &'static str = "nav::MapServer";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 
     fn fields(&self) -> Result<Vec<(FieldName, Datum)>, FreezeProblem> {
         if let Some(loading) = self.loading.first() {
@@ -266,14 +301,19 @@ impl Freeze for MapServer {
         Ok(vec![
             entry("properties", &self.properties)?,
             entry("library", &contents)?,
+            entry("unpublished", &self.unpublished)?,
             entry("is_first", &self.is_first)?,
         ])
     }
 
     fn set_fields(&mut self, fields: &[(FieldName, Datum)]) -> Result<(), DatumError> {
-        refuse_unknown(fields, &["properties", "library", "is_first"])?;
+        refuse_unknown(
+            fields,
+            &["properties", "library", "unpublished", "is_first"],
+        )?;
         let properties = field::<PropertySet<MapServerProperties>>(fields, "properties")?;
         let contents = field::<Option<LibraryContents>>(fields, "library")?;
+        let unpublished = field::<Vec<String>>(fields, "unpublished")?;
         let is_first = field::<bool>(fields, "is_first")?;
         let library = contents.map(|contents| {
             let settings = properties.settings().map_err(DatumError::custom)?;
@@ -282,6 +322,7 @@ impl Freeze for MapServer {
         });
         self.library = library.transpose()?;
         self.properties.set(properties);
+        self.unpublished = unpublished;
         self.is_first = is_first;
         self.loading.clear();
         self.refreshing = None;
@@ -304,33 +345,29 @@ impl Component for MapServer {
         let files = Arc::clone(&self.files);
         self.library = Some(MapLibrary::open(files, source, properties.settings()?)?);
         self.is_first = !properties.place.is_empty();
+        self.unpublished.clear();
         self.loading.clear();
         self.refreshing = None;
         Ok(())
     }
 
-    /// Forgets waiting requests; the runtime ends their calls as unavailable.
+    /// Forgets waiting requests; the runtime ends their calls as stopped.
     fn stop(&mut self, _: &mut Cycle<'_>) {
         for loading in &mut self.loading {
             loading.requests.clear();
         }
     }
 
+    fn serve(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.answer(cycle)
+    }
+
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        let cancelled = cycle.cancelled(self.ports.maps);
-        for loading in &mut self.loading {
-            loading
-                .requests
-                .retain(|request| !cancelled.contains(request));
-        }
+        self.publish_waiting(cycle);
         if std::mem::take(&mut self.is_first) {
             self.load_first(cycle)?;
         }
-        self.finish(cycle)?;
-        for request in cycle.requests(self.ports.maps) {
-            self.reply_to(cycle, request.id, &request.argument.name);
-            self.finish(cycle)?;
-        }
+        self.answer(cycle)?;
         if self.properties.watch {
             self.watch(cycle)?;
         }

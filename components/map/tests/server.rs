@@ -10,7 +10,8 @@
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
-    Activity, CallError, Component, Cycle, Fault, Interface, Required, Span, State, Time, Wire,
+    Activity, CallError, Component, Cycle, Fault, Interface, Required, Span, State, Time,
+    Transition, Wire,
 };
 use asmotion_map::{FileFault, FileSource, FilesInMemory, MapServer};
 use asmotion_messages::{GetMap, OccupancyGrid, Place};
@@ -53,12 +54,21 @@ fn system_on(
     source: &str,
     places: &[&'static str],
 ) -> (System, Answers, Log) {
+    system_as(Activity::event(), files, source, places)
+}
+
+fn system_as(
+    activity: Activity,
+    files: impl FileSource + 'static,
+    source: &str,
+    places: &[&'static str],
+) -> (System, Answers, Log) {
     let (mut system, log, answers) = (System::new(), Log::new(), Answers::default());
     system.observe(log.clone());
     let server = move |interface: &mut Interface| -> Box<dyn Component> {
         Box::new(MapServer::with_files(interface, files))
     };
-    let id = system.add("Maps", Activity::event(), server).unwrap();
+    let id = system.add("Maps", activity, server).unwrap();
     system.set_property(id, "source", &source.into()).unwrap();
     for (index, place) in places.iter().enumerate() {
         let (name, answers) = (format!("Client{index}"), Arc::clone(&answers));
@@ -257,4 +267,38 @@ fn it_publishes_a_file_again_when_it_has_changed() {
     let widths = log.samples::<OccupancyGrid>("Maps.map").into_iter();
     let widths: Vec<_> = widths.map(|(_, map)| map.info.width).collect();
     assert_eq!(widths, [80, 160]);
+}
+
+#[test]
+fn t18_a_stopped_server_gives_maps_and_publishes_them_when_it_starts() {
+    let (system, answers, log) = system("maps", &["hall"]);
+    let mut run = system.simulate();
+    run.transition("Maps", Transition::Stop).unwrap();
+    let cycles = run.cycles("Maps");
+    run.run_for(1.s());
+    assert!(matches!(&answers.lock().unwrap()[..], [Ok(_)]));
+    assert_eq!(run.cycles("Maps"), cycles);
+    assert!(log.samples::<OccupancyGrid>("Maps.map").is_empty());
+    run.transition("Maps", Transition::Start).unwrap();
+    run.run_for(1.s());
+    assert_eq!(log.samples::<OccupancyGrid>("Maps.map").len(), 1);
+}
+
+#[test]
+fn t18_live_a_stopped_server_answers_when_the_file_has_been_read() {
+    let gate = Arc::new(Mutex::new(()));
+    let closed = gate.lock().unwrap();
+    let files = Slow {
+        files: FilesInMemory::new([("maps/slow.geojson", WALL)]),
+        gate: Arc::clone(&gate),
+    };
+    let stopped = Activity::periodic(1.s()).run_on_startup(false);
+    let (system, answers, _) = system_as(stopped, files, "maps", &["slow"]);
+    let mut run = system.live();
+    run.run_for(50.ms());
+    assert_eq!(answers.lock().unwrap().len(), 0);
+    drop(closed);
+    wait_for(1, &answers, &mut run);
+    assert!(answers.lock().unwrap()[0].is_ok());
+    assert_eq!(run.state("Maps"), Some(State::Stopped));
 }

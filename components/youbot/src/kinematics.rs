@@ -31,8 +31,10 @@ struct KinematicsPorts {
 impl Kinematics {
     /// Declares the service.
     pub fn new(interface: &mut Interface) -> Self {
+        let ports: KinematicsPorts = interface.ports();
+        interface.while_stopped(ports.kinematics);
         Self {
-            ports: interface.ports(),
+            ports,
             arm: Arm::default(),
         }
     }
@@ -42,6 +44,10 @@ impl Component for Kinematics {
     freeze_by_fields!();
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.serve(cycle)
+    }
+
+    fn serve(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         for request in cycle.requests(self.ports.kinematics) {
             let solved = solve(&self.arm, &request.argument);
             let refused = |why: Unreachable| ServiceFault::new(why.code(), why.to_string());

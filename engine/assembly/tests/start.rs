@@ -123,6 +123,7 @@ const COMPONENTS: &[(&str, Constructor)] = &[
 
 fn double() -> Vec<OperationDeclaration> {
     vec![OperationDeclaration {
+        while_stopped: false,
         name: Double::NAME.to_owned(),
         request: Number::schema().clone(),
         response: Number::schema().clone(),

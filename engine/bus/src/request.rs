@@ -75,6 +75,9 @@ pub enum CallFailure {
     /// No provider is registered, it has left, or its queue is full.
     #[error("no server is available")]
     Unavailable,
+    /// The provider is registered, and the component behind it does not run.
+    #[error("the component that provides it does not run")]
+    Stopped,
     /// The provider replied with a fault.
     #[error(transparent)]
     Refused(#[from] Refusal),

@@ -46,6 +46,19 @@ pub trait Component: Send {
         let _ = cycle;
     }
 
+    /// Answers requests while the component is configured and stopped (a TCA task that is not scheduled still answers its
+    /// services). Called instead of `update`, without counting as a cycle, when there are requests of operations marked
+    /// with [`Interface::while_stopped`](crate::Interface::while_stopped). Inputs are not frozen; replies, reports and a
+    /// new period take effect.
+    ///
+    /// # Errors
+    /// A fault of the component, after which it is in [`State::Exception`](crate::State::Exception). Writing a sample or
+    /// making a call is one too: a stopped component commands nothing.
+    fn serve(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let _ = cycle;
+        Ok(())
+    }
+
     /// Releases what `configure` acquired (RTT `cleanupHook`).
     fn cleanup(&mut self) {}
 

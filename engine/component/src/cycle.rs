@@ -37,6 +37,8 @@ pub struct Cycle<'a> {
     /// The kind of the first foreign handle that was used.
     foreign: Cell<Option<Foreign>>,
     error: Option<Fault>,
+    /// `false` while a stopped component serves requests.
+    is_running: bool,
 }
 
 impl<'a> Cycle<'a> {
@@ -49,7 +51,22 @@ impl<'a> Cycle<'a> {
             number,
             foreign: Cell::new(None),
             error: None,
+            is_running: true,
         }
+    }
+
+    /// Creates the cycle in which a stopped component answers requests, after `number` cycles. For runtimes and tests.
+    pub fn stopped(host: &'a mut dyn CycleHost, now: Time, number: u64) -> Self {
+        Self {
+            is_running: false,
+            ..Self::new(host, now, number)
+        }
+    }
+
+    /// Returns whether the component runs; `false` in [`Component::serve`](crate::Component::serve), where it writes
+    /// nothing.
+    pub fn is_running(&self) -> bool {
+        self.is_running
     }
 
     /// The time of this cycle, constant until the next one.

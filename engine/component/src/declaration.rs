@@ -71,6 +71,9 @@ pub struct OperationDeclaration {
     pub request: Schema,
     /// Type of the response.
     pub response: Schema,
+    /// Whether it is also answered while the component is stopped.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub while_stopped: bool,
 }
 
 /// Declaration of a property.

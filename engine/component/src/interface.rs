@@ -160,8 +160,21 @@ impl Interface {
         self.add_provided(service, O::INTERFACE, operation::<O>(), None, doc)
     }
 
+    /// Marks an operation as answered while the component is stopped too, by
+    /// [`Component::serve`](crate::Component::serve). Calls of other operations of a stopped component end at once as
+    /// [`CallError::Stopped`](crate::CallError::Stopped), as RTT's `OwnThread` operations need a running engine.
+    pub fn while_stopped<O: Operation>(&mut self, provided: Provided<O>) -> Provided<O> {
+        if let Some(slot) = self.provided.get(provided.position(self.owner))
+            && let Some(service) = self.declaration.services.get_mut(slot.port)
+            && let Some(operation) = service.operations.get_mut(slot.operation)
+        {
+            operation.while_stopped = true;
+        }
+        provided
+    }
+
     /// Declares an operation whose handler runs at once in the caller's thread, concurrently with the component's
-    /// cycles (RTT `ClientThread`).
+    /// cycles and in every state of the component (RTT `ClientThread`).
     pub fn serve_in_caller<O: Operation>(
         &mut self,
         service: &str,
@@ -176,8 +189,8 @@ impl Interface {
         let handler: Handler = Arc::new(handler);
         let of: Provided<O> =
             self.add_provided(service, O::INTERFACE, operation::<O>(), Some(handler), doc);
-        // the handle is useless: no request reaches the component
-        let _ = of;
+        // the handle is of no further use: no request reaches the component
+        self.while_stopped(of);
     }
 
     /// Declares a provided operation whose types are known only at run time.
@@ -189,6 +202,17 @@ impl Interface {
         doc: &str,
     ) -> Provided<Dynamic> {
         self.add_provided(service, interface, operation_of(operation), None, doc)
+    }
+
+    /// Declares a provided operation that passes [`Datum`] values of types known at run time.
+    pub fn serve_declared(
+        &mut self,
+        service: &str,
+        interface: &str,
+        operation: OperationDeclaration,
+        doc: &str,
+    ) -> Provided<Dynamic> {
+        self.add_provided(service, interface, operation, None, doc)
     }
 
     /// Declares an operation that the component calls through a reference. A reference may have several operations.
@@ -358,6 +382,7 @@ fn operation<O: Operation>() -> OperationDeclaration {
         name: O::NAME.to_owned(),
         request: O::Request::schema().clone(),
         response: O::Response::schema().clone(),
+        while_stopped: false,
     }
 }
 
@@ -366,6 +391,7 @@ fn operation_of(name: &str) -> OperationDeclaration {
         name: name.to_owned(),
         request: Datum::schema().clone(),
         response: Datum::schema().clone(),
+        while_stopped: false,
     }
 }
 

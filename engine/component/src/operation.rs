@@ -86,15 +86,25 @@ pub enum CallError {
     /// The deadline passed without a reply.
     #[error("no answer before the deadline")]
     Timeout,
-    /// The reference is not wired, or the provider does not run or its queue is full.
+    /// The reference is not wired, no process provides the operation, or the provider's queue is full.
     #[error("no server is available")]
     Unavailable,
+    /// The component that provides the operation does not run, and does not answer it while stopped.
+    #[error("the component that provides it does not run")]
+    Stopped,
     /// The provider replied with a fault.
     #[error(transparent)]
     Fault(#[from] ServiceFault),
     /// The caller cancelled the call.
     #[error("cancelled by the caller")]
     Cancelled,
+}
+
+impl CallError {
+    /// Returns whether no provider has taken the request, so that a later attempt may succeed.
+    pub fn is_without_provider(&self) -> bool {
+        matches!(self, Self::Unavailable | Self::Stopped)
+    }
 }
 
 /// Status of a call (RTT `SendStatus`).

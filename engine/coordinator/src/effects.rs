@@ -326,7 +326,9 @@ impl EffectOutbox {
                         outcome.ok
                     }
                     Err(CallError::Timeout) => outcome.timeout.or(outcome.failed),
-                    Err(CallError::Unavailable) => outcome.unavailable.or(outcome.failed),
+                    Err(CallError::Unavailable | CallError::Stopped) => {
+                        outcome.unavailable.or(outcome.failed)
+                    }
                     Err(CallError::Fault(fault)) => {
                         let mut faults = outcome.faults.into_iter();
                         let known = faults.find(|(code, _)| *code == fault.code);
@@ -585,6 +587,7 @@ fn forwarded_result(result: &Result<Datum, CallError>) -> Result<Datum, ServiceF
         Err(CallError::Cancelled) => return Err(superseded_fault()),
         Err(error @ CallError::Timeout) => ("TIMEOUT", error),
         Err(error @ CallError::Unavailable) => ("UNAVAILABLE", error),
+        Err(error @ CallError::Stopped) => ("STOPPED", error),
     };
     Err(ServiceFault::new(fault.0, fault.1.to_string()))
 }

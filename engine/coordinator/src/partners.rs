@@ -212,7 +212,7 @@ impl MessagePartners {
                 content(answer, &operation.response, &program).ok_or(CallFault::Failed)
             }
             Err(CallError::Timeout) => Err(CallFault::Timeout),
-            Err(CallError::Unavailable) => Err(CallFault::Unavailable),
+            Err(CallError::Unavailable | CallError::Stopped) => Err(CallFault::Unavailable),
             Err(CallError::Fault(_)) => Err(CallFault::Failed),
             Err(CallError::Cancelled) => Err(CallFault::Cancelled),
         };

@@ -128,6 +128,9 @@ impl RequestHandler {
             Err(CallFailure::Unavailable | CallFailure::Cancelled) => Err(Problem::Unavailable {
                 service: service.name.clone(),
             }),
+            Err(CallFailure::Stopped) => Err(Problem::Stopped {
+                service: service.name.clone(),
+            }),
             Err(CallFailure::Refused(refusal)) => Err(Problem::Fault {
                 refusal,
                 path: schema_at(service),

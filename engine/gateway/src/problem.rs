@@ -58,6 +58,8 @@ pub(crate) enum Problem {
     Timeout { after: Duration },
     #[error("no server for `{service}`")]
     Unavailable { service: String },
+    #[error("the component that serves `{service}` does not run")]
+    Stopped { service: String },
     #[error("the reply cannot be written as JSON: {0}")]
     Answer(DatumError),
 }
@@ -85,7 +87,9 @@ impl Problem {
             Self::Fault { refusal, .. } if refusal.code == BAD_REQUEST => StatusCode::BAD_REQUEST,
             Self::Fault { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             Self::Timeout { .. } => StatusCode::GATEWAY_TIMEOUT,
-            Self::Unavailable { .. } | Self::Busy => StatusCode::SERVICE_UNAVAILABLE,
+            Self::Unavailable { .. } | Self::Stopped { .. } | Self::Busy => {
+                StatusCode::SERVICE_UNAVAILABLE
+            }
             Self::Answer(_) => StatusCode::BAD_GATEWAY,
         }
     }
@@ -111,6 +115,7 @@ impl Problem {
             Self::Fault { refusal, .. } => &refusal.code,
             Self::Timeout { .. } => "TIMEOUT",
             Self::Unavailable { .. } => "UNAVAILABLE",
+            Self::Stopped { .. } => "STOPPED",
             Self::Answer(_) => "NO_FORM",
         }
     }
@@ -150,7 +155,11 @@ impl Problem {
             Self::Fault { .. } => return None,
             Self::Timeout { .. } => "allow more time with `?timeout_ms=5000`".to_owned(),
             Self::Unavailable { .. } => {
-                "the component is stopped, or too many requests wait for it: try again later".to_owned()
+                "too many requests wait for the component: try again later".to_owned()
+            }
+            Self::Stopped { .. } => {
+                "start the component (`asmotion component start`); until then it answers only operations that need no cycle"
+                    .to_owned()
             }
             Self::Answer(_) => return None,
         })

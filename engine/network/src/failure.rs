@@ -8,6 +8,7 @@ pub fn call_error(failure: CallFailure) -> CallError {
     match failure {
         CallFailure::Timeout => CallError::Timeout,
         CallFailure::Unavailable => CallError::Unavailable,
+        CallFailure::Stopped => CallError::Stopped,
         CallFailure::Cancelled => CallError::Cancelled,
         CallFailure::Refused(refusal) => {
             CallError::Fault(ServiceFault::new(refusal.code, refusal.detail))
@@ -20,6 +21,7 @@ pub(crate) fn call_failure(error: CallError) -> CallFailure {
     match error {
         CallError::Timeout => CallFailure::Timeout,
         CallError::Unavailable => CallFailure::Unavailable,
+        CallError::Stopped => CallFailure::Stopped,
         CallError::Cancelled => CallFailure::Cancelled,
         CallError::Fault(fault) => CallFailure::Refused(Refusal {
             code: fault.code,

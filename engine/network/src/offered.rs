@@ -94,6 +94,10 @@ impl OfferedOperation {
         };
         let answered = !call.is_one_way();
         let remaining = call.deadline.saturating_duration_since(Instant::now());
+        let refused = self.queue.refuses(self.operation);
+        if let (true, Some(error)) = (answered, refused) {
+            return call.complete(Err(call_failure(error)));
+        }
         let request = ServiceRequest {
             // unused: callers on a bus cancel through the bus
             key: CallKey {

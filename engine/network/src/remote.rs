@@ -166,12 +166,18 @@ impl RemoteService {
         now: Time,
         effects: &mut dyn Effects,
     ) {
-        self.is_known |= matches!(result, Ok(_) | Err(CallFailure::Refused(_)));
+        self.is_known |= matches!(
+            result,
+            Ok(_) | Err(CallFailure::Refused(_) | CallFailure::Stopped)
+        );
         match (origin, result) {
             // the caller's own deadline ends the call or starts a retry
             (CallOrigin::Waiting(_), Err(CallFailure::Timeout | CallFailure::Cancelled)) => {}
             (CallOrigin::Waiting(reply_to), Err(CallFailure::Unavailable)) => {
                 reply_to.send(key.number, Err(CallError::Unavailable), effects);
+            }
+            (CallOrigin::Waiting(reply_to), Err(CallFailure::Stopped)) => {
+                reply_to.send(key.number, Err(CallError::Stopped), effects);
             }
             (CallOrigin::Waiting(reply_to), Err(CallFailure::Refused(refusal))) => {
                 let fault = ServiceFault::new(refusal.code, refusal.detail);

@@ -91,6 +91,10 @@ impl SendHandle {
                 nearest: self.remote.similar_operation(&self.operation),
                 operation: self.operation,
             },
+            CallError::Stopped => RemoteError::Stopped {
+                component: self.remote.provider(&self.operation),
+                operation: self.operation,
+            },
             CallError::Timeout | CallError::Fault(_) | CallError::Cancelled => error.into(),
         })
     }

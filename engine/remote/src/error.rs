@@ -60,6 +60,14 @@ pub enum RemoteError {
         /// A similar operation that exists, as a suggestion.
         nearest: Option<String>,
     },
+    /// An operation whose component does not run, and does not answer it while stopped.
+    #[error("`{operation}`: {} does not run", component.as_ref().map_or_else(|| "the component that provides it".to_owned(), |name| format!("component `{name}`")))]
+    Stopped {
+        /// The address that was called.
+        operation: String,
+        /// Full name of the component, if its presence is known.
+        component: Option<String>,
+    },
     /// A call ended without a response.
     #[error(transparent)]
     Call(#[from] CallError),

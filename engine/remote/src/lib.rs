@@ -28,6 +28,7 @@ mod contact;
 mod error;
 mod handle;
 mod last_samples;
+mod offers;
 mod order;
 mod order_error;
 mod presence;
@@ -42,6 +43,7 @@ pub use self::contact::ProcessContact;
 pub use self::error::RemoteError;
 pub use self::handle::{RemoteComponent, RemoteServiceHandle};
 pub use self::last_samples::LastSamples;
+pub use self::offers::FoundService;
 pub use self::order::{Order, OrderKind, OrderOutcome, control_address};
 pub use self::order_error::{OrderError, OrderErrorCode};
 pub use self::presence::{

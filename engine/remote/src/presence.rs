@@ -156,6 +156,9 @@ pub struct PresentOperation {
     pub request: String,
     /// Name of the response type.
     pub response: String,
+    /// Whether it is also answered while the component is stopped.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub while_stopped: bool,
 }
 
 /// A topic, with the ends in this process.
@@ -308,6 +311,7 @@ impl PresentService {
             name: operation.name.clone(),
             request: operation.request.name.to_string(),
             response: operation.response.name.to_string(),
+            while_stopped: operation.while_stopped,
         });
         Self {
             name: service.name.clone(),

@@ -158,6 +158,25 @@ impl Remote {
         similar(name, &known).cloned()
     }
 
+    /// Full name of the component that provides an operation; `None` unless its presence is known.
+    pub(crate) fn provider(&self, operation: &str) -> Option<String> {
+        let processes = self.processes();
+        let of = |presence: &RobotPresence| {
+            let components = presence.presence.components.iter();
+            let mut serving = components.filter(|component| {
+                component.services.iter().any(|service| {
+                    let path = presence.key(&format!("{}.{}", component.name, service.name));
+                    let mut operations = service.operations.iter();
+                    operations.any(|it| format!("{path}.{}", it.name) == operation)
+                })
+            });
+            serving
+                .next()
+                .map(|component| presence.key(&component.name))
+        };
+        processes.iter().find_map(of)
+    }
+
     pub(crate) fn robot(&self) -> Option<&str> {
         self.0.robot.as_deref()
     }

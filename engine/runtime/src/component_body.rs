@@ -15,7 +15,7 @@ use crate::cause::CycleCause;
 use crate::descriptor::ComponentStatus;
 use crate::effects::ComponentEffects;
 use crate::event::Event;
-use crate::service::{OutgoingCalls, ProvidedService, RequiredReference};
+use crate::service::{Admission, OutgoingCalls, ProvidedService, RequiredReference};
 
 /// The state that the runtime keeps for a component, apart from the component itself.
 pub(crate) struct ComponentBody {
@@ -207,20 +207,57 @@ impl ComponentBody {
         }
     }
 
-    /// Opens the services when the component starts to run.
-    pub(crate) fn open(&mut self) {
-        for service in &self.services {
-            service.open();
+    /// Changes the requests that the services take.
+    pub(crate) fn admit(&mut self, admission: Admission, effects: &mut ComponentEffects<'_>) {
+        for service in &mut self.services {
+            service.admit(admission, effects);
         }
     }
 
-    /// Closes the services when the component stops running: callers get
-    /// [`CallError::Unavailable`](asmotion_component::CallError), and the component's own calls are cancelled.
-    pub(crate) fn close(&mut self, effects: &mut ComponentEffects<'_>) {
-        for service in &mut self.services {
-            service.close(effects);
-        }
+    /// Cancels the component's own calls.
+    pub(crate) fn abandon_calls(&mut self, effects: &mut ComponentEffects<'_>) {
         self.caller.abandon(&self.references, effects);
+    }
+
+    /// Whether a stopped component answers any operation.
+    pub(crate) fn serves_while_stopped(&self) -> bool {
+        let mut operations = self
+            .services
+            .iter()
+            .flat_map(|it| &it.declaration.operations);
+        operations.any(|it| it.while_stopped)
+    }
+
+    /// Freezes the requests that have arrived at a stopped component. Returns whether there are any to answer.
+    pub(crate) fn freeze_requests(&mut self, effects: &mut ComponentEffects<'_>) -> bool {
+        self.cause.begin_cycle();
+        let mut any = false;
+        for service in &mut self.services {
+            service.freeze(effects.now);
+            any |= service.refuse_unmarked(effects);
+        }
+        any
+    }
+
+    /// Returns an error if the actions recorded by a stopped component include a sample or a call.
+    pub(crate) fn refuse_commands(&self) -> Result<(), Fault> {
+        let command = self.journal.iter().find_map(|action| match action {
+            CycleAction::Write(port) => self.declaration.outputs.get(*port).map(|it| &it.name),
+            CycleAction::Call { slot, .. } => self
+                .declaration
+                .references
+                .get(slot.port)
+                .map(|it| &it.name),
+            CycleAction::Cancel(_)
+            | CycleAction::Answer { .. }
+            | CycleAction::Report(..)
+            | CycleAction::SetPeriod(_)
+            | CycleAction::CycleAgain => None,
+        });
+        match command {
+            None => Ok(()),
+            Some(end) => Err(Fault::new(format!("used `{end}` while it was stopped"))),
+        }
     }
 
     /// Checks property values without setting them.

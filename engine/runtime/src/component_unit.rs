@@ -19,6 +19,7 @@ use crate::component_body::{ComponentBody, CycleBody};
 use crate::descriptor::{ComponentDescriptor, ComponentStatus};
 use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;
+use crate::service::Admission;
 
 /// A component that an executor drives.
 pub(crate) struct ComponentUnit {
@@ -106,7 +107,7 @@ impl ComponentUnit {
         let mut own = component_effects(&self.name, self.index, now, effects);
         self.body.apply(&mut own);
         if !self.state.is_running() {
-            return;
+            return self.serve(now, effects);
         }
         let refused = self.body.freeze(&mut own);
         self.status.add_misfits(refused);
@@ -140,6 +141,44 @@ impl ComponentUnit {
             }
             cycle.finish()
         })
+    }
+
+    /// Answers the requests that a stopped component takes. Not a cycle: neither counted nor reported as one.
+    fn serve(&mut self, now: Time, effects: &mut dyn Effects) {
+        let mut own = component_effects(&self.name, self.index, now, effects);
+        if self.state != State::Stopped || !self.body.freeze_requests(&mut own) {
+            return;
+        }
+        let Self {
+            component,
+            body,
+            status,
+            ..
+        } = self;
+        let number = status.cycles.load(Ordering::Relaxed);
+        let served = guarded(|| {
+            let mut host = CycleBody { body, status };
+            let mut cycle = Cycle::stopped(&mut host, now, number);
+            component.serve(&mut cycle)?;
+            cycle.finish()
+        });
+        let allowed = self.body.refuse_commands();
+        match served.and_then(|error| error.map_or(allowed, Err)) {
+            Err(fault) => self.fail(fault, now, effects),
+            Ok(()) => {
+                let mut drive = self.activity.drive;
+                let mut own = component_effects(&self.name, self.index, now, effects);
+                let set_period = |period| drive = drive.with_period(period);
+                // cannot fail: nothing is written
+                let _ = self.body.commit(&mut own, set_period);
+                self.set_drive(drive);
+            }
+        }
+    }
+
+    /// Returns whether the component is stopped and answers operations nevertheless.
+    pub(crate) fn serves_while_stopped(&self) -> bool {
+        self.state == State::Stopped && self.body.serves_while_stopped()
     }
 
     fn commit(&mut self, error: Option<Fault>, now: Time, effects: &mut dyn Effects) {
@@ -320,18 +359,26 @@ impl ComponentUnit {
         now: Time,
         effects: &mut dyn Effects,
     ) {
-        match transition {
-            Transition::Start => {
-                self.status.interrupt.store(false, Ordering::Relaxed);
-                self.body.open();
-            }
-            Transition::Stop => self.close(now, effects),
-            Transition::Configure
-            | Transition::Cleanup
-            | Transition::Recover
-            | Transition::ResetException => {}
+        if transition == Transition::Start {
+            self.status.interrupt.store(false, Ordering::Relaxed);
+        }
+        let admission = if target.is_running() {
+            Admission::All
+        } else if target.is_configured() {
+            Admission::WhileStopped
+        } else {
+            Admission::None
+        };
+        let mut own = component_effects(&self.name, self.index, now, effects);
+        self.body.admit(admission, &mut own);
+        if transition == Transition::Stop {
+            self.body.abandon_calls(&mut own);
         }
         self.set_state(target, now, effects);
+        if transition == Transition::Stop {
+            // requests that waited for a cycle
+            self.serve(now, effects);
+        }
     }
 
     /// Handles a hook that failed: a panic is an exception; after an error the component stays in the state that RTT
@@ -355,13 +402,18 @@ impl ComponentUnit {
             | Transition::Recover
             | Transition::ResetException => self.state,
         };
+        if !to.is_configured() {
+            let mut own = component_effects(&self.name, self.index, now, effects);
+            self.body.admit(Admission::None, &mut own);
+        }
         self.set_state(to, now, effects);
     }
 
-    /// Closes the services and cancels the calls of a component that has stopped running.
+    /// Closes the services and cancels the calls of a component that has failed.
     fn close(&mut self, now: Time, effects: &mut dyn Effects) {
-        self.body
-            .close(&mut component_effects(&self.name, self.index, now, effects));
+        let mut own = component_effects(&self.name, self.index, now, effects);
+        self.body.admit(Admission::None, &mut own);
+        self.body.abandon_calls(&mut own);
     }
 
     fn set_state(&mut self, to: State, now: Time, effects: &mut dyn Effects) {

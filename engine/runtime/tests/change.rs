@@ -166,7 +166,7 @@ fn asker() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
             for reply in cycle.replies(double) {
                 let text = match reply.result {
                     Ok(Number { n }) => n.to_string(),
-                    Err(CallError::Unavailable) => "nobody".to_owned(),
+                    Err(CallError::Unavailable | CallError::Stopped) => "nobody".to_owned(),
                     Err(error) => error.to_string(),
                 };
                 cycle.report("reply", Datum::text(text));

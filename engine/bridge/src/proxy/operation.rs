@@ -48,7 +48,8 @@ impl ProxiedOperation {
             ReplyMode::Last => "reads the last sample of a port of the target",
             ReplyMode::All => "reads the samples of a port of the target since the previous call",
         };
-        let handle = interface.serve_of(&mapped.service, &mapped.interface, &mapped.operation, doc);
+        let (service, of) = (&mapped.service, &mapped.interface);
+        let handle = interface.serve_declared(service, of, mapped.operation.clone(), doc);
         Self {
             port: mapped.port.clone(),
             conversion: mapped.conversion.clone(),

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::Schema;
 
 use crate::condition::MessageCondition;
@@ -36,8 +37,8 @@ pub struct Mapped {
     pub service: String,
     /// Interface of the service.
     pub interface: String,
-    /// Name of the operation within the interface.
-    pub operation: String,
+    /// The operation; without types if the interface is unknown.
+    pub operation: OperationDeclaration,
     /// Name of the target's port.
     pub port: String,
     /// Use of the port, and meaning of a reply.

@@ -46,6 +46,8 @@ pub const RESULT: &str = "result";
 pub const REFUSAL: &str = "refusal";
 /// `type` of the reply that no provider is there.
 pub const UNAVAILABLE: &str = "unavailable";
+/// Code of an `unavailable` whose provider is there, and its component does not run.
+pub const STOPPED: &str = "STOPPED";
 
 /// Limit on the `timeout` of a request: a day, as for the keys of a composite.
 const LONGEST_TIMEOUT: Duration = Duration::from_secs(24 * 3600);

@@ -42,6 +42,7 @@ pub(super) const CASES: &[(&str, ContractCase)] = &[
     ("passes on a refusal", refuses),
     ("ends a call at its deadline", times_out),
     ("reports that no server is available", unavailable),
+    ("reports that the server's component is stopped", stopped),
     ("tells callers when a server leaves", server_leaves),
     (
         "tells the caller when a request is dropped",
@@ -399,6 +400,13 @@ fn unavailable(bus: &dyn Bus, name: &str) -> Result<(), String> {
         return Err("it took as long as a deadline".to_owned());
     }
     Ok(())
+}
+
+fn stopped(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let pending = call(bus, name, 1, 2 * CROSSING)?;
+    next_call(&serving)?.complete(Err(CallFailure::Stopped));
+    expect(outcome(pending), Err(CallFailure::Stopped))
 }
 
 fn server_leaves(bus: &dyn Bus, name: &str) -> Result<(), String> {

@@ -163,6 +163,7 @@ impl Catalogue for SmallBuild {
         let operation = |name: &str, request, response| {
             let (request, response) = (self.schema(request)?, self.schema(response)?);
             Some(vec![OperationDeclaration {
+                while_stopped: false,
                 name: name.to_owned(),
                 request,
                 response,

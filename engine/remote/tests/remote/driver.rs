@@ -71,6 +71,7 @@ pub const BUILD: Tables = Tables {
 
 fn mirror() -> Vec<OperationDeclaration> {
     vec![OperationDeclaration {
+        while_stopped: false,
         name: Mirror::NAME.to_owned(),
         request: Joints::schema().clone(),
         response: Joints::schema().clone(),

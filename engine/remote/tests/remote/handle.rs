@@ -1,12 +1,15 @@
 //! Observes and controls a system over the in-process bus.
 
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use asmotion_bus::{Bus, Payload, PublishOptions, SenderId};
+use asmotion_bus::{Bus, LocalBus, Payload, PublishOptions, SenderId};
 use asmotion_component::{CallError, SendStatus, State, Transition};
 use asmotion_datum::{Datum, Numbers, Schema};
-use asmotion_remote::{OrderErrorCode, Remote, RemoteError};
+use asmotion_remote::{
+    OrderErrorCode, PRESENCE, Presence, PresentComponent, PresentService, Remote, RemoteError, key,
+    presence_topic,
+};
 
 use crate::driver::{Joints, joints, open};
 use crate::robot::Robot;
@@ -187,7 +190,6 @@ fn j16_an_answer_is_told_when_it_is_there_without_a_poll_period() {
 fn j16_a_call_that_has_no_answer_says_why() {
     let robot = Robot::start();
     let remote = robot.remote();
-    let driver = remote.component("Driver").expect("a component");
     let argument = || datum(&joints([0.0, 0.0]));
     let nobody = remote.call("Driver.mirror.miror", argument(), PATIENCE);
     let (operation, meant) = ("Driver.mirror.miror", "Driver.mirror.mirror");
@@ -209,12 +211,71 @@ fn j16_a_call_that_has_no_answer_says_why() {
     let cancelled = RemoteError::Call(CallError::Cancelled);
     let end = sent.collect();
     assert!(end == Err(cancelled) || end.is_ok(), "{end:?}");
+}
+
+#[test]
+fn t18_a_call_of_a_stopped_component_names_it_at_once() {
+    let robot = Robot::start();
+    let remote = robot.remote();
+    let driver = remote.component("Driver").expect("a component");
     driver.transition(Transition::Stop).expect("it ran");
-    let nobody = remote.call(meant, argument(), PATIENCE);
-    assert!(
-        matches!(nobody, Err(RemoteError::Nobody { .. })),
-        "{nobody:?}"
-    );
+    let begun = std::time::Instant::now();
+    let stopped = remote.call("Driver.mirror.mirror", datum(&joints([0.0, 0.0])), PATIENCE);
+    assert!(begun.elapsed() < PATIENCE / 2);
+    let stopped = stopped.expect_err("it does not run").to_string();
+    let expected = "`Driver.mirror.mirror`: component `Driver` does not run";
+    assert_eq!(stopped, expected);
+}
+
+#[test]
+fn c21_a_late_joiner_finds_a_service_by_its_interface() {
+    let robot = Robot::start();
+    let remote = robot.remote();
+    let found = remote.service("test/Mirror").expect("one service");
+    assert_eq!(found.address(), "Driver.mirror");
+    assert_eq!((&*found.process, &*found.state), ("arm", "Running"));
+    assert_eq!(remote.services("test/Mirror"), [found]);
+    let operation = remote.operation_address("test/Mirror.mirror").expect("one");
+    let answer = remote.call(&operation, datum(&joints([1.0, 0.5])), PATIENCE);
+    assert_eq!(answer, Ok(datum(&joints([-1.0, -0.5]))));
+    let unknown = remote.service("test/Miror").expect_err("nobody has it");
+    let expected = "unknown interface `test/Miror`; did you mean `test/Mirror`?";
+    assert_eq!(unknown.to_string(), expected);
+    assert_eq!(remote.services("test/Miror"), []);
+}
+
+#[test]
+fn c21_of_two_services_with_an_interface_both_are_named() {
+    let bus: Arc<dyn Bus> = Arc::new(LocalBus::new());
+    let remote = Remote::over_bus(Arc::clone(&bus), None).expect("a bus");
+    let service = PresentService {
+        name: "planning".to_owned(),
+        interface: "nav/PlanService".to_owned(),
+        operations: Vec::new(),
+    };
+    let component = |name: &str| PresentComponent {
+        name: name.to_owned(),
+        services: vec![service.clone()],
+        ..PresentComponent::default()
+    };
+    for (process, name) in [("one", "Planner"), ("two", "Spare")] {
+        let presence = Presence {
+            process: process.to_owned(),
+            components: vec![component(name)],
+            ..Presence::default()
+        };
+        let topic = key("rover", &presence_topic(process));
+        let origin = SenderId::new(process, 0);
+        let schema = Schema::opaque(PRESENCE);
+        let publisher = bus.publisher(&topic, &origin, &schema, PublishOptions::state());
+        let sample = Datum::of(&presence).expect("data");
+        let mut publisher = publisher.expect("a topic");
+        publisher.publish(0, Payload::of(sample)).expect("room");
+    }
+    let ambiguous = remote.service("nav/PlanService").expect_err("two");
+    let expected = "ambiguous name `nav/PlanService`: rover.Planner.planning, rover.Spare.planning";
+    assert_eq!(ambiguous.to_string(), expected);
+    assert_eq!(remote.services("nav/PlanService").len(), 2);
 }
 
 #[test]

@@ -11,12 +11,14 @@ use std::thread::Thread;
 /// checks again. No wake-up is lost, and no lock is needed.
 #[derive(Default)]
 pub(crate) struct ThreadWaker {
-    /// Whether new data trigger a cycle. Stored by the component's thread when its drive changes, read by the threads
-    /// that bring data. `Relaxed`: a sample that arrives at the moment of the change may wait for the next trigger, as
-    /// one that arrived just before it would.
+    /// Whether new data trigger a cycle. Stored by the component's thread when its drive or its state changes, read by the
+    /// threads that bring data. `Relaxed`: the component's thread stores it before it takes `triggered`, and other threads
+    /// set `triggered` before they read it; the swap that comes second in the order of `triggered` sees what preceded the
+    /// first one.
     event_driven: AtomicBool,
     /// New data are waiting. Set by any thread, taken by the component's. The swap lets only the first of several
-    /// triggers unpark, and publishes (`AcqRel`) the data put into queues before it.
+    /// triggers unpark, and publishes (`AcqRel`) the data put into queues before it. Set whatever drives the component, so
+    /// that a request that arrives while the component stops is not overlooked.
     triggered: AtomicBool,
     /// A cycle was requested explicitly. Set by the run's owner, taken by the component's thread.
     cycle_requested: AtomicBool,
@@ -37,7 +39,7 @@ impl ThreadWaker {
 
     /// Signals new data: an event-driven component cycles.
     pub(crate) fn trigger(&self) {
-        if self.event_driven.load(Ordering::Relaxed) && !self.triggered.swap(true, Ordering::AcqRel)
+        if !self.triggered.swap(true, Ordering::AcqRel) && self.event_driven.load(Ordering::Relaxed)
         {
             self.unpark();
         }

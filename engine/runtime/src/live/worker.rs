@@ -127,6 +127,9 @@ impl Worker {
 
     /// Runs one cycle of a component, then one of each of its slaves, recursively.
     fn cycle(&mut self, index: usize) {
+        if !self.members[index].unit.state().is_running() {
+            return self.members[index].serve(&mut self.context);
+        }
         self.members[index].cycle(&mut self.context);
         let master = Some(self.members[index].unit.index);
         for slave in 0..self.members.len() {
@@ -144,6 +147,7 @@ impl WorkerMember {
         let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());
         let now = context.now();
         act(&mut self.unit, now, context);
+        self.await_requests();
         if !released {
             return;
         }
@@ -175,9 +179,24 @@ impl WorkerMember {
         }
     }
 
+    /// Lets requests wake a stopped component that answers operations, whatever its drive.
+    fn await_requests(&self) {
+        if !self.unit.state().is_running() {
+            self.waker
+                .set_event_driven(self.unit.serves_while_stopped());
+        }
+    }
+
     fn next_step(&mut self, context: &mut LiveContext) -> NextStep {
         if !self.unit.state().is_running() {
-            return NextStep::Sleep;
+            // a request, or the end of background work
+            let serves = self.unit.serves_while_stopped()
+                && (self.waker.take_trigger() | self.waker.take_cycle_request());
+            return if serves {
+                NextStep::Cycle
+            } else {
+                NextStep::Sleep
+            };
         }
         if self.waker.take_cycle_request() {
             return NextStep::Cycle;
@@ -207,6 +226,12 @@ impl WorkerMember {
         }
     }
 
+    /// Answers the requests of a stopped component.
+    fn serve(&mut self, context: &mut LiveContext) {
+        self.unit.cycle(context.now(), context);
+        self.await_requests();
+    }
+
     fn cycle(&mut self, context: &mut LiveContext) {
         let begin = context.now();
         let before = self.unit.activity.drive;
@@ -224,5 +249,6 @@ impl WorkerMember {
         if self.unit.restart_after_fault(context.now(), context) {
             self.schedule_first(context.now());
         }
+        self.await_requests();
     }
 }

@@ -228,8 +228,8 @@ impl OutgoingCalls {
             if let Some(index) = index {
                 let call = self.outstanding.remove(index);
                 match answer.result {
-                    Err(CallError::Unavailable) if !call.waits_for_retry => {
-                        self.handle_failure(references, call, CallError::Unavailable, effects);
+                    Err(error) if error.is_without_provider() && !call.waits_for_retry => {
+                        self.handle_failure(references, call, error, effects);
                     }
                     result => self.end(references, &call, result, effects),
                 }
@@ -259,8 +259,8 @@ impl OutgoingCalls {
         self.handle_failure(references, call, CallError::Timeout, effects);
     }
 
-    /// Handles a failed attempt: goes on with the next alternative if this one is unavailable, retries at once, retries
-    /// after a rest, or ends the call. After `Unavailable` a retry always rests first, because an immediate one would fail
+    /// Handles a failed attempt: goes on with the next alternative if this one has no provider, retries at once, retries
+    /// after a rest, or ends the call. Without a provider a retry always rests first, because an immediate one would fail
     /// the same way.
     fn handle_failure(
         &mut self,
@@ -270,12 +270,12 @@ impl OutgoingCalls {
         effects: &mut ComponentEffects<'_>,
     ) {
         let next = next_alternative(references, call.slot, call.alternative);
-        if let Some(next) = next.filter(|_| error == CallError::Unavailable) {
+        if let Some(next) = next.filter(|_| error.is_without_provider()) {
             return self.fail_over(references, call, next, effects);
         }
         let wire = wire_of(references, call.slot, call.alternative);
         let delay = wire.retry_delay(call.attempt);
-        let in_vain = error == CallError::Unavailable && delay.is_zero();
+        let in_vain = error.is_without_provider() && delay.is_zero();
         if call.attempt > wire.retries || in_vain {
             return self.end(references, &call, Err(error), effects);
         }

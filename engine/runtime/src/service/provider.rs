@@ -3,13 +3,14 @@
 mod freeze;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 
 use asmotion_component::declaration::ServiceDeclaration;
 use asmotion_component::{CallError, Handler, RequestId, ServiceFault, guarded};
 use asmotion_datum::Sample;
 use asmotion_port::{Notifier, Time};
 use crossbeam_queue::ArrayQueue;
+use serde::{Deserialize, Serialize};
 
 pub(crate) use self::freeze::{FrozenService, ThawContext};
 use super::message::{CallKey, ProviderMessage, ReplyTo, ServiceRequest};
@@ -19,28 +20,52 @@ use crate::event::Event;
 /// Capacity of a provider's request queue; calls beyond it end as unavailable.
 const WAITING: usize = 128;
 
+/// The requests that a provider takes, by its state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Admission {
+    /// None: the component is not configured.
+    None,
+    /// Those of operations that are answered while the component is stopped.
+    WhileStopped,
+    /// All: the component runs.
+    All,
+}
+
+impl Admission {
+    fn of(number: u8) -> Self {
+        [Self::None, Self::WhileStopped, Self::All]
+            .into_iter()
+            .find(|it| *it as u8 == number)
+            .unwrap_or(Self::None)
+    }
+}
+
 /// Requests that wait for a provider. Callers on any thread push them; the provider's thread pops them.
 pub struct RequestQueue {
     queue: ArrayQueue<ProviderMessage>,
-    /// Whether the provider runs. Set and cleared by the provider's thread between two cycles (`Release`), read by
-    /// callers (`Acquire`). A request that is pushed while this is being cleared is refused when the provider empties
-    /// the queue.
-    open: AtomicBool,
+    /// An [`Admission`]. Set by the provider's thread between two cycles (`Release`), read by callers (`Acquire`). A
+    /// request that is pushed while this is being changed is refused when the provider empties the queue.
+    admission: AtomicU8,
     /// Notified of every message if the provider is remote and an adapter empties the queue; `None` for a local
     /// provider.
     notifier: Option<Arc<Notifier>>,
     /// Handlers that run in the caller's thread, by position of the operation; `None` for operations served in the
     /// provider's cycles.
     handlers: Vec<Option<Handler>>,
+    /// Whether the component answers the operation while it is stopped, by position of the operation.
+    while_stopped: Vec<bool>,
 }
 
 impl RequestQueue {
-    fn new(handlers: Vec<Option<Handler>>) -> Arc<Self> {
+    fn new(declaration: &ServiceDeclaration, handlers: Vec<Option<Handler>>) -> Arc<Self> {
+        let operations = declaration.operations.iter();
         Arc::new(Self {
             queue: ArrayQueue::new(WAITING),
-            open: AtomicBool::new(false),
+            admission: AtomicU8::new(Admission::None as u8),
             notifier: None,
             handlers,
+            while_stopped: operations.map(|it| it.while_stopped).collect(),
         })
     }
 
@@ -48,9 +73,10 @@ impl RequestQueue {
     pub fn remote(notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
             queue: ArrayQueue::new(WAITING),
-            open: AtomicBool::new(true),
+            admission: AtomicU8::new(Admission::All as u8),
             notifier: Some(notifier),
             handlers: Vec::new(),
+            while_stopped: Vec::new(),
         })
     }
 
@@ -63,7 +89,7 @@ impl RequestQueue {
     /// next cycle. Returns whether it was queued, in which case the provider must be triggered.
     ///
     /// # Errors
-    /// [`CallError::Unavailable`] if the provider does not run or its queue is full.
+    /// [`CallError::Stopped`] if the provider does not run, [`CallError::Unavailable`] if its queue is full.
     pub fn send(
         &self,
         request: ServiceRequest,
@@ -84,10 +110,41 @@ impl RequestQueue {
         Ok(false)
     }
 
+    /// The reason for which requests of an operation are refused at present, if they are.
+    pub fn refuses(&self, operation: usize) -> Option<CallError> {
+        let in_caller = self.handlers.get(operation).is_some_and(Option::is_some);
+        let admits = in_caller
+            || match self.admission() {
+                Admission::None => false,
+                Admission::WhileStopped => self.is_marked(operation),
+                Admission::All => true,
+            };
+        (!admits).then_some(CallError::Stopped)
+    }
+
+    pub(crate) fn admission(&self) -> Admission {
+        Admission::of(self.admission.load(Ordering::Acquire))
+    }
+
+    pub(crate) fn set_admission(&self, admission: Admission) {
+        self.admission.store(admission as u8, Ordering::Release);
+    }
+
+    /// Whether the component answers the operation while it is stopped.
+    fn is_marked(&self, operation: usize) -> bool {
+        self.while_stopped.get(operation) == Some(&true)
+    }
+
     /// Queues a message for the provider's next cycle.
     pub(crate) fn push(&self, message: ProviderMessage) -> Result<(), CallError> {
-        if !self.open.load(Ordering::Acquire) {
-            return Err(CallError::Unavailable);
+        let refused = match &message {
+            ProviderMessage::Request(request) => self.refuses(request.operation),
+            ProviderMessage::Cancel(_) => {
+                (self.admission() == Admission::None).then_some(CallError::Stopped)
+            }
+        };
+        if let Some(error) = refused {
+            return Err(error);
         }
         self.queue
             .push(message)
@@ -125,8 +182,8 @@ struct OpenRequest {
 impl ProvidedService {
     pub(crate) fn new(declaration: ServiceDeclaration, handlers: Vec<Option<Handler>>) -> Self {
         Self {
+            queue: RequestQueue::new(&declaration, handlers),
             declaration,
-            queue: RequestQueue::new(handlers),
             waiting: Vec::new(),
             open: Vec::new(),
             cancelled: Vec::new(),
@@ -217,6 +274,10 @@ impl ProvidedService {
         effects: &mut ComponentEffects<'_>,
     ) {
         let operation = self.declaration.operations.get(open.operation);
+        if let ReplyTo::External(caller) = &open.reply_to {
+            // before the event, on which the caller's thread looks for its reply; fails if it has stopped waiting
+            let _ = caller.send(result.clone());
+        }
         effects.emit(&Event::Answered {
             component: effects.name,
             service: &self.declaration.name,
@@ -224,29 +285,44 @@ impl ProvidedService {
             caller: &open.caller,
             result: result.as_deref(),
         });
-        let number = open.key.number;
-        open.reply_to.send(number, result, effects.effects);
+        if !matches!(open.reply_to, ReplyTo::External(_)) {
+            open.reply_to.send(open.key.number, result, effects.effects);
+        }
     }
 
-    /// Accepts requests from now on.
-    pub(crate) fn open(&self) {
-        self.queue.open.store(true, Ordering::Release);
+    /// Changes the requests accepted from now on; callers whose requests are not among them get
+    /// [`CallError::Stopped`], as do those whose requests the component has taken.
+    pub(crate) fn admit(&mut self, admission: Admission, effects: &mut ComponentEffects<'_>) {
+        self.queue.set_admission(admission);
+        if admission != Admission::All {
+            self.refuse_waiting(admission, effects);
+        }
     }
 
-    /// Refuses requests from now on; waiting callers get [`CallError::Unavailable`].
-    pub(crate) fn close(&mut self, effects: &mut ComponentEffects<'_>) {
-        self.queue.open.store(false, Ordering::Release);
-        self.refuse_waiting(effects);
-    }
-
-    /// Replies [`CallError::Unavailable`] to all waiting and open requests.
-    pub(crate) fn refuse_waiting(&mut self, effects: &mut ComponentEffects<'_>) {
+    fn refuse_waiting(&mut self, admission: Admission, effects: &mut ComponentEffects<'_>) {
         self.freeze(effects.now);
         for operation in 0..self.declaration.operations.len() {
-            drop(self.take(operation));
+            if admission == Admission::None || !self.queue.is_marked(operation) {
+                drop(self.take(operation));
+            }
         }
         for open in std::mem::take(&mut self.open) {
-            self.send(open, Err(CallError::Unavailable), effects);
+            self.send(open, Err(CallError::Stopped), effects);
         }
+    }
+
+    /// Refuses the frozen requests of operations that the component does not answer while it is stopped. Returns whether
+    /// any request is left.
+    pub(crate) fn refuse_unmarked(&mut self, effects: &mut ComponentEffects<'_>) -> bool {
+        let before = self.open.len();
+        for operation in 0..self.declaration.operations.len() {
+            if !self.queue.is_marked(operation) {
+                drop(self.take(operation));
+            }
+        }
+        for open in self.open.split_off(before) {
+            self.send(open, Err(CallError::Stopped), effects);
+        }
+        !(self.waiting.is_empty() && self.open.is_empty() && self.cancelled.is_empty())
     }
 }

@@ -35,6 +35,8 @@ pub(super) struct Timeline {
 #[serde(deny_unknown_fields)]
 pub(super) struct UnitSchedule {
     drive: Drive,
+    /// The unit is stopped and answers operations: requests trigger it, whatever its drive.
+    serves: bool,
     /// A triggered cycle is in the queue already.
     pub triggered: bool,
     /// Incremented when the schedule is renewed, which invalidates older queue entries.
@@ -65,7 +67,7 @@ impl Effects for SimulatedEffects<'_, '_> {
         let Some(driven) = self.timeline.schedules.get_mut(component) else {
             return;
         };
-        if driven.drive == Drive::Event {
+        if driven.drive == Drive::Event || driven.serves {
             let now = self.timeline.now;
             self.timeline.trigger(component, now);
         }
@@ -90,6 +92,7 @@ impl Timeline {
     pub(super) fn new(units: &[ComponentUnit], observers: Vec<Box<dyn Observer>>) -> Self {
         let each = |unit: &ComponentUnit| UnitSchedule {
             drive: unit.activity.drive,
+            serves: false,
             triggered: false,
             generation: 0,
             cycles: 0,
@@ -210,6 +213,7 @@ impl Timeline {
     pub(super) fn schedule_first(&mut self, unit: &ComponentUnit) {
         let component = unit.index;
         let driven = &mut self.schedules[component];
+        driven.serves = false;
         let generation = driven.set_drive(unit.activity.drive);
         let first = self.now + unit.activity.delay;
         match unit.activity.drive {
@@ -243,6 +247,7 @@ impl Timeline {
     /// Plans the unit's cycles again if its drive has changed, counting from the cycle that has just ended.
     pub(super) fn apply_drive_change(&mut self, unit: &ComponentUnit) {
         let driven = &mut self.schedules[unit.index];
+        driven.serves = unit.serves_while_stopped();
         if driven.drive == unit.activity.drive {
             return;
         }

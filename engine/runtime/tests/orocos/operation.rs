@@ -94,8 +94,8 @@ fn o11_in_the_own_thread_nothing_is_done_unless_the_provider_runs() {
     calling(&seen, provider, doubler())
         .simulate()
         .run_for(20.ms());
-    let nobody = CallError::Unavailable.to_string();
-    assert_eq!(taken(&seen), ["not ready", &nobody, "collected"]);
+    let stopped = CallError::Stopped.to_string();
+    assert_eq!(taken(&seen), ["not ready", &stopped, "collected"]);
 }
 
 fn provider(
@@ -144,7 +144,7 @@ fn o11_a_call_of_outsider_ends_by_its_deadline() {
     let sent = run
         .send::<Double>("Doubler.sums", number(4), 1.s())
         .unwrap();
-    assert_eq!(run.collect(sent), Err(CallError::Unavailable));
+    assert_eq!(run.collect(sent), Err(CallError::Stopped));
 }
 
 #[test]

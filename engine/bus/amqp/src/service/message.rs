@@ -115,6 +115,11 @@ impl OutgoingReply {
                 answer(wire::REFUSAL, Some(refusal.code), detail)
             }
             Err(CallFailure::Unavailable) => answer(wire::UNAVAILABLE, None, Arc::from([])),
+            Err(CallFailure::Stopped) => answer(
+                wire::UNAVAILABLE,
+                Some(wire::STOPPED.to_owned()),
+                Arc::from([]),
+            ),
             Err(CallFailure::Timeout | CallFailure::Cancelled) => return None,
         })
     }
@@ -148,6 +153,9 @@ pub(crate) fn read_reply(
         })
     };
     match properties.message_type().map_or("", String::as_str) {
+        wire::UNAVAILABLE if wire::text(properties, wire::CODE) == Some(wire::STOPPED) => {
+            Err(CallFailure::Stopped)
+        }
         wire::UNAVAILABLE => Err(CallFailure::Unavailable),
         wire::REFUSAL => {
             let code = wire::text(properties, wire::CODE).unwrap_or("REFUSED");

@@ -73,11 +73,11 @@ fn mapped(source: &PartSource<'_>, entry: &model::ProxyEntry) -> Option<Mapped> 
         name: operation.value.clone(),
         request: Schema::opaque(""),
         response: Schema::opaque(""),
+        while_stopped: false,
     });
     Some(Mapped {
         service: service.value.clone(),
         interface: interface.clone(),
-        operation: operation.value.clone(),
         port: port.name.text.clone(),
         mode: match entry.mode.value {
             ProxyMode::Oneway => ReplyMode::OneWay,
@@ -87,6 +87,7 @@ fn mapped(source: &PartSource<'_>, entry: &model::ProxyEntry) -> Option<Mapped> 
             ProxyMode::All => ReplyMode::All,
         },
         conversion: map::conversion(entry, &declared, &message)?,
+        operation: declared,
     })
 }
 

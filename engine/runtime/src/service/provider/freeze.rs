@@ -1,13 +1,12 @@
 //! Freezing and thawing of a service.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use asmotion_component::RequestId;
 use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
 
-use super::{OpenRequest, ProvidedService};
+use super::{Admission, OpenRequest, ProvidedService};
 use crate::frozen::{
     FrozenSample, SampleNames, SystemFreezeError, SystemThawError, no_data, system_mismatch,
     trace_of, trace_text,
@@ -27,8 +26,7 @@ pub(crate) struct ThawContext {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrozenService {
-    /// Whether the provider is running.
-    is_open: bool,
+    admission: Admission,
     queue: Vec<FrozenMessage>,
     waiting: Vec<(RequestId, FrozenRequest)>,
     open: Vec<FrozenOpen>,
@@ -168,7 +166,7 @@ impl ProvidedService {
             })
         });
         Ok(FrozenService {
-            is_open: self.queue.open.load(Ordering::Acquire),
+            admission: self.queue.admission(),
             queue: messages.into_iter().collect::<Result<_, _>>()?,
             waiting: waiting.collect::<Result<_, SystemFreezeError>>()?,
             open: open.collect::<Result<_, SystemFreezeError>>()?,
@@ -203,7 +201,7 @@ impl ProvidedService {
         for message in &service.queue {
             self.queue.queue.force_push(message.thaw(context)?);
         }
-        self.queue.open.store(service.is_open, Ordering::Release);
+        self.queue.set_admission(service.admission);
         Ok(())
     }
 }

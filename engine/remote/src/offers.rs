@@ -1,0 +1,105 @@
+//! Finds services by their interface, on the bus.
+
+use asmotion_diagnostics::similar;
+
+use crate::error::RemoteError;
+use crate::presence::key;
+use crate::remote::Remote;
+use crate::roster::ComponentLocation;
+
+/// A service that a component of a running system provides.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FoundService {
+    /// Name of the robot; empty if it has none.
+    pub robot: String,
+    /// Name of the process.
+    pub process: String,
+    /// Name of the component.
+    pub component: String,
+    /// State of the component, for example `Running`.
+    pub state: String,
+    /// Name of the service within the component.
+    pub service: String,
+    /// Name of its interface.
+    pub interface: String,
+}
+
+impl FoundService {
+    /// The address on the bus, which an operation's address begins with: `navigation.MapServer.maps`.
+    pub fn address(&self) -> String {
+        key(&self.robot, &format!("{}.{}", self.component, self.service))
+    }
+}
+
+impl Remote {
+    /// All services with this interface, in the order of robots and processes. The first call waits up to 1.5 s, until
+    /// every process has published its presence.
+    pub fn services(&self, interface: &str) -> Vec<FoundService> {
+        let mut found = self.all_services();
+        found.retain(|it| it.interface == interface);
+        found
+    }
+
+    /// Finds the service with this interface, for example `nav/PlanService`. The first call waits up to 1.5 s,
+    /// until every process has published its presence, since there may be two.
+    ///
+    /// # Errors
+    /// An error if no service has the interface, or if several have it.
+    pub fn service(&self, interface: &str) -> Result<FoundService, RemoteError> {
+        let all = self.all_services();
+        let mut found: Vec<_> = all.iter().filter(|it| it.interface == interface).collect();
+        match (found.pop(), found.is_empty()) {
+            (Some(one), true) => Ok(one.clone()),
+            (None, _) => Err(RemoteError::Unknown {
+                what: "interface",
+                name: interface.to_owned(),
+                nearest: similar(interface, all.iter().map(|it| &it.interface)).cloned(),
+            }),
+            (Some(last), false) => {
+                found.push(last);
+                Err(RemoteError::Several {
+                    name: interface.to_owned(),
+                    candidates: found.iter().map(|it| it.address()).collect(),
+                })
+            }
+        }
+    }
+
+    /// The address of an operation given by its interface, `nav/PlanService.plan`; an address is returned as it is.
+    ///
+    /// # Errors
+    /// An error if the operation is given by an interface that no service or several services have.
+    pub fn operation_address(&self, operation: &str) -> Result<String, RemoteError> {
+        match operation.rsplit_once('.') {
+            Some((interface, name)) if interface.contains('/') => {
+                Ok(format!("{}.{name}", self.service(interface)?.address()))
+            }
+            Some(_) | None => Ok(operation.to_owned()),
+        }
+    }
+
+    fn all_services(&self) -> Vec<FoundService> {
+        let components = self.complete_roster().components(self.robot());
+        components.into_iter().flat_map(services_of).collect()
+    }
+}
+
+fn services_of(at: ComponentLocation) -> impl Iterator<Item = FoundService> {
+    let ComponentLocation {
+        robot,
+        process,
+        present,
+    } = at;
+    let (component, state) = (present.name, present.state);
+    present
+        .services
+        .into_iter()
+        .map(move |service| FoundService {
+            robot: robot.clone(),
+            process: process.clone(),
+            component: component.clone(),
+            state: state.clone(),
+            service: service.name,
+            interface: service.interface,
+        })
+}
