@@ -102,6 +102,8 @@ pub struct MissionEnd {
     pub summary: Summary,
     /// Components that failed and were not running at the end.
     pub failed: Vec<String>,
+    /// Inputs, as `component.port`, with the number of messages lost on the way to them; those without losses are omitted.
+    pub lost: Vec<(String, u64)>,
     /// The coordinators and what they wait for, if the time was up.
     pub stalled: Vec<StalledCoordinator>,
     /// Duration in its own time.
@@ -254,6 +256,7 @@ impl Mission {
         // pending calls are answered before their providers stop
         drop(gateways);
         run.stop();
+        let lost = lost_messages(&*run);
         // the last messages of the components are sent before the bus closes
         contacts.iter_mut().for_each(ProcessContact::leave);
         drop((run, contacts, successor));
@@ -262,6 +265,7 @@ impl Mission {
             outcome,
             summary,
             failed,
+            lost,
             stalled,
             time,
             wall: began.elapsed(),
@@ -340,4 +344,16 @@ impl Mission {
 /// Locks the mutex; its content is consistent even if a listener panicked while it held the lock.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The inputs with lost messages, and the numbers of these.
+fn lost_messages(run: &dyn Run) -> Vec<(String, u64)> {
+    let mut all = Vec::new();
+    for component in run.components() {
+        let inputs = run.declaration(&component).unwrap_or_default().inputs;
+        let counts = inputs.into_iter().zip(run.lost(&component));
+        let lost = counts.filter(|(_, count)| *count > 0);
+        all.extend(lost.map(|(port, count)| (format!("{component}.{}", port.name), count)));
+    }
+    all
 }

@@ -210,7 +210,7 @@ impl Story {
             LOSSES_REPORT => {
                 let Losses { dropped, misfits } = what.to().ok()?;
                 let what = format!(
-                    "{component}: {dropped} events dropped and {misfits} messages outside the codomain so far"
+                    "{component}: {dropped} events dropped and {misfits} unsuitable messages so far"
                 );
                 Some(warning_entry(NOTE, "lost", what))
             }

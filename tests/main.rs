@@ -23,6 +23,7 @@ mod house;
 mod inspection;
 mod keys;
 mod language;
+mod losses;
 mod missions;
 mod person;
 mod pictures;

@@ -35,7 +35,8 @@ fn with(frozen: &FrozenState, field: &str, value: &Datum) -> FrozenState {
 fn every_component_is_the_type_that_its_state_names() {
     for (name, _) in COMPONENTS {
         let frozen = made(name).freeze().unwrap();
-        assert_eq!((frozen.component(), frozen.version()), (*name, 1));
+        assert_eq!(frozen.component(), *name);
+        assert!(frozen.version() >= 1);
     }
 }
 
@@ -65,11 +66,12 @@ fn no_component_takes_the_state_of_another_type_or_layout() {
                 ThawProblem::ComponentMismatch((*other).to_owned())
             );
         }
-        let newer = with(&own, "version", &Datum::Int(2));
+        let (layout, next) = (own.version(), own.version() + 1);
+        let newer = with(&own, "version", &Datum::Int(next.into()));
         assert_eq!(
             component.thaw(&newer).unwrap_err().to_string(),
             format!(
-                "`{name}` rejects the frozen state: it has layout 2, and this build has layout 1"
+                "`{name}` rejects the frozen state: it has layout {next}, and this build has layout {layout}"
             )
         );
         assert_eq!(component.freeze().unwrap(), own);

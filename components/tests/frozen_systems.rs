@@ -306,10 +306,10 @@ fn changed(frozen: &FrozenSystem, change: impl Fn(&mut Vec<(String, Datum)>)) ->
 fn a_state_of_another_version_is_refused() {
     let (mut run, _) = COURIER.advanced(10);
     let own = run.freeze().unwrap();
-    let newer = changed(&own, |entries| entries[0].1 = Datum::Int(2));
+    let newer = changed(&own, |entries| entries[0].1 = Datum::Int(3));
     assert_eq!(
         run.thaw(&newer).unwrap_err().to_string(),
-        "the frozen system has layout 2, and this build has layout 1"
+        "the frozen system has layout 3, and this build has layout 2"
     );
     assert_eq!(run.freeze().unwrap(), own);
 }

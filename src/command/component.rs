@@ -211,13 +211,17 @@ pub(super) fn show(
     ));
     if component.dropped + component.misfits > 0 {
         terminal.result(format_args!(
-            "  lost        {} messages dropped, {} outside the codomain",
+            "  lost        {} messages dropped, {} unsuitable",
             component.dropped, component.misfits
         ));
     }
     let mut typed = |what: &str, all: &[PresentEndpoint]| {
-        for PresentEndpoint { name, kind } in all {
-            terminal.result(format_args!("  {what:<10}  {name}: {kind}"));
+        for PresentEndpoint { name, kind, lost } in all {
+            let lost = match lost {
+                0 => String::new(),
+                count => format!(", {count} messages lost"),
+            };
+            terminal.result(format_args!("  {what:<10}  {name}: {kind}{lost}"));
         }
     };
     typed("input", &component.inputs);

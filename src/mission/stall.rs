@@ -95,7 +95,9 @@ fn no_message(plan: &Plan, component: &Component, location: &str) -> String {
     let origin = match bound.next().map(|monitored| &monitored.from) {
         Some(Source::Port(port)) => origin_of(plan, component, port),
         Some(Source::Request(operation)) => format!("requests of `{operation}`"),
-        Some(Source::Timer { .. } | Source::Value(_)) | None => "its binding".to_owned(),
+        Some(Source::Timer { .. } | Source::Losses(_) | Source::Value(_)) | None => {
+            "its binding".to_owned()
+        }
     };
     format!("no message has arrived for `{location}` ({origin})")
 }

@@ -37,6 +37,11 @@ pub(super) fn field(sample: &dyn Sample, field: &str) -> Option<String> {
     Some(number(&*datum.get(field)?))
 }
 
+/// Returns whether a value is a time, which is the identity of another message.
+fn is_stamp(value: &Datum) -> bool {
+    value.count() == Some(2) && value.get("sec").is_some() && value.get("nanosec").is_some()
+}
+
 fn describe_map(map: &OccupancyGrid) -> String {
     let info = &map.info;
     format!(
@@ -61,7 +66,7 @@ fn describe_datum(datum: &Datum) -> Option<String> {
             }
             let text = fields
                 .iter()
-                .filter(|(name, _)| !matches!(&**name, "stamp" | "header"));
+                .filter(|(name, value)| !matches!(&**name, "stamp" | "header") && !is_stamp(value));
             let text: Option<Vec<String>> = text.map(|(_, value)| describe_datum(value)).collect();
             let text: Vec<String> = text?.into_iter().filter(|it| !it.is_empty()).collect();
             Some(text.join(": "))

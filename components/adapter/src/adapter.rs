@@ -52,7 +52,7 @@ struct AdapterPorts {
     permit: In<Bool>,
     /// Path to follow, published whenever it changes: as planned, bent (same header and goal), or empty to stop.
     adapted: Out<Path>,
-    /// `BLOCKED`, once for a path without a way through; the detail says where.
+    /// `BLOCKED`, once for a path without a way through; the detail says where, `plan` is the stamp of the path.
     event: Out<Event>,
     /// Obstacles for the planner, map frame: with a map, those that it does not show; without one, those that recently
     /// blocked a path. Always published before `BLOCKED`.
@@ -231,7 +231,12 @@ impl Component for TrajectoryAdapter {
         }
         self.report_obstacles(cycle, now, advice.blocked.is_some());
         if let Some(cause) = advice.blocked {
-            cycle.write(self.ports.event, blocked(now, cause));
+            let plan = self
+                .adviser
+                .route()
+                .map(|route| route.planned().header.stamp);
+            let event = blocked(now, cause).about(plan.unwrap_or_default());
+            cycle.write(self.ports.event, event);
         }
         Ok(())
     }

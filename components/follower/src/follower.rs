@@ -17,7 +17,7 @@ use crate::task::{FollowStep, FollowTask, FollowerEvent, Tolerance};
 
 /// `nav::TrajectoryFollower`: follows the newest path; publishes `REACHED` once at its end, `HALTED` once after a stop.
 #[derive(Freeze)]
-#[freeze(component = "nav::TrajectoryFollower", version = 1)]
+#[freeze(component = "nav::TrajectoryFollower", version = 2)]
 pub struct TrajectoryFollower {
     #[freeze(skip)]
     ports: FollowerPorts,
@@ -84,7 +84,8 @@ struct FollowerPorts {
     /// then once as zero, then not at all.
     #[port(safe)]
     twist: Out<Twist>,
-    /// `REACHED` once for each path, `HALTED` once for each stop, each when the robot stands.
+    /// `REACHED` once for each path, `HALTED` once for each stop, each when the robot stands; `plan` is the stamp of the path
+    /// or stop.
     event: Out<Event>,
 }
 
@@ -253,7 +254,7 @@ impl Component for TrajectoryFollower {
             .as_ref()
             .filter(|_| hindrance.is_none())
             .map(motion);
-        let busy = self.task.is_busy();
+        let (busy, plan) = (self.task.is_busy(), self.task.stamp());
         let FollowStep {
             twist,
             event: news,
@@ -266,7 +267,7 @@ impl Component for TrajectoryFollower {
         }
         self.commanding = busy;
         if let (Some(news), Some(motion)) = (news, motion) {
-            cycle.write(self.ports.event, event(now, news, &motion));
+            cycle.write(self.ports.event, event(now, news, &motion).about(plan));
         }
         Ok(())
     }

@@ -82,8 +82,8 @@ pub enum FollowTask {
     /// No order yet, or the last one is done and reported.
     #[default]
     Idle,
-    /// Stopping; reported when the robot stands.
-    Stop,
+    /// Stopping, on the order with this stamp; reported when the robot stands.
+    Stop(Time),
     /// Following a path.
     Follow(FollowedPath),
     /// At the end of a path. The identity is kept to recognise amendments of the path.
@@ -125,7 +125,7 @@ impl FollowTask {
     /// the current position; a path that was reached is not driven again.
     pub fn order(&mut self, path: &Path) {
         let Some(last) = path.poses.last() else {
-            *self = Self::Stop;
+            *self = Self::Stop(path.header.stamp);
             return;
         };
         let poses = path.poses.iter();
@@ -133,7 +133,7 @@ impl FollowTask {
         let goal = message::pose(&last.pose);
         let is_finite = goal.to_homogeneous().iter().all(|it| it.is_finite());
         if line.is_empty() || !is_finite || line.length() > LONGEST {
-            *self = Self::Stop; // a path without a usable pose is an order to stop
+            *self = Self::Stop(path.header.stamp); // a path without a usable pose is an order to stop
             return;
         }
         let identity = PathIdentity {
@@ -145,7 +145,7 @@ impl FollowTask {
             Self::Follow(route) if route.identity == identity => {
                 route.line = line;
             }
-            Self::Idle | Self::Stop | Self::Follow(_) | Self::Arrived(_) => {
+            Self::Idle | Self::Stop(_) | Self::Follow(_) | Self::Arrived(_) => {
                 *self = Self::Follow(FollowedPath {
                     identity,
                     line,
@@ -170,11 +170,11 @@ impl FollowTask {
             && motion.turn.abs() <= tolerance.standing_turn;
         match self {
             Self::Idle | Self::Arrived(_) => FollowStep::stand(None),
-            Self::Stop if stands => {
+            Self::Stop(_) if stands => {
                 *self = Self::Idle;
                 FollowStep::stand(Some(FollowerEvent::Halted))
             }
-            Self::Stop => FollowStep::stand(None),
+            Self::Stop(_) => FollowStep::stand(None),
             Self::Follow(route) => match route.step(pursuit, tolerance, motion, view) {
                 PathStep::Drive(twist) => FollowStep::drive(twist),
                 PathStep::There if stands => {
@@ -190,18 +190,28 @@ impl FollowTask {
         }
     }
 
+    /// The stamp of the order; zero without one.
+    pub fn stamp(&self) -> Time {
+        match self {
+            Self::Idle => Time::default(),
+            Self::Stop(stamp) => *stamp,
+            Self::Follow(route) => route.identity.stamp,
+            Self::Arrived(identity) => identity.stamp,
+        }
+    }
+
     /// Returns whether the order is a path.
     pub fn is_following(&self) -> bool {
         match self {
             Self::Follow(_) => true,
-            Self::Idle | Self::Stop | Self::Arrived(_) => false,
+            Self::Idle | Self::Stop(_) | Self::Arrived(_) => false,
         }
     }
 
     /// Returns whether there is an order that is not done yet.
     pub fn is_busy(&self) -> bool {
         match self {
-            Self::Stop | Self::Follow(_) => true,
+            Self::Stop(_) | Self::Follow(_) => true,
             Self::Idle | Self::Arrived(_) => false,
         }
     }

@@ -10,6 +10,8 @@ asmotion_datum::message! {
     pub struct Event = "nav/Event" {
         /// Time of the event.
         pub stamp: Time,
+        /// Stamp of the path that the event is about: of the last order to drive or to stop; zero if there is none.
+        pub plan: Time,
         /// Kind of event: a short name in capitals, see the constants.
         pub code: String,
         /// Explanation for a human reader: place and cause.
@@ -57,8 +59,15 @@ impl Event {
     pub fn new(nanos: i64, code: &str, detail: impl Into<String>) -> Self {
         Self {
             stamp: Time::from_nanos(nanos),
+            plan: Time::default(),
             code: code.to_owned(),
             detail: detail.into(),
         }
+    }
+
+    /// The same event about the path with this stamp.
+    #[must_use]
+    pub fn about(self, plan: Time) -> Self {
+        Self { plan, ..self }
     }
 }

@@ -4,5 +4,6 @@ pub mod reconfigure;
 mod start;
 
 pub use start::{
-    Assembled, Make, SUBSCRIPTION_SIZE, Standard, StartError, Workshop, start, start_part,
+    Assembled, EVENTS_SIZE, Make, SUBSCRIPTION_SIZE, Standard, StartError, Workshop, start,
+    start_part,
 };

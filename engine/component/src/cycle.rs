@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_datum::{Datum, Message, Sample};
-use asmotion_port::{AnyInput, Flow, InputPort, OutputPort, Time};
+use asmotion_port::{AnyInput, BufferKind, Flow, InputPort, OutputPort, Time};
 
 use crate::action::CycleAction;
 use crate::background::BackgroundWork;
@@ -97,6 +97,25 @@ impl<'a> Cycle<'a> {
     /// Time of the writer's cycle in which the newest sample of an input was written; `None` without a sample.
     pub fn written_at<T: Message>(&self, port: In<T>) -> Option<Time> {
         self.any_input(port).and_then(AnyInput::written_at)
+    }
+
+    /// Number of messages lost on the way into an input port before this cycle, since the start of the system: dropped
+    /// because a queue was full, missed by the bus, or unreadable.
+    pub fn lost<T: Message>(&self, port: In<T>) -> u64 {
+        self.any_input(port).map_or(0, AnyInput::lost)
+    }
+
+    /// Counts messages that the component has taken from an input port and drops unused.
+    pub fn count_lost<T: Message>(&mut self, port: In<T>, count: u64) {
+        self.host
+            .count_lost(port.position(self.host.owner()), count);
+    }
+
+    /// The queue that the connections of an input port form together; [`BufferKind::Data`] if one of them keeps only the
+    /// newest sample, or if there is none. A component that queues messages itself keeps as many.
+    pub fn queue<T: Message>(&self, port: In<T>) -> BufferKind {
+        self.any_input(port)
+            .map_or(BufferKind::Data, AnyInput::queue)
     }
 
     /// Writes a sample, which is sent if the cycle succeeds (TCA `send`).
@@ -226,7 +245,8 @@ impl<'a> Cycle<'a> {
         self.host.record(CycleAction::Report(kind, data));
     }
 
-    /// Sets the total number of messages that the component has lost so far.
+    /// Sets the total number of messages that the component has lost so far, without those counted for an input
+    /// ([`count_lost`](Self::count_lost)).
     pub fn set_losses(&mut self, losses: Losses) {
         self.host.set_losses(losses);
     }

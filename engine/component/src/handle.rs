@@ -38,6 +38,14 @@ macro_rules! handle {
 
             impl<$of $(: $bound)?> Copy for $name<$of> {}
 
+            impl<$of $(: $bound)?> PartialEq for $name<$of> {
+                fn eq(&self, other: &Self) -> bool {
+                    (self.owner, self.index) == (other.owner, other.index)
+                }
+            }
+
+            impl<$of $(: $bound)?> Eq for $name<$of> {}
+
             impl<$of $(: $bound)?> fmt::Debug for $name<$of> {
                 fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                     write!(f, "{}({})", stringify!($name), self.index)

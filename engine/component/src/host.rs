@@ -61,6 +61,9 @@ pub trait CycleHost: PropertyHost {
     /// Returns whether a call has been made and its end is not visible yet.
     fn is_under_way(&self, call: CallId) -> bool;
 
+    /// Counts messages that the component dropped after they had arrived at the input port at this position.
+    fn count_lost(&mut self, index: usize, count: u64);
+
     /// Publishes the component's count of lost messages.
     fn set_losses(&mut self, losses: Losses);
 

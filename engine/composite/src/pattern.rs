@@ -219,6 +219,7 @@ impl Substitution {
             field: path(&monitored.field),
             map: path(&monitored.map),
             key: self.key(&monitored.key),
+            matching: self.matching(&monitored.matching),
             is: self.all(&monitored.is),
             none: node(&monitored.none),
             stale_ms: monitored.stale_ms.clone(),
@@ -234,8 +235,17 @@ impl Substitution {
                 running: self.at(running),
                 ms: ms.clone(),
             },
+            Source::Losses(port) => Source::Losses(self.at(port)),
             Source::Value(node) => Source::Value(self.node(node)),
         }
+    }
+
+    fn matching(&self, matching: &[NamedValue<Argument>]) -> Vec<NamedValue<Argument>> {
+        let matching = matching.iter().map(|field| NamedValue {
+            name: self.at(&field.name),
+            value: self.argument(&field.value),
+        });
+        matching.collect()
     }
 
     fn out(&self, out: &Out) -> Out {

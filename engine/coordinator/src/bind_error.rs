@@ -62,6 +62,12 @@ pub enum BindError {
         /// The value as text.
         value: String,
     },
+    /// The function takes a number or a truth value that it cannot have.
+    #[error("the codomain of `{function}` is neither Integer nor Natural nor Boolean")]
+    NoCount {
+        /// Name of the function.
+        function: String,
+    },
     /// The initial state cannot be built; the machine's error as text.
     #[error("{0}")]
     Initial(String),

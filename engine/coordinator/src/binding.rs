@@ -3,6 +3,7 @@
 //! Names and kinds are checked when the composite is read; remaining errors become a
 //! [`BindError`](crate::bind_error::BindError) when the coordinator is built.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use crate::location::LocationName;
@@ -47,6 +48,8 @@ pub struct Monitored {
     pub map: Option<String>,
     /// The variables of the location, each with the path of the field that selects its element.
     pub key: Vec<(String, String)>,
+    /// The values that fields of a message must have; other messages are refused.
+    pub matching: Vec<(String, Argument)>,
     /// The texts for which a Boolean function is true. If empty, the value itself is used.
     pub is: Vec<String>,
     /// Value in a step without a message; undef if not given.
@@ -67,6 +70,7 @@ impl Monitored {
             field: None,
             map: None,
             key: Vec::new(),
+            matching: Vec::new(),
             is: Vec::new(),
             none: None,
             stale_ms: None,
@@ -90,6 +94,8 @@ pub enum Source {
         /// The time in milliseconds.
         ms: u64,
     },
+    /// The number of messages lost on the way to an input port since the last step, or whether there were any.
+    Losses(String),
     /// A constant.
     Value(Constant),
 }
@@ -239,7 +245,8 @@ impl Call {
 /// The content of a message or request; an empty record, the default of each type, by default.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Argument {
-    /// A response that was kept, the newest message of an input port, or the newest request of a service.
+    /// A response that was kept, the newest message of an input port, the newest request of a service, or the newest message
+    /// published on an output port.
     Kept {
         /// Name of the kept response, port or service.
         name: String,
@@ -290,12 +297,16 @@ impl fmt::Debug for Constant {
 pub(crate) fn terms(binding: &Binding) -> impl Iterator<Item = &str> {
     let timers = binding.monitored.iter().filter_map(|it| match &it.from {
         Source::Timer { running, .. } => Some(running.as_str()),
-        Source::Port(_) | Source::Request(_) | Source::Value(_) => None,
+        Source::Port(_) | Source::Request(_) | Source::Losses(_) | Source::Value(_) => None,
     });
-    timers.chain(actions(binding).flat_map(|action| match action {
-        Action::Call(call) => terms_of(&call.with),
-        Action::Publish { value, .. } => terms_of(value),
-    }))
+    let matching = binding.monitored.iter().flat_map(|it| &it.matching);
+    let matching = matching.flat_map(|(_, value)| terms_of(value));
+    timers
+        .chain(matching)
+        .chain(actions(binding).flat_map(|action| match action {
+            Action::Call(call) => terms_of(&call.with),
+            Action::Publish { value, .. } => terms_of(value),
+        }))
 }
 
 fn terms_of(argument: &Argument) -> Vec<&str> {
@@ -303,6 +314,30 @@ fn terms_of(argument: &Argument) -> Vec<&str> {
         Argument::Term(term) => vec![term],
         Argument::Record(fields) => fields.iter().flat_map(|(_, it)| terms_of(it)).collect(),
         Argument::Kept { .. } | Argument::Value(_) => Vec::new(),
+    }
+}
+
+/// The names of the responses, ports and services whose data a binding uses.
+pub(crate) fn kept_names(binding: &Binding) -> BTreeSet<&str> {
+    let matching = binding.monitored.iter().flat_map(|it| &it.matching);
+    let arguments = actions(binding).map(|action| match action {
+        Action::Call(call) => &call.with,
+        Action::Publish { value, .. } => value,
+    });
+    let mut names = BTreeSet::new();
+    for argument in arguments.chain(matching.map(|(_, value)| value)) {
+        add_kept(argument, &mut names);
+    }
+    names
+}
+
+fn add_kept<'b>(argument: &'b Argument, names: &mut BTreeSet<&'b str>) {
+    match argument {
+        Argument::Kept { name, .. } => {
+            names.insert(name);
+        }
+        Argument::Record(fields) => fields.iter().for_each(|(_, it)| add_kept(it, names)),
+        Argument::Value(_) | Argument::Term(_) => {}
     }
 }
 

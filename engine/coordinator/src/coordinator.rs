@@ -2,7 +2,8 @@
 
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Interfaces, calls};
-use crate::effects::{AfterStep, EffectHandles, EffectOutbox, OutputResolver};
+use crate::content::AfterStep;
+use crate::effects::{EffectHandles, EffectOutbox, OutputResolver};
 use crate::fingerprint::fingerprint;
 use crate::frame::InputFrame;
 use crate::inputs::MessageInputs;
@@ -82,7 +83,7 @@ impl Coordinator {
             frame: &mut frame,
         };
         let outputs = resolver.outputs(binding)?;
-        let outbox = EffectOutbox::new(outputs, handles);
+        let outbox = EffectOutbox::new(outputs, handles, binding);
         Ok(Self {
             fingerprint: fingerprint(&specification, binding),
             specification,
@@ -120,6 +121,7 @@ impl Component for Coordinator {
             let machine = initial_machine(&self.specification, &self.partners);
             self.machine = machine.map_err(Fault::new)?;
             self.inbox.stop_timers();
+            self.outbox.published.clear();
         }
         // without native code, closures compute the same steps
         let _ = self.machine.set_back_end(BackEnd::Native);
@@ -133,6 +135,7 @@ impl Component for Coordinator {
             return Ok(());
         }
         self.requests.receive(cycle);
+        self.update_conditions(cycle)?;
         let program = self.machine.program();
         for notice in self.inbox.receive(cycle, &self.requests, program) {
             cycle.report(NOTICE_REPORT, Datum::text(notice));
@@ -224,6 +227,21 @@ impl Coordinator {
         updated.map_err(|fault| self.explained(&fault))
     }
 
+    /// Determines the values that messages must have, in the state before the step.
+    fn update_conditions(&mut self, cycle: &Cycle<'_>) -> Result<(), Fault> {
+        let mut state = AfterStep {
+            machine: &mut self.machine,
+            frame: &mut self.frame,
+            fault: None,
+        };
+        let context = self.outbox.context(&self.requests);
+        self.inbox.update_conditions(&context, &mut state, cycle);
+        match state.fault {
+            Some(fault) => Err(self.explained(&fault)),
+            None => Ok(()),
+        }
+    }
+
     /// The fault of a term, with its places in the texts.
     fn explained(&self, fault: &StepFault) -> Fault {
         self.rendered(&self.specification.explain_in(fault, &self.machine))
@@ -239,7 +257,10 @@ impl Coordinator {
         let losses = self.inbox.losses;
         if losses != self.reported {
             self.reported = losses;
-            cycle.set_losses(losses);
+            cycle.set_losses(Losses {
+                dropped: self.inbox.dropped_elsewhere,
+                ..losses
+            });
             cycle.report(LOSSES_REPORT, Datum::of(&losses)?);
         }
         Ok(())

@@ -2,9 +2,10 @@
 
 use crate::bind_error::BindError;
 use crate::binding::{
-    Action, Argument, Binding, BoundOperation, Case, Effect, PublishWhen, Published,
+    Action, Binding, BoundOperation, Case, Effect, PublishWhen, Published, kept_names,
 };
 use crate::bound_location::{BoundLocation, BoundLocations, KeyField};
+use crate::content::{AfterStep, BoundContent, EffectContext, evaluate};
 use crate::convert::{datum_of, literal_value};
 use crate::frame::InputFrame;
 use crate::inputs::{EventTarget, MessageInputs};
@@ -12,14 +13,12 @@ use crate::location::LocationName;
 use crate::requests::{Requests, WaitingCaller, superseded_fault};
 use crate::terms::BindingTerms;
 use asmotion_component::{
-    CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault, Time,
+    CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault,
 };
 use asmotion_datum::{Datum, FieldName};
 use asmotion_lang::Specification;
-use asmotion_lang::ir::{AddedTerm, FunctionId, Slot, ValueShape};
-use asmotion_lang::machine::{Machine, StepFault};
+use asmotion_lang::ir::{FunctionId, Slot, ValueShape};
 use asmotion_lang::value::Value;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// The handles of a component, by name.
@@ -35,6 +34,10 @@ pub(crate) struct EffectOutbox {
     outputs: Vec<BoundOutput>,
     /// Responses by the names under which they are kept.
     pub kept: BTreeMap<String, Datum>,
+    /// The newest messages published on the output ports that the binding refers to, by port.
+    pub published: BTreeMap<String, Datum>,
+    /// The output ports that the binding refers to.
+    recorded: Vec<(String, Out<Datum>)>,
     pub pending: Vec<PendingOutcome>,
     ports: Vec<(String, In<Datum>)>,
     operations: Vec<Required<Dynamic>>,
@@ -74,57 +77,7 @@ enum BoundAction {
     },
 }
 
-/// An [`Argument`] whose terms are part of the machine's program.
-enum BoundContent {
-    Kept { name: String, path: Option<String> },
-    Record(Vec<(String, BoundContent)>),
-    Value(Datum),
-    Term { term: AddedTerm, text: String },
-}
-
-impl BoundContent {
-    fn resolve(argument: &Argument, terms: &BindingTerms) -> Result<Self, BindError> {
-        Ok(match argument {
-            Argument::Kept { name, path } => Self::Kept {
-                name: name.clone(),
-                path: path.clone(),
-            },
-            Argument::Record(fields) => {
-                let fields = fields.iter();
-                let fields =
-                    fields.map(|(name, field)| Ok((name.clone(), Self::resolve(field, terms)?)));
-                Self::Record(fields.collect::<Result<_, _>>()?)
-            }
-            Argument::Value(value) => Self::Value(value.datum.clone()),
-            Argument::Term(text) => Self::Term {
-                term: terms.get(text)?,
-                text: text.clone(),
-            },
-        })
-    }
-}
-
-/// The machine after a step, which evaluates terms in the new state with the inputs of the step.
-pub(crate) struct AfterStep<'m> {
-    pub machine: &'m mut Machine,
-    pub frame: &'m mut InputFrame,
-    /// The first fault of a term.
-    pub fault: Option<Box<StepFault>>,
-}
-
 impl AfterStep<'_> {
-    /// The value of a term as a datum; `None` if it is undef, or if its evaluation fails.
-    fn value(&mut self, term: AddedTerm, now: Time) -> Option<Datum> {
-        match self.machine.evaluate(term, self.frame, now.nanos()) {
-            Ok(Value::Undef) => None,
-            Ok(value) => Some(datum_of(&value, &self.machine.naming())),
-            Err(fault) => {
-                self.fault.get_or_insert(fault);
-                None
-            }
-        }
-    }
-
     /// The new value of a location, and whether it changed; `None` without an update.
     fn update(&self, slot: Option<Slot>) -> Option<(Value, bool)> {
         let step = self.machine.last_step();
@@ -293,11 +246,16 @@ impl OutputResolver<'_> {
 }
 
 impl EffectOutbox {
-    pub fn new(outputs: Vec<BoundOutput>, handles: EffectHandles) -> Self {
+    pub fn new(outputs: Vec<BoundOutput>, handles: EffectHandles, binding: &Binding) -> Self {
         let operations = handles.operations.iter();
+        let names = kept_names(binding);
+        let recorded = handles.outputs.into_iter();
+        let recorded = recorded.filter(|(port, _)| names.contains(port.as_str()));
         Self {
             outputs,
             kept: BTreeMap::new(),
+            published: BTreeMap::new(),
+            recorded: recorded.collect(),
             pending: Vec::new(),
             operations: operations.map(|(_, operation)| *operation).collect(),
             ports: handles.inputs,
@@ -385,7 +343,8 @@ impl EffectOutbox {
                     if let (true, Some(slot)) = (is_due, slot) {
                         let value =
                             datum_of(after.machine.state().get(slot), &after.machine.naming());
-                        cycle.write(*port, message_of(value, field.as_deref(), key));
+                        let message = message_of(value, field.as_deref(), key);
+                        publish(*port, message, (&self.recorded, &mut self.published), cycle);
                     }
                 }
                 BoundEffect::Literals(cases) => {
@@ -404,7 +363,10 @@ impl EffectOutbox {
                         match action {
                             BoundAction::Publish { port, value } => {
                                 match evaluate(value, &self.context(requests), after, cycle) {
-                                    Ok(message) => cycle.write(*port, message),
+                                    Ok(message) => {
+                                        let record = (&*self.recorded, &mut self.published);
+                                        publish(*port, message, record, cycle);
+                                    }
                                     Err(missing) => report_unsent(&missing, cycle),
                                 }
                             }
@@ -456,11 +418,13 @@ impl EffectOutbox {
         outcomes(&mut self.outputs).nth(number).cloned()
     }
 
-    fn context<'k>(&'k self, requests: &'k Requests) -> EffectContext<'k> {
+    /// The sources of message contents.
+    pub fn context<'k>(&'k self, requests: &'k Requests) -> EffectContext<'k> {
         EffectContext {
             kept: &self.kept,
             ports: &self.ports,
             requests,
+            published: &self.published,
         }
     }
 }
@@ -572,6 +536,22 @@ fn literal(
     })
 }
 
+/// The output ports that the binding refers to, and the newest messages published on them.
+type PublicationRecord<'r> = (&'r [(String, Out<Datum>)], &'r mut BTreeMap<String, Datum>);
+
+/// Publishes a message, and records it if the binding refers to the port.
+fn publish(
+    port: Out<Datum>,
+    message: Datum,
+    (recorded, published): PublicationRecord<'_>,
+    cycle: &mut Cycle<'_>,
+) {
+    if let Some((name, _)) = recorded.iter().find(|(_, known)| *known == port) {
+        published.insert(name.clone(), message.clone());
+    }
+    cycle.write(port, message);
+}
+
 /// Kind of the report that an action was skipped, with the name of the missing message.
 pub const UNSENT_REPORT: &str = "asm/Unsent";
 
@@ -590,62 +570,4 @@ fn forwarded_result(result: &Result<Datum, CallError>) -> Result<Datum, ServiceF
         Err(error @ CallError::Stopped) => ("STOPPED", error),
     };
     Err(ServiceFault::new(fault.0, fault.1.to_string()))
-}
-
-/// The sources of message contents.
-struct EffectContext<'k> {
-    /// Responses by the names under which they are kept.
-    kept: &'k BTreeMap<String, Datum>,
-    ports: &'k [(String, In<Datum>)],
-    requests: &'k Requests,
-}
-
-impl EffectContext<'_> {
-    /// The kept response, the newest message or the newest request with this name.
-    fn datum<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<&'k Datum> {
-        let received = || {
-            let (_, port) = self.ports.iter().find(|(port, _)| port == name)?;
-            cycle.read(*port).any()
-        };
-        let kept = self.kept.get(name).or_else(received);
-        kept.or_else(|| self.requests.last(name))
-    }
-}
-
-/// Builds a message or request.
-///
-/// # Errors
-/// The name of a response, port or service without data yet, or a term that is undef. Zeros in their place would look
-/// like real data.
-fn evaluate(
-    content: &BoundContent,
-    context: &EffectContext<'_>,
-    after: &mut AfterStep<'_>,
-    cycle: &Cycle<'_>,
-) -> Result<Datum, String> {
-    match content {
-        BoundContent::Value(value) => Ok(value.clone()),
-        BoundContent::Record(fields) => {
-            let mut record = Vec::new();
-            for (name, field) in fields {
-                record.push((name.clone(), evaluate(field, context, after, cycle)?));
-            }
-            Ok(Datum::record(record))
-        }
-        BoundContent::Term { term, text } => {
-            let value = after.value(*term, cycle.now());
-            value.ok_or_else(|| text.clone())
-        }
-        BoundContent::Kept { name, path } => {
-            let datum = context.datum(name, cycle);
-            let part = match path {
-                Some(path) => datum.and_then(|whole| whole.get(path)),
-                None => datum.map(Cow::Borrowed),
-            };
-            part.map(Cow::into_owned).ok_or_else(|| match path {
-                Some(path) => format!("{name}.{path}"),
-                None => name.clone(),
-            })
-        }
-    }
 }

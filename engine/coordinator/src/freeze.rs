@@ -2,6 +2,7 @@
 
 use crate::coordinator::Coordinator;
 use crate::effects::PendingOutcome;
+use crate::event_queue::EventQueue;
 use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::PartnerCall;
 use crate::requests::WaitingCaller;
@@ -13,13 +14,13 @@ use asmotion_lang::machine::{ForeignSnapshot, Machine, MessageId, Snapshot, pack
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::value::Value;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 /// Component type named in frozen states.
 const COMPONENT: &str = "asm::Coordinator";
 
 /// Version of the layout of [`FrozenCoordinator`] and of the machine encoding.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// A value in the compact encoding of the machine.
 type PackedValue = serde_bytes::ByteBuf;
@@ -35,9 +36,12 @@ struct FrozenCoordinator {
     chooser: Seeded,
     inputs: Vec<FrozenInput>,
     losses: Losses,
+    dropped_elsewhere: u64,
     reported: Losses,
     /// Kept replies by the name given in the binding.
     kept: BTreeMap<String, Datum>,
+    /// Newest published messages by the port that the binding refers to.
+    published: BTreeMap<String, Datum>,
     outcomes: Vec<FrozenOutcome>,
     heard: Vec<FrozenRequests>,
     calls: Vec<FrozenCall>,
@@ -51,6 +55,12 @@ struct FrozenInput {
     locations: Vec<FrozenLocation>,
     /// A message whose key selects no element has been reported.
     reported_key: bool,
+    /// Values that messages must have, as a list of at most one element.
+    expected: Vec<Datum>,
+    /// A message with other values has been reported.
+    reported_refusal: bool,
+    /// Number of messages lost on the way to the port before the last step.
+    lost: u64,
 }
 
 /// An input location.
@@ -113,6 +123,14 @@ impl FrozenInput {
         Self {
             locations: input.locations.iter().map(FrozenLocation::of).collect(),
             reported_key: input.reported_key,
+            expected: input
+                .matching
+                .as_ref()
+                .and_then(|it| it.expected.clone())
+                .into_iter()
+                .collect(),
+            reported_refusal: input.matching.as_ref().is_some_and(|it| it.reported),
+            lost: input.lost.before,
         }
     }
 }
@@ -134,13 +152,16 @@ impl FrozenLocation {
 struct ThawedInput {
     locations: Vec<ThawedLocation>,
     reported_key: bool,
+    expected: Option<Datum>,
+    reported_refusal: bool,
+    lost: u64,
 }
 
 /// Decoded state of an input location.
 struct ThawedLocation {
     newest: Option<Time>,
     last: Option<Value>,
-    waiting: VecDeque<(Option<usize>, Value)>,
+    waiting: EventQueue,
 }
 
 impl ThawedInput {
@@ -150,6 +171,9 @@ impl ThawedInput {
         Ok(Self {
             locations: locations.collect::<Result<_, _>>()?,
             reported_key: frozen.reported_key,
+            expected: frozen.expected.first().cloned(),
+            reported_refusal: frozen.reported_refusal,
+            lost: frozen.lost,
         })
     }
 
@@ -159,6 +183,11 @@ impl ThawedInput {
 
     fn assign(self, input: &mut BoundInput) {
         input.reported_key = self.reported_key;
+        input.lost.before = self.lost;
+        if let Some(condition) = &mut input.matching {
+            condition.expected = self.expected;
+            condition.reported = self.reported_refusal;
+        }
         for (location, thawed) in input.locations.iter_mut().zip(self.locations) {
             location.newest = thawed.newest;
             location.last = thawed.last;
@@ -208,8 +237,10 @@ impl Coordinator {
             chooser: self.chooser.clone(),
             inputs: self.inbox.inputs.iter().map(FrozenInput::of).collect(),
             losses: self.inbox.losses,
+            dropped_elsewhere: self.inbox.dropped_elsewhere,
             reported: self.reported,
             kept: self.outbox.kept.clone(),
+            published: self.outbox.published.clone(),
             outcomes: outcomes.collect(),
             heard: heard.collect(),
             calls: calls.collect(),
@@ -267,7 +298,9 @@ impl Coordinator {
         self.partners.calls = calls;
         self.outbox.pending = outcomes;
         self.outbox.kept = frozen.kept;
+        self.outbox.published = frozen.published;
         self.inbox.losses = frozen.losses;
+        self.inbox.dropped_elsewhere = frozen.dropped_elsewhere;
         self.reported = frozen.reported;
         self.chooser = frozen.chooser;
         self.machine = machine;

@@ -4,33 +4,34 @@
 //! steps. Otherwise one event could hide another in the same frame, for example a REACHED a BLOCKED.
 
 use crate::bind_error::BindError;
-use crate::binding::{Binding, Constant, Monitored, Receive, Source};
+use crate::binding::{Argument, Binding, Constant, Monitored, Receive, Source};
 use crate::bound_location::BoundLocations;
+use crate::content::{AfterStep, BoundContent, EffectContext, evaluate, has_values};
 use crate::convert::{literal_value, value_of};
+use crate::event_queue::EventQueue;
 use crate::frame::InputFrame;
 use crate::location::LocationName;
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
-use asmotion_component::{Cycle, In, Losses, Time};
+use asmotion_component::{BufferKind, Cycle, In, Losses, Time};
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{AddedTerm, Program, ValueShape};
 use asmotion_lang::machine::{Machine, StepFault};
 use asmotion_lang::value::Value;
 use std::borrow::Cow;
-use std::collections::VecDeque;
 use std::time::Duration;
-
-/// Capacity of an event queue; when full, the oldest event is dropped and counted.
-const MAX_WAITING: usize = 256;
 
 /// The bound inputs of a specification.
 pub(crate) struct MessageInputs {
     pub inputs: Vec<BoundInput>,
     /// Input and location of each position in the frame.
     owners: Vec<EventTarget>,
-    /// Number of events dropped because a queue was full, and of messages that did not fit the codomain or the key.
+    /// Number of events dropped because a queue was full, and of messages that did not fit the codomain, the key or the
+    /// expected values.
     pub losses: Losses,
+    /// Number of dropped events that did not arrive at a port: outcomes of calls, and requests.
+    pub dropped_elsewhere: u64,
 }
 
 /// The binding of a monitored function: the messages, and the locations that take their values.
@@ -42,10 +43,29 @@ pub(crate) struct BoundInput {
     is: Vec<String>,
     none: Value,
     stale: Option<(Duration, Value)>,
+    pub matching: Option<MessageCondition>,
+    /// Number of messages lost on the way to the port, as of the current cycle and as of the last step.
+    pub lost: LostMessages,
     /// In the order of [`BoundLocations::all`].
     pub locations: Vec<InputLocation>,
     /// A message whose key selects no element has been reported.
     pub reported_key: bool,
+}
+
+/// The values that fields of messages must have.
+pub(crate) struct MessageCondition {
+    content: BoundContent,
+    /// The values in this cycle; `None` while one of them is unknown.
+    pub expected: Option<Datum>,
+    /// A refused message has been reported.
+    pub reported: bool,
+}
+
+/// Numbers of lost messages since the start of the system.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LostMessages {
+    now: u64,
+    pub before: u64,
 }
 
 /// A location and the messages for it.
@@ -58,8 +78,7 @@ pub(crate) struct InputLocation {
     /// A message has arrived since the start of the process; for observers, not part of the frozen state.
     has_received: bool,
     pub last: Option<Value>,
-    /// Waiting events, each with the position of the out location whose call it reports on, if any.
-    pub waiting: VecDeque<(Option<usize>, Value)>,
+    pub waiting: EventQueue,
 }
 
 /// A location that takes events: the position of its input, and its position there.
@@ -77,6 +96,8 @@ enum MessageOrigin {
     Port(In<Datum>),
     /// Requests for the operation at this position.
     Requests(usize),
+    /// No messages: the value is the number of messages lost on the way to a port.
+    Losses(In<Datum>),
     /// No messages: the value is true once the term has held for this long.
     Timer(AddedTerm, Duration),
 }
@@ -95,12 +116,14 @@ impl MessageInputs {
             inputs: Vec::new(),
             owners: Vec::new(),
             losses: Losses::default(),
+            dropped_elsewhere: 0,
         };
         for monitored in &binding.monitored {
             let from = origin(&monitored.from, ports, requests, terms)?;
             let located =
                 BoundLocations::resolve(&monitored.location, &monitored.key, specification)?;
-            let input = BoundInput::new(monitored, located, from, &specification.program)?;
+            let mut input = BoundInput::new(monitored, located, from, &specification.program)?;
+            input.matching = MessageCondition::new(&monitored.matching, terms)?;
             inputs.add(input, &monitored.location, frame)?;
         }
         Ok(inputs)
@@ -123,7 +146,7 @@ impl MessageInputs {
                 newest: None,
                 has_received: false,
                 last: None,
-                waiting: VecDeque::new(),
+                waiting: EventQueue::default(),
             });
             self.owners.push(EventTarget {
                 input: self.inputs.len(),
@@ -161,6 +184,8 @@ impl MessageInputs {
             },
             located,
             stale: None,
+            matching: None,
+            lost: LostMessages::default(),
             locations: Vec::new(),
             reported_key: false,
         };
@@ -187,7 +212,9 @@ impl MessageInputs {
     pub fn push(&mut self, target: EventTarget, value: Value, answers: usize) {
         let input = self.inputs.get_mut(target.input);
         if let Some(location) = input.and_then(|input| input.locations.get_mut(target.location)) {
-            self.losses.dropped += location.enqueue(Some(answers), value);
+            let dropped = location.waiting.push_outcome(answers, value);
+            self.losses.dropped += dropped;
+            self.dropped_elsewhere += dropped;
         }
     }
 
@@ -198,7 +225,7 @@ impl MessageInputs {
             .iter_mut()
             .flat_map(|input| &mut input.locations)
         {
-            location.waiting.retain(|(to, _)| *to != Some(answers));
+            location.waiting.remove_outcomes(answers);
         }
     }
 
@@ -208,18 +235,44 @@ impl MessageInputs {
         locations.any(|location| !location.waiting.is_empty())
     }
 
+    /// Determines the values that messages must have in this cycle. Waiting messages with other values are refused.
+    pub fn update_conditions(
+        &mut self,
+        context: &EffectContext<'_>,
+        state: &mut AfterStep<'_>,
+        cycle: &Cycle<'_>,
+    ) {
+        for input in &mut self.inputs {
+            let Some(condition) = &mut input.matching else {
+                continue;
+            };
+            let expected = evaluate(&condition.content, context, state, cycle).ok();
+            if condition.expected != expected {
+                condition.expected = expected;
+                let queues = input.locations.iter_mut().map(|it| &mut it.waiting);
+                self.losses.misfits += queues.map(EventQueue::remove_messages).sum::<u64>();
+            }
+        }
+    }
+
     /// Handles the messages of the cycle. Returns a notice about the first message of each input whose key selects no
-    /// element.
+    /// element, and about the first one that is refused.
     pub fn receive(
         &mut self,
-        cycle: &Cycle<'_>,
+        cycle: &mut Cycle<'_>,
         requests: &Requests,
         program: &Program,
     ) -> Vec<String> {
         let mut notices = Vec::new();
         for input in &mut self.inputs {
+            let (port, mut dropped) = (input.from.port(), 0);
+            let queue = port.map_or(BufferKind::Data, |port| cycle.queue(port));
             let (messages, newest) = match input.from {
                 MessageOrigin::Calls | MessageOrigin::Timer(..) => continue,
+                MessageOrigin::Losses(port) => {
+                    input.lost.now = cycle.lost(port);
+                    continue;
+                }
                 MessageOrigin::Port(port) => (cycle.all(port), cycle.read(port).new()),
                 MessageOrigin::Requests(position) => {
                     let received = requests.received(position);
@@ -233,9 +286,13 @@ impl MessageInputs {
                 messages
             };
             for message in messages {
-                match input.take(message, cycle.now(), program) {
+                match input.take(message, cycle.now(), queue, program) {
                     Taken::Yes => {}
-                    Taken::Dropped(count) => self.losses.dropped += count,
+                    Taken::Dropped(count) => dropped += count,
+                    Taken::Refused => {
+                        self.losses.misfits += 1;
+                        notices.extend(input.refused(message, program));
+                    }
                     Taken::Misfit => self.losses.misfits += 1,
                     Taken::UnknownKey => {
                         self.losses.misfits += 1;
@@ -245,6 +302,11 @@ impl MessageInputs {
                     }
                 }
             }
+            self.losses.dropped += dropped;
+            match port {
+                Some(port) => cycle.count_lost(port, dropped),
+                None => self.dropped_elsewhere += dropped,
+            }
         }
         notices
     }
@@ -253,8 +315,9 @@ impl MessageInputs {
     pub fn freeze(&mut self, now: Time, frame: &mut InputFrame) {
         for input in &mut self.inputs {
             for location in &mut input.locations {
-                let event = location.waiting.pop_front().map(|(_, event)| event);
+                let event = location.waiting.pop();
                 let value = match (input.from, input.receive) {
+                    (MessageOrigin::Losses(_), _) => input.lost.value(&input.located.codomain),
                     (MessageOrigin::Timer(_, after), _) => {
                         event.unwrap_or_else(|| location.has_elapsed(after, now))
                     }
@@ -265,6 +328,7 @@ impl MessageInputs {
                 };
                 frame.set(location.position, value);
             }
+            input.lost.before = input.lost.now;
         }
     }
 
@@ -310,6 +374,8 @@ enum Taken {
     Misfit,
     /// Its key selects no element.
     UnknownKey,
+    /// It does not have the expected values.
+    Refused,
 }
 
 impl BoundInput {
@@ -320,6 +386,11 @@ impl BoundInput {
         program: &Program,
     ) -> Result<Self, BindError> {
         let shape = &located.codomain;
+        if let (Source::Losses(_), false) = (&monitored.from, LostMessages::fits(shape)) {
+            return Err(BindError::NoCount {
+                function: monitored.location.to_string(),
+            });
+        }
         let constant = |constant: Option<&Constant>| match constant {
             None => Ok(Value::Undef),
             Some(it) => value_of(&it.datum, shape, program).ok_or_else(|| BindError::NotAValue {
@@ -329,7 +400,9 @@ impl BoundInput {
         };
         let none = constant(match &monitored.from {
             Source::Value(value) => Some(value),
-            Source::Port(_) | Source::Request(_) | Source::Timer { .. } => monitored.none.as_ref(),
+            Source::Port(_) | Source::Request(_) | Source::Losses(_) | Source::Timer { .. } => {
+                monitored.none.as_ref()
+            }
         })?;
         let stale = match monitored.stale_ms {
             Some(age) => Some((
@@ -346,23 +419,29 @@ impl BoundInput {
             is: monitored.is.clone(),
             none,
             stale,
+            matching: None,
+            lost: LostMessages::default(),
             locations: Vec::new(),
             reported_key: false,
         })
     }
 
     /// Returns whether only the newest message of a cycle counts. With a key, each message is for a location of its
-    /// own.
+    /// own; with a condition, the newest one may be refused.
     fn takes_newest(&self) -> bool {
         let of_state = match self.receive {
             Receive::Last => true,
             Receive::Edge => self.is.is_empty(),
             Receive::All => false,
         };
-        of_state && self.located.key.is_empty()
+        of_state && self.located.key.is_empty() && self.matching.is_none()
     }
 
-    fn take(&mut self, message: &Datum, now: Time, program: &Program) -> Taken {
+    fn take(&mut self, message: &Datum, now: Time, queue: BufferKind, program: &Program) -> Taken {
+        let condition = self.matching.as_ref();
+        if condition.is_some_and(|condition| !condition.accepts(message)) {
+            return Taken::Refused;
+        }
         let Some(position) = self.selected(message, program) else {
             return Taken::UnknownKey;
         };
@@ -389,7 +468,7 @@ impl BoundInput {
                 location.newest = Some(now);
                 location.last = Some(value);
             }
-            Receive::All => return Taken::Dropped(location.enqueue(None, value)),
+            Receive::All => return Taken::Dropped(location.waiting.push_message(value, queue)),
         }
         Taken::Yes
     }
@@ -397,7 +476,7 @@ impl BoundInput {
     /// Iterates over the locations that messages are bound to and none has arrived for.
     pub fn silent(&self) -> impl Iterator<Item = &InputLocation> {
         let is_bound = match self.from {
-            MessageOrigin::Calls | MessageOrigin::Timer(..) => false,
+            MessageOrigin::Calls | MessageOrigin::Timer(..) | MessageOrigin::Losses(_) => false,
             MessageOrigin::Port(_) | MessageOrigin::Requests(_) => true,
         };
         let locations = self.locations.iter();
@@ -411,6 +490,22 @@ impl BoundInput {
             .map(|field| value_of(&*message.get(&field.path)?, &field.shape, program))
             .collect::<Option<Vec<_>>>()?;
         self.located.position(&selected)
+    }
+
+    /// Describes the first message that is refused.
+    fn refused(&mut self, message: &Datum, program: &Program) -> Option<String> {
+        let condition = self.matching.as_mut()?;
+        if std::mem::replace(&mut condition.reported, true) {
+            return None;
+        }
+        let symbols = &program.symbols.functions;
+        let function = symbols.get(self.located.function.0 as usize);
+        let expected = condition.expected.as_ref();
+        let expected = expected.map_or_else(|| "nothing yet".to_owned(), |it| format!("{it}"));
+        Some(format!(
+            "a message for `{}` is refused: expected {expected}, found {message}; such messages are counted as misfits",
+            function.map_or("", |name| &**name),
+        ))
     }
 
     /// Describes a message whose key selects no element.
@@ -444,18 +539,60 @@ impl BoundInput {
     }
 }
 
-impl InputLocation {
-    /// Queues an event. Returns how many events were dropped for it.
-    fn enqueue(&mut self, answers: Option<usize>, value: Value) -> u64 {
-        self.waiting.push_back((answers, value));
-        if self.waiting.len() > MAX_WAITING {
-            self.waiting.pop_front();
-            1
-        } else {
-            0
+impl MessageOrigin {
+    /// The port that the messages arrive at.
+    fn port(self) -> Option<In<Datum>> {
+        match self {
+            Self::Port(port) => Some(port),
+            Self::Calls | Self::Requests(_) | Self::Losses(_) | Self::Timer(..) => None,
         }
     }
+}
 
+impl MessageCondition {
+    /// Resolves a condition; `None` if every message is accepted.
+    fn new(
+        matching: &[(String, Argument)],
+        terms: &BindingTerms,
+    ) -> Result<Option<Self>, BindError> {
+        if matching.is_empty() {
+            return Ok(None);
+        }
+        let fields = matching.iter();
+        let fields =
+            fields.map(|(name, value)| Ok((name.clone(), BoundContent::resolve(value, terms)?)));
+        Ok(Some(Self {
+            content: BoundContent::Record(fields.collect::<Result<_, BindError>>()?),
+            expected: None,
+            reported: false,
+        }))
+    }
+
+    fn accepts(&self, message: &Datum) -> bool {
+        let expected = self.expected.as_ref();
+        expected.is_some_and(|expected| has_values(message, expected))
+    }
+}
+
+impl LostMessages {
+    fn fits(codomain: &ValueShape) -> bool {
+        matches!(
+            codomain,
+            ValueShape::Bool | ValueShape::Int | ValueShape::Natural
+        )
+    }
+
+    /// The messages lost since the last step: their number or, for a Boolean function, whether there are any.
+    fn value(self, codomain: &ValueShape) -> Value {
+        let count = self.now.saturating_sub(self.before);
+        if *codomain == ValueShape::Bool {
+            return Value::Bool(count > 0);
+        }
+        Value::Int(i64::try_from(count).unwrap_or(i64::MAX))
+    }
+}
+
+impl InputLocation {
     /// Returns true once the timer that `newest` started has run for `after`.
     fn has_elapsed(&self, after: Duration, now: Time) -> Value {
         Value::Bool(self.newest.is_some_and(|since| now.since(since) >= after))
@@ -477,17 +614,19 @@ fn origin(
     requests: &Requests,
     terms: &BindingTerms,
 ) -> Result<MessageOrigin, BindError> {
+    let port = |name: &String| {
+        let port = ports.iter().find(|(known, _)| known == name);
+        let (_, port) = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
+        Ok(*port)
+    };
     match source {
         Source::Value(_) => Ok(MessageOrigin::Calls),
         Source::Timer { running, ms } => {
             let after = Duration::from_millis(*ms);
             Ok(MessageOrigin::Timer(terms.get(running)?, after))
         }
-        Source::Port(name) => {
-            let port = ports.iter().find(|(known, _)| known == name);
-            let (_, port) = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
-            Ok(MessageOrigin::Port(*port))
-        }
+        Source::Port(name) => Ok(MessageOrigin::Port(port(name)?)),
+        Source::Losses(name) => Ok(MessageOrigin::Losses(port(name)?)),
         Source::Request(operation) => {
             let position = requests.position(operation);
             position

@@ -7,9 +7,11 @@
 mod bind_error;
 mod binding;
 mod bound_location;
+mod content;
 mod convert;
 mod coordinator;
 mod effects;
+mod event_queue;
 mod fingerprint;
 mod frame;
 mod freeze;

@@ -8,6 +8,7 @@ use asmotion_connection::{Pool, Receiver, Sender};
 use asmotion_datum::{Datum, DatumError, Message, Sample};
 
 use crate::connection_id::ConnectionId;
+use crate::loss_counter::LossCounter;
 use crate::one_thread;
 use crate::policy::{Lock, OnStale, Policy};
 use crate::sender::{AnySender, PulledSender, Stamped};
@@ -37,10 +38,28 @@ pub trait ChannelOpener: Send + Sync {
         policy: &Policy,
         queue: Option<&mut SharedQueue>,
     ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError>;
+
+    /// The counter of the messages that are lost on the way into the port. Writers count what they drop.
+    fn losses(&self) -> LossCounter;
 }
 
 /// The reading end of a connection, before it is joined to the port whose [`ChannelOpener`] made it.
-pub struct ReadingEnd(pub(crate) Box<dyn Any + Send>);
+pub struct ReadingEnd {
+    pub(crate) channel: Box<dyn Any + Send>,
+    pub(crate) declared: bool,
+}
+
+impl ReadingEnd {
+    /// Marks a connection that is not part of the system's declaration, such as that of a tool:
+    /// [`AnyInput::queue`](crate::AnyInput::queue) does not include it.
+    #[must_use]
+    pub fn undeclared(self) -> Self {
+        Self {
+            declared: false,
+            ..self
+        }
+    }
+}
 
 /// The reading end of a connection, joined to its port.
 pub(crate) struct InputChannel<T> {
@@ -48,6 +67,8 @@ pub(crate) struct InputChannel<T> {
     pub policy: Policy,
     /// Replacement for a stale sample, if the policy asks for zeros.
     pub zero: Option<T>,
+    /// Whether the connection is part of the system's declaration.
+    pub declared: bool,
     pub receiver: InputReceiver<T>,
 }
 
@@ -60,7 +81,10 @@ pub(crate) enum InputReceiver<T> {
 }
 
 /// Opens channels into ports of type `T`.
-pub(crate) struct OpenerOf<T>(pub PhantomData<fn() -> T>);
+pub(crate) struct OpenerOf<T> {
+    pub losses: LossCounter,
+    pub of: PhantomData<fn() -> T>,
+}
 
 impl<T: Message> ChannelOpener for OpenerOf<T> {
     fn open(
@@ -91,9 +115,18 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
             connection,
             policy: policy.clone(),
             zero,
+            declared: true,
             receiver,
         };
-        Ok((sender, ReadingEnd(Box::new(channel))))
+        let reading_end = ReadingEnd {
+            channel: Box::new(channel),
+            declared: true,
+        };
+        Ok((sender, reading_end))
+    }
+
+    fn losses(&self) -> LossCounter {
+        self.losses.clone()
     }
 }
 

@@ -4,12 +4,14 @@ use std::any::Any;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use asmotion_connection::BufferKind;
 use asmotion_datum::{Datum, DatumError, Message, Schema};
 
 use crate::channel::{ChannelOpener, InputChannel, OpenerOf, ReadingEnd};
 use crate::connection_id::ConnectionId;
 use crate::flow::Flow;
-use crate::policy::{OnStale, Policy};
+use crate::loss_counter::LossCounter;
+use crate::policy::{OnStale, Policy, Sharing};
 use crate::sender::Stamped;
 use crate::snapshot::{InputSnapshot, NewestSnapshot, links_mismatch};
 use crate::time::Time;
@@ -26,6 +28,10 @@ pub struct InputPort<T> {
     stale: bool,
     /// Causes of refusals that have been returned, so that each is reported once.
     known_causes: Vec<DatumError>,
+    /// Messages lost on the way into the port.
+    losses: LossCounter,
+    /// Number of these messages when the port was last frozen.
+    lost: u64,
     /// Scratch buffer of `freeze`, kept to avoid allocation.
     received: Vec<(ConnectionId, Stamped<T>)>,
 }
@@ -75,6 +81,8 @@ impl<T: Message> InputPort<T> {
             newest: None,
             stale: false,
             known_causes: Vec::new(),
+            losses: LossCounter::default(),
+            lost: 0,
             received: Vec::new(),
         }
     }
@@ -181,6 +189,14 @@ pub trait AnyInput: Any + Send {
     /// Time of the writer's cycle in which the newest sample was written.
     fn written_at(&self) -> Option<Time>;
 
+    /// Number of messages lost on the way into the port, as of the last [`freeze`](Self::freeze): dropped because a
+    /// connection was full, missed by the bus, or unreadable.
+    fn lost(&self) -> u64;
+
+    /// The queue that the declared connections form together: the newest sample if one of them keeps no more, or if there is
+    /// none.
+    fn queue(&self) -> BufferKind;
+
     /// Adds the reading end of a connection.
     fn connect(&mut self, end: ReadingEnd);
 
@@ -212,7 +228,10 @@ impl<T: Message> AnyInput for InputPort<T> {
     }
 
     fn opener(&self) -> Arc<dyn ChannelOpener> {
-        Arc::new(OpenerOf::<T>(PhantomData))
+        Arc::new(OpenerOf::<T> {
+            losses: self.losses.clone(),
+            of: PhantomData,
+        })
     }
 
     fn freeze(&mut self, now: Time) -> Refusals {
@@ -221,6 +240,8 @@ impl<T: Message> AnyInput for InputPort<T> {
             self.new_samples.clear();
         }
         let refusals = self.take_received();
+        self.losses.add(refusals.unreadable);
+        self.lost = self.losses.total();
         self.update_staleness(now);
         refusals
     }
@@ -233,10 +254,41 @@ impl<T: Message> AnyInput for InputPort<T> {
         self.newest.map(|newest| newest.at)
     }
 
+    fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    fn queue(&self) -> BufferKind {
+        let declared = self.channels.iter().filter(|channel| channel.declared);
+        let (mut size, mut common, mut is_circular) = (0_usize, 0, false);
+        for policy in declared.map(|channel| &channel.policy) {
+            match policy.kind {
+                BufferKind::Data => return BufferKind::Data,
+                BufferKind::Buffer(_) => {}
+                BufferKind::Circular(_) => is_circular = true,
+            }
+            match policy.sharing {
+                Sharing::PerInput => common = common.max(policy.kind.size()),
+                Sharing::PerConnection | Sharing::PerOutput | Sharing::Shared => {
+                    size = size.saturating_add(policy.kind.size());
+                }
+            }
+        }
+        match size.saturating_add(common) {
+            0 => BufferKind::Data,
+            size if is_circular => BufferKind::Circular(size),
+            size => BufferKind::Buffer(size),
+        }
+    }
+
     fn connect(&mut self, end: ReadingEnd) {
         // succeeds: the end was made by this port's own opener
-        let channel = end.0.downcast::<InputChannel<T>>();
-        self.channels.extend(channel.ok().map(|channel| *channel));
+        let channel = end.channel.downcast::<InputChannel<T>>();
+        self.channels
+            .extend(channel.ok().map(|channel| InputChannel {
+                declared: end.declared,
+                ..*channel
+            }));
     }
 
     fn snapshot(&mut self) -> Result<InputSnapshot, DatumError> {
@@ -253,6 +305,7 @@ impl<T: Message> AnyInput for InputPort<T> {
                 zeroed: newest.zeroed,
             }),
             stale: self.stale,
+            lost: self.losses.total(),
         })
     }
 
@@ -274,6 +327,8 @@ impl<T: Message> AnyInput for InputPort<T> {
             zeroed: newest.zeroed,
         });
         self.stale = snapshot.stale;
+        self.losses.set(snapshot.lost);
+        self.lost = snapshot.lost;
         Ok(())
     }
 

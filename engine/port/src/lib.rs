@@ -8,6 +8,7 @@ mod channel;
 mod connection_id;
 mod flow;
 mod input;
+mod loss_counter;
 mod one_thread;
 mod output;
 mod policy;
@@ -20,6 +21,7 @@ pub use channel::{ChannelOpener, OpenError, ReadingEnd, SharedQueue};
 pub use connection_id::ConnectionId;
 pub use flow::Flow;
 pub use input::{AnyInput, InputPort, Refusals};
+pub use loss_counter::LossCounter;
 pub use output::{
     AnyOutput, LinkReader, Notification, OutputLink, OutputPort, PortEffects, Undelivered,
 };

@@ -9,6 +9,7 @@ use asmotion_connection::{Notifier, PushOutcome};
 use asmotion_datum::{Datum, DatumError, Message, Sample, Schema};
 
 use crate::connection_id::ConnectionId;
+use crate::loss_counter::LossCounter;
 use crate::policy::Policy;
 use crate::sender::{AnySender, PortSender, Stamped};
 use crate::snapshot::{OutputSnapshot, SampleSnapshot, links_mismatch};
@@ -47,6 +48,8 @@ pub struct LinkReader {
     pub connection: ConnectionId,
     /// The way in which the reader is notified of a new sample.
     pub notification: Notification,
+    /// The reader's counter of lost messages.
+    pub losses: LossCounter,
 }
 
 /// The way in which a reader is notified of a new sample.
@@ -143,6 +146,7 @@ impl OutputLink {
             readers: vec![LinkReader {
                 connection,
                 notification,
+                losses: LossCounter::default(),
             }],
             mandatory: policy.mandatory,
             ..Self::external("a reader outside".to_owned())
@@ -199,6 +203,9 @@ impl OutputLink {
             return Ok(());
         }
         let total = self.dropped.fetch_add(1, Ordering::Relaxed) + 1;
+        for reader in &self.readers {
+            reader.losses.add(1);
+        }
         effects.dropped(&self.to, total, outcome.as_ref().err());
         if stored || !self.mandatory {
             return Ok(());

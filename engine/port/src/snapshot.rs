@@ -18,6 +18,8 @@ pub struct InputSnapshot {
     pub(crate) newest: Option<NewestSnapshot>,
     /// Whether the newest sample exceeds the maximum age of its connection.
     pub(crate) stale: bool,
+    /// Number of messages lost on the way into the port.
+    pub(crate) lost: u64,
     /// Unread samples by connection number.
     pub channels: Vec<(u64, Vec<SampleSnapshot>)>,
 }

@@ -105,7 +105,7 @@ pub struct PresentComponent {
     pub cycle_mean_ms: f64,
     /// Duration of the longest cycle in milliseconds.
     pub cycle_max_ms: f64,
-    /// Number of messages dropped because a queue was full.
+    /// Number of messages lost on the way to the component or dropped by it.
     pub dropped: u64,
     /// Number of messages ignored because their content was unsuitable.
     pub misfits: u64,
@@ -132,6 +132,17 @@ pub struct PresentEndpoint {
     /// Name of the message type or interface.
     #[serde(rename = "type")]
     pub kind: String,
+    /// Number of messages lost on the way to an input; omitted if 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lost: u64,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes fields by reference"
+)]
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// A service. Its operations have addresses of the form `Component.service.operation`.
@@ -257,9 +268,14 @@ impl PresentComponent {
             let typed = ports.iter().map(|port| PresentEndpoint {
                 name: port.name.clone(),
                 kind: port.schema.name.to_string(),
+                lost: 0,
             });
-            typed.collect()
+            typed.collect::<Vec<_>>()
         };
+        let mut inputs = typed(&declared.inputs);
+        for (input, lost) in inputs.iter_mut().zip(run.lost(name)) {
+            input.lost = lost;
+        }
         let Losses { dropped, misfits } = run.losses(name);
         // a component in a long cycle is not asked twice; `after` fills in the previous values
         let properties = run.properties(name);
@@ -284,7 +300,7 @@ impl PresentComponent {
             cycle_max_ms: milliseconds(run.cycle_time(name).longest),
             dropped,
             misfits,
-            inputs: typed(&declared.inputs),
+            inputs,
             outputs: typed(&declared.outputs),
             services: declared.services.iter().map(PresentService::of).collect(),
             references: declared
@@ -293,6 +309,7 @@ impl PresentComponent {
                 .map(|reference| PresentEndpoint {
                     name: reference.name.clone(),
                     kind: reference.interface.clone(),
+                    lost: 0,
                 })
                 .collect(),
             properties: properties.unwrap_or_default(),

@@ -460,6 +460,12 @@ impl CycleHost for CycleBody<'_> {
         self.body.caller.is_under_way(call) || self.body.journal.iter().any(made)
     }
 
+    fn count_lost(&mut self, index: usize, count: u64) {
+        if let Some(input) = self.body.inputs.get(index) {
+            input.opener().losses().add(count);
+        }
+    }
+
     fn set_losses(&mut self, losses: Losses) {
         self.status.set_losses(losses);
     }

@@ -110,7 +110,7 @@ impl ComponentUnit {
             return self.serve(now, effects);
         }
         let refused = self.body.freeze(&mut own);
-        self.status.add_misfits(refused);
+        self.status.add_refused(refused);
         let number = self.status.cycles.fetch_add(1, Ordering::Relaxed) + 1;
         own.emit(&Event::Cycle {
             component: &self.name,

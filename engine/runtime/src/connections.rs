@@ -166,6 +166,7 @@ impl ConnectionTable {
             readers: vec![LinkReader {
                 connection,
                 notification,
+                losses: opener.losses(),
             }],
             to: to.name.clone(),
             mandatory: policy.mandatory,

@@ -67,6 +67,8 @@ pub(crate) struct ComponentStatus {
     pub interrupt: AtomicBool,
     dropped: AtomicU64,
     misfits: AtomicU64,
+    /// Number of samples that input ports refused for their values.
+    refused: AtomicU64,
     /// The newest fault. The lock is held only while the fault is copied, and no successful cycle takes it.
     fault: Mutex<Option<Fault>>,
 }
@@ -82,10 +84,26 @@ pub(crate) struct StatusSnapshot {
     cycle_time: CycleTime,
     interrupt: bool,
     losses: Losses,
+    refused: u64,
     fault: Option<Fault>,
 }
 
 impl ComponentDescriptor {
+    /// Number of messages lost on the way into each input, by position.
+    pub(crate) fn lost(&self) -> impl Iterator<Item = u64> {
+        self.openers.iter().map(|opener| opener.losses().total())
+    }
+
+    /// The component's losses, including the messages lost on the way into its inputs.
+    pub(crate) fn losses(&self) -> Losses {
+        let Losses { dropped, misfits } = self.status.reported();
+        let refused = self.status.refused.load(Ordering::Relaxed);
+        Losses {
+            dropped: dropped + self.lost().sum::<u64>(),
+            misfits: misfits + refused,
+        }
+    }
+
     /// Sets the interrupt flag for a stop, if the component allows it.
     pub(crate) fn allow_interrupt(&self, transition: Transition) {
         if transition == Transition::Stop && self.may_interrupt {
@@ -108,6 +126,7 @@ impl ComponentStatus {
             interrupt: AtomicBool::new(false),
             dropped: AtomicU64::new(0),
             misfits: AtomicU64::new(0),
+            refused: AtomicU64::new(0),
             fault: Mutex::new(None),
         }
     }
@@ -160,7 +179,8 @@ impl ComponentStatus {
         self.period.store(nanos, Ordering::Relaxed);
     }
 
-    pub(crate) fn losses(&self) -> Losses {
+    /// The losses that the component has reported.
+    fn reported(&self) -> Losses {
         Losses {
             dropped: self.dropped.load(Ordering::Relaxed),
             misfits: self.misfits.load(Ordering::Relaxed),
@@ -172,9 +192,9 @@ impl ComponentStatus {
         self.misfits.store(losses.misfits, Ordering::Relaxed);
     }
 
-    /// Counts messages that were ignored because of their content.
-    pub(crate) fn add_misfits(&self, count: u64) {
-        self.misfits.fetch_add(count, Ordering::Relaxed);
+    /// Counts samples that an input port refused for their values.
+    pub(crate) fn add_refused(&self, count: u64) {
+        self.refused.fetch_add(count, Ordering::Relaxed);
     }
 
     /// Returns the status without the state and the period, which are derived from the unit.
@@ -186,7 +206,8 @@ impl ComponentStatus {
             late: self.late.load(Ordering::Relaxed),
             cycle_time: self.cycle_time(),
             interrupt: self.is_interrupted(),
-            losses: self.losses(),
+            losses: self.reported(),
+            refused: self.refused.load(Ordering::Relaxed),
             fault: self.fault().clone(),
         }
     }
@@ -203,6 +224,7 @@ impl ComponentStatus {
         self.longest.store(nanos(longest), Ordering::Relaxed);
         self.interrupt.store(snapshot.interrupt, Ordering::Relaxed);
         self.set_losses(snapshot.losses);
+        self.refused.store(snapshot.refused, Ordering::Relaxed);
         self.fault().clone_from(&snapshot.fault);
     }
 

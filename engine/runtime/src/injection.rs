@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use asmotion_component::suggestion_among;
 use asmotion_datum::{DatumError, Sample};
-use asmotion_port::{AnySender, ConnectionId, Policy, PushOutcome, SampleSnapshot, Time};
+use asmotion_port::{
+    AnySender, ConnectionId, LossCounter, Policy, PushOutcome, ReadingEnd, SampleSnapshot, Time,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::component_unit::ComponentUnit;
@@ -29,6 +31,8 @@ pub struct InjectionPort {
     expected: String,
     sender: Box<dyn AnySender>,
     dropped: u64,
+    /// The input's counter of lost messages.
+    losses: LossCounter,
 }
 
 /// Injection ports, indexed by port and by topic.
@@ -59,7 +63,7 @@ impl InjectionPorts {
             let inputs = unit.body.inputs.len();
             let policy = Policy::buffer(WAITING);
             ports.extend((0..inputs).filter_map(|index| {
-                InjectionPort::open(unit, index, &policy, connections.next_id())
+                InjectionPort::open_undeclared(unit, index, &policy, connections.next_id())
             }));
         }
         Self {
@@ -200,13 +204,31 @@ impl InjectionPort {
         policy: &Policy,
         connection: ConnectionId,
     ) -> Option<Self> {
+        Self::open_end(unit, index, policy, connection, |end| end)
+    }
+
+    /// Opens a connection that is not part of the system's declaration.
+    fn open_undeclared(
+        unit: &mut ComponentUnit,
+        index: usize,
+        policy: &Policy,
+        connection: ConnectionId,
+    ) -> Option<Self> {
+        Self::open_end(unit, index, policy, connection, ReadingEnd::undeclared)
+    }
+
+    fn open_end(
+        unit: &mut ComponentUnit,
+        index: usize,
+        policy: &Policy,
+        connection: ConnectionId,
+        marked: impl Fn(ReadingEnd) -> ReadingEnd,
+    ) -> Option<Self> {
         let port = unit.body.declaration.inputs.get(index)?;
         let input = unit.body.inputs.get_mut(index)?;
-        let (sender, reading_end) = input
-            .opener()
-            .open(connection, &policy.for_external(), None)
-            .ok()?;
-        input.connect(reading_end);
+        let opener = input.opener();
+        let (sender, reading_end) = opener.open(connection, &policy.for_external(), None).ok()?;
+        input.connect(marked(reading_end));
         Some(Self {
             name: format!("{}.{}", unit.name, port.name),
             component: unit.index,
@@ -215,6 +237,7 @@ impl InjectionPort {
             expected: port.schema.to_string(),
             sender,
             dropped: 0,
+            losses: opener.losses(),
         })
     }
 
@@ -318,6 +341,7 @@ impl InjectionPort {
         effects: &mut dyn Effects,
     ) {
         self.dropped += count;
+        self.losses.add(count);
         effects.emit(
             now,
             &Event::Dropped {

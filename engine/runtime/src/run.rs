@@ -168,8 +168,12 @@ pub trait Run {
     /// Statistics of the duration of a component's cycles.
     fn cycle_time(&self, component: &str) -> CycleTime;
 
-    /// The losses that a component has reported.
+    /// The losses of a component: messages dropped on the way into its inputs, and those that it has reported.
     fn losses(&self, component: &str) -> Losses;
+
+    /// Number of messages lost on the way into each input of a component, in order of declaration; empty if there is no such
+    /// component.
+    fn lost(&self, component: &str) -> Vec<u64>;
 
     /// The newest fault of a component; `None` if it never failed.
     fn fault(&self, component: &str) -> Option<Fault>;

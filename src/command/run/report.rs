@@ -113,6 +113,7 @@ pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
         "failed_calls": summary.failed_calls, "control_state": summary.control_state,
         "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
         "failed_components": end.failed,
+        "lost": end.lost.iter().map(|(input, count)| json!({ "input": input, "count": count })).collect::<Vec<_>>(),
         "stalled": end.stalled.iter().map(stalled_json).collect::<Vec<_>>(),
         "collisions": summary.collisions,
         "robots": summary.robots.all().map(|robot| robot_json(&robot)).collect::<Vec<_>>(),
@@ -235,6 +236,11 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
         let failed = end.failed.join(", ");
         terminal.result(format_args!(
             "  {BAD}failed{BAD:#}     {failed}: not running at the end"
+        ));
+    }
+    for (input, count) in &end.lost {
+        terminal.result(format_args!(
+            "  {NOTE}lost{NOTE:#}       {count} messages to {input}"
         ));
     }
     for stalled in &end.stalled {

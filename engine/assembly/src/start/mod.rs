@@ -10,7 +10,8 @@ mod workshop;
 use std::time::Duration;
 
 use asmotion_component::declaration::Declaration;
-use asmotion_component::{Component, Interface, Policy, PropertyError, Wire};
+use asmotion_component::{BufferKind, Component, Interface, Policy, PropertyError, Wire};
+use asmotion_coordinator::{Monitored, Receive, Source};
 use asmotion_network::{Network, port_topic};
 use asmotion_runtime::{BuildError, ComponentId, System};
 
@@ -67,8 +68,12 @@ pub enum StartError {
     Build(#[from] BuildError),
 }
 
-/// Capacity of a subscription in messages; the oldest messages are dropped.
+/// Capacity of a subscription in messages, unless the composite writes a queue for it or for the writers of the topic; the
+/// oldest messages are dropped.
 pub const SUBSCRIPTION_SIZE: usize = 64;
+
+/// The same of a subscription that supplies events of a specification (`receive = "all"`).
+pub const EVENTS_SIZE: usize = 256;
 
 /// Creates the system of a plan in this process, to be simulated or run live. Components keep the file order.
 ///
@@ -214,8 +219,8 @@ impl Building<'_> {
                 })
             {
                 let end = format!("{}.{}", component.name, port.name);
-                self.system
-                    .subscribe(topic, &end, Policy::circular(SUBSCRIPTION_SIZE))?;
+                let policy = subscription_policy(self.plan, component, &port.name, topic);
+                self.system.subscribe(topic, &end, policy)?;
             }
         }
         Ok(())
@@ -328,6 +333,47 @@ impl Building<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// The policy of an input that is on a topic without an explicit connection: a queue as large as those of the connections
+/// into the topic together, or of the default size if one of them has none.
+fn subscription_policy(
+    plan: &Plan,
+    component: &asmotion_plan::Component,
+    port: &str,
+    topic: &str,
+) -> Policy {
+    let writers = plan.connections.iter();
+    let mut writers = writers
+        .filter(|it| matches!(&it.to, Terminal::Topic(name) if name == topic))
+        .map(|connection| policy::of(connection).kind)
+        .peekable();
+    let has_writers = writers.peek().is_some();
+    let (mut size, mut is_circular) = (0_usize, false);
+    for kind in writers {
+        is_circular |= matches!(kind, BufferKind::Circular(_));
+        if kind == BufferKind::Data {
+            return Policy::circular(default_size(component, port));
+        }
+        size = size.saturating_add(kind.size());
+    }
+    match (has_writers, is_circular) {
+        (false, _) => Policy::circular(default_size(component, port)),
+        (true, true) => Policy::circular(size),
+        (true, false) => Policy::buffer(size),
+    }
+}
+
+fn default_size(component: &asmotion_plan::Component, port: &str) -> usize {
+    let monitored = component.binding.iter().flat_map(|it| &it.monitored);
+    let is_event = |it: &Monitored| {
+        it.receive == Receive::All && matches!(&it.from, Source::Port(name) if name == port)
+    };
+    if monitored.filter(|it| is_event(it)).count() > 0 {
+        EVENTS_SIZE
+    } else {
+        SUBSCRIPTION_SIZE
     }
 }
 

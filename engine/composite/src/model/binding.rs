@@ -59,6 +59,9 @@ pub struct Monitored {
     /// For each variable of the location, the field whose value selects the element.
     #[key(example = "{ r = \"robot\" }")]
     pub key: Vec<NamedValue<MessagePath>>,
+    /// For each field, the value that a message must have: a constant, `@name` or `@(term)`. Other messages are refused.
+    #[key(name = "where", example = "{ plan = \"@plan.header.stamp\" }")]
+    pub matching: Vec<NamedValue<Argument>>,
     /// Field values for which the function is true.
     #[key(example = "\"idle\"")]
     pub is: Vec<At<String>>,
@@ -103,6 +106,10 @@ pub enum Source {
         #[key(unit = "milliseconds", range = 1..=DAY_MS)]
         ms: At<u64>,
     },
+    /// A name under `subscribe` or `ports.in`: the number of messages lost on the way to it since the last step or, for a
+    /// Boolean function, whether there were any.
+    #[key(name = "lost", example = "\"event\"")]
+    Losses(At<String>),
     /// A constant, such as a list of waypoints.
     #[key(name = "value", example = "[1, 2, 3]")]
     Value(Node),

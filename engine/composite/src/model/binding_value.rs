@@ -24,6 +24,7 @@ pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) 
     }
     let source = match &monitored.from {
         Source::Timer { running, .. } => Some(("timer", running.span)),
+        Source::Losses(port) => Some(("lost", port.span)),
         Source::Value(node) => Some(("value", node.span)),
         Source::Port(_) | Source::Request(_) => None,
     };
@@ -38,6 +39,7 @@ pub(crate) fn monitored(monitored: &mut Monitored, keys: &mut Keys<'_, '_, '_>) 
             ("field", path(&monitored.field)),
             ("map", path(&monitored.map)),
             ("key", monitored.key.first().map(|it| it.name.span)),
+            ("where", monitored.matching.first().map(|it| it.name.span)),
             ("is", monitored.is.first().map(|it| it.span)),
             ("none", monitored.none.as_ref().map(|it| it.span)),
             ("stale_ms", monitored.stale_ms.as_ref().map(|it| it.span)),

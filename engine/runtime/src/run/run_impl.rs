@@ -21,7 +21,7 @@ use super::writer::PortWriter;
 use crate::build_error::BuildError;
 use crate::component_end::{inputs, outputs, services};
 use crate::connections::open_error;
-use crate::descriptor::CycleTime;
+use crate::descriptor::{ComponentDescriptor, CycleTime};
 use crate::effects::NoEffects;
 use crate::event::Event;
 use crate::run_error::RunError;
@@ -97,6 +97,7 @@ impl<E: Executor> Run for E {
         let policy = policy.for_external();
         let opened = descriptor.openers[to.index].open(connections.next_id(), &policy, None);
         let (sender, end) = opened.map_err(|error| open_error(error, "the writer", &to.name))?;
+        let losses = descriptor.openers[to.index].losses();
         let input = to.index;
         let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].connect(end));
         self.submit(to.unit, act);
@@ -108,6 +109,7 @@ impl<E: Executor> Run for E {
             trigger: policy.trigger.then_some(to.unit),
             mandatory: policy.mandatory,
             dropped: 0,
+            losses,
             handle: self.handle(),
         })
     }
@@ -324,7 +326,13 @@ impl<E: Executor> Run for E {
     fn losses(&self, component: &str) -> Losses {
         let descriptor = self.descriptor(component);
         descriptor
-            .map(|descriptor| descriptor.status.losses())
+            .map(ComponentDescriptor::losses)
+            .unwrap_or_default()
+    }
+
+    fn lost(&self, component: &str) -> Vec<u64> {
+        self.descriptor(component)
+            .map(|descriptor| descriptor.lost().collect())
             .unwrap_or_default()
     }
 

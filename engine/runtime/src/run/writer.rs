@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asmotion_datum::{DatumError, Message};
-use asmotion_port::{PortSender, PushOutcome, Stamped};
+use asmotion_port::{LossCounter, PortSender, PushOutcome, Stamped};
 
 use crate::handle::RunHandle;
 
@@ -15,6 +15,8 @@ pub struct PortWriter<T: Message> {
     pub(super) trigger: Option<usize>,
     pub(super) mandatory: bool,
     pub(super) dropped: u64,
+    /// The input's counter of lost messages.
+    pub(super) losses: LossCounter,
     pub(super) handle: Arc<dyn RunHandle>,
 }
 
@@ -64,7 +66,9 @@ impl<T: Message> PortWriter<T> {
             port: port(),
             source,
         })?;
-        self.dropped += u64::from(delivery != PushOutcome::Stored);
+        let dropped = u64::from(delivery != PushOutcome::Stored);
+        self.dropped += dropped;
+        self.losses.add(dropped);
         if delivery == PushOutcome::DroppedNewest {
             return if self.mandatory {
                 Err(WriteError::Full { port: port() })

@@ -16,7 +16,7 @@ use crate::codes::c145::InvalidTerm;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::{Report, Span};
 
-use super::{Bound, action};
+use super::{Bound, action, argument};
 use crate::at::At;
 use crate::check::component::unknown;
 use crate::check::endpoints::{EndpointPort, find, nearest_service};
@@ -37,6 +37,10 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
             input(bound, port, report).and_then(|port| Some(port.kind.as_ref()?.text.clone()))
         }
         Source::Request(end) => request(bound, end, report).map(|schema| schema.to_string()),
+        Source::Losses(port) => {
+            input(bound, port, report);
+            None
+        }
         Source::Timer { .. } | Source::Value(_) => None,
     };
     let function = bound.signature.and_then(|signature| {
@@ -53,6 +57,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
             report,
         );
     }
+    self::matching(bound, monitored, message.as_deref(), report);
     let selected = selected_fields(&monitored.key);
     if let Some(function) = &function {
         for value in [&monitored.none, &monitored.on_stale].into_iter().flatten() {
@@ -63,6 +68,10 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
         Source::Port(_) | Source::Request(_) => {}
         Source::Timer { running, .. } => {
             timer(bound, function.as_ref(), running, report);
+            return;
+        }
+        Source::Losses(port) => {
+            lost(function, port.span, report);
             return;
         }
         Source::Value(node) => {
@@ -114,6 +123,16 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
         let function = function.as_ref();
         field(bound, function, name, message, (path, &selected), report);
     }
+}
+
+/// Checks the values that fields of a message must have.
+fn matching(bound: &Bound<'_>, monitored: &Monitored, message: Option<&str>, report: &mut Report) {
+    let schema = match &monitored.from {
+        Source::Port(_) => message.and_then(|name| bound.scene.types.schema(name)),
+        Source::Request(end) => request(bound, end, &mut Report::new()),
+        Source::Timer { .. } | Source::Losses(_) | Source::Value(_) => None,
+    };
+    argument::matching(bound, &monitored.matching, schema.as_ref(), report);
 }
 
 /// Returns the request type of a provided operation; `None` if the catalogue does not know it.
@@ -184,6 +203,24 @@ fn timer(
             function: function.clone(),
             found: "a timer".to_owned(),
             at: running.span,
+            typed: None,
+        });
+    }
+}
+
+/// Checks a function bound to losses: its codomain must be Integer or Boolean.
+fn lost(function: Option<FunctionInfo>, at: Span, report: &mut Report) {
+    let takes = |function: &FunctionInfo| {
+        matches!(
+            function.codomain,
+            Codomain::Boolean | Codomain::Integer | Codomain::Other(_)
+        )
+    };
+    if let Some(function) = function.filter(|function| !takes(function)) {
+        report.found(WrongFieldType {
+            function,
+            found: "the number of lost messages".to_owned(),
+            at,
             typed: None,
         });
     }

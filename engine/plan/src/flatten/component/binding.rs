@@ -21,7 +21,7 @@ pub(super) fn binding(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Option<
             let message = match &monitored.from {
                 Source::Port(port) => message(source, &source.face.inputs, port),
                 Source::Request(operation) => request(source, operation),
-                Source::Timer { .. } | Source::Value(_) => None,
+                Source::Timer { .. } | Source::Losses(_) | Source::Value(_) => None,
             };
             let field = message.map(|message| chosen_field(&message, &monitored.key));
             monitored.field = field.flatten();
