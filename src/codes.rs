@@ -3,6 +3,11 @@
 pub(crate) mod s000;
 pub(crate) mod v030;
 pub(crate) mod v031;
+pub(crate) mod v032;
+pub(crate) mod v033;
+pub(crate) mod v034;
+pub(crate) mod v035;
+pub(crate) mod v036;
 
 use asmotion_diagnostics::Code;
 
@@ -39,4 +44,9 @@ pub const CODES: &[&Code] = &[
     s000::UnreadableScript::CODE,
     v030::NoSnapshot::CODE,
     v031::SnapshotDiffers::CODE,
+    v032::InvalidRunCondition::CODE,
+    v033::ExpectationFailed::CODE,
+    v034::ActionFailed::CODE,
+    v035::MissionEndedEarly::CODE,
+    v036::MissionNotStarted::CODE,
 ];

@@ -105,7 +105,7 @@ pub enum Command {
     Sim(sim::Sim),
     /// Steps a specification interactively: sets inputs, evaluates terms, undoes steps
     Repl(repl::Repl),
-    /// Runs scenarios
+    /// Runs scenarios and missions
     Test(test::Test),
     /// Lists, shows and publishes messages of topics on a broker
     Topic(live::Topic),

@@ -1,6 +1,7 @@
 //! Assembles a composite and runs it until an end condition holds.
 
 mod client;
+mod director;
 mod end_condition;
 mod error;
 mod gateway;
@@ -8,6 +9,7 @@ mod process;
 mod stall;
 mod version_switch;
 
+pub use self::director::{Director, Undirected};
 pub use self::gateway::{ListenCallback, ListeningGateway, MissionGateways};
 pub use error::MissionError;
 pub use process::{MissionBrokers, NamedBrokers};
@@ -64,6 +66,8 @@ pub struct Mission {
     pub unless: Option<Vec<(String, String)>>,
     /// Upper bound on the duration of the run in its own time; `None` is unlimited.
     pub limit: Option<Duration>,
+    /// Components whose failure does not end the run.
+    pub may_fail: Vec<String>,
 }
 
 /// Clock of a mission.
@@ -136,6 +140,7 @@ impl Mission {
             until: None,
             unless: None,
             limit: Some(Duration::from_secs(600)),
+            may_fail: Vec::new(),
         }
     }
 
@@ -146,6 +151,20 @@ impl Mission {
     /// Fails if the composite has errors or cannot be assembled in this binary.
     pub fn run(
         &self,
+        on_open: impl FnOnce(&Report, &Sources),
+        on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
+        stop: &AtomicBool,
+    ) -> Result<MissionEnd, MissionError> {
+        self.run_directed(&mut Undirected, on_open, on_event, stop)
+    }
+
+    /// Runs the mission as [`run`](Self::run) does, while a director acts on it.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), and if the director refuses the plan.
+    pub fn run_directed(
+        &self,
+        director: &mut dyn Director,
         on_open: impl FnOnce(&Report, &Sources),
         mut on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
@@ -166,6 +185,7 @@ impl Mission {
                 available: known,
             });
         };
+        director.prepare(plan).map_err(MissionError::Director)?;
         let part = self.part(plan)?;
         self.check_clock(plan, &part)?;
         let watch = EndCondition::new(
@@ -173,7 +193,8 @@ impl Mission {
             &part,
             awaited_updates(plan, self.until.as_deref(), "ARRIVED")?,
             awaited_updates(plan, self.unless.as_deref(), "FAILED")?,
-        );
+        )
+        .tolerating(&self.may_fail);
         let mut workshop = Standard {
             catalogue: &build::BUILD,
             loader: &DiskLoader,
@@ -238,7 +259,15 @@ impl Mission {
                 Box::new(simulation)
             }
         };
-        let outcome = self.drive(&mut *run, &watch, stop, &mut contacts, &mut successor);
+        let outcome = self.drive(
+            &mut *run,
+            director,
+            &watch,
+            stop,
+            &mut contacts,
+            &mut successor,
+        );
+        director.finish(run.now());
         let time = run.now().since(Time::ZERO);
         let failed = lock(&watch).dead(&*run).cloned().collect();
         let summary = lock(&story).summary().clone();
@@ -305,6 +334,7 @@ impl Mission {
     fn drive(
         &self,
         run: &mut dyn Run,
+        director: &mut dyn Director,
         watch: &Mutex<EndCondition>,
         stop: &AtomicBool,
         contacts: &mut [ProcessContact<'_>],
@@ -318,6 +348,9 @@ impl Mission {
             if stop.load(Ordering::Relaxed) {
                 return MissionOutcome::Stopped;
             }
+            if let Some(outcome) = director.act(run) {
+                return outcome;
+            }
             for contact in &mut *contacts {
                 contact.process_orders(run);
             }
@@ -326,7 +359,8 @@ impl Mission {
             if let Some(limit) = limit {
                 if run.now() >= limit {
                     let failed = lock(watch).dead(run).next().is_some();
-                    return match (failed, lock(watch).has_goal()) {
+                    let has_goal = lock(watch).has_goal() || director.has_goal();
+                    return match (failed, has_goal) {
                         (true, _) => MissionOutcome::Fault,
                         (false, true) => MissionOutcome::TimeUp,
                         (false, false) => MissionOutcome::Completed,
@@ -334,8 +368,11 @@ impl Mission {
                 }
                 until = until.min(limit);
             }
-            run.run_until_event(until, &mut |_, event| {
-                matches!(event, Event::Report { .. } | Event::Fault { .. })
+            if let Some(next) = director.next() {
+                until = until.min(next);
+            }
+            run.run_until_event(until, &mut |at, event| {
+                matches!(event, Event::Report { .. } | Event::Fault { .. }) || director.is_due(at)
             });
         }
     }

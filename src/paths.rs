@@ -17,6 +17,8 @@ pub enum FileKind {
     Script,
     /// `name.composite.toml`
     Composite,
+    /// `name.mission.toml`: actions and expectations for a run of a composite
+    Mission,
 }
 
 impl FileKind {
@@ -28,6 +30,7 @@ impl FileKind {
             (".avalla", Self::Scenario),
             (".env.toml", Self::Script),
             (".composite.toml", Self::Composite),
+            (".mission.toml", Self::Mission),
         ];
         let found = ends.iter().find(|(end, _)| name.ends_with(end));
         found.map(|(_, kind)| *kind)

@@ -50,8 +50,12 @@ fn pages_have_examples_that_are_true() {
 /// The findings about an example: a composite or a file of message types.
 fn found(code: &Code, info: &str) -> Option<Report> {
     let mut files = MemoryFiles::new();
-    files.add("example.toml", code.example(info)?);
-    if let Some(specification) = code.example("asm") {
+    // the error can be in the specification
+    let corrected = code.example("asm corrected");
+    let corrected = corrected.filter(|_| info == "toml corrected");
+    let same = corrected.as_ref().and_then(|_| code.example("toml wrong"));
+    files.add("example.toml", code.example(info).or(same)?);
+    if let Some(specification) = corrected.or_else(|| code.example("asm")) {
         files.add("example.asm", specification);
     }
     if let Some(base) = code.example("toml base") {

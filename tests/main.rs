@@ -24,6 +24,7 @@ mod inspection;
 mod keys;
 mod language;
 mod losses;
+mod mission_files;
 mod missions;
 mod person;
 mod pictures;

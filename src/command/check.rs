@@ -67,6 +67,7 @@ const KINDS: &[FileKind] = &[
     FileKind::Scenario,
     FileKind::Script,
     FileKind::Composite,
+    FileKind::Mission,
 ];
 
 /// Output format of the findings.

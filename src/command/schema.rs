@@ -1,4 +1,4 @@
-//! `asmotion schema`: the JSON Schema of composite files.
+//! `asmotion schema`: the JSON Schemas of composite, type and mission files.
 
 use clap::Args;
 
@@ -9,14 +9,20 @@ use crate::terminal::TerminalOutput;
 #[derive(Args)]
 pub struct Schema {
     /// Prints the schema of message type files instead
-    #[arg(long)]
+    #[arg(long, conflicts_with = "missions")]
     types: bool,
+
+    /// Prints the schema of mission files instead
+    #[arg(long)]
+    missions: bool,
 }
 
 impl Schema {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let schema = if self.types {
             asmotion_composite::schema::types()
+        } else if self.missions {
+            asmotion_composite::schema::mission()
         } else {
             asmotion_composite::schema::composite()
         };

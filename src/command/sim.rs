@@ -145,6 +145,7 @@ impl Sim {
             let (command, what) = match FileKind::of(&file.path) {
                 Some(FileKind::Composite) => ("run", "a composite"),
                 Some(FileKind::Scenario | FileKind::Script) => ("test", "a scenario"),
+                Some(FileKind::Mission) => ("test", "a mission"),
                 Some(FileKind::Specification) | None => continue,
             };
             let path = file.text();

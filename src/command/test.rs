@@ -1,9 +1,10 @@
-//! `asmotion test`: runs scenarios.
+//! `asmotion test`: runs scenarios and missions.
 
 mod coverage;
 mod difference;
 mod find;
 mod junit;
+pub(super) mod mission;
 mod report;
 mod result;
 mod review;
@@ -23,15 +24,16 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Runs scenarios: single files, those of a specification, or all of a folder.
+/// Runs scenarios and missions: single files, those of a specification or composite, or all of a folder.
 ///
 /// An `.avalla` scenario loads its specification, and passes if all its checks and invariants hold. A
 /// snapshot scenario is an input script `spec.name.env.toml` beside `spec.asm`: it passes if the run
-/// equals the accepted snapshot `spec.name.snap`. The exit code is 0 if all pass, 1 if some fail, and
+/// equals the accepted snapshot `spec.name.snap`. A mission `name.mission.toml` runs a composite in virtual
+/// time, with actions and faults, and passes if all its expectations hold. The exit code is 0 if all pass, 1 if some fail, and
 /// 2 if some cannot be run.
 #[derive(Args)]
 pub struct Test {
-    /// Scenarios, specifications that have scenarios beside them, and folders
+    /// Scenarios, missions, specifications and composites that have some beside them, and folders
     #[arg(value_name = "PATH", default_value = ".")]
     paths: Vec<PathBuf>,
 
@@ -149,7 +151,9 @@ impl Test {
     }
 
     fn run_one(&self, path: PathBuf) -> TestResult {
-        if snapshot::is_script(&path) {
+        if mission::is_mission(&path) {
+            mission::run(path, self.seed)
+        } else if snapshot::is_script(&path) {
             snapshot::run(path, self.seed, self.measures_coverage())
         } else {
             self.scenario(path)

@@ -71,6 +71,8 @@ pub(super) struct EndCondition {
     specifications: BTreeMap<String, String>,
     /// Components whose specifications have met a success condition.
     reached: BTreeSet<String>,
+    /// Components whose failure does not end the run.
+    tolerated: BTreeSet<String>,
     /// Components that have been running.
     started: BTreeSet<String>,
     /// Components that have failed, with the time of their last fault.
@@ -94,6 +96,12 @@ impl EndCondition {
             specifications: specifications.collect(),
             ..Self::default()
         }
+    }
+
+    /// Continues the run if one of these components fails.
+    pub(super) fn tolerating(mut self, components: &[String]) -> Self {
+        self.tolerated = components.iter().cloned().collect();
+        self
     }
 
     /// Returns whether the run can succeed before its time is up.
@@ -130,14 +138,15 @@ impl EndCondition {
             .or_else(|| is_fatal().then_some(MissionOutcome::Fault))
     }
 
-    /// Iterates over the components that have failed and are not restarted.
+    /// Iterates over the components that have failed, are not restarted, and may not fail.
     pub(super) fn dead<'a>(&'a self, run: &'a dyn Run) -> impl Iterator<Item = &'a String> {
         let faulted = self.faulted.iter().filter(move |(component, at)| {
             let state = run.state(component);
             let failed = matches!(state, Some(State::Exception | State::FatalError));
             // a restart passes the exception state at once, and takes its time to configure
             let restarts = run.now() < **at + SLICE;
-            !state.is_some_and(State::is_running)
+            !self.tolerated.contains(*component)
+                && !state.is_some_and(State::is_running)
                 && (!self.started.contains(*component) || failed && !restarts)
         });
         faulted.map(|(component, _)| component)

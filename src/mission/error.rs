@@ -73,6 +73,8 @@ pub enum MissionError {
         /// Names the feature that adds gateways.
         reason: LeftOut,
     },
+    /// The director refuses the plan.
+    Director(Report),
     /// The system cannot be assembled.
     Launch(String),
 }
@@ -155,6 +157,10 @@ impl fmt::Display for MissionError {
                 to,
                 "gateway `{name}`: {reason}\n  `--http off` runs without a gateway"
             ),
+            Self::Director(report) => {
+                let mut findings = report.diagnostics.iter();
+                findings.try_for_each(|finding| writeln!(to, "{}", finding.message))
+            }
             Self::Launch(reason) => to.write_str(reason),
         }
     }

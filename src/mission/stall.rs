@@ -1,5 +1,7 @@
 //! Explains why the time of a run was up: the state of each coordinator, and what it waits for.
 
+use std::fmt;
+
 use asmotion_coordinator::{CoordinatorStatus, LocationName, Source};
 use asmotion_lang::Specification;
 use asmotion_lang::value::{Atom, Value};
@@ -19,6 +21,21 @@ pub struct StalledCoordinator {
     pub since_s: Option<f64>,
     /// Reasons for which it makes no progress, the most specific first.
     pub reasons: Vec<String>,
+}
+
+/// The coordinator and what it waits for, on one line.
+impl fmt::Display for StalledCoordinator {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(&self.component)?;
+        if let Some(state) = &self.state {
+            write!(to, " in {state}")?;
+        }
+        match self.since_s {
+            Some(since) => write!(to, " since {since:.1} s")?,
+            None => to.write_str(" since the start")?,
+        }
+        write!(to, ": {}", self.reasons.join("; "))
+    }
 }
 
 /// Describes the coordinators of a run whose time is up. A coordinator in a long cycle is left out.

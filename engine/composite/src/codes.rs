@@ -107,6 +107,7 @@ pub(crate) mod c142;
 pub(crate) mod c143;
 pub(crate) mod c144;
 pub(crate) mod c145;
+pub(crate) mod c147;
 
 use asmotion_diagnostics::Code;
 
@@ -217,4 +218,5 @@ pub const CODES: &[&Code] = &[
     c143::WrongSelectorType::CODE,
     c144::LocationBoundTwice::CODE,
     c145::InvalidTerm::CODE,
+    c147::StateWithoutExit::CODE,
 ];

@@ -14,6 +14,7 @@ mod environment;
 pub mod family;
 pub mod finding;
 pub mod map;
+pub mod mission;
 pub mod model;
 mod named;
 mod nearest;

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use serde_json::{Value as Json, json};
 
+use crate::mission::MissionFile;
 use crate::model::Composite;
 use crate::table::{Key, Many, Outline, Table};
 use crate::types::TypeFile;
@@ -21,6 +22,11 @@ pub fn composite() -> Json {
 /// Returns the JSON Schema of type files.
 pub fn types() -> Json {
     document("message types of asmotion", &TypeFile::outline())
+}
+
+/// Returns the JSON Schema of mission files.
+pub fn mission() -> Json {
+    document("a mission of asmotion", &MissionFile::outline())
 }
 
 fn document(title: &str, outline: &Outline) -> Json {
@@ -45,6 +51,7 @@ pub fn reference() -> String {
     );
     section(&mut page, "composite/1", "", &Composite::outline());
     section(&mut page, "composite-types/1", "", &TypeFile::outline());
+    section(&mut page, "mission/1", "", &MissionFile::outline());
     page
 }
 

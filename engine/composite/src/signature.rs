@@ -64,8 +64,24 @@ pub trait Signature {
         Annotations::default()
     }
 
+    /// Returns the control states that rules enter and none leaves, except those that a comment `//@Final` names.
+    fn states_without_exit(&self) -> Vec<EnteredState> {
+        Vec::new()
+    }
+
     /// Returns the name and location of the main rule.
     fn main_rule(&self) -> Option<(String, Span)>;
+}
+
+/// A control state that a rule enters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EnteredState {
+    /// Name of the function with the control state.
+    pub function: String,
+    /// Literal of the state.
+    pub state: String,
+    /// Location of an update that enters it.
+    pub entered: Span,
 }
 
 /// Component type declared by the annotations of a specification: `//@Reference`, `//@MainService`, `//@Provided`,
@@ -76,6 +92,8 @@ pub struct Annotations {
     pub references: Vec<Annotated>,
     /// Imported modules annotated with `//@MainService` or `//@Provided`.
     pub provided: Vec<Annotated>,
+    /// Control states named by `//@Final`, in which a coordinator may stay.
+    pub final_states: Vec<String>,
 }
 
 /// An annotated function or module.

@@ -1,17 +1,19 @@
 //! Signatures of `.asm` files, read with the language crates.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
+use asmotion_coordinator::CONTROL_STATES;
 use asmotion_diagnostics::{FileId, Loader, Report, Sources, Span};
-use asmotion_lang::hir::{self, DomainKind, Model, Type, TypeId};
+use asmotion_lang::hir::{self, DomainKind, Model, RuleKind, TermKind, Type, TypeId, UpdateTarget};
 use asmotion_lang::ir::{self, MessageRole, Program, message_uses};
 use asmotion_lang::stdlib;
 use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
 
 use crate::signature::{
-    Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, ParameterInfo, Signature,
-    Specifications,
+    Annotated, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind, ParameterInfo,
+    Signature, Specifications,
 };
 
 /// Loads `.asm` files with the language crates.
@@ -101,6 +103,32 @@ impl Signature for ModelSignature {
         self.annotations.clone()
     }
 
+    fn states_without_exit(&self) -> Vec<EnteredState> {
+        let model = self.model.borrow();
+        let mut stuck = Vec::new();
+        for (id, function) in model.own_functions() {
+            let is_control = CONTROL_STATES.contains(&&*function.name);
+            if !is_control || !function.parameters.is_empty() {
+                continue;
+            }
+            for (atom, entered) in entered_states(&model, id) {
+                let Some(literal) = model.atoms.get(atom as usize) else {
+                    continue;
+                };
+                let state = literal.name.to_string();
+                let is_final = self.annotations.final_states.contains(&state);
+                if !is_final && !model.has_exit(id, &Value::Atom(Atom(atom))) {
+                    stuck.push(EnteredState {
+                        function: function.name.to_string(),
+                        state,
+                        entered,
+                    });
+                }
+            }
+        }
+        stuck
+    }
+
     fn term(&self, text: &str) -> Result<Option<Codomain>, String> {
         let mut model = self.model.borrow_mut();
         let first = |report: Report| {
@@ -144,6 +172,58 @@ impl ModelSignature {
             }
         });
         parameters.collect()
+    }
+}
+
+/// Returns the literals that updates give a function, each with the first location. Where a macro gives it the value of a
+/// parameter, the literals among the arguments of calls count.
+fn entered_states(model: &Model, function: hir::FunctionId) -> BTreeMap<u32, Span> {
+    let mut entered = BTreeMap::new();
+    let mut passed = BTreeMap::new();
+    let mut takes_parameter = false;
+    let codomain = model.function(function).codomain;
+    let own = model.rules.iter().filter(|rule| !rule.library);
+    for body in own.filter_map(|rule| rule.body.as_ref()) {
+        ir::visit_rules(&body.root, &mut |rule| match &*rule.kind {
+            RuleKind::Update(UpdateTarget::Location(target, _), value) if *target == function => {
+                takes_parameter |= matches!(&*value.kind, TermKind::Variable(_));
+                note_literal(value, &mut entered);
+            }
+            RuleKind::Call(_, arguments) => {
+                let fitting = arguments.iter().filter(|it| it.ty == codomain);
+                fitting.for_each(|argument| note_literal(argument, &mut passed));
+            }
+            RuleKind::Update(..)
+            | RuleKind::Assign(..)
+            | RuleKind::Run(..)
+            | RuleKind::Skip
+            | RuleKind::Par(_)
+            | RuleKind::Seq(_)
+            | RuleKind::If(..)
+            | RuleKind::Switch(..)
+            | RuleKind::Choose(..)
+            | RuleKind::Forall(..)
+            | RuleKind::Let(..)
+            | RuleKind::Extend(..)
+            | RuleKind::While(..)
+            | RuleKind::WhileRec(..)
+            | RuleKind::Iterate(_)
+            | RuleKind::Local(_)
+            | RuleKind::Invalid => {}
+        });
+    }
+    if takes_parameter {
+        for (literal, at) in passed {
+            entered.entry(literal).or_insert(at);
+        }
+    }
+    entered
+}
+
+/// Notes the first location of a literal.
+fn note_literal(term: &hir::Term, literals: &mut BTreeMap<u32, Span>) {
+    if let TermKind::Value(Value::Atom(Atom(index))) = &*term.kind {
+        literals.entry(*index).or_insert(term.span);
     }
 }
 
@@ -209,6 +289,14 @@ fn annotations(tree: &File, model: &Model) -> Annotations {
     let imports = tree.imports.iter().map(|it| (&it.path, false));
     let declared: Vec<_> = functions.chain(imports).collect();
     for annotation in &tree.annotations {
+        if &*annotation.name.text == "Final" {
+            let words = annotation
+                .rest
+                .split(|sign: char| !sign.is_alphanumeric() && sign != '_');
+            let states = words.filter(|word| !word.is_empty()).map(str::to_owned);
+            found.final_states.extend(states);
+            continue;
+        }
         let at = annotation.name.span;
         let behind = declared
             .iter()

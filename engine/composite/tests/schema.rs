@@ -31,6 +31,7 @@ fn document(path: &Path) -> Option<(Json, Json)> {
     let schema = match json.get("schema")?.as_str()? {
         "composite/1" => asmotion_composite::schema::composite(),
         "composite-types/1" => asmotion_composite::schema::types(),
+        "mission/1" => asmotion_composite::schema::mission(),
         _ => return None,
     };
     Some((json, schema))
@@ -49,8 +50,9 @@ fn it_is_what_a_person_has_read() {
     let schemas = [
         asmotion_composite::schema::composite(),
         asmotion_composite::schema::types(),
+        asmotion_composite::schema::mission(),
     ];
-    for (name, schema) in ["composite", "types"].into_iter().zip(schemas) {
+    for (name, schema) in ["composite", "types", "mission"].into_iter().zip(schemas) {
         let shown = serde_json::to_string_pretty(&schema).expect("JSON");
         insta::assert_snapshot!(name, shown);
     }

@@ -100,6 +100,12 @@ pub trait Run {
     fn transition(&mut self, component: &str, transition: Transition)
     -> Result<(), LifeCycleError>;
 
+    /// Fails a component as an error in its own code does, between two of its cycles, to test how a system handles it.
+    ///
+    /// # Errors
+    /// [`RunError::Unknown`] if there is no such component, [`RunError::Busy`] if its cycle does not end in time.
+    fn inject_fault(&mut self, component: &str, fault: Fault) -> Result<(), RunError>;
+
     /// Requests one cycle of a component that is event-driven or driven manually.
     ///
     /// # Errors

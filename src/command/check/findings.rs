@@ -1,7 +1,7 @@
 //! The findings in one file of any kind.
 
 use crate::build;
-use crate::command::test::snapshot;
+use crate::command::test::{mission, snapshot};
 use asmotion_lang::{Loader, ReadOptions, Report, Sources, scenario};
 use std::path::Path;
 
@@ -12,6 +12,9 @@ pub fn findings(path: &str, options: &ReadOptions, loader: &dyn Loader) -> (Repo
             Ok((specification, _)) => (Report::new(), specification.sources),
             Err(failure) => (failure.report, failure.sources),
         };
+    }
+    if mission::is_mission(Path::new(path)) {
+        return mission::check(Path::new(path), loader);
     }
     let extension = Path::new(path).extension().unwrap_or_default();
     match extension.to_str() {

@@ -141,18 +141,6 @@ fn stalled_json(stalled: &StalledCoordinator) -> serde_json::Value {
     })
 }
 
-/// A coordinator and what it waits for, on one line.
-fn stalled_line(stalled: &StalledCoordinator) -> String {
-    let state = stalled.state.as_deref();
-    let state = state.map_or_else(String::new, |state| format!(" in {state}"));
-    let since = match stalled.since_s {
-        Some(since) => format!(" since {since:.1} s"),
-        None => " since the start".to_owned(),
-    };
-    let reasons = stalled.reasons.join("; ");
-    format!("{}{state}{since}: {reasons}", stalled.component)
-}
-
 /// The result of a mission on one line: `reached in ARRIVED after 41.3 s`.
 pub(super) fn headline(end: &MissionEnd) -> String {
     format!("{}{}", outcome_name(end.outcome), circumstances(end))
@@ -244,8 +232,7 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
         ));
     }
     for stalled in &end.stalled {
-        let line = stalled_line(stalled);
-        terminal.result(format_args!("  {NOTE}waits{NOTE:#}      {line}"));
+        terminal.result(format_args!("  {NOTE}waits{NOTE:#}      {stalled}"));
     }
     let wall = end.wall.as_secs_f64();
     terminal.progress(format_args!(

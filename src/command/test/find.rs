@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use asmotion_diagnostics::FileId;
 use asmotion_lang::{Loader, syntax};
 
-use super::snapshot;
+use super::{mission, snapshot};
 use crate::files::DiskLoader;
 use crate::paths::{FileKind, named_files};
 
 /// Kinds of scenarios.
-const KINDS: &[FileKind] = &[FileKind::Scenario, FileKind::Script];
+const KINDS: &[FileKind] = &[FileKind::Scenario, FileKind::Script, FileKind::Mission];
 
 /// Returns the scenarios among the paths: those of a folder, in order of names, and those of a specification.
 ///
@@ -21,13 +21,10 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
     for file in named_files(paths, KINDS).map_err(|error| error.to_string())? {
         match FileKind::of(&file.path) {
             Some(FileKind::Specification) => scenarios.extend(of_specification(&file.path)?),
-            Some(FileKind::Composite) => {
-                let path = file.text();
-                return Err(format!(
-                    "`{path}` is a composite: `asmotion run {path}` runs it"
-                ));
+            Some(FileKind::Composite) => scenarios.extend(of_composite(&file.path)?),
+            Some(FileKind::Scenario | FileKind::Script | FileKind::Mission) | None => {
+                scenarios.push(file.path)
             }
-            Some(FileKind::Scenario | FileKind::Script) | None => scenarios.push(file.path),
         }
     }
     Ok(scenarios)
@@ -35,7 +32,31 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
 
 /// Returns the scenarios beside a specification that run it.
 fn of_specification(path: &Path) -> Result<Vec<PathBuf>, String> {
-    let specification = path.canonicalize().map_err(|error| {
+    let found = beside(path, |scenario| loaded(scenario).map(PathBuf::from))?;
+    if found.is_empty() {
+        return Err(format!("no scenario beside `{}` runs it", path.display()));
+    }
+    Ok(found)
+}
+
+/// Returns the missions beside a composite that run it.
+fn of_composite(path: &Path) -> Result<Vec<PathBuf>, String> {
+    let found = beside(path, |scenario| {
+        let is_mission = mission::is_mission(scenario);
+        is_mission.then(|| mission::composite(scenario)).flatten()
+    })?;
+    if found.is_empty() {
+        let path = path.display();
+        return Err(format!(
+            "no mission (`.mission.toml`) beside `{path}` runs it; `asmotion run {path}` runs it without checks"
+        ));
+    }
+    Ok(found)
+}
+
+/// Returns the scenarios beside a file that run it, according to `runs`.
+fn beside(path: &Path, runs: impl Fn(&Path) -> Option<PathBuf>) -> Result<Vec<PathBuf>, String> {
+    let named = path.canonicalize().map_err(|error| {
         let (path, reason) = (path.display(), crate::files::reason(&error));
         format!("cannot read `{path}`: {reason}")
     })?;
@@ -45,23 +66,17 @@ fn of_specification(path: &Path) -> Result<Vec<PathBuf>, String> {
     };
     let beside = named_files(&[folder], KINDS).unwrap_or_default();
     let runs_it = |scenario: &PathBuf| {
-        loaded(scenario).is_some_and(|path| {
-            Path::new(&path).canonicalize().ok().as_ref() == Some(&specification)
-        })
+        runs(scenario).is_some_and(|path| path.canonicalize().ok().as_ref() == Some(&named))
     };
-    let found: Vec<PathBuf> = beside
-        .into_iter()
-        .map(|file| file.path)
-        .filter(runs_it)
-        .collect();
-    if found.is_empty() {
-        return Err(format!("no scenario beside `{}` runs it", path.display()));
-    }
-    Ok(found)
+    let paths = beside.into_iter().map(|file| file.path);
+    Ok(paths.filter(runs_it).collect())
 }
 
 /// The specification that a scenario runs; `None` if it cannot be read.
 fn loaded(scenario: &Path) -> Option<String> {
+    if mission::is_mission(scenario) {
+        return None;
+    }
     if snapshot::is_script(scenario) {
         return Some(snapshot::specification(scenario));
     }

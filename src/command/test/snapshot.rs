@@ -34,7 +34,7 @@ pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> TestResult {
     let mut result = TestResult::unusable(path.clone());
     match run_script(&path, seed, covers) {
         Ok(run) => {
-            let (verdict, difference) = compare(&path, run.text);
+            let (verdict, difference) = compare(&path, SCRIPT, run.text);
             result.end = TestEnd::Ran(verdict);
             result.steps = run.steps;
             result.coverage = run.coverage;
@@ -50,8 +50,21 @@ pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> TestResult {
     result
 }
 
-fn compare(script: &Path, actual: String) -> (Verdict, Option<SnapshotDifference>) {
-    let path = PathBuf::from(script.to_string_lossy().replace(SCRIPT, ".snap"));
+/// Compares the run of a mission with its snapshot, whose name replaces `suffix` by `.snap`.
+pub(super) fn compare_into(result: &mut TestResult, suffix: &str, actual: String) {
+    let (verdict, difference) = compare(&result.path, suffix, actual);
+    if result.end == TestEnd::Ran(Verdict::Pass) {
+        result.end = TestEnd::Ran(verdict);
+    }
+    let finding = difference.iter().map(diagnostic).collect();
+    result.report.extend(finding);
+    result.difference = difference;
+}
+
+fn compare(script: &Path, suffix: &str, actual: String) -> (Verdict, Option<SnapshotDifference>) {
+    let text = script.to_string_lossy();
+    let stem = text.strip_suffix(suffix).unwrap_or(&text);
+    let path = PathBuf::from(format!("{stem}.snap"));
     // an unreadable snapshot counts as missing
     let accepted = std::fs::read_to_string(&path).ok();
     if accepted.as_deref() == Some(&actual) {

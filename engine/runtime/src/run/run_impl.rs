@@ -225,6 +225,15 @@ impl<E: Executor> Run for E {
         self.run_transition(index, transition, patience)
     }
 
+    fn inject_fault(&mut self, component: &str, fault: Fault) -> Result<(), RunError> {
+        let (index, patience) = (self.index_of(component)?, self.change_timeout());
+        let failed = self.run_on(index, patience, move |unit, now, effects| {
+            unit.fail(fault, now, effects);
+            unit.restart_after_fault(now, effects);
+        });
+        failed.ok_or_else(|| busy(component))
+    }
+
     fn trigger(&mut self, component: &str) -> Result<(), RunError> {
         let index = self.index_of(component)?;
         self.request_cycle(index);

@@ -6,6 +6,7 @@ mod coverage;
 mod function;
 
 use crate::codes::c101::OtherMainRule;
+use crate::codes::c147::StateWithoutExit;
 use asmotion_diagnostics::{Diagnostic, Report};
 
 use super::annotation;
@@ -48,6 +49,14 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
         if let Some(signature) = signature {
             coverage::check(&bound, signature, file.span, report);
             annotation::check(part, signature, file.span, report);
+            for stuck in signature.states_without_exit() {
+                report.found(StateWithoutExit {
+                    function: stuck.function,
+                    state: stuck.state,
+                    at: file.span,
+                    entered: stuck.entered,
+                });
+            }
         }
     }
 }

@@ -1,0 +1,19 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Action of a mission failed
+///
+/// The running system refused an action: a value of a wrong type, a transition that the present state does not allow, or an
+/// action whose time or condition did not come before the end of the mission.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V034, error)]
+#[error("{reason}")]
+pub struct ActionFailed {
+    pub reason: String,
+    pub at: Span,
+}
+
+impl Finding for ActionFailed {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic.label(self.at, "this action")
+    }
+}
