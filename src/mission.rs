@@ -5,6 +5,7 @@ mod director;
 mod end_condition;
 mod error;
 mod gateway;
+mod outcome;
 mod process;
 mod stall;
 mod version_switch;
@@ -12,6 +13,7 @@ mod version_switch;
 pub use self::director::{Director, Undirected};
 pub use self::gateway::{ListenCallback, ListeningGateway, MissionGateways};
 pub use error::MissionError;
+pub use outcome::MissionOutcome;
 pub use process::{MissionBrokers, NamedBrokers};
 pub use stall::StalledCoordinator;
 pub use version_switch::{CompositeVersion, reconfigure_address};
@@ -33,7 +35,7 @@ use asmotion_runtime::{Event, Observer, Pace, Run};
 use crate::build;
 use crate::files::DiskLoader;
 use crate::story::{Story, Summary};
-use end_condition::{EndCondition, awaited_updates};
+use end_condition::{EndCondition, SLICE, awaited_updates};
 use version_switch::VersionSwitch;
 
 /// A composite and the options of its run.
@@ -80,23 +82,6 @@ pub enum MissionClock {
     Wall,
 }
 
-/// Outcome of a mission.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MissionOutcome {
-    /// A success condition was met.
-    Reached,
-    /// A failure condition was met.
-    Failed,
-    /// The time limit was reached before a success condition was met.
-    TimeUp,
-    /// The time limit of a run without success conditions was reached.
-    Completed,
-    /// A component failed: one without which nothing can be reached, or another one, and the time limit was reached.
-    Fault,
-    /// The run was stopped from outside.
-    Stopped,
-}
-
 /// Result of a mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionEnd {
@@ -115,9 +100,6 @@ pub struct MissionEnd {
     /// Duration in real time.
     pub wall: Duration,
 }
-
-/// Interval, in the run's own time, at which the end conditions are tested.
-const SLICE: Duration = Duration::from_millis(100);
 
 /// Time for the robot to come to rest after the end.
 const REST: Duration = Duration::from_secs(1);

@@ -460,3 +460,46 @@ fn c5_a_reference_calls_a_service_written_in_python() {
     server.wait().unwrap();
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
+
+/// The courier with a dispatcher in its own process, which is stopped, and one behind a gateway.
+const ALTERNATIVES: &str = r#"
+[components.Courier]
+implementation = { asm = "courier.asm" }
+task = { period_ms = 20 }
+references = { dispatcher = "courier/Dispatch" }
+[components.Dispatcher]
+implementation = { asm = "dispatcher.asm" }
+task = { period_ms = 20, run_on_startup = ${START} }
+services = { dispatch = "courier/Dispatch" }
+[[wires]]
+reference = "Courier.dispatcher"
+service = "Dispatcher.dispatch"
+timeout_ms = 500
+[[wires]]
+reference = "Courier.dispatcher"
+binding = "http"
+url = "${JOBS}"
+token = "${TOKEN}"
+timeout_ms = 500
+"#;
+
+#[test]
+fn c4_a_reference_with_several_bindings_calls_the_first_service_that_is_available() {
+    let folder = tempfile::tempdir().unwrap();
+    let (office, street) = offices(folder.path());
+    let mut dispatcher = Running::start(run(&office, &[]).env("OFFICE_TOKEN", "s3cret"));
+    let url = format!("{}/jobs", dispatcher.listening());
+    let head = "schema = \"composite/1\"\n[composite]\nname = \"street\"\n";
+    // the wrong token is a fault of the second service
+    for (runs, token, status) in [
+        ("true", "guess", 0),
+        ("false", "s3cret", 0),
+        ("false", "guess", 1),
+    ] {
+        let text = ALTERNATIVES.replace("${START}", runs);
+        std::fs::write(&street, format!("{head}{text}")).unwrap();
+        let output = courier(&street, &url, token, &["--clock", "wall"]);
+        assert_eq!(output.status.code(), Some(status), "{runs} {output:?}");
+    }
+    drop(dispatcher.interrupt());
+}

@@ -124,7 +124,7 @@ const SUDDEN_PILLAR: &str = r#"[{ "at_s": 12.0, "frame": "robot", "disc": [0.31,
 #[test]
 fn it_plans_anew_after_a_contact() {
     let (story, ended) = tell(&mission(&[TO_LOBBY], SUDDEN_PILLAR));
-    assert_eq!(ended.summary.received.of("event CONTACT"), 1, "{story}");
+    assert_eq!(ended.summary.received.of("contact"), 1, "{story}");
     assert_eq!(ended.outcome, MissionOutcome::Reached, "{story}");
     assert!(story.contains("collision at"), "{story}");
     // the pillar appears at 12 s; the rover driver brakes in its next cycle, 20 ms after the monitor

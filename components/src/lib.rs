@@ -120,11 +120,13 @@ mod tests {
                 assert!(!property.doc.is_empty(), "{name}.{}", property.name);
             }
             for service in &declaration.services {
-                assert_eq!(
-                    interface(&service.interface).as_deref(),
-                    Some(&service.operations[..]),
-                    "{name}"
-                );
+                // a component decides itself what it answers while it is stopped
+                let mut operations = service.operations.clone();
+                for operation in &mut operations {
+                    operation.while_stopped = false;
+                }
+                let known = interface(&service.interface);
+                assert_eq!(known.as_deref(), Some(&operations[..]), "{name}");
             }
         }
     }

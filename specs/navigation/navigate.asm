@@ -11,7 +11,7 @@ signature:
 	enum domain Command = {NONE | GET_MAP | PLAN | FOLLOW | HALT}
 	enum domain Event = {
 		NOTHING | MAP_OK | PATH_OK | NO_PATH | TIMED_OUT | CALL_FAILED | REACHED | BLOCKED |
-		HALTED | CONTACT
+		HALTED
 	}
 	domain Tries subsetof Integer
 
@@ -20,6 +20,8 @@ signature:
 	monitored cancelArrived: Boolean
 	monitored estop: Boolean
 	monitored event: Event
+	// the rover touches something; unlike an event, this answers no order
+	monitored contact: Boolean
 
 	// outputs: the composite maps them to service calls and messages
 	out command: Command
@@ -94,19 +96,22 @@ definitions:
 					case TIMED_OUT: r_planAgain[]
 				endswitch
 			case FOLLOWING:
-				switch event
-					case REACHED: r_halt[ARRIVED]
-					case BLOCKED: r_planAgain[]
-					case CONTACT: r_planAgain[]
-				endswitch
+				if contact then
+					r_planAgain[]
+				else
+					switch event
+						case REACHED: r_halt[ARRIVED]
+						case BLOCKED: r_planAgain[]
+					endswitch
+				endif
 			case STOPPING:
 				if event = HALTED then r_enter[WAIT_MAP, GET_MAP] endif
 		endswitch
 
 	// safety: the rover never moves after a step with the e-stop pressed
 	CTLSPEC ag(estop implies ax(not moving))
-	// safety: the rover stands after a step that learns of a contact
-	CTLSPEC ag(event = CONTACT implies ax(not moving))
+	// safety: the rover stands after a step that learns of a contact while it follows a path
+	CTLSPEC ag((mode = FOLLOWING and contact) implies ax(not moving))
 	// exclusivity: the rover moves only while it follows a path
 	CTLSPEC ag(moving iff mode = FOLLOWING)
 	// the command FOLLOW is given only in the mode FOLLOWING

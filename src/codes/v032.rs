@@ -4,6 +4,38 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// Conditions compare locations of specifications, fields of outputs and topics, `speed(…)`, `distance(…, …)` and
 /// `state(…)` with values; `and`, `or` and `not` combine them. Each name must exist in the composite.
+///
+/// `robot.composite.toml` runs a specification whose `mode` becomes `BUSY` when `true` arrives on `start`.
+///
+/// ```toml mission wrong
+/// schema = "mission/1"
+/// composite = "robot.composite.toml"
+/// limit_s = 2
+///
+/// [[at]]
+/// time_s = 1
+/// write = "topic:start"
+/// value = { data = true }
+///
+/// [[expect]]
+/// eventually = "Robot.moode = BUSY"
+/// ```
+///
+/// Corrected:
+///
+/// ```toml mission corrected
+/// schema = "mission/1"
+/// composite = "robot.composite.toml"
+/// limit_s = 2
+///
+/// [[at]]
+/// time_s = 1
+/// write = "topic:start"
+/// value = { data = true }
+///
+/// [[expect]]
+/// eventually = "Robot.mode = BUSY"
+/// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V032, error)]
 #[error("{reason}")]

@@ -4,6 +4,39 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// The run does not fulfil the requirement. The message shows the time and the values at that time. An expectation that
 /// never began, or whose values were never known, fails as well: it would not notice any error.
+///
+/// `robot.composite.toml` runs a specification whose `mode` becomes `BUSY` when `true` arrives on `start`.
+///
+/// ```toml mission wrong
+/// schema = "mission/1"
+/// composite = "robot.composite.toml"
+/// limit_s = 2
+///
+/// [[at]]
+/// time_s = 1
+/// write = "topic:start"
+/// value = { data = true }
+///
+/// [[expect]]
+/// within_s = 0.5
+/// eventually = "Robot.mode = BUSY"
+/// ```
+///
+/// Corrected:
+///
+/// ```toml mission corrected
+/// schema = "mission/1"
+/// composite = "robot.composite.toml"
+/// limit_s = 2
+///
+/// [[at]]
+/// time_s = 1
+/// write = "topic:start"
+/// value = { data = true }
+///
+/// [[expect]]
+/// eventually = "Robot.mode = BUSY"
+/// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V033, error)]
 #[error("{name}: {problem}")]

@@ -5,7 +5,7 @@ use asmotion_lang::Report;
 use asmotion_plan::Plan;
 use asmotion_runtime::Run;
 
-use super::MissionOutcome;
+use super::outcome::MissionOutcome;
 
 /// Acts on a running mission at times of its own clock.
 pub trait Director {

@@ -1,6 +1,7 @@
 //! End conditions of a mission.
 
-use super::{MissionError, MissionOutcome, SLICE};
+use super::error::MissionError;
+use super::outcome::MissionOutcome;
 use crate::files::DiskLoader;
 use asmotion_component::{State, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
@@ -9,6 +10,10 @@ use asmotion_lang::simulate::AwaitedUpdate;
 use asmotion_plan::{Component, Implementation, Part, Plan};
 use asmotion_runtime::{Event, Observer, Run};
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+/// Interval, in the run's own time, at which the end conditions are tested.
+pub(super) const SLICE: Duration = Duration::from_millis(100);
 
 /// Returns the end conditions; by default `mode` with its usual value, if a specification has it.
 pub(super) fn awaited_updates(

@@ -80,6 +80,8 @@ fn example(code: &Code, which: &str) -> Option<BTreeSet<String>> {
     let (found, rendered) = if let Some(text) = code.example(&format!("asm {which}")) {
         let (found, _) = said("example", text);
         return Some(found.iter().map(|(_, code)| (*code).to_owned()).collect());
+    } else if let Some(mission) = code.example(&format!("toml mission {which}")) {
+        of_mission(mission)
     } else if let Some(script) = code.example(&format!("toml {which}")) {
         of_script(code.example("asm")?, script)
     } else {
@@ -90,6 +92,55 @@ fn example(code: &Code, which: &str) -> Option<BTreeSet<String>> {
         snapshot(code.name, &rendered);
     }
     Some(found)
+}
+
+/// The specification and the composite of the examples of missions.
+const ROBOT: &str = "asm robot
+import StandardLibrary
+signature:
+    enum domain Mode = {IDLE | BUSY}
+    monitored start: Boolean
+    controlled mode: Mode
+definitions:
+    //@Final BUSY
+    main rule r_Main = if start then mode := BUSY endif
+default init s0:
+    function mode = IDLE
+";
+const ROBOT_COMPOSITE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "robot"
+[components.Robot]
+implementation = { asm = "robot.asm" }
+task = { id = "robot", period_ms = 100 }
+subscribe = { start = "std_msgs/Bool" }
+[components.Robot.bind.monitored]
+start = { topic = "start", receive = "last", field = "data", none = false }
+"#;
+
+/// Runs a mission with the program.
+fn of_mission(mission: &str) -> (BTreeSet<String>, String) {
+    let folder = tempfile::tempdir().unwrap();
+    for (file, text) in [
+        ("robot.asm", ROBOT),
+        ("robot.composite.toml", ROBOT_COMPOSITE),
+        ("robot.mission.toml", mission),
+    ] {
+        std::fs::write(folder.path().join(file), text).unwrap();
+    }
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let command = command.args(["test", "robot.mission.toml"]);
+    let output = command.current_dir(folder.path()).output().unwrap();
+    let text = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|it| !it.contains("Tested")).collect();
+    let codes = lines.iter().filter_map(|line| {
+        let (_, rest) = line.split_once('[')?;
+        let code = rest.split(']').next()?;
+        let is_code = code.len() == 4 && code[1..].bytes().all(|it| it.is_ascii_digit());
+        is_code.then(|| code.to_owned())
+    });
+    (codes.collect(), lines.join("\n"))
 }
 
 fn of_script(specification: &str, script: &str) -> (BTreeSet<String>, String) {

@@ -294,12 +294,19 @@ fn a_status_without_problem_details_is_a_fault_of_its_own() {
         let peer = Peer::saying(response(status, "<html>"));
         is_refused(call(&peer.url(), 20 * SECOND), code, words);
     }
-    for (status, failure) in [
-        ("503 Service Unavailable", CallFailure::Unavailable),
-        ("429 Too Many Requests", CallFailure::Unavailable),
-        ("504 Gateway Timeout", CallFailure::Timeout),
+    let stopped = r#"{"code":"STOPPED"}"#;
+    for (status, body, failure) in [
+        ("503 Service Unavailable", "", CallFailure::Unavailable),
+        (
+            "503 Service Unavailable",
+            "<html>",
+            CallFailure::Unavailable,
+        ),
+        ("503 Service Unavailable", stopped, CallFailure::Stopped),
+        ("429 Too Many Requests", stopped, CallFailure::Unavailable),
+        ("504 Gateway Timeout", "", CallFailure::Timeout),
     ] {
-        let peer = Peer::saying(response(status, ""));
+        let peer = Peer::saying(response(status, body));
         assert_eq!(call(&peer.url(), 20 * SECOND), Err(failure), "{status}");
     }
 }

@@ -25,6 +25,9 @@ pub(super) fn of(head: &Parts, body: &[u8], one_way: bool) -> Result<Payload, Ca
             Ok(Payload::of(Datum::Null))
         }
         status if status.is_success() => result(head, body),
+        StatusCode::SERVICE_UNAVAILABLE if code_in(body).as_deref() == Some("STOPPED") => {
+            Err(CallFailure::Stopped)
+        }
         StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS => {
             Err(CallFailure::Unavailable)
         }
@@ -62,6 +65,12 @@ fn problem(status: StatusCode, body: &[u8]) -> CallFailure {
     let detail = text("detail").or_else(|| text("title"));
     let code = text("code").unwrap_or_else(|| code_of(status));
     refusal(&code, detail.unwrap_or_else(reason))
+}
+
+/// The code in problem details.
+fn code_in(body: &[u8]) -> Option<String> {
+    let details: Value = serde_json::from_slice(body).ok()?;
+    details["code"].as_str().map(shortened)
 }
 
 fn code_of(status: StatusCode) -> String {
