@@ -19,8 +19,9 @@ while time.time() < until:
             seen += os.read(screen, 65536)
         except OSError:
             break
-    if steps and steps[0][0].encode() in seen[looked:]:
-        looked = len(seen)
+    found = seen.find(steps[0][0].encode(), looked) if steps else -1
+    if found >= 0:
+        looked = found + len(steps[0][0].encode())
         os.write(screen, steps.pop(0)[1].encode())
 else:
     os.kill(pid, 9)

@@ -125,8 +125,11 @@ fn o14_the_shell_completes_and_remembers() {
         &[
             ("> ", "cd Driver/SCA\t\r"),
             ("SCAyouBotDriver> ", "retrievingStatus.g\t()\r"),
-            ("\"position\"", "\u{1b}[A\r"),
-            ("\"position\"", "\u{4}"),
+            // keys pressed before the prompt are not the shell's
+            ("\"position\"", ""),
+            ("SCAyouBotDriver> ", "\u{1b}[A\r"),
+            ("\"position\"", ""),
+            ("SCAyouBotDriver> ", "\u{4}"),
         ],
     );
     let Some((code, screen)) = seen else { return };

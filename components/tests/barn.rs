@@ -195,7 +195,7 @@ fn generated(seed: u64) -> Vec<Point> {
     for _ in 0..3 {
         filled = (0..columns * rows).map(|at| is_kept(&filled, at)).collect();
     }
-    let is_wall = |at: usize| at % columns == 0 || at % columns == columns - 1;
+    let is_wall = |at: usize| at.is_multiple_of(columns) || at % columns == columns - 1;
     let cylinders = (0..columns * rows).filter(|at| filled[*at] || is_wall(*at));
     cylinders
         .map(|at| {
@@ -272,7 +272,9 @@ fn folder(path: &std::path::Path, every: u32) -> Vec<(u32, Vec<Point>)> {
             let name = path.file_name()?.to_str()?;
             let number = name.strip_prefix("world_")?.strip_suffix(".world")?;
             let number: u32 = number.parse().ok()?;
-            (number % every == 0).then(|| (number, cylinders(&path)))
+            number
+                .is_multiple_of(every)
+                .then(|| (number, cylinders(&path)))
         })
         .collect();
     worlds.sort_by_key(|(number, _)| *number);
