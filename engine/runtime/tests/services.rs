@@ -712,7 +712,7 @@ fn c4_a_call_goes_to_the_first_alternative_that_is_available() {
         (&["Provider0", "Provider1"], Ok(42), 3),
         (
             &["Provider0", "Provider1", "Provider2"],
-            Err(CallError::Unavailable),
+            Err(CallError::Stopped),
             3,
         ),
     ] {
