@@ -152,14 +152,14 @@ fn where_nobody_is_a_call_ends_unavailable() {
 }
 
 #[test]
-fn a_service_that_stops_is_unavailable() {
+fn t18_a_caller_of_a_service_that_stops_learns_it() {
     let (bus, replies) = (LocalBus::new(), Replies::default());
     let mut there = offering(&bus, provider(|_| None)).0.live();
     let mut here = calling(&bus, &replies, Wire::timeout(20.s())).0.live();
     until_reported(&mut there, "asked");
     there.stop();
     until_reported(&mut here, "replied");
-    assert_eq!(*replies.lock().unwrap(), [Err(CallError::Unavailable)]);
+    assert_eq!(*replies.lock().unwrap(), [Err(CallError::Stopped)]);
 }
 
 #[test]

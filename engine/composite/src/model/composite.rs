@@ -70,7 +70,7 @@ pub struct Composite {
 #[table(of = "`composite`", example = "{ name = \"navigation\" }")]
 pub struct Head {
     /// Name of the composite; also the name of the robot on the bus unless another is given at startup.
-    #[key(needed, example = "\"navigation\"")]
+    #[key(needed, example = "\"navigation\"", form = thing)]
     pub name: Option<At<String>>,
     /// Version of the composite, shown by `asmotion describe`.
     #[key(example = "\"1.0.0\"")]
