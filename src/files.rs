@@ -117,11 +117,6 @@ impl SentFiles {
     pub fn path(&self, path: &str) -> String {
         normalize(&self.folder.join(path))
     }
-
-    /// All full paths.
-    pub fn paths(&self) -> impl Iterator<Item = &String> {
-        self.texts.keys()
-    }
 }
 
 impl Loader for SentFiles {

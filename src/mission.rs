@@ -214,7 +214,7 @@ impl Mission {
         let connected = self.connect(plan)?;
         let mut contacts =
             self.connect_contacts(&mut system, &mut network, &connected, plan, &part)?;
-        let mut successor = self.version_switch(&opened, plan, &part, &connected)?;
+        let mut successor = self.version_switch(&opened.path, plan, &part, &connected)?;
         let gateway_bus = LocalBus::new();
         let gateways = self.open_gateways(
             &mut system,

@@ -21,7 +21,7 @@ use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
 use asmotion_plan::Plan;
-use asmotion_runtime::{Event, WAITING_REPORT};
+use asmotion_runtime::{Event, REPLACEMENT_REPORT, WAITING_REPORT};
 
 use self::input::StoryInput;
 use self::repeats::RepeatedEntries;
@@ -213,6 +213,10 @@ impl Story {
                     "{component}: {dropped} events dropped and {misfits} unsuitable messages so far"
                 );
                 Some(warning_entry(NOTE, "lost", what))
+            }
+            REPLACEMENT_REPORT => {
+                let what = format!("{component} by {}", what.as_text().unwrap_or_default());
+                Some(warning_entry(NOTE, "replaced", what))
             }
             NOTICE_REPORT => {
                 let what = what.as_text().unwrap_or_default();

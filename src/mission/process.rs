@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use asmotion_bus::{Bus, BusError, LocalBus};
 use asmotion_network::Network;
-use asmotion_plan::{Broker, Opened, Part, Plan};
+use asmotion_plan::{Broker, Part, Plan};
 use asmotion_remote::{LastSamples, ProcessContact};
 use asmotion_runtime::System;
 
@@ -220,14 +220,14 @@ impl Mission {
     /// Returns the receiver of new versions of the composite from the buses.
     pub(super) fn version_switch<'m>(
         &'m self,
-        opened: &'m Opened,
+        path: &'m str,
         plan: &Plan,
         part: &Part,
         connected: &'m [ConnectedBroker],
     ) -> Result<VersionSwitch<'m>, MissionError> {
         let locations: Vec<&str> = connected.iter().map(|it| &*it.location).collect();
         let buses = connected.iter().map(|it| &*it.bus);
-        let successor = VersionSwitch::new(self, opened, plan, part, buses);
+        let successor = VersionSwitch::new(self, path, plan, part, buses);
         successor.map_err(|reason| broker_error(&locations.join(", "), reason))
     }
 }

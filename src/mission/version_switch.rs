@@ -3,16 +3,16 @@
 
 use std::sync::Arc;
 
-use asmotion_assembly::reconfigure::changes;
+use asmotion_assembly::reconfigure::{Version, changes};
 use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::{Style, render_all};
-use asmotion_plan::{Opened, Part, Plan};
+use asmotion_plan::{Part, Plan};
 use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
 
 use super::Mission;
-use crate::files::SentFiles;
+use crate::files::{DiskLoader, SentFiles};
 
 /// Maximum number of versions waiting.
 const WAITING: usize = 4;
@@ -37,10 +37,10 @@ pub struct CompositeVersion {
 pub(super) struct VersionSwitch<'m> {
     mission: &'m Mission,
     part: Part,
-    /// The version at the start of the process.
-    opened: &'m Opened,
+    /// Resolved path of the composite at the start of the process.
+    path: &'m str,
     /// The running version.
-    plan: Plan,
+    running: Version,
     calls: Vec<ServedAddress>,
 }
 
@@ -48,7 +48,7 @@ impl<'m> VersionSwitch<'m> {
     /// Serves the reconfigure address on these buses.
     pub(super) fn new(
         mission: &'m Mission,
-        opened: &'m Opened,
+        path: &'m str,
         plan: &Plan,
         part: &Part,
         buses: impl Iterator<Item = &'m dyn Bus>,
@@ -59,8 +59,8 @@ impl<'m> VersionSwitch<'m> {
         Ok(Self {
             mission,
             part: part.clone(),
-            opened,
-            plan: plan.clone(),
+            path,
+            running: Version::new(plan.clone(), part, Arc::new(DiskLoader), mission.seed),
             calls: buses.map(serve).collect::<Result<_, _>>()?,
         })
     }
@@ -82,35 +82,33 @@ impl<'m> VersionSwitch<'m> {
             .to_datum()
             .and_then(|version| version.to())
             .map_err(bad_request)?;
-        let plan = self.open(&version)?;
-        let mut changes = changes(&self.plan, &plan, &self.part, &*run).map_err(|fixed| {
+        let wanted = self.open(&version)?;
+        let mut changes = changes(&self.running, &wanted, &self.part, &*run).map_err(|fixed| {
             let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
             refusal("NEEDS_START", fixed.join("; "))
         })?;
         self.keep_command_line_properties(&mut changes);
+        let notes = if version.only_try {
+            run.check_change(&changes)
+        } else {
+            run.change(&changes)
+        };
+        let notes = notes.map_err(|error| refusal("REFUSED", error))?;
         if !version.only_try {
-            let changed = run.change(&changes);
-            changed.map_err(|error| refusal("REFUSED", error))?;
-            self.plan = plan;
+            self.running = wanted;
         }
-        let words: Vec<_> = changes.iter().map(ToString::to_string).collect();
+        let words = changes.iter().map(ToString::to_string);
+        let words: Vec<_> = words.chain(notes).collect();
         Datum::of(&words).map_err(bad_request)
     }
 
-    /// Returns the plan of a version, as this process would run it from the start.
-    fn open(&self, version: &CompositeVersion) -> Result<Plan, Refusal> {
-        let sent = SentFiles::in_folder_of(&self.opened.path, &version.files);
+    /// Returns a version as this process would run it from the start.
+    fn open(&self, version: &CompositeVersion) -> Result<Version, Refusal> {
+        let sent = SentFiles::in_folder_of(self.path, &version.files);
         let opened = self.mission.open(&sent.path(&version.composite), &sent);
         if opened.report.has_errors() {
             let findings = render_all(&opened.report, &opened.sources, Style::Plain);
             return Err(refusal("BAD_COMPOSITE", findings));
-        }
-        if let Some(path) = sent
-            .paths()
-            .find(|path| self.is_another_specification(path, &opened))
-        {
-            let detail = format!("`{path}` is a different specification");
-            return Err(refusal("NEEDS_START", detail));
         }
         match opened.plan(self.mission.profile.as_deref()) {
             None => Err(refusal("BAD_COMPOSITE", "profile not found")),
@@ -119,17 +117,11 @@ impl<'m> VersionSwitch<'m> {
                 let detail = format!("environment variables not set: {missing}");
                 Err(refusal("BAD_COMPOSITE", detail))
             }
-            Some(plan) => Ok(plan.clone()),
+            Some(plan) => {
+                let (plan, seed) = (plan.clone(), self.mission.seed);
+                Ok(Version::new(plan, &self.part, Arc::new(sent), seed))
+            }
         }
-    }
-
-    /// Returns `true` if the file differs from the one at the start of the process.
-    fn is_another_specification(&self, path: &str, opened: &Opened) -> bool {
-        let text = |opened: &Opened| {
-            let file = opened.sources.find(path)?;
-            Some(opened.sources.shared_text(file))
-        };
-        path.ends_with(".asm") && text(self.opened) != text(opened)
     }
 
     /// Removes changes of properties that were set on the command line, which keep their values.

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use asmotion_coordinator::STEP_REPORT;
 use asmotion_diagnostics::or_did_you_mean;
 use asmotion_diagnostics::similar;
+use asmotion_runtime::REPLACEMENT_REPORT;
 
 /// The recorded steps of a coordinator. Steps that wrote nothing are in no trace; they do not change the state.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -67,7 +68,7 @@ pub enum ReplayError {
         /// Path of the trace.
         path: String,
     },
-    /// The coordinator was replaced during the run.
+    /// The coordinator was replaced or began again during the run.
     #[error(
         "`{name}` was replaced at {} s of the run: its steps are those of several machines, and no single replay gives them",
         *at_ns as f64 / 1e9
@@ -75,7 +76,7 @@ pub enum ReplayError {
     Replaced {
         /// Name of the coordinator.
         name: String,
-        /// Time of the first step of the successor.
+        /// Time of the replacement, or of the first step after it.
         at_ns: i64,
     },
     /// The specification exchanges messages, which the trace of a run does not contain.
@@ -122,38 +123,65 @@ pub fn recorded_run(
     component: Option<&str>,
 ) -> Result<RecordedRun, ReplayError> {
     let path = path.to_owned();
-    let mut runs = runs(text)?;
+    let mut runs = runs(text);
     let names: Vec<String> = runs.keys().map(|name| (*name).to_owned()).collect();
     match (component, names.as_slice()) {
         (_, []) => Err(ReplayError::Empty { path }),
-        (Some(name), _) => runs.remove(name).ok_or_else(|| ReplayError::Unknown {
-            path,
-            name: name.to_owned(),
-            names,
+        (Some(name), _) => runs.remove(name).unwrap_or_else(|| {
+            Err(ReplayError::Unknown {
+                path,
+                name: name.to_owned(),
+                names,
+            })
         }),
-        (None, [only]) => Ok(runs.remove(only.as_str()).unwrap_or_default()),
+        (None, [only]) => runs
+            .remove(only.as_str())
+            .unwrap_or_else(|| Ok(RecordedRun::default())),
         (None, _) => Err(ReplayError::Several { path, names }),
     }
 }
 
-/// The recorded steps of all coordinators by name.
-fn runs(text: &str) -> Result<BTreeMap<&str, RecordedRun>, ReplayError> {
-    let mut runs: BTreeMap<&str, RecordedRun> = BTreeMap::new();
+/// The recorded steps of all coordinators by name, or the reason that they cannot be replayed.
+fn runs(text: &str) -> BTreeMap<&str, Result<RecordedRun, ReplayError>> {
+    let mut runs: BTreeMap<&str, Result<RecordedRun, ReplayError>> = BTreeMap::new();
     let mut current = None;
     for line in text.lines() {
         if let Some(fact) = line.strip_prefix("  ") {
-            if let Some(run) = current.and_then(|name| runs.get_mut(name)) {
+            if let Some(Ok(run)) = current.and_then(|name| runs.get_mut(name)) {
                 run.add(fact);
             }
             continue;
         }
+        if let Some((name, at_ns)) = replacement_of(line) {
+            let name_of_run = name.to_owned();
+            let replaced = ReplayError::Replaced {
+                name: name_of_run,
+                at_ns,
+            };
+            runs.insert(name, Err(replaced));
+        }
         let step = step_of(line);
         current = step.map(|(name, ..)| name);
         if let Some((name, number, at_ns)) = step {
-            runs.entry(name).or_default().begin(name, number, at_ns)?;
+            let run = runs
+                .entry(name)
+                .or_insert_with(|| Ok(RecordedRun::default()));
+            if let Ok(recorded) = run
+                && let Err(error) = recorded.begin(name, number, at_ns)
+            {
+                *run = Err(error);
+            }
         }
     }
-    Ok(runs)
+    runs
+}
+
+/// The component and time in the report of its replacement.
+fn replacement_of(line: &str) -> Option<(&str, i64)> {
+    let (at, line) = line.split_once(" report ")?;
+    let (name, line) = line.split_once(' ')?;
+    let kind = line.split(' ').next();
+    (kind == Some(REPLACEMENT_REPORT)).then_some((name, at.parse().ok()?))
 }
 
 /// The component, number and time in the first line of a step.
@@ -241,5 +269,15 @@ mod tests {
         let again = format!("{TRACE}95 report A asm/Step 1\n  U n = 3\n");
         let replaced = refused(&again, Some("A"));
         assert!(matches!(replaced, ReplayError::Replaced { at_ns: 95, .. }));
+        assert!(recorded_run("t", &again, Some("B")).is_ok());
+    }
+
+    #[test]
+    fn c18_a_replaced_coordinator_is_not_replayed_and_the_others_are() {
+        let line = "92 report A replaced \"another version of `a.asm`\"\n95 report A asm/Step 6\n";
+        let swapped = format!("{TRACE}{line}  U n = 3\n");
+        let refused = recorded_run("t", &swapped, Some("A")).unwrap_err();
+        assert!(matches!(refused, ReplayError::Replaced { at_ns: 92, .. }));
+        assert!(recorded_run("t", &swapped, Some("B")).is_ok());
     }
 }

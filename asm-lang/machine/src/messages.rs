@@ -49,6 +49,18 @@ struct WaitingCall {
     deadline_ns: Option<i64>,
 }
 
+impl StoredMessage {
+    fn translated(&self, translate: &dyn Fn(&Value) -> Option<Value>) -> Option<Self> {
+        Some(Self {
+            id: self.id,
+            from: translate(&self.from)?,
+            to: translate(&self.to)?,
+            operation: self.operation.clone(),
+            data: translate(&self.data)?,
+        })
+    }
+}
+
 /// The key of faults: an agent and the name of an operation.
 type Concern = (Value, String);
 
@@ -357,6 +369,43 @@ impl MessagesInTransit {
             None => &mut self.undelivered,
         };
         push_bounded(queue, stored, &mut self.dropped);
+    }
+
+    /// Returns these messages with the values of another program and the partners of `other`; `None` if a value has no
+    /// translation.
+    pub fn translated(
+        &self,
+        other: &Self,
+        translate: &dyn Fn(&Value) -> Option<Value>,
+    ) -> Option<Self> {
+        let stored = |queue: &[StoredMessage]| -> Option<Vec<_>> {
+            let queue = queue.iter();
+            queue.map(|stored| stored.translated(translate)).collect()
+        };
+        let calls = self.calls.iter().map(|call| {
+            Some(WaitingCall {
+                from: translate(&call.from)?,
+                to: translate(&call.to)?,
+                ..call.clone()
+            })
+        });
+        let concern = |(agent, operation): &Concern| Some((translate(agent)?, operation.clone()));
+        let faults = self.faults.iter();
+        let faults = faults.map(|(key, fault)| Some((concern(key)?, *fault)));
+        let ended = self.ended.iter().map(|it| it.translated(translate));
+        Some(Self {
+            partners: other.partners.clone(),
+            undelivered: stored(&self.undelivered)?,
+            received: stored(&self.received)?,
+            answers: stored(&self.answers)?,
+            calls: calls.collect::<Option<_>>()?,
+            faults: faults.collect::<Option<_>>()?,
+            unsent: self.unsent.iter().map(concern).collect::<Option<_>>()?,
+            ended: ended.collect::<Option<_>>()?,
+            is_down: self.is_down,
+            last: self.last,
+            dropped: self.dropped,
+        })
     }
 
     // ---- interface to the outside --------------------------------------------------------------

@@ -1,12 +1,46 @@
 //! Changes of a running system to another plan.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use asmotion_datum::Datum;
-use asmotion_runtime::{Change, Run};
+use asmotion_diagnostics::Loader;
+use asmotion_runtime::{Change, Replacement, Run};
 
 use crate::start;
 use asmotion_plan::{
-    Component, Connection, End, Endpoint, Part, Plan, PropertyValues, Terminal, Wire,
+    Component, Connection, End, Endpoint, Implementation, Part, Plan, PropertyValues, Terminal,
+    Wire,
 };
+
+/// A version of a system: a plan, and the texts of its specifications.
+#[derive(Clone)]
+pub struct Version {
+    /// The plan of the version.
+    pub plan: Plan,
+    loader: Arc<dyn Loader + Send + Sync>,
+    seed: u64,
+    /// The texts of each component's specification and its imports, in the order in which they are loaded.
+    texts: BTreeMap<String, Vec<Arc<str>>>,
+}
+
+impl Version {
+    /// Reads the specifications of a part of a plan. The seed is that of [`Standard`](crate::Standard).
+    pub fn new(plan: Plan, part: &Part, loader: Arc<dyn Loader + Send + Sync>, seed: u64) -> Self {
+        let here = plan.components.iter().filter(|it| part.has(&it.name));
+        let texts = here.filter_map(|component| {
+            let file = specification(component)?;
+            let texts = start::specification_texts(file, &*loader);
+            Some((component.name.clone(), texts))
+        });
+        Self {
+            texts: texts.collect(),
+            plan,
+            loader,
+            seed,
+        }
+    }
+}
 
 /// A difference between two plans that requires a restart.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -21,7 +55,7 @@ pub enum FixedPart {
     #[error("`{0}` is removed")]
     Removed(String),
     /// A component that differs in more than properties and period.
-    #[error("`{0}` differs in more than its properties and its period")]
+    #[error("`{0}` differs in more than its properties, its period and its specification")]
     Component(String),
     /// A connection that leaves the process.
     #[error("the connection from `{from}` to `{to}` leaves the process")]
@@ -47,14 +81,17 @@ pub enum FixedPart {
 ///
 /// All differences that require a restart.
 pub fn changes(
-    running: &Plan,
-    wanted: &Plan,
+    running: &Version,
+    wanted: &Version,
     part: &Part,
     run: &dyn Run,
 ) -> Result<Vec<Change>, Vec<FixedPart>> {
+    let versions = (running, wanted);
+    let (running, wanted) = (&running.plan, &wanted.plan);
     let mut difference = Difference {
         part,
         run,
+        versions,
         ends: Vec::new(),
         begins: Vec::new(),
         fixed: tables(running, wanted),
@@ -89,6 +126,8 @@ fn tables(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
 struct Difference<'p> {
     part: &'p Part,
     run: &'p dyn Run,
+    /// The running and the wanted version.
+    versions: (&'p Version, &'p Version),
     /// Removals, applied before any addition.
     ends: Vec<Change>,
     begins: Vec<Change>,
@@ -114,10 +153,11 @@ impl Difference<'_> {
 
     fn component(&mut self, before: (&Component, &Plan), after: (&Component, &Plan)) {
         let name = &before.0.name;
-        if steady(before.0) != steady(after.0) {
+        if steady(before.0) != steady(after.0) || !has_same_queues(before, after) {
             self.fixed.push(FixedPart::Component(name.clone()));
             return;
         }
+        self.begins.extend(self.replacement(before.0, after.0));
         let values = self.values(name, &before.0.properties, &after.0.properties);
         if !values.is_empty() {
             let component = name.clone();
@@ -131,6 +171,29 @@ impl Difference<'_> {
                 period: drive(after).period().unwrap_or_default(),
             });
         }
+    }
+
+    /// Returns the replacement of a coordinator whose specification or bindings differ.
+    fn replacement(&self, before: &Component, after: &Component) -> Option<Change> {
+        let file = specification(after)?;
+        let (running, wanted) = self.versions;
+        let name = &after.name;
+        let has_same_text = running.texts.get(name) == wanted.texts.get(name);
+        if has_same_text && before.binding == after.binding {
+            return None;
+        }
+        let (_, shown) = file.rsplit_once('/').unwrap_or(("", file));
+        let description = if has_same_text {
+            format!("`{shown}` with other bindings")
+        } else {
+            format!("another version of `{shown}`")
+        };
+        let (version, component) = (wanted.clone(), after.clone());
+        let construct = start::coordinator(component, version.plan, version.loader, version.seed);
+        Some(Change::Replace {
+            component: name.clone(),
+            by: Replacement::new(description, construct),
+        })
     }
 
     /// Returns the changed property values; properties no longer set return to their default.
@@ -267,9 +330,38 @@ fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
     joints
 }
 
+/// Returns the file of the specification that a component runs.
+fn specification(component: &Component) -> Option<&str> {
+    match &component.implementation {
+        Implementation::Asm { file, .. } => Some(file),
+        Implementation::Rust(_)
+        | Implementation::Builtin { .. }
+        | Implementation::Process { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => None,
+    }
+}
+
+/// Returns whether the subscriptions of two versions of a component have equal queues, whose sizes depend on the bindings.
+fn has_same_queues(before: (&Component, &Plan), after: (&Component, &Plan)) -> bool {
+    before.0.inputs.iter().all(|port| {
+        let policy = |(component, plan): (&Component, &Plan)| {
+            let topic = port.topic.as_ref()?;
+            let policy = start::subscription_policy(plan, component, &port.name, topic);
+            Some(policy.kind)
+        };
+        policy(before) == policy(after)
+    })
+}
+
 /// Returns a component without the values that can be changed at run time.
 fn steady(component: &Component) -> Component {
     let mut component = component.clone();
+    if let Implementation::Asm { file, main } = &mut component.implementation {
+        file.clear();
+        *main = None;
+        component.binding = None;
+    }
     component.properties = PropertyValues::default();
     component.pace = asmotion_plan::Pace {
         period_ms: 0,

@@ -4,13 +4,15 @@
 #[path = "../../plan/tests/support/render.rs"]
 mod render;
 
+use std::sync::Arc;
+
 use asmotion_assembly::Standard;
-use asmotion_assembly::reconfigure::changes;
+use asmotion_assembly::reconfigure::{Version, changes};
 use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, Property, Span};
 use asmotion_composite::{Context, Tables};
 use asmotion_datum::{Message, Schema};
 use asmotion_lang::MemoryFiles;
-use asmotion_plan::{Opened, Part, Plan};
+use asmotion_plan::{Opened, Part};
 use asmotion_runtime::{Log, Run};
 
 asmotion_datum::message! {
@@ -123,23 +125,21 @@ fn open(text: &str) -> (MemoryFiles, Opened) {
     (files, opened)
 }
 
-/// Returns the plan of the composite after textual replacements.
-fn version(replaced: &[(&str, &str)]) -> Plan {
+/// Returns the composite after textual replacements.
+fn version(replaced: &[(&str, &str)]) -> Version {
     let mut text = COMPOSITE.to_owned();
     for (from, to) in replaced {
         assert!(text.contains(from), "{from}");
         text = text.replacen(from, to, 1);
     }
-    let (_, opened) = open(&text);
+    let (files, opened) = open(&text);
     let said = render::report(&opened.sources, &opened.report);
-    opened
-        .plan(None)
-        .unwrap_or_else(|| panic!("{said}"))
-        .clone()
+    let plan = opened.plan(None).unwrap_or_else(|| panic!("{said}"));
+    Version::new(plan.clone(), &Part::Whole, Arc::new(files), 0)
 }
 
-/// Starts the composite; returns its plan, system and log.
-fn running() -> (Plan, asmotion_runtime::System, Log) {
+/// Starts the composite; returns its version, system and log.
+fn running() -> (Version, asmotion_runtime::System, Log) {
     let (files, opened) = open(COMPOSITE);
     let plan = opened.plan(None).expect("a plan").clone();
     let mut workshop = Standard {
@@ -151,7 +151,8 @@ fn running() -> (Plan, asmotion_runtime::System, Log) {
     let mut system = asmotion_assembly::start(&plan, &mut workshop).expect("a system");
     let log = Log::new();
     system.observe(log.clone());
-    (plan, system, log)
+    let version = Version::new(plan, &Part::Whole, Arc::new(files), 0);
+    (version, system, log)
 }
 
 /// Replacements: Echo reads from the other counter; the first counter has a longer period and the default step.
@@ -212,7 +213,7 @@ fn c18_what_cannot_change_is_said_all_of_it() {
         [
             "`promote` of the composite",
             "`deploy` of the composite",
-            "`Echo` differs in more than its properties and its period",
+            "`Echo` differs in more than its properties, its period and its specification",
             "`Witness` is removed",
             "`Guard` is new",
         ]

@@ -1,8 +1,9 @@
 //! The trait that every component implements.
 
-use std::any::type_name;
+use std::any::{Any, type_name};
 
 use asmotion_datum::Datum;
+use asmotion_port::Time;
 
 use crate::cycle::Cycle;
 use crate::fault::Fault;
@@ -13,7 +14,7 @@ use crate::setup::Setup;
 ///
 /// Its constructor declares its ports, services, references and properties on an [`Interface`](crate::Interface)
 /// and keeps the handles. The hooks are Orocos RTT's; all but `update` may be left out.
-pub trait Component: Send {
+pub trait Component: Any + Send {
     /// Runs one cycle, with frozen inputs and constant time. Samples, calls and replies leave only if this returns `Ok`
     /// (RTT `updateHook`, TCA `execute`).
     ///
@@ -80,6 +81,20 @@ pub trait Component: Send {
     /// observer asks, at most a few times a second; the description has no influence on the run.
     fn inspect(&self) -> Vec<(String, Datum)> {
         Vec::new()
+    }
+
+    /// Continues in the state of the component that this one replaces in a running system, between two of its cycles.
+    /// Both have the same declaration, and `configure` and `start` are not called again. Returns notes for the operator:
+    /// the parts of the state that are not kept.
+    ///
+    /// # Errors
+    /// The reason that it cannot continue in this state; the predecessor then keeps running. Components that do not
+    /// implement this method cannot replace a running one.
+    fn take_over(&mut self, predecessor: &dyn Component, now: Time) -> Result<Vec<String>, Fault> {
+        let _ = (predecessor, now);
+        Err(Fault::new(
+            "components of this kind cannot be replaced while they run",
+        ))
     }
 
     /// Returns the state of the component between two cycles: everything that later cycles depend on except inputs,

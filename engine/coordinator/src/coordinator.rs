@@ -19,10 +19,12 @@ use asmotion_datum::{Datum, Message};
 use asmotion_lang::machine::{BackEnd, Machine, StepFault};
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{Diagnostic, FaultKind, Specification, Style, Value};
+use std::any::Any;
 
 /// A component that runs a specification: its cycle is one step of the machine.
 pub struct Coordinator {
     pub(crate) specification: Specification,
+    pub(crate) binding: Binding,
     /// Fingerprint of the specification and the bindings, stored in frozen states.
     pub(crate) fingerprint: String,
     pub(crate) machine: Machine,
@@ -87,6 +89,7 @@ impl Coordinator {
         Ok(Self {
             fingerprint: fingerprint(&specification, binding),
             specification,
+            binding: binding.clone(),
             machine,
             chooser: Seeded::new(seed),
             inbox,
@@ -112,6 +115,14 @@ impl Component for Coordinator {
 
     fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
         self.thawed(state)
+    }
+
+    fn take_over(&mut self, predecessor: &dyn Component, now: Time) -> Result<Vec<String>, Fault> {
+        let predecessor: &dyn Any = predecessor;
+        match predecessor.downcast_ref::<Self>() {
+            Some(predecessor) => self.continue_from(predecessor, now),
+            None => Err(Fault::new("the running component is no coordinator")),
+        }
     }
 
     /// Compiles native code before the first step, so that compilation delays no step. A specification that has made steps
@@ -221,7 +232,7 @@ fn with_missing_inputs(finding: Diagnostic, fault: &StepFault, machine: &Machine
 
 impl Coordinator {
     /// Starts and stops timers according to their conditions in the current state.
-    fn update_timers(&mut self, now: Time) -> Result<(), Fault> {
+    pub(crate) fn update_timers(&mut self, now: Time) -> Result<(), Fault> {
         let (inbox, machine) = (&mut self.inbox, &mut self.machine);
         let updated = inbox.update_timers(machine, &mut self.frame, now);
         updated.map_err(|fault| self.explained(&fault))
@@ -243,11 +254,11 @@ impl Coordinator {
     }
 
     /// The fault of a term, with its places in the texts.
-    fn explained(&self, fault: &StepFault) -> Fault {
+    pub(crate) fn explained(&self, fault: &StepFault) -> Fault {
         self.rendered(&self.specification.explain_in(fault, &self.machine))
     }
 
-    fn rendered(&self, finding: &Diagnostic) -> Fault {
+    pub(crate) fn rendered(&self, finding: &Diagnostic) -> Fault {
         let sources = &self.specification.sources;
         Fault::new(asmotion_lang::render(finding, sources, Style::Plain))
     }

@@ -117,6 +117,10 @@ pub(crate) struct OutcomeEffect {
 }
 
 impl OutcomeEffect {
+    pub fn operation(&self) -> &BoundOperation {
+        &self.operation
+    }
+
     fn fail(&self, inbox: &mut MessageInputs) {
         if let (Some(input), Some(event)) = (self.event, self.failed.clone()) {
             inbox.push(input, event, self.output);
@@ -306,6 +310,26 @@ impl EffectOutbox {
         self.pending
             .iter()
             .map(|pending| &pending.outcome.operation)
+    }
+
+    /// Continues a call of a predecessor.
+    pub fn add_pending(
+        &mut self,
+        call: CallId,
+        outcome: OutcomeEffect,
+        caller: Option<WaitingCaller>,
+    ) {
+        self.pending.push(PendingOutcome {
+            call,
+            outcome,
+            caller,
+        });
+    }
+
+    /// The bound locations, in the order of the binding.
+    pub fn locations(&self) -> impl Iterator<Item = (FunctionId, &[Value])> {
+        let outputs = self.outputs.iter();
+        outputs.map(|output| (output.function, output.arguments.as_slice()))
     }
 
     /// Ends all calls as failed, because the component stops.

@@ -76,7 +76,7 @@ pub(crate) struct InputLocation {
     /// Time of the newest message; of a timer, the time of its start.
     pub newest: Option<Time>,
     /// A message has arrived since the start of the process; for observers, not part of the frozen state.
-    has_received: bool,
+    pub has_received: bool,
     pub last: Option<Value>,
     pub waiting: EventQueue,
 }
@@ -309,6 +309,22 @@ impl MessageInputs {
             }
         }
         notices
+    }
+
+    /// Sets the inputs to their current values and leaves the waiting events to the next step.
+    pub fn observe(&self, now: Time, frame: &mut InputFrame) {
+        for input in &self.inputs {
+            for location in &input.locations {
+                let value = match (input.from, input.receive) {
+                    (MessageOrigin::Losses(_), _) => input.lost.value(&input.located.codomain),
+                    (MessageOrigin::Timer(_, after), _) => location.has_elapsed(after, now),
+                    (_, Receive::Edge) => Value::Bool(location.last.is_some()),
+                    (_, Receive::All) => input.none.clone(),
+                    (_, Receive::Last) => location.current_value(now, &input.stale, &input.none),
+                };
+                frame.set(location.position, value);
+            }
+        }
     }
 
     /// Fixes the inputs of the next step. A waiting event takes precedence over the newest message.

@@ -21,6 +21,7 @@ mod partners;
 mod requests;
 mod status;
 mod step;
+mod takeover;
 mod terms;
 
 pub use bind_error::BindError;

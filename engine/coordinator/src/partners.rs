@@ -29,8 +29,8 @@ pub(crate) struct MessagePartners {
 pub(crate) struct PartnerOperation {
     partner: Value,
     /// Name of the reference to the partner.
-    reference: String,
-    operation: String,
+    pub reference: String,
+    pub operation: String,
     handle: Required<Dynamic>,
     /// Expected shape of responses.
     response: ValueShape,
@@ -40,7 +40,7 @@ pub(crate) struct PartnerOperation {
 
 /// An operation that the component provides.
 pub(crate) struct OwnOperation {
-    operation: String,
+    pub operation: String,
     handle: Provided<Dynamic>,
     argument: ValueShape,
 }
@@ -145,6 +145,17 @@ impl MessagePartners {
                 argument: argument.clone(),
             });
         }
+    }
+
+    /// Position of the operation that is at this position of a predecessor. Several services may provide an operation
+    /// of one name; they have the same order in both.
+    pub fn own_position(&self, before: &Self, position: usize) -> Option<usize> {
+        let operation = &before.own_operations.get(position)?.operation;
+        let earlier = before.own_operations.iter().take(position);
+        let nth = earlier.filter(|it| it.operation == *operation).count();
+        let own = self.own_operations.iter().enumerate();
+        let mut own = own.filter(|(_, it)| it.operation == *operation);
+        own.nth(nth).map(|(position, _)| position)
     }
 
     /// The agents that represent services; messages to them leave the specification.

@@ -15,7 +15,7 @@ pub(crate) struct Requests {
 }
 
 pub(crate) struct RequestInput {
-    operation: BoundOperation,
+    pub operation: BoundOperation,
     pub handle: Provided<Dynamic>,
     /// A call made on the request's behalf supplies the reply.
     is_forwarded: bool,

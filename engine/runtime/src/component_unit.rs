@@ -1,6 +1,7 @@
 //! A unit: a component with its runtime state, its life cycle and its cycles. Executors drive units.
 
 mod freeze;
+mod replace;
 mod timing;
 
 use std::sync::Arc;
@@ -15,6 +16,8 @@ use asmotion_datum::Datum;
 use asmotion_port::Time;
 
 pub(crate) use self::freeze::FrozenUnit;
+pub(crate) use self::replace::NewComponent;
+pub use self::replace::REPLACEMENT_REPORT;
 use crate::component_body::{ComponentBody, CycleBody};
 use crate::descriptor::{ComponentDescriptor, ComponentStatus};
 use crate::effects::{ComponentEffects, Effects};

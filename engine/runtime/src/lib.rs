@@ -35,6 +35,7 @@ pub use asmotion_port::PushOutcome;
 pub use build_error::BuildError;
 pub use cause::CycleCause;
 pub use component_end::ComponentEnd;
+pub use component_unit::REPLACEMENT_REPORT;
 pub use context::LiveContext;
 pub use descriptor::CycleTime;
 pub use effects::Effects;
@@ -45,7 +46,8 @@ pub use injection::{InjectionPort, InjectionPorts, InjectionTarget};
 pub use live::Live;
 pub use log::Log;
 pub use run::{
-    Asked, Change, ChangeError, PortReader, PortSubscription, PortWriter, Run, SentCall, WriteError,
+    Asked, Change, ChangeError, PortReader, PortSubscription, PortWriter, Replacement, Run,
+    SentCall, WriteError,
 };
 pub use run_error::RunError;
 pub use service::{

@@ -5,6 +5,7 @@ mod call;
 mod change;
 mod executor;
 mod reader;
+mod replacement;
 mod run_impl;
 mod writer;
 
@@ -27,6 +28,7 @@ pub use call::SentCall;
 pub use change::{Change, ChangeError};
 pub(crate) use executor::{Act, Executor, Watch};
 pub use reader::{PortReader, PortSubscription};
+pub use replacement::Replacement;
 pub use writer::{PortWriter, WriteError};
 
 /// A running system: lets time pass, injects samples, inspects components, and starts, stops and changes them.
@@ -84,12 +86,19 @@ pub trait Run {
     fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError>;
 
     /// Makes several changes, or none of them if one is impossible. Each component's changes are made between the same
-    /// two of its cycles; components that are not concerned keep running.
+    /// two of its cycles, its replacement before all others; components that are not concerned keep running. Returns the
+    /// notes of the new components: the parts of their state that they do not keep.
     ///
     /// # Errors
     /// The first change that is not possible, as [`connect`](Self::connect), [`disconnect`](Self::disconnect) or
-    /// [`set_properties`](Self::set_properties) report it.
-    fn change(&mut self, changes: &[Change]) -> Result<(), ChangeError>;
+    /// [`set_properties`](Self::set_properties) report it; [`ChangeError::Replacement`] if a component cannot be replaced.
+    fn change(&mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError>;
+
+    /// Checks whether [`change`](Self::change) would make these changes now. Nothing is changed.
+    ///
+    /// # Errors
+    /// As [`change`](Self::change).
+    fn check_change(&mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError>;
 
     /// Takes a component through a transition of its life cycle.
     ///

@@ -54,6 +54,32 @@ pub enum SentKind {
     },
 }
 
+impl SentMessage {
+    /// Returns the same message with other values; `None` if a value has no translation.
+    pub(super) fn translated(&self, translate: &dyn Fn(&Value) -> Option<Value>) -> Option<Self> {
+        let kind = match &self.kind {
+            SentKind::Message { data } => SentKind::Message {
+                data: translate(data)?,
+            },
+            SentKind::Call { data, deadline_ns } => SentKind::Call {
+                data: translate(data)?,
+                deadline_ns: *deadline_ns,
+            },
+            SentKind::Reply { data, to } => SentKind::Reply {
+                data: translate(data)?,
+                to: *to,
+            },
+            SentKind::Cancel { call } => SentKind::Cancel { call: *call },
+        };
+        Some(Self {
+            from: translate(&self.from)?,
+            to: translate(&self.to)?,
+            kind,
+            ..self.clone()
+        })
+    }
+}
+
 /// The reason that a call ended without a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CallFault {

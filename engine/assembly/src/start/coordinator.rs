@@ -1,11 +1,13 @@
 //! Creates coordinators for components implemented by specifications.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use asmotion_component::{Component, Interface};
 use asmotion_coordinator::{Coordinator, Interfaces};
 use asmotion_datum::Schema;
-use asmotion_diagnostics::Loader;
+use asmotion_diagnostics::{FileId, Loader};
+use asmotion_plan::{Implementation, Plan};
 
 use super::Make;
 
@@ -25,6 +27,41 @@ pub(super) fn make(
         let made = made.map_err(|error| error.to_string())?;
         Ok(Box::new(made) as Box<dyn Component>)
     }))
+}
+
+/// Returns the seed of a coordinator: coordinators choose differently.
+pub(super) fn seed(seed: u64, component: &asmotion_plan::Component, plan: &Plan) -> u64 {
+    let mut components = plan.components.iter();
+    let position = components.position(|it| it.name == component.name);
+    seed.wrapping_add(position.unwrap_or(0) as u64)
+}
+
+/// Returns the constructor of a coordinator that replaces a running one. It loads the specification at each call.
+pub(crate) fn constructor(
+    component: asmotion_plan::Component,
+    plan: Plan,
+    loader: Arc<dyn Loader + Send + Sync>,
+    seed: u64,
+) -> impl Fn(&mut Interface) -> Result<Box<dyn Component>, String> + Send + Sync + 'static {
+    move |interface| {
+        let Implementation::Asm { file, .. } = &component.implementation else {
+            return Err("it is no specification".to_owned());
+        };
+        let seed = self::seed(seed, &component, &plan);
+        make(&component, file, &plan.types, &*loader, seed)?(interface)
+    }
+}
+
+/// Returns the texts of a specification and its imports, in the order in which they are loaded; empty if it cannot be
+/// opened.
+pub(crate) fn texts(file: &str, loader: &dyn Loader) -> Vec<Arc<str>> {
+    let Ok(specification) = asmotion_lang::open(file, loader) else {
+        return Vec::new();
+    };
+    let sources = &specification.sources;
+    let files = (0..).map(FileId);
+    let files = files.take_while(|file| !sources.path(*file).is_empty());
+    files.map(|file| sources.shared_text(file)).collect()
 }
 
 fn interfaces(

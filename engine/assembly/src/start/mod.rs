@@ -19,6 +19,7 @@ use asmotion_composite::model::{self, Transport};
 use asmotion_plan::{Part, Plan, Terminal};
 
 pub(crate) use activity::of as activity;
+pub(crate) use coordinator::{constructor as coordinator, texts as specification_texts};
 pub(crate) use policy::of as policy;
 pub use workshop::{Make, Standard, Workshop};
 
@@ -338,7 +339,7 @@ impl Building<'_> {
 
 /// The policy of an input that is on a topic without an explicit connection: a queue as large as those of the connections
 /// into the topic together, or of the default size if one of them has none.
-fn subscription_policy(
+pub(crate) fn subscription_policy(
     plan: &Plan,
     component: &asmotion_plan::Component,
     port: &str,

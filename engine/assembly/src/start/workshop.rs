@@ -44,11 +44,7 @@ impl Workshop for Standard<'_> {
                     .ok_or(format!("`{name}` is not in this build"))
             }
             Implementation::Asm { file, .. } => {
-                let position = plan
-                    .components
-                    .iter()
-                    .position(|it| it.name == component.name);
-                let seed = self.seed.wrapping_add(position.unwrap_or(0) as u64);
+                let seed = coordinator::seed(self.seed, component, plan);
                 coordinator::make(component, file, &plan.types, self.loader, seed)
             }
             Implementation::Builtin { .. } if let Some(settings) = &component.bridge => {

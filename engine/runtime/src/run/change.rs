@@ -11,6 +11,7 @@ use asmotion_datum::Datum;
 use asmotion_port::Policy;
 
 use super::executor::{Act, Executor, busy, connect_output};
+use super::replacement::Replacement;
 use crate::build_error::BuildError;
 use crate::component_end::{ComponentEnd, inputs, outputs, references, services};
 use crate::connections::RemovedConnection;
@@ -67,6 +68,14 @@ pub enum Change {
         /// The new period.
         period: Duration,
     },
+    /// Replaces a component by another one with the same declaration, which continues in its state
+    /// ([`take_over`](asmotion_component::Component::take_over)); one that is not configured begins anew.
+    Replace {
+        /// Name of the component.
+        component: String,
+        /// The new component.
+        by: Replacement,
+    },
 }
 
 /// The reason that a running system could not be changed.
@@ -78,6 +87,14 @@ pub enum ChangeError {
     /// A component refuses the change, or is busy.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A component cannot be replaced.
+    #[error("`{component}` cannot be replaced: {reason}")]
+    Replacement {
+        /// Name of the component.
+        component: String,
+        /// The reason of the new component.
+        reason: String,
+    },
 }
 
 impl fmt::Display for Change {
@@ -104,13 +121,14 @@ impl fmt::Display for Change {
             Self::SetPeriod { component, period } => {
                 write!(f, "`{component}` cycles every {period:?}")
             }
+            Self::Replace { component, by } => write!(f, "`{component}` runs {}", by),
         }
     }
 }
 
 /// The checked changes, none of which has reached a component yet.
 pub(super) struct ChangePlan<'r, E: Executor> {
-    run: &'r mut E,
+    pub(super) run: &'r mut E,
     /// First phase: inputs get new connections, so that every sample written afterwards has a reader.
     attach_steps: Vec<(usize, Act)>,
     /// Second phase: everything else.
@@ -119,6 +137,8 @@ pub(super) struct ChangePlan<'r, E: Executor> {
     detach_steps: Vec<(usize, Act)>,
     /// Steps that restore the connection table if a later change is impossible.
     undo_steps: Vec<UndoStep>,
+    /// Replacements, in order, applied before everything else.
+    pub(super) replacements: Vec<(usize, Replacement)>,
     /// Services of the references concerned, by component and reference: the name, and whether calls are one-way.
     wires: BTreeMap<(usize, usize), Vec<(String, Wire)>>,
 }
@@ -136,20 +156,32 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
             update_steps: Vec::new(),
             detach_steps: Vec::new(),
             undo_steps: Vec::new(),
+            replacements: Vec::new(),
             wires: BTreeMap::new(),
         }
     }
 
-    /// Makes all of these changes, or none of them.
-    pub(super) fn apply(mut self, changes: &[Change]) -> Result<(), ChangeError> {
-        match changes.iter().try_for_each(|change| self.plan(change)) {
-            Ok(()) => self.commit(),
+    /// Makes all of these changes, or none of them. Returns the notes of the new components.
+    pub(super) fn apply(mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError> {
+        let planned = changes.iter().try_for_each(|change| self.plan(change));
+        match planned.and_then(|()| self.replace_all()) {
+            Ok(notes) => {
+                self.commit();
+                Ok(notes)
+            }
             Err(error) => {
                 self.roll_back();
-                return Err(error);
+                Err(error)
             }
         }
-        Ok(())
+    }
+
+    /// Checks whether these changes are possible now. Returns the notes of the new components.
+    pub(super) fn check(mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError> {
+        let planned = changes.iter().try_for_each(|change| self.plan(change));
+        let checked = planned.and_then(|()| self.check_replacements());
+        self.roll_back();
+        checked
     }
 
     fn plan(&mut self, change: &Change) -> Result<(), ChangeError> {
@@ -167,6 +199,11 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                 let (index, period) = (self.run.index_of(component)?, *period);
                 let act: Act = Box::new(move |unit, _, _| unit.set_period(period));
                 self.update_steps.push((index, act));
+                Ok(())
+            }
+            Change::Replace { component, by } => {
+                let index = self.run.index_of(component)?;
+                self.replacements.push((index, by.clone()));
                 Ok(())
             }
         }

@@ -80,8 +80,12 @@ impl<E: Executor> Run for E {
         Ok(())
     }
 
-    fn change(&mut self, changes: &[Change]) -> Result<(), ChangeError> {
+    fn change(&mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError> {
         ChangePlan::new(self).apply(changes)
+    }
+
+    fn check_change(&mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError> {
+        ChangePlan::new(self).check(changes)
     }
 
     fn writer<T: Message>(

@@ -48,7 +48,7 @@ impl Operation for Spell {
 /// A component whose cycle is a closure.
 pub struct Behaviour<F>(pub F);
 
-impl<F: FnMut(&mut Cycle<'_>) -> Result<(), Fault> + Send> Component for Behaviour<F> {
+impl<F: FnMut(&mut Cycle<'_>) -> Result<(), Fault> + Send + 'static> Component for Behaviour<F> {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         (self.0)(cycle)
     }
