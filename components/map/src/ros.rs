@@ -3,15 +3,16 @@
 //!
 //! The image's lower left corner is the origin; darker pixels are more occupied unless `negate` is set.
 
+mod description;
 mod netpbm;
 mod picture;
 
 use asmotion_geometry::{Grid, GridLayout, GridLayoutError, Occupancy, Point, heading};
+use description::{MapDescription, ThresholdMode};
 use picture::{MapPicture, Pixel};
-use serde::Deserialize;
 
 use crate::drawing::fitting;
-use crate::error::{MapError, MapFault, Where};
+use crate::error::{MapError, MapFault};
 use crate::format::{MapFormat, MapSettings, MapSource};
 use crate::map::Map;
 
@@ -24,7 +25,7 @@ impl MapFormat for RosMap {
     }
 
     fn load(&self, source: &MapSource<'_>, settings: &MapSettings) -> Result<Map, MapError> {
-        let about = parse(source)?;
+        let about = description::read(source)?;
         let beside = source.beside(&about.image);
         let image = picture::read(&beside, settings)?;
         let grid = grid(&about, &image).map_err(|error| source.error(error.into()))?;
@@ -35,88 +36,9 @@ impl MapFormat for RosMap {
     }
 }
 
-/// The contents of the YAML file; unknown keys are ignored, as in map_server.
-#[derive(Debug, Deserialize)]
-struct RosMapFile {
-    image: String,
-    resolution: f64,
-    origin: Vec<f64>,
-    negate: Flag,
-    occupied_thresh: f64,
-    free_thresh: f64,
-    #[serde(default)]
-    mode: ThresholdMode,
-}
-
-/// A flag; map_server accepts a number or a Boolean.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Flag {
-    Truth(bool),
-    Number(i64),
-}
-
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum ThresholdMode {
-    /// Occupied, free, and unknown between the thresholds.
-    #[default]
-    Trinary,
-    /// The probability between the thresholds; transparent pixels are unknown.
-    Scale,
-    /// The pixel's value is the cell's.
-    Raw,
-}
-
-fn parse(source: &MapSource<'_>) -> Result<RosMapFile, MapError> {
-    let text = source.text()?;
-    let about: RosMapFile = serde_saphyr::from_str(&text).map_err(|error| {
-        let at = error
-            .location()
-            .map_or(Where::File, |location| Where::Line {
-                line: location.line(),
-                column: location.column(),
-            });
-        let what = error.without_snippet().to_string();
-        source.error_at(at, MapFault::Syntax { what })
-    })?;
-    check(&about).map_err(|fault| source.error(fault))?;
-    Ok(about)
-}
-
-fn check(about: &RosMapFile) -> Result<(), MapFault> {
-    let value = |key: &str, found: String, expected| MapFault::Value {
-        key: key.to_owned(),
-        found,
-        expected,
-    };
-    if about.origin.len() != 3 {
-        let found = format!("a list of {}", about.origin.len());
-        return Err(value("origin", found, "x, y (m) and yaw (rad)"));
-    }
-    let (free, occupied) = (about.free_thresh, about.occupied_thresh);
-    if !(0.0..=1.0).contains(&occupied) {
-        return Err(value(
-            "occupied_thresh",
-            occupied.to_string(),
-            "from 0 to 1",
-        ));
-    }
-    if !(0.0..=occupied).contains(&free) {
-        let expected = "from 0 to `occupied_thresh`";
-        return Err(value("free_thresh", free.to_string(), expected));
-    }
-    if about.image.is_empty() {
-        return Err(value("image", "empty".to_owned(), "the name of a file"));
-    }
-    Ok(())
-}
-
-fn grid(about: &RosMapFile, image: &MapPicture) -> Result<Grid, GridLayoutError> {
-    let origin = match about.origin[..] {
-        [x, y, yaw] => heading(Point::new(x, y), yaw),
-        _ => heading(Point::origin(), 0.0),
-    };
+fn grid(about: &MapDescription, image: &MapPicture) -> Result<Grid, GridLayoutError> {
+    let [x, y, yaw] = about.origin;
+    let origin = heading(Point::new(x, y), yaw);
     let layout = GridLayout::new(about.resolution, image.width, image.height, origin)?;
     let cells = image.upwards().map(|pixel| about.cell(&pixel)).collect();
     Grid::with_cells(layout, cells)
@@ -133,19 +55,12 @@ impl Pixel {
     }
 }
 
-impl RosMapFile {
-    fn negates(&self) -> bool {
-        match self.negate {
-            Flag::Truth(truth) => truth,
-            Flag::Number(number) => number != 0,
-        }
-    }
-
+impl MapDescription {
     /// The cell value of a pixel, computed as in nav2's map_server (map_io.cpp, `loadMapFromFile`).
     fn cell(&self, pixel: &Pixel) -> i8 {
         let trinary = matches!(self.mode, ThresholdMode::Trinary);
         let shade = pixel.shade(trinary);
-        let occupied = if self.negates() { shade } else { 1.0 - shade };
+        let occupied = if self.negate { shade } else { 1.0 - shade };
         let certain = if self.occupied_thresh < occupied {
             Some(Occupancy::Occupied)
         } else if occupied < self.free_thresh {
@@ -343,7 +258,7 @@ mod tests {
         let tail = "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
         assert!(error(&format!("{head}{tail}")).contains("origin"));
         assert!(error(&format!("{head}origin: [0, 0]\n{tail}")).contains("x, y (m) and yaw (rad)"));
-        assert!(error("image: [").starts_with("m.yaml:1:"));
+        assert!(error("image: [}").starts_with("m.yaml:1:"));
         let missing = error(&format!("{head}origin: [0, 0, 0]\n{tail}"));
         assert_eq!(missing, "m.png: file not found");
         assert!(
@@ -352,5 +267,38 @@ mod tests {
             ))
             .contains("`free_thresh` is 0.5")
         );
+        let whole = format!("{head}origin: [0, 0, 0]\n{tail}");
+        let with = |line: &str| error(&format!("{whole}{line}"));
+        assert_eq!(
+            with("mode: binary"),
+            "m.yaml:7:1: `mode` is binary; it must be `trinary`, `scale` or `raw`"
+        );
+        assert!(with("resolution: 1").contains("m.yaml:7:1: "));
+        assert!(with("resolution: 1").contains("the key `resolution` is repeated"));
+        let instead = |from: &str, to: &str| error(&whole.replace(from, to));
+        for value in [
+            ".inf", "nan", "1e999", "[1]", "{a: 1}", "*anchor", "'0.1 m'", "",
+        ] {
+            let found = instead("resolution: 0.1", &format!("resolution: {value}"));
+            assert!(found.starts_with("m.yaml:2:"), "{value}: {found}");
+        }
+        assert!(instead("[0, 0, 0]", "[0, [0], 0]").contains("`origin` is a nested list"));
+        assert!(instead("negate: 0", "negate: maybe").contains("`negate` is maybe"));
+        assert!(error("").contains("expected keys with values"));
+        assert!(error("- image: m.png").contains("expected keys with values"));
+    }
+
+    #[test]
+    fn it_reads_what_other_map_servers_read() {
+        let files = |yaml: &str| {
+            let error = load(
+                &FilesInMemory::new([("m.yaml", yaml)]),
+                "m.yaml",
+                &MapSettings::default(),
+            );
+            error.unwrap_err().to_string()
+        };
+        let yaml = "%YAML 1.1\n---\n# saved by hand\nimage: \"m.png\"\nresolution: 5.0e-2\norigin:\n  - -1.\n  - .5\n  - 0\nnegate: No\noccupied_thresh: '0.65'\nfree_thresh: 0.196\nlayers: {walls: [a, {b: [c]}], ? [x] : y}\n? [complex, key]\n: [1, 2]\n...\n";
+        assert_eq!(files(yaml), "m.png: file not found");
     }
 }

@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
-use asmotion_datum::{Described, Schema};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use asmotion_datum::{Datum, DatumError, Described, Schema};
+use serde::{Deserialize, Serialize};
 
 /// One line of a script: `1.0 goal 26.4 4.2 0`, `8 estop on`, `9.5 estop off`, `12 cancel`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,12 +53,12 @@ impl Described for ScriptLine {
         }
     }
 
-    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.serialize(serializer)
+    fn write(&self) -> Result<Datum, DatumError> {
+        self.text.write()
     }
 
-    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::deserialize(deserializer)
+    fn read(datum: &Datum) -> Result<Self, DatumError> {
+        datum.to()
     }
 }
 

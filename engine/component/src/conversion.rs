@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use asmotion_datum::{Datum, DatumError};
-use serde::de::DeserializeOwned;
+use asmotion_datum::{Datum, DatumError, Described};
 
 /// Checks values by converting them to a property's type, which can accept fewer values than its schema: a line of a script is a
 /// text of a certain form. The default accepts all values: in another process, a type is known by its schema alone.
@@ -15,8 +14,8 @@ type ConversionCheck = fn(&Datum) -> Result<(), DatumError>;
 
 impl PropertyConversion {
     /// The conversion to a type.
-    pub fn to<T: DeserializeOwned>() -> Self {
-        Self(Some(|value| value.to::<T>().map(drop)))
+    pub fn to<T: Described>() -> Self {
+        Self(Some(|value| T::read(value).map(drop)))
     }
 
     /// Converts a value.

@@ -139,7 +139,7 @@ impl Interface {
     /// ```
     pub fn safe<T: Message>(&mut self, output: Out<T>, sample: T) -> Out<T> {
         let index = output.position(self.owner);
-        let sample = Datum::of(&sample);
+        let sample = sample.to_datum();
         if let (Some(port), Some(declared)) = (
             self.outputs.get_mut(index),
             self.declaration.outputs.get_mut(index),
@@ -350,7 +350,7 @@ impl Interface {
 
     /// Converts a property's value to a datum. A value that cannot be represented is recorded as a problem.
     pub(crate) fn datum_of<T: PropertyValue>(&mut self, property: &str, value: &T) -> Datum {
-        Datum::of(value).unwrap_or_else(|error| {
+        value.write().unwrap_or_else(|error| {
             self.problems.push(DeclarationError::InvalidDefault {
                 name: property.to_owned(),
                 reason: error.to_string(),

@@ -7,22 +7,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asmotion_datum::{Datum, DatumError, Described};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use crate::declaration::PropertyDeclaration;
 use crate::suggestion::suggestion;
 
 /// A type that a property may have: numbers, Booleans, text, lists, arrays, messages.
-pub trait PropertyValue:
-    Described + Serialize + DeserializeOwned + Clone + Debug + Send + Sync + 'static
-{
-}
+pub trait PropertyValue: Described + Clone + Debug + Send + Sync + 'static {}
 
-impl<T: Described + Serialize + DeserializeOwned + Clone + Debug + Send + Sync + 'static>
-    PropertyValue for T
-{
-}
+impl<T: Described + Clone + Debug + Send + Sync + 'static> PropertyValue for T {}
 
 /// A value that a property does not accept.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -140,12 +132,12 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
     }
 
     fn get(&self) -> Result<Datum, DatumError> {
-        Datum::of(&self.value)
+        self.value.write()
     }
 
     fn check(&self, value: &Datum) -> Result<(), PropertyProblem> {
         let declaration = &self.declaration;
-        let typed: T = value.to().map_err(|source| PropertyProblem::Mismatch {
+        let typed = T::read(value).map_err(|source| PropertyProblem::Mismatch {
             expected: declaration.schema.to_string(),
             source,
         })?;
@@ -170,11 +162,11 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
     }
 
     fn stage(&mut self, value: &Datum) {
-        self.staged = value.to().ok();
+        self.staged = T::read(value).ok();
     }
 
     fn staged(&self) -> Result<Option<Datum>, DatumError> {
-        self.staged.as_ref().map(Datum::of).transpose()
+        self.staged.as_ref().map(T::write).transpose()
     }
 
     fn apply(&mut self) -> bool {

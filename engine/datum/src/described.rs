@@ -1,20 +1,16 @@
-//! Types that may be fields of messages, and their serialisation.
+//! Types that may be fields of messages, and their conversion to and from data.
 
-use std::fmt;
-use std::marker::PhantomData;
-
-use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
-use serde::ser::{Serialize, Serializer};
+use serde::de::{self, DeserializeOwned, Unexpected};
 
 use crate::error::DatumError;
-use crate::numbers::Packed;
+use crate::numbers::{Numbers, Packed};
 use crate::schema::{Schema, Shape};
-use crate::ser::RawBytes;
 use crate::value::Datum;
 
-/// A type that may be a field of a message. Provides its schema, its initial value and its serialisation.
+/// A type that may be a field of a message. Provides its schema, its initial value and its conversion to and from data.
 ///
-/// The `_many` methods let number types pack a list into one byte string.
+/// The conversion is not generic, so a type's conversion is compiled once, in the crate that declares the type. The
+/// `_many` methods let number types pack a list into one block.
 pub trait Described: Sized {
     /// The schema of the type.
     fn describe() -> Schema;
@@ -30,64 +26,168 @@ pub trait Described: Sized {
         Ok(())
     }
 
-    /// Serialises a field.
+    /// Converts a field to a datum.
     ///
     /// # Errors
-    /// The error of the serializer, if the format cannot express the field.
-    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error>;
+    /// The field cannot be represented: an integer beyond 64 bits with a sign.
+    fn write(&self) -> Result<Datum, DatumError>;
 
-    /// Deserialises a field.
+    /// Converts a datum to a field.
     ///
     /// # Errors
-    /// The error of the deserializer: its input is malformed, or does not fit the type.
-    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
+    /// The datum does not fit the type; the error names the place.
+    fn read(datum: &Datum) -> Result<Self, DatumError>;
 
-    /// Serialises a list. The default writes element by element.
+    /// Converts a list to a datum. The default converts element by element.
     ///
     /// # Errors
-    /// The error of the serializer, if the format cannot express an element.
-    fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(many.iter().map(SerializeDescribed))
+    /// An element cannot be represented.
+    fn write_many(many: &[Self]) -> Result<Datum, DatumError> {
+        let elements = many.iter().enumerate().map(|(index, element)| {
+            let datum = element.write();
+            datum.map_err(|error| error.within(index))
+        });
+        elements.collect::<Result<_, _>>().map(Datum::List)
     }
 
-    /// Deserialises a list. The default reads element by element.
+    /// Converts a datum to a list. The default converts element by element.
     ///
     /// # Errors
-    /// The error of the deserializer: its input is not a list, or an element does not fit the type.
-    fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
-        deserializer.deserialize_seq(ListVisitor(PhantomData))
+    /// The datum is not a list, or an element does not fit the type.
+    fn read_many(datum: &Datum) -> Result<Vec<Self>, DatumError> {
+        read_each(datum)
     }
 }
 
-/// The functions through which [`message!`](crate::message!) serialises each field: `#[serde(with = "datum::field")]`.
+/// The functions through which [`message!`](crate::message!) converts fields, and with which a struct of serde packs a field:
+/// `#[serde(with = "asmotion_datum::field")]`.
 pub mod field {
-    use super::{Datum, Described, Deserializer, SerializeDescribed, Serializer};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 
-    /// The initial value of a field as a datum; null if it cannot be represented.
-    pub fn datum<T: Described>(value: &T) -> Datum {
-        Datum::of(&SerializeDescribed(value)).unwrap_or_default()
-    }
+    use super::{Datum, DatumError, Described, unexpected};
+    use crate::value::FieldName;
 
-    /// Serialises a field.
+    /// Serialises a field as the datum that it converts to.
     ///
     /// # Errors
-    /// As [`Described::write`](super::Described::write).
+    /// As [`Described::write`], or the format cannot express the datum.
     pub fn serialize<T: Described, S: Serializer>(
         value: &T,
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
-        value.write(serializer)
+        let datum = value.write().map_err(ser::Error::custom)?;
+        datum.serialize(serializer)
     }
 
-    /// Deserialises a field.
+    /// Deserialises a datum and converts it to a field.
     ///
     /// # Errors
-    /// As [`Described::read`](super::Described::read).
+    /// The input is malformed, or as [`Described::read`].
     pub fn deserialize<'de, T: Described, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<T, D::Error> {
-        T::read(deserializer)
+        let datum = Datum::deserialize(deserializer)?;
+        T::read(&datum).map_err(de::Error::custom)
     }
+
+    /// The initial value of a field as a datum; null if it cannot be represented.
+    pub fn datum<T: Described>(value: &T) -> Datum {
+        value.write().unwrap_or_default()
+    }
+
+    /// Converts a named field to an entry of a record.
+    ///
+    /// # Errors
+    /// As [`Described::write`], with the name in the path.
+    pub fn write<T: Described>(
+        name: &'static str,
+        value: &T,
+    ) -> Result<(FieldName, Datum), DatumError> {
+        let datum = value.write().map_err(|error| error.within(name))?;
+        Ok((FieldName::Borrowed(name), datum))
+    }
+
+    /// Converts an entry of a record to a field.
+    ///
+    /// # Errors
+    /// As [`Described::read`], with the name in the path.
+    pub fn read<T: Described>(name: &str, datum: &Datum) -> Result<T, DatumError> {
+        T::read(datum).map_err(|error| error.within(name))
+    }
+
+    /// The entries of a record, each of which names another field.
+    ///
+    /// # Errors
+    /// The datum is not a record, or an entry is unknown or repeated.
+    pub fn entries<'a>(
+        datum: &'a Datum,
+        record: &str,
+        fields: &'static [&'static str],
+    ) -> Result<&'a [(FieldName, Datum)], DatumError> {
+        let Datum::Record(entries) = datum else {
+            let expected = format!("struct {record}");
+            return Err(de::Error::invalid_type(unexpected(datum), &&*expected));
+        };
+        // ends at the latest after one entry more than there are fields
+        for (index, (name, _)) in entries.iter().enumerate() {
+            let Some(field) = fields.iter().find(|field| **field == name) else {
+                return Err(de::Error::unknown_field(name, fields));
+            };
+            if entries.iter().take(index).any(|(before, _)| before == name) {
+                return Err(de::Error::duplicate_field(field));
+            }
+        }
+        Ok(entries)
+    }
+}
+
+/// Describes a datum in errors of serde.
+fn unexpected(datum: &Datum) -> Unexpected<'_> {
+    match datum {
+        Datum::Null => Unexpected::Option,
+        Datum::Bool(value) => Unexpected::Bool(*value),
+        Datum::Int(value) => Unexpected::Signed(*value),
+        Datum::Float(value) => Unexpected::Float(*value),
+        Datum::Text(value) => Unexpected::Str(value),
+        Datum::Bytes(bytes) => Unexpected::Bytes(bytes),
+        Datum::Numbers(_) | Datum::List(_) => Unexpected::Seq,
+        Datum::Record(_) => Unexpected::Map,
+    }
+}
+
+/// Converts a list, packed numbers or bytes element by element.
+fn read_each<T: Described>(datum: &Datum) -> Result<Vec<T>, DatumError> {
+    let element = |index, datum: &Datum| T::read(datum).map_err(|error| error.within(index));
+    match datum {
+        Datum::List(elements) => {
+            let elements = elements.iter().enumerate();
+            elements.map(|(index, it)| element(index, it)).collect()
+        }
+        Datum::Numbers(numbers) => {
+            let numbers = numbers.iter().enumerate();
+            numbers.map(|(index, it)| element(index, &it)).collect()
+        }
+        Datum::Bytes(bytes) => {
+            let bytes = bytes.iter().enumerate();
+            bytes
+                .map(|(index, byte)| element(index, &Datum::Int(i64::from(*byte))))
+                .collect()
+        }
+        Datum::Null
+        | Datum::Bool(_)
+        | Datum::Int(_)
+        | Datum::Float(_)
+        | Datum::Text(_)
+        | Datum::Record(_) => {
+            let expected = format!("a list of {}", T::describe());
+            Err(de::Error::invalid_type(unexpected(datum), &&*expected))
+        }
+    }
+}
+
+/// Converts a datum to a type of the standard library.
+fn read_plain<T: DeserializeOwned>(datum: &Datum) -> Result<T, DatumError> {
+    datum.to()
 }
 
 macro_rules! scalar {
@@ -101,12 +201,12 @@ macro_rules! scalar {
                 $initial
             }
 
-            fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                self.serialize(serializer)
+            fn write(&self) -> Result<Datum, DatumError> {
+                Datum::of(self)
             }
 
-            fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                Self::deserialize(deserializer)
+            fn read(datum: &Datum) -> Result<Self, DatumError> {
+                read_plain(datum)
             }
         })+
     };
@@ -116,7 +216,25 @@ scalar! {
     bool => Bool, false;
     u64 => U64, 0;
     String => Text, Self::new();
-    Datum => Any, Self::Null;
+}
+
+/// Data of any type.
+impl Described for Datum {
+    fn describe() -> Schema {
+        Schema::plain(Shape::Any)
+    }
+
+    fn initial() -> Self {
+        Self::Null
+    }
+
+    fn write(&self) -> Result<Datum, DatumError> {
+        Ok(self.clone())
+    }
+
+    fn read(datum: &Datum) -> Result<Self, DatumError> {
+        Ok(datum.clone())
+    }
 }
 
 macro_rules! packed {
@@ -130,23 +248,31 @@ macro_rules! packed {
                 $initial
             }
 
-            fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                self.serialize(serializer)
+            fn write(&self) -> Result<Datum, DatumError> {
+                Datum::of(self)
             }
 
-            fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                Self::deserialize(deserializer)
+            fn read(datum: &Datum) -> Result<Self, DatumError> {
+                read_plain(datum)
             }
 
-            fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
-                if serializer.is_human_readable() {
-                    return serializer.collect_seq(many);
+            fn write_many(many: &[Self]) -> Result<Datum, DatumError> {
+                Ok(Datum::Numbers(Numbers::$shape(many.into())))
+            }
+
+            fn read_many(datum: &Datum) -> Result<Vec<Self>, DatumError> {
+                match datum {
+                    Datum::Numbers(Numbers::$shape(numbers)) => Ok(numbers.to_vec()),
+                    Datum::Bytes(bytes) => Self::unpack(bytes).ok_or_else(|| undivided::<Self>(bytes)),
+                    Datum::Numbers(_)
+                    | Datum::List(_)
+                    | Datum::Null
+                    | Datum::Bool(_)
+                    | Datum::Int(_)
+                    | Datum::Float(_)
+                    | Datum::Text(_)
+                    | Datum::Record(_) => read_each(datum),
                 }
-                serializer.serialize_newtype_struct(Self::NAME, &RawBytes(&Self::pack(many)))
-            }
-
-            fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
-                deserializer.deserialize_newtype_struct(Self::NAME, PackedVisitor(PhantomData))
             }
         })+
     };
@@ -163,6 +289,12 @@ packed! {
     f64 => F64, 0.0;
 }
 
+/// The error for bytes that are not a whole number of elements.
+fn undivided<T: Described>(bytes: &[u8]) -> DatumError {
+    let (count, element) = (bytes.len(), T::describe());
+    de::Error::custom(format_args!("{count} bytes do not divide into {element}"))
+}
+
 /// A single byte; a list of them is a byte string.
 impl Described for u8 {
     fn describe() -> Schema {
@@ -173,23 +305,16 @@ impl Described for u8 {
         0
     }
 
-    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_u8(*self)
+    fn write(&self) -> Result<Datum, DatumError> {
+        Datum::of(self)
     }
 
-    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::deserialize(deserializer)
+    fn read(datum: &Datum) -> Result<Self, DatumError> {
+        read_plain(datum)
     }
 
-    fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
-        if serializer.is_human_readable() {
-            return serializer.collect_seq(many);
-        }
-        serializer.serialize_bytes(many)
-    }
-
-    fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
-        deserializer.deserialize_byte_buf(PackedVisitor(PhantomData))
+    fn write_many(many: &[Self]) -> Result<Datum, DatumError> {
+        Ok(Datum::Bytes(many.into()))
     }
 }
 
@@ -206,12 +331,12 @@ impl<T: Described> Described for Vec<T> {
         check_all(self)
     }
 
-    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        T::write_many(self, serializer)
+    fn write(&self) -> Result<Datum, DatumError> {
+        T::write_many(self)
     }
 
-    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        T::read_many(deserializer)
+    fn read(datum: &Datum) -> Result<Self, DatumError> {
+        T::read_many(datum)
     }
 }
 
@@ -228,12 +353,12 @@ impl<T: Described, const N: usize> Described for [T; N] {
         check_all(self)
     }
 
-    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        T::write_many(self, serializer)
+    fn write(&self) -> Result<Datum, DatumError> {
+        T::write_many(self)
     }
 
-    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let all = T::read_many(deserializer)?;
+    fn read(datum: &Datum) -> Result<Self, DatumError> {
+        let all = T::read_many(datum)?;
         all.try_into().map_err(|all: Vec<T>| {
             de::Error::custom(format_args!("expected {N} elements, found {}", all.len()))
         })
@@ -253,16 +378,15 @@ impl<T: Described> Described for Option<T> {
         self.as_ref().map_or(Ok(()), T::check_value)
     }
 
-    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            None => serializer.serialize_none(),
-            Some(value) => serializer.serialize_some(&SerializeDescribed(value)),
-        }
+    fn write(&self) -> Result<Datum, DatumError> {
+        self.as_ref().map_or(Ok(Datum::Null), T::write)
     }
 
-    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Option::<DeserializeDescribed<T>>::deserialize(deserializer)
-            .map(|some| some.map(|reading| reading.0))
+    fn read(datum: &Datum) -> Result<Self, DatumError> {
+        if datum.is_null() {
+            return Ok(None);
+        }
+        T::read(datum).map(Some)
     }
 }
 
@@ -270,81 +394,4 @@ impl<T: Described> Described for Option<T> {
 fn check_all<T: Described>(all: &[T]) -> Result<(), DatumError> {
     let mut elements = all.iter().enumerate();
     elements.try_for_each(|(index, one)| one.check_value().map_err(|error| error.within(index)))
-}
-
-/// Adapts a described value to serde's `Serialize`.
-struct SerializeDescribed<'a, T>(&'a T);
-
-impl<T: Described> Serialize for SerializeDescribed<'_, T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.0.write(serializer)
-    }
-}
-
-/// Adapts a described value to serde's `Deserialize`.
-struct DeserializeDescribed<T>(T);
-
-impl<'de, T: Described> Deserialize<'de> for DeserializeDescribed<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        T::read(deserializer).map(Self)
-    }
-}
-
-/// Limit on the number of elements for which memory is reserved because a peer announced them; beyond it, memory grows
-/// with the elements received.
-const TRUSTED_CAPACITY: usize = 4096;
-
-fn read_all<'de, T: Described, A: SeqAccess<'de>>(mut from: A) -> Result<Vec<T>, A::Error> {
-    let mut all = Vec::with_capacity(from.size_hint().unwrap_or(0).min(TRUSTED_CAPACITY));
-    while let Some(DeserializeDescribed(element)) = from.next_element()? {
-        all.push(element);
-    }
-    Ok(all)
-}
-
-/// Reads a list element by element.
-struct ListVisitor<T>(PhantomData<T>);
-
-impl<'de, T: Described> Visitor<'de> for ListVisitor<T> {
-    type Value = Vec<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "a list of {}", T::describe())
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, all: A) -> Result<Vec<T>, A::Error> {
-        read_all(all)
-    }
-}
-
-/// Reads a list of numbers, packed or one by one.
-struct PackedVisitor<T>(PhantomData<T>);
-
-impl<'de, T: Described + Packed> Visitor<'de> for PackedVisitor<T> {
-    type Value = Vec<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "a list of {}", T::describe())
-    }
-
-    fn visit_newtype_struct<D: Deserializer<'de>>(
-        self,
-        deserializer: D,
-    ) -> Result<Vec<T>, D::Error> {
-        deserializer.deserialize_any(self)
-    }
-
-    fn visit_bytes<E: de::Error>(self, bytes: &[u8]) -> Result<Vec<T>, E> {
-        T::unpack(bytes).ok_or_else(|| {
-            E::custom(format_args!(
-                "{} bytes do not divide into {}",
-                bytes.len(),
-                T::describe()
-            ))
-        })
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, all: A) -> Result<Vec<T>, A::Error> {
-        read_all(all)
-    }
 }

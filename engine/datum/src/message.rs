@@ -31,6 +31,23 @@ pub trait Message:
         Ok(())
     }
 
+    /// Converts the message to a datum. The macro [`message!`](crate::message!) compiles this conversion and the next one in
+    /// the crate that declares the type, so that ports of the type in other crates do not compile them again.
+    ///
+    /// # Errors
+    /// As [`Datum::of`].
+    fn to_datum(&self) -> Result<Datum, DatumError> {
+        Datum::of(self)
+    }
+
+    /// Converts a datum to a message.
+    ///
+    /// # Errors
+    /// As [`Datum::to`].
+    fn of_datum(datum: &Datum) -> Result<Self, DatumError> {
+        datum.to()
+    }
+
     /// The message that this one points to; `None` unless it is a pointer.
     fn pointee(&self) -> Option<Arc<dyn Sample>> {
         None
@@ -48,7 +65,7 @@ impl<T: Message> Sample for T {
     }
 
     fn to_datum(&self) -> Result<Datum, DatumError> {
-        Datum::of(self)
+        Message::to_datum(self)
     }
 
     fn to_shared(&self) -> Arc<dyn Sample> {
@@ -82,8 +99,8 @@ impl dyn Sample {
                 Ok(Arc::unwrap_or_clone(same))
             }
             Err(_) => match sample.downcast_ref::<Datum>() {
-                Some(datum) => datum.to(),
-                None => sample.to_datum()?.to(),
+                Some(datum) => T::of_datum(datum),
+                None => T::of_datum(&Sample::to_datum(&*sample)?),
             },
         }
     }
@@ -99,6 +116,14 @@ impl<T: Message> Message for Arc<T> {
 
     fn check(&self) -> Result<(), DatumError> {
         T::check(self)
+    }
+
+    fn to_datum(&self) -> Result<Datum, DatumError> {
+        T::to_datum(self)
+    }
+
+    fn of_datum(datum: &Datum) -> Result<Self, DatumError> {
+        T::of_datum(datum).map(Self::new)
     }
 
     fn pointee(&self) -> Option<Arc<dyn Sample>> {
@@ -158,12 +183,10 @@ macro_rules! message {
     )+) => {
         $(
             $(#[$meta])*
-            #[derive(Debug, Clone, PartialEq, $crate::serde::Serialize, $crate::serde::Deserialize)]
-            #[serde(crate = "asmotion_datum::serde", default, deny_unknown_fields)]
+            #[derive(Debug, Clone, PartialEq)]
             $vis struct $name {
                 $(
                     $(#[doc = $doc])*
-                    #[serde(with = "asmotion_datum::field")]
                     $field_vis $field: $type,
                 )*
             }
@@ -199,6 +222,33 @@ macro_rules! message {
                     $($check(self)?;)?
                     ::core::result::Result::Ok(())
                 }
+
+                fn to_datum(&self) -> ::core::result::Result<$crate::Datum, $crate::DatumError> {
+                    $crate::Described::write(self)
+                }
+
+                fn of_datum(
+                    datum: &$crate::Datum,
+                ) -> ::core::result::Result<Self, $crate::DatumError> {
+                    $crate::Described::read(datum)
+                }
+            }
+
+            impl $crate::serde::Serialize for $name {
+                fn serialize<S: $crate::serde::Serializer>(
+                    &self,
+                    serializer: S,
+                ) -> ::core::result::Result<S::Ok, S::Error> {
+                    $crate::field::serialize(self, serializer)
+                }
+            }
+
+            impl<'de> $crate::serde::Deserialize<'de> for $name {
+                fn deserialize<D: $crate::serde::Deserializer<'de>>(
+                    deserializer: D,
+                ) -> ::core::result::Result<Self, D::Error> {
+                    $crate::field::deserialize(deserializer)
+                }
             }
 
             impl $crate::Described for $name {
@@ -210,21 +260,28 @@ macro_rules! message {
                     <Self as ::core::default::Default>::default()
                 }
 
-                fn write<S: $crate::serde::Serializer>(
-                    &self,
-                    serializer: S,
-                ) -> ::core::result::Result<S::Ok, S::Error> {
-                    $crate::serde::Serialize::serialize(self, serializer)
+                fn write(&self) -> ::core::result::Result<$crate::Datum, $crate::DatumError> {
+                    ::core::result::Result::Ok($crate::Datum::Record(::std::vec![
+                        $($crate::field::write(stringify!($field), &self.$field)?,)*
+                    ]))
+                }
+
+                fn read(
+                    datum: &$crate::Datum,
+                ) -> ::core::result::Result<Self, $crate::DatumError> {
+                    const FIELDS: &[&str] = &[$(stringify!($field)),*];
+                    let mut message = <Self as ::core::default::Default>::default();
+                    for (name, value) in $crate::field::entries(datum, stringify!($name), FIELDS)? {
+                        match &**name {
+                            $(stringify!($field) => message.$field = $crate::field::read(name, value)?,)*
+                            _ => {}
+                        }
+                    }
+                    ::core::result::Result::Ok(message)
                 }
 
                 fn check_value(&self) -> ::core::result::Result<(), $crate::DatumError> {
                     <Self as $crate::Message>::check(self)
-                }
-
-                fn read<'de, D: $crate::serde::Deserializer<'de>>(
-                    deserializer: D,
-                ) -> ::core::result::Result<Self, D::Error> {
-                    $crate::serde::Deserialize::deserialize(deserializer)
                 }
             }
         )+

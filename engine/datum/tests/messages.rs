@@ -162,15 +162,40 @@ fn omitted_fields_have_their_initial_value_and_unknown_ones_are_refused() {
 
 #[test]
 fn an_error_names_the_place() {
-    let error = json::decode::<Scan>(r#"{"trail": [{}, {"x": "far"}]}"#).unwrap_err();
-    assert_eq!(error.path, "trail.1.x");
-    let error = json::decode::<Scan>(r#"{"cells": [1, 200]}"#).unwrap_err();
-    assert_eq!(error.path, "cells.1");
-    let error = json::decode::<Scan>(r#"{"covariance": [1.0]}"#).unwrap_err();
+    let error = |text: &str| {
+        let error = Scan::of_datum(&json::decode(text).unwrap()).unwrap_err();
+        let decoded = json::decode::<Scan>(text).unwrap_err();
+        assert_eq!(decoded.to_string(), error.to_string());
+        error
+    };
+    let far = error(r#"{"trail": [{}, {"x": "far"}]}"#);
+    assert_eq!(far.path, "trail.1.x");
+    assert_eq!(error(r#"{"cells": [1, 200]}"#).path, "cells.1");
     assert_eq!(
-        error.to_string(),
+        error(r#"{"covariance": [1.0]}"#).to_string(),
         "`covariance`: expected 36 elements, found 1"
     );
+    for (text, problem) in [
+        (r#"{"at": {"x": 1, "x": 2}}"#, "`at`: duplicate field `x`"),
+        (
+            r#"{"at": [1, 2, 3]}"#,
+            "`at`: invalid type: sequence, expected struct Vector3",
+        ),
+        (
+            r#"{"at": null}"#,
+            "`at`: invalid type: Option value, expected struct Vector3",
+        ),
+        (
+            r#"{"trail": {}}"#,
+            "`trail`: invalid type: map, expected a list of geometry_msgs/Vector3",
+        ),
+    ] {
+        assert!(
+            error(text).to_string().starts_with(problem),
+            "{}",
+            error(text)
+        );
+    }
 }
 
 #[test]

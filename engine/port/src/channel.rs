@@ -97,7 +97,7 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
             // all fields of a message have initial values, so an empty record suffices
             OnStale::Zero => {
                 let zeros = Datum::Record(Vec::new());
-                Some(zeros.to().map_err(OpenError::NoZero)?)
+                Some(T::of_datum(&zeros).map_err(OpenError::NoZero)?)
             }
             OnStale::Hold | OnStale::NoData => None,
         };

@@ -321,7 +321,7 @@ impl<T: Message> AnyOutput for OutputPort<T> {
     }
 
     fn set_safe(&mut self, sample: &Datum) -> Result<(), DatumError> {
-        self.safe = Some(sample.to()?);
+        self.safe = Some(T::of_datum(sample)?);
         Ok(())
     }
 
@@ -365,7 +365,7 @@ impl<T: Message> AnyOutput for OutputPort<T> {
             Ok::<_, DatumError>(Stamped {
                 at: last.at,
                 order: last.order,
-                value: last.value.to()?,
+                value: T::of_datum(&last.value)?,
             })
         });
         self.last = last.transpose()?;

@@ -1,6 +1,6 @@
 //! Snapshots: the content of ports between two cycles, as data.
 
-use asmotion_datum::{Datum, DatumError, DatumProblem};
+use asmotion_datum::{Datum, DatumError, DatumProblem, Message};
 use serde::{Deserialize, Serialize};
 
 use crate::sender::Stamped;
@@ -59,11 +59,11 @@ pub struct SampleSnapshot {
 
 impl SampleSnapshot {
     /// Converts a sample of any type.
-    pub(crate) fn of<T: serde::Serialize>(sample: &Stamped<T>) -> Result<Self, DatumError> {
+    pub(crate) fn of<T: Message>(sample: &Stamped<T>) -> Result<Self, DatumError> {
         Ok(Self {
             at: sample.at,
             order: sample.order,
-            value: Datum::of(&sample.value)?,
+            value: sample.value.to_datum()?,
         })
     }
 }
