@@ -1,7 +1,7 @@
 //! The pages of the codes: every code has one, its wrong example produces the code, the corrected one does not, and a
 //! snapshot shows the rendered finding.
 
-use super::messages::said;
+use super::said;
 use asmotion::codes::all;
 use asmotion_diagnostics::Code;
 use asmotion_lang::scenario::ScenarioSettings;

@@ -7,7 +7,7 @@ use std::path::Path;
 #[test]
 fn does_what_the_page_says() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join("docs/coming-from-asmeta.md")).unwrap();
+    let page = std::fs::read_to_string(root.join("../docs/coming-from-asmeta.md")).unwrap();
     let mut count = 0;
     for section in page.split("\n## ").skip(1) {
         let Some(example) = Example::of(section) else {

@@ -1,7 +1,5 @@
 //! `--compat asmeta`: the initial values and inputs that only an invariant reads.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use asmotion_lang::simulate::{Recording, Trace};
 use asmotion_lang::{FirstChoice, MemoryFiles, ReadOptions};
 

@@ -1,7 +1,5 @@
 //! A build without a code generator reports so, and still executes steps.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use asmotion_lang::{BackEnd, FirstChoice, MemoryFiles, NoInputs};
 
 const COUNTER: &str = "asm counter

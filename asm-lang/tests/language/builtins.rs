@@ -7,7 +7,7 @@ use asmotion_lang::syntax::parse_term;
 use asmotion_lang::{Model, NoInputs, Session};
 use std::collections::BTreeSet;
 
-const TABLE: &str = include_str!("builtins.txt");
+const TABLE: &str = include_str!("../../../tests/language/builtins.txt");
 
 /// A specification with the names used in the rows.
 const SPECIFICATION: &str = "asm builtins

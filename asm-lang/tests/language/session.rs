@@ -1,11 +1,5 @@
 //! Evaluation of terms and rules in a running specification.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test that cannot go on has failed"
-)]
-
 use asmotion_lang::{
     Environment, FirstChoice, MemoryFiles, NoInputs, Report, Session, Style, Value, ir, render_all,
 };

@@ -1,8 +1,6 @@
 //! Safe fixes of what people and generators write: applied until none is left, they give a
 //! specification without errors.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
-
 use asmotion_lang::diagnostics::apply;
 use asmotion_lang::{MemoryFiles, Report, Sources, Style, render_all};
 

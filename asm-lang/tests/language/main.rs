@@ -1,0 +1,33 @@
+//! Tests of the language from text to steps: the behaviour of programs, the diagnostics of their errors, and limits. The programs
+//! are in `tests/language` of the repository, where other tests read them too.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr,
+    reason = "a test fails by panicking"
+)]
+
+mod back_end;
+mod builtins;
+mod compatible;
+mod differences;
+mod exits;
+mod fixes;
+mod initial_state;
+mod limits;
+mod messages;
+mod replay;
+mod semantics;
+mod session;
+#[path = "../../../tests/language/support.rs"]
+mod support;
+
+use std::path::{Path, PathBuf};
+use support::{open, opened, programs, said};
+
+/// The folder of the programs.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/language")
+}
