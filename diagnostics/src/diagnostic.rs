@@ -39,10 +39,14 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// Creates a diagnostic with a code and a message, without labels.
     pub fn new(code: &'static Code, message: impl ToString) -> Self {
+        Self::bare(code, message.to_string())
+    }
+
+    fn bare(code: &'static Code, message: String) -> Self {
         Self {
             severity: code.severity,
             code,
-            message: message.to_string(),
+            message,
             primary: None,
             secondary: Vec::new(),
             notes: Vec::new(),

@@ -350,7 +350,7 @@ impl Interface {
 
     /// Converts a property's value to a datum. A value that cannot be represented is recorded as a problem.
     pub(crate) fn datum_of<T: PropertyValue>(&mut self, property: &str, value: &T) -> Datum {
-        value.write().unwrap_or_else(|error| {
+        Datum::of(value).unwrap_or_else(|error| {
             self.problems.push(DeclarationError::InvalidDefault {
                 name: property.to_owned(),
                 reason: error.to_string(),

@@ -7,14 +7,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asmotion_datum::{Datum, DatumError, Described};
+use serde::Serialize;
 
 use crate::declaration::PropertyDeclaration;
 use crate::suggestion::suggestion;
 
 /// A type that a property may have: numbers, Booleans, text, lists, arrays, messages.
-pub trait PropertyValue: Described + Clone + Debug + Send + Sync + 'static {}
+pub trait PropertyValue: Described + Serialize + Clone + Debug + Send + Sync + 'static {}
 
-impl<T: Described + Clone + Debug + Send + Sync + 'static> PropertyValue for T {}
+impl<T: Described + Serialize + Clone + Debug + Send + Sync + 'static> PropertyValue for T {}
 
 /// A value that a property does not accept.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -132,7 +133,7 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
     }
 
     fn get(&self) -> Result<Datum, DatumError> {
-        self.value.write()
+        Datum::of(&self.value)
     }
 
     fn check(&self, value: &Datum) -> Result<(), PropertyProblem> {
@@ -166,7 +167,7 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
     }
 
     fn staged(&self) -> Result<Option<Datum>, DatumError> {
-        self.staged.as_ref().map(T::write).transpose()
+        self.staged.as_ref().map(Datum::of).transpose()
     }
 
     fn apply(&mut self) -> bool {

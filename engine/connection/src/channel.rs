@@ -186,6 +186,22 @@ mod tests {
     }
 
     #[test]
+    fn an_end_is_abandoned_when_all_others_are_gone() {
+        for kind in [
+            BufferKind::Data,
+            BufferKind::Buffer(3),
+            BufferKind::Circular(3),
+        ] {
+            let (mut sender, mut receiver) = channel(kind);
+            assert!(!receiver.is_abandoned(), "{kind:?}");
+            sender.send(7);
+            drop(sender);
+            assert!(receiver.is_abandoned(), "{kind:?}");
+            assert_eq!(receiver.take(), Some(7), "{kind:?}");
+        }
+    }
+
+    #[test]
     fn o6_a_buffer_keeps_the_oldest() {
         send_and_drain(BufferKind::Buffer(3), 5, &[0, 1, 2], 2);
     }

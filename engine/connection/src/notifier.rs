@@ -74,3 +74,64 @@ impl fmt::Debug for Notifier {
             .finish_non_exhaustive()
     }
 }
+
+#[cfg(all(test, not(feature = "loom")))]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicU32;
+    use std::time::Instant;
+
+    use super::*;
+
+    /// Longer than any test waits for another thread.
+    const LONG: Duration = Duration::from_secs(60);
+
+    #[test]
+    fn a_notification_ends_the_next_wait_and_no_other() {
+        let notifier = Notifier::new();
+        assert!(!notifier.wait(Duration::ZERO));
+        notifier.notify();
+        notifier.notify();
+        let begun = Instant::now();
+        assert!(notifier.wait(LONG));
+        assert!(begun.elapsed() < LONG);
+        assert!(!notifier.wait(Duration::ZERO));
+    }
+
+    #[test]
+    fn a_notification_ends_the_wait_of_another_thread() {
+        let notifier = Arc::new(Notifier::new());
+        let waiting = Arc::clone(&notifier);
+        let begun = Instant::now();
+        let waiter = std::thread::spawn(move || waiting.wait(LONG));
+        while !notifier.waiting.load(Ordering::SeqCst) {
+            std::thread::yield_now();
+        }
+        notifier.notify();
+        assert!(waiter.join().unwrap());
+        assert!(begun.elapsed() < LONG);
+    }
+
+    #[test]
+    fn a_wait_without_notification_ends_at_its_timeout() {
+        let timeout = Duration::from_millis(20);
+        let begun = Instant::now();
+        // a thread may be unparked without reason
+        while begun.elapsed() < timeout {
+            assert!(!Notifier::new().wait(timeout));
+        }
+    }
+
+    #[test]
+    fn each_notification_calls_the_function() {
+        let count = Arc::new(AtomicU32::new(0));
+        let counted = Arc::clone(&count);
+        let notifier = Notifier::calling(move || {
+            counted.fetch_add(1, Ordering::SeqCst);
+        });
+        notifier.notify();
+        notifier.notify();
+        assert_eq!(count.load(Ordering::SeqCst), 2);
+        assert!(format!("{notifier:?}").contains("notified: true"));
+    }
+}

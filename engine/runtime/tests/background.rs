@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use asmotion_component::{Activity, BackgroundWork, Component, Cycle, Fault, Out, Span, Time};
 use asmotion_runtime::{Event, Run, System};
-use common::{Number, number};
+use common::{Number, number, run_until};
 
 /// Spawns background work once and writes its result. Counts the cycles until then.
 struct Spawner {
@@ -76,8 +76,7 @@ fn live_cycles_go_on_while_the_work_is_under_way() {
     let (open, gate) = channel();
     let (system, cycles) = system(Activity::periodic(1.ms()), gated(gate));
     let mut run = system.live();
-    run.run_for(30.ms());
-    assert!(*cycles.lock().unwrap() > 3, "the cycle did not wait");
+    run_until(&mut run, |_| *cycles.lock().unwrap() > 3);
     open.send(()).unwrap();
     assert!(run.run_until_event(Time::ZERO + 10.s(), &mut |_, event| is_written(event)));
 }
@@ -87,11 +86,11 @@ fn live_the_end_of_the_work_triggers_an_event_driven_component() {
     let (open, gate) = channel();
     let (system, cycles) = system(Activity::event(), gated(gate));
     let mut run = system.live();
+    run_until(&mut run, |_| *cycles.lock().unwrap() > 0);
     run.run_for(Duration::from_millis(30));
     assert_eq!(*cycles.lock().unwrap(), 1, "only the cycle of the start");
     open.send(()).unwrap();
-    assert!(run.run_until_event(Time::ZERO + 10.s(), &mut |_, event| is_written(event)));
-    assert_eq!(*cycles.lock().unwrap(), 2);
+    run_until(&mut run, |_| *cycles.lock().unwrap() == 2);
 }
 
 #[test]

@@ -1,7 +1,13 @@
 //! Messages, operations and a component made of closures, for tests.
 #![allow(dead_code, missing_docs, clippy::unwrap_used, reason = "tests")]
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
 use asmotion_component::{Component, Cycle, Fault, Interface, Operation};
+use asmotion_runtime::{Live, Run};
 
 asmotion_datum::message! {
     #[derive(Copy)]
@@ -98,22 +104,76 @@ pub fn doubler() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     })
 }
 
-/// Number of attempts of a test in real time.
+/// Number of attempts of a test in real time that count.
 const ATTEMPTS: u32 = 5;
 
+/// Time after which all attempts count.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 /// Runs a test in real time until it passes, at most five times. A busy machine delays threads now and then; an executor that
-/// is wrong fails every attempt.
+/// is wrong fails every attempt. For a minute, an attempt does not count if a thread beside it that only sleeps was late too.
 ///
 /// # Panics
 /// Panics like the last attempt.
 pub fn in_real_time(attempt: impl Fn()) {
-    for number in 1..=ATTEMPTS {
+    let begun = Instant::now();
+    let mut counted = 0;
+    loop {
+        let control = Control::start();
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(&attempt));
-        match result {
-            Ok(()) => return,
-            Err(problem) if number == ATTEMPTS => std::panic::resume_unwind(problem),
-            // the load can pass in the meantime
-            Err(_) => std::thread::sleep(std::time::Duration::from_millis(200) * number),
+        let is_busy = control.was_late();
+        let Err(problem) = result else { return };
+        counted += u32::from(!is_busy || begun.elapsed() > PATIENCE);
+        if counted == ATTEMPTS {
+            std::panic::resume_unwind(problem);
         }
+        // the load can pass in the meantime
+        std::thread::sleep(Duration::from_millis(200) * counted.max(1));
+    }
+}
+
+/// A thread that sleeps again and again, to tell a busy machine from a late executor.
+struct Control {
+    end: Arc<AtomicBool>,
+    /// The number of its sleeps, and of those that took longer than they should.
+    thread: JoinHandle<(u32, u32)>,
+}
+
+impl Control {
+    fn start() -> Self {
+        let end = Arc::new(AtomicBool::new(false));
+        let stop = Arc::clone(&end);
+        let thread = std::thread::spawn(move || {
+            let (mut sleeps, mut late) = (0, 0);
+            let nap = Duration::from_millis(5);
+            while !stop.load(Ordering::Relaxed) {
+                let begun = Instant::now();
+                std::thread::sleep(nap);
+                sleeps += 1;
+                late += u32::from(begun.elapsed() > nap + Duration::from_millis(1));
+            }
+            (sleeps, late)
+        });
+        Self { end, thread }
+    }
+
+    /// Whether more than one sleep in fifty was late.
+    fn was_late(self) -> bool {
+        self.end.store(true, Ordering::Relaxed);
+        let (sleeps, late) = self.thread.join().unwrap();
+        late * 50 > sleeps
+    }
+}
+
+/// Runs a live system until a condition holds.
+///
+/// # Panics
+/// Panics if it does not hold within ten seconds.
+#[track_caller]
+pub fn run_until(run: &mut Live, condition: impl Fn(&Live) -> bool) {
+    let begun = Instant::now();
+    while !condition(run) {
+        assert!(begun.elapsed() < Duration::from_secs(10), "not in time");
+        run.run_for(Duration::from_millis(5));
     }
 }
