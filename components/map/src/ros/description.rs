@@ -1,5 +1,10 @@
 //! Reads the YAML file of a ROS map.
 
+#![expect(
+    clippy::wildcard_enum_match_arm,
+    reason = "the events of YAML belong to the parser's crate"
+)]
+
 use std::borrow::Cow;
 
 use saphyr_parser::{Event, Marker, Parser, Span, StrInput};
