@@ -235,6 +235,7 @@ fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
     let mut files = MemoryFiles::new();
     files.add("main.toml", composite);
     files.add("brain.asm", specification);
+    files.add("replier.asm", REPLIER);
     let specifications = AsmFiles::new(&files);
     let context = Context {
         catalogue: &BUILD,
@@ -544,5 +545,122 @@ fn c18_on_the_wall_clock_no_event_is_lost_by_a_replacement() {
     assert!(
         totals.iter().zip(sums).all(|(seen, sum)| seen.abs() == sum),
         "{totals:?}"
+    );
+}
+
+#[test]
+fn c18_timers_run_on_and_new_initial_values_use_the_present_inputs() {
+    let first = version(COMPOSITE, BRAIN);
+    let (system, log) = start(&first);
+    let mut run = system.simulate();
+    run.run_for(1050.ms());
+    let timer = "bind.monitored.late = { timer = \"total > 0\", ms = 500 }\nbind.out.sum";
+    let composite = replaced(COMPOSITE, &[("bind.out.sum", timer)]);
+    let late = [
+        (
+            "\tmonitored number",
+            "\tmonitored late: Boolean\n\tmonitored number",
+        ),
+        (
+            "\tcontrolled mode",
+            "\tcontrolled base: Integer\n\tcontrolled mode",
+        ),
+        (
+            "\tfunction mode",
+            "\tfunction base = number + 5\n\tfunction mode",
+        ),
+        ("sum := total + number", "sum := total + number + base"),
+        (
+            "\t\t\tif ev",
+            "\t\t\tif late then mode := DONE endif\n\t\t\tif ev",
+        ),
+    ];
+    let next = version(&composite, &replaced(BRAIN, &late));
+    let notes = apply(&mut run, &first.1, &next.1).expect("it continues");
+    assert_eq!(notes, ["`base` begins with its initial value"]);
+    run.run_for(200.ms());
+    assert_eq!(said(&log)[11..], [78 + 5, 91 + 5]);
+    let paused = replaced(
+        &replaced(BRAIN, &late),
+        &[("{COLLECTING |", "{PAUSED | COLLECTING |")],
+    );
+    let last = version(&composite, &paused);
+    apply(&mut run, &next.1, &last.1).expect("it continues");
+    run.run_until(Time::ZERO + 1600.ms());
+    assert_eq!(status(&mut run, "Brain").state["mode"], "COLLECTING");
+    run.run_until(Time::ZERO + 1650.ms());
+    assert_eq!(status(&mut run, "Brain").state["mode"], "DONE");
+}
+
+/// Asks once, and greets when the answer has come.
+const ASKER: &str = "asm asker
+import StandardLibrary
+import CommonBehavior
+signature:
+	enum domain Word = {YES | NO}
+	domain Services subsetof Agent
+	static sums: Services
+	controlled answer: Integer
+	controlled greeting: Word
+	out double: Prod(Services, Integer) -> Integer
+definitions:
+	main rule r_Main =
+		if not isDef(answer) then r_wcall[sums, \"double\", 4, 5000, answer]
+		else if answer = 8 then greeting := NO endif endif
+default init s0:
+	function greeting = YES
+";
+
+const REPLIER: &str = "asm replier
+import StandardLibrary
+import CommonBehavior
+signature:
+	controlled asked: Integer
+	out double: Prod(Agent, Integer) -> Integer
+definitions:
+	main rule r_Main =
+		if nextRequest(self) = \"double\" then
+			seq
+				r_wreceive[undef, \"double\", asked]
+				r_wreply[undef, \"double\", asked + asked]
+			endseq
+		endif
+default init s0:
+	function asked = 0
+";
+
+const ASKED: &str = r#"
+schema = "composite/1"
+[composite]
+name = "asked"
+[components.Asker]
+implementation = { asm = "brain.asm" }
+task = { period_ms = 10 }
+references = { sums = "test/Adds" }
+[components.Replier]
+implementation = { asm = "replier.asm" }
+task = { period_ms = 200, delay_ms = 100 }
+services = { adding = "test/Adds" }
+[[wires]]
+reference = "Asker.sums"
+service = "Replier.adding"
+timeout_ms = 5000
+"#;
+
+#[test]
+fn c18_messages_on_their_way_reach_the_new_versions_of_both_partners() {
+    let first = version(ASKED, ASKER);
+    let (system, _) = start(&first);
+    let mut run = system.simulate();
+    run.run_for(50.ms());
+    assert_eq!(status(&mut run, "Asker").calls, ["sums.double"]);
+    let other_numbers = [("{YES | NO}", "{MAYBE | PERHAPS | NO | YES}")];
+    let next = version(ASKED, &replaced(ASKER, &other_numbers));
+    assert_eq!(apply(&mut run, &first.1, &next.1), Ok(Vec::new()));
+    run.run_for(250.ms());
+    let asker = status(&mut run, "Asker");
+    assert_eq!(
+        (asker.state["greeting"].as_str(), asker.calls.len()),
+        ("NO", 0)
     );
 }

@@ -3,13 +3,16 @@
 
 mod common;
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::any::Any;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion_component::{Activity, CallError, Component, Interface, Policy, Span, Wire};
+use asmotion_component::{
+    Activity, CallError, Component, Cycle, Fault, Interface, Out, Policy, Span, Time, Wire,
+};
 use asmotion_datum::Datum;
-use asmotion_runtime::{Change, Log, Run, System};
+use asmotion_runtime::{Change, Log, Replacement, Run, System};
 use common::{Double, Number, behaviour, counter, doubler, in_real_time, number};
 
 /// The values that a reader has seen, in order.
@@ -258,4 +261,175 @@ fn o12_two_gains_are_never_seen_half_applied() {
     assert!(run.cycles("Pid") > 5);
     assert!(!torn.load(Ordering::Relaxed));
     assert_eq!(run.properties("Pid").unwrap()[0].1, Datum::Float(200.0));
+}
+
+/// Adds `step` to its count in each cycle, and takes over the count of its predecessor as often as it is permitted.
+struct Tally {
+    n: i64,
+    step: i64,
+    nap: Duration,
+    permits: Arc<AtomicU32>,
+    out: Out<Number>,
+}
+
+impl Component for Tally {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        std::thread::sleep(self.nap);
+        self.n += self.step;
+        cycle.write(self.out, number(self.n));
+        Ok(())
+    }
+
+    fn take_over(&mut self, predecessor: &dyn Component, _: Time) -> Result<Vec<String>, Fault> {
+        let predecessor: &dyn Any = predecessor;
+        let predecessor = predecessor.downcast_ref::<Self>();
+        let predecessor = predecessor.ok_or_else(|| Fault::new("it does not count"))?;
+        let permits = |permits: u32| permits.checked_sub(1);
+        let permitted = self
+            .permits
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, permits);
+        permitted.map_err(|_| Fault::new("it is not permitted any more"))?;
+        self.n = predecessor.n;
+        Ok(vec![format!("continues from {}", self.n)])
+    }
+}
+
+fn tally(
+    step: i64,
+    nap: Duration,
+    permits: u32,
+) -> impl Fn(&mut Interface) -> Result<Box<dyn Component>, String> + Send + Sync + 'static {
+    let permits = Arc::new(AtomicU32::new(permits));
+    move |interface| {
+        Ok(Box::new(Tally {
+            n: 0,
+            step,
+            nap,
+            permits: Arc::clone(&permits),
+            out: interface.output("n", "the count"),
+        }))
+    }
+}
+
+/// Two tallies with a period of 10 ms, and an idler.
+fn tallies(nap: Duration) -> (System, Log) {
+    let (log, mut system) = (Log::new(), System::new());
+    system.observe(log.clone());
+    for name in ["One", "Two"] {
+        let made = |interface: &mut Interface| tally(1, nap, 9)(interface).unwrap();
+        system.add(name, Activity::periodic(10.ms()), made).unwrap();
+    }
+    system.add("Idler", Activity::event(), idler()).unwrap();
+    (system, log)
+}
+
+fn replace(component: &str, step: i64, permits: u32) -> Change {
+    Change::Replace {
+        component: component.to_owned(),
+        by: Replacement::new("another tally", tally(step, Duration::ZERO, permits)),
+    }
+}
+
+fn counts(log: &Log, port: &str) -> Vec<i64> {
+    let samples = log.samples::<Number>(port).into_iter();
+    samples.map(|(_, number)| number.n).collect()
+}
+
+#[test]
+fn c18_a_component_is_replaced_between_two_of_its_cycles() {
+    let (system, log) = tallies(Duration::ZERO);
+    let mut run = system.simulate();
+    run.run_for(25.ms());
+    let changes = [replace("One", 100, 9), replace("Two", -1, 9)];
+    let notes = ["continues from 3", "continues from 3"].map(str::to_owned);
+    assert_eq!(run.check_change(&changes).unwrap(), notes);
+    run.run_for(10.ms());
+    assert_eq!(run.change(&changes).unwrap()[0], "continues from 4");
+    run.run_for(20.ms());
+    assert_eq!(counts(&log, "One.n"), [1, 2, 3, 4, 104, 204]);
+    assert_eq!(counts(&log, "Two.n"), [1, 2, 3, 4, 3, 2]);
+    assert_eq!(
+        log.lines_with("replaced"),
+        [
+            "0.035 s One: replaced: \"another tally\"",
+            "0.035 s Two: replaced: \"another tally\"",
+        ]
+    );
+}
+
+#[test]
+fn c18_a_component_that_was_replaced_before_another_one_refused_is_put_back() {
+    let (system, log) = tallies(Duration::ZERO);
+    let mut run = system.simulate();
+    run.run_for(25.ms());
+    // the check before the replacement uses up the only permit
+    let refused = run.change(&[replace("One", 100, 9), replace("Two", 100, 1)]);
+    assert_eq!(
+        refused.unwrap_err().to_string(),
+        "`Two` cannot be replaced: it is not permitted any more"
+    );
+    run.run_for(20.ms());
+    for port in ["One.n", "Two.n"] {
+        assert_eq!(counts(&log, port), [1, 2, 3, 4, 5]);
+    }
+    let back = log.lines_with("its previous version again");
+    assert_eq!(back.len(), 1, "{back:?}");
+}
+
+#[test]
+fn c18_a_component_of_another_kind_or_interface_replaces_none() {
+    let (system, log) = tallies(Duration::ZERO);
+    let mut run = system.simulate();
+    run.run_for(25.ms());
+    let refused = [
+        (
+            "Idler",
+            "it uses other ports, services or operations, which needs a new start",
+        ),
+        ("Three", "unknown component `Three`"),
+    ];
+    for (component, reason) in refused {
+        let changes = [gain(2.0), replace(component, 100, 9)];
+        let refusal = run.change(&changes[1..]).unwrap_err().to_string();
+        assert!(refusal.contains(reason), "{refusal}");
+    }
+    let by = Replacement::new("a counter", |interface: &mut Interface| {
+        Ok(behaviour(|interface| {
+            let out = interface.output::<Number>("n", "the count");
+            move |cycle| {
+                cycle.write(out, number(0));
+                Ok(())
+            }
+        })(interface))
+    });
+    let component = "One".to_owned();
+    let refusal = run
+        .change(&[Change::Replace { component, by }])
+        .unwrap_err();
+    assert_eq!(
+        refusal.to_string(),
+        "`One` cannot be replaced: components of this kind cannot be replaced while they run"
+    );
+    run.run_for(10.ms());
+    assert_eq!(counts(&log, "One.n"), [1, 2, 3, 4]);
+    assert!(log.lines_with("replaced").is_empty());
+}
+
+#[test]
+fn c18_a_busy_component_is_not_replaced_later() {
+    let (system, log) = tallies(300.ms());
+    let mut run = system.live();
+    run.set_grace_period(10.ms());
+    run.run_for(50.ms());
+    let refusal = run.change(&[replace("One", 100, 9)]).unwrap_err();
+    assert!(refusal.to_string().contains("One"), "{refusal}");
+    run.set_grace_period(5.s());
+    run.run_for(700.ms());
+    run.stop();
+    let counts = counts(&log, "One.n");
+    assert!(
+        counts.len() >= 2 && counts.iter().all(|n| *n < 100),
+        "{counts:?}"
+    );
+    assert!(log.lines_with("replaced").is_empty());
 }
