@@ -554,7 +554,7 @@ fn c18_timers_run_on_and_new_initial_values_use_the_present_inputs() {
     let (system, log) = start(&first);
     let mut run = system.simulate();
     run.run_for(1050.ms());
-    let timer = "bind.monitored.late = { timer = \"total > 0\", ms = 500 }\nbind.out.sum";
+    let timer = "bind.monitored.late = { timer = \"total > 0\", ms = 540 }\nbind.out.sum";
     let composite = replaced(COMPOSITE, &[("bind.out.sum", timer)]);
     let late = [
         (
@@ -663,4 +663,47 @@ fn c18_messages_on_their_way_reach_the_new_versions_of_both_partners() {
         (asker.state["greeting"].as_str(), asker.calls.len()),
         ("NO", 0)
     );
+}
+
+const DICE: &str = "asm dice
+import StandardLibrary
+signature:
+	enum domain Side = {HEADS | TAILS}
+	controlled side: Side
+	out pick: Integer
+definitions:
+	main rule r_Main = choose $n in {1 : 1000} with true do pick := $n
+default init s0:
+	function side = HEADS
+";
+
+const ROLLED: &str = r#"
+schema = "composite/1"
+[composite]
+name = "rolled"
+[components.Dice]
+implementation = { asm = "brain.asm" }
+task = { period_ms = 100 }
+publish = { picks = "test/Number" }
+bind.out.pick = { topic = "picks", field = "n" }
+"#;
+
+#[test]
+fn c18_random_choices_continue_in_the_new_version() {
+    let picks = |is_replaced: bool| {
+        let first = version(ROLLED, DICE);
+        let (system, log) = start(&first);
+        let mut run = system.simulate();
+        run.run_for(450.ms());
+        if is_replaced {
+            let next = version(ROLLED, &replaced(DICE, &[("{HEADS", "{EDGE | HEADS")]));
+            apply(&mut run, &first.1, &next.1).expect("it continues");
+        }
+        run.run_for(1.s());
+        let picks = log.samples::<Number>("Dice.picks").into_iter();
+        picks.map(|(_, number)| number.n).collect::<Vec<_>>()
+    };
+    let undisturbed = picks(false);
+    assert_eq!(undisturbed.len(), 15);
+    assert_eq!(picks(true), undisturbed);
 }
