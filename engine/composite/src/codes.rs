@@ -108,6 +108,8 @@ pub(crate) mod c143;
 pub(crate) mod c144;
 pub(crate) mod c145;
 pub(crate) mod c147;
+pub(crate) mod c148;
+pub(crate) mod c149;
 
 use asmotion_diagnostics::Code;
 
@@ -219,4 +221,6 @@ pub const CODES: &[&Code] = &[
     c144::LocationBoundTwice::CODE,
     c145::InvalidTerm::CODE,
     c147::StateWithoutExit::CODE,
+    c148::UnreadBoundFunction::CODE,
+    c149::LiteralWithoutSource::CODE,
 ];
