@@ -110,6 +110,8 @@ pub(crate) mod c145;
 pub(crate) mod c147;
 pub(crate) mod c148;
 pub(crate) mod c149;
+pub(crate) mod c150;
+pub(crate) mod c151;
 
 use asmotion_diagnostics::Code;
 
@@ -223,4 +225,6 @@ pub const CODES: &[&Code] = &[
     c147::StateWithoutExit::CODE,
     c148::UnreadBoundFunction::CODE,
     c149::LiteralWithoutSource::CODE,
+    c150::UnmappedOperation::CODE,
+    c151::NoSingleProvider::CODE,
 ];
