@@ -2,6 +2,7 @@
 //! after the rows of the inventory.
 
 mod bench;
+mod discovery;
 mod facade;
 mod locomotor;
 mod processes;

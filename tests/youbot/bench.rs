@@ -5,14 +5,16 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion_assembly::Standard;
-use asmotion_component::{Component, Cycle, Fault, Interface, Property, Provided, Required, Time};
+use asmotion_component::{
+    Component, Cycle, Fault, Flow, In, Interface, Out, Property, Provided, Required, Time,
+};
 use asmotion_composite::model::BuiltinComponent;
 use asmotion_composite::{AsmFiles, Constructor, Context, EmptyEnvironment, Tables};
 use asmotion_datum::{Datum, Sample};
 use asmotion_lang::MemoryFiles;
 use asmotion_messages::{
-    Empty, GetJointsPositions, JointPositions, JointStatus, Notify, Period, SetJointsPositions,
-    SetPeriod,
+    Empty, GetJointsPositions, JointCommand, JointPositions, JointStatus, Notify, Period,
+    SetJointsPositions, SetPeriod,
 };
 use asmotion_plan::Opened;
 use asmotion_runtime::{Event, Run, Simulation};
@@ -74,6 +76,44 @@ impl Component for Client {
     }
 }
 
+/// An arm of six joints that jumps to each setpoint; its ports have other names than those of the youBot's driver.
+struct SixJoints {
+    setpoint: In<JointCommand>,
+    measured: Out<JointStatus>,
+    position: Vec<f64>,
+}
+
+impl SixJoints {
+    fn new(interface: &mut Interface) -> Self {
+        Self {
+            setpoint: interface.input("setpoint", "where to go"),
+            measured: interface.output("measured", "where it is"),
+            position: vec![0.0; 6],
+        }
+    }
+}
+
+impl Component for SixJoints {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        if let Flow::NewData(command) = cycle.read(self.setpoint) {
+            self.position = command.position.clone();
+        }
+        let stamp = asmotion_messages::Time::from_nanos(cycle.now().nanos());
+        let position = self.position.clone();
+        let count = position.len();
+        let status = JointStatus {
+            stamp,
+            position,
+            velocity: vec![0.0; count],
+            current: vec![0.0; count],
+            temperature: vec![20.0; count],
+            error_flags: vec![0; count],
+        };
+        cycle.write(self.measured, status);
+        Ok(())
+    }
+}
+
 /// The built-in components and the client.
 const COMPONENTS: &[(&str, Constructor)] = &[
     made("youbot::DummyDriver", |interface| {
@@ -86,6 +126,9 @@ const COMPONENTS: &[(&str, Constructor)] = &[
         of_build("youbot::Operator", interface)
     }),
     made("test::Client", |interface| Box::new(Client::new(interface))),
+    made("test::SixJoints", |interface| {
+        Box::new(SixJoints::new(interface))
+    }),
 ];
 
 const fn made(name: &'static str, make: Constructor) -> (&'static str, Constructor) {
@@ -127,6 +170,8 @@ properties = { script = SCRIPT }
 
 /// The configuration of the bench.
 pub(super) struct Bench {
+    /// Text of the composite around the driver's.
+    pub application: String,
     /// Text of the driver's composite.
     pub driver: String,
     /// Text of the driver's composite if `driver` is another one around it.
@@ -141,6 +186,7 @@ pub(super) struct Bench {
 impl Default for Bench {
     fn default() -> Self {
         Self {
+            application: APPLICATION.to_owned(),
             driver: include_str!("../../specs/youbot/youbot_driver.composite.toml").to_owned(),
             inner: None,
             properties: "",
@@ -313,7 +359,7 @@ fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>
 impl Bench {
     fn files(&self) -> MemoryFiles {
         let script = format!("{:?}", self.script);
-        let application = APPLICATION.replace("WIRE", self.wire);
+        let application = self.application.replace("WIRE", self.wire);
         let application = application.replace("DRIVER", self.properties);
         let mut files = MemoryFiles::new();
         files.add(
@@ -336,6 +382,12 @@ impl Bench {
             .iter()
             .map(|it| it.code.name)
             .collect()
+    }
+
+    /// The composite with everything that it leaves to discovery.
+    pub(super) fn expanded(&self) -> String {
+        let opened = open(&self.files());
+        asmotion_plan::expand(&opened, opened.plan(None).unwrap())
     }
 
     /// Starts everything in virtual time, with a log.

@@ -7,6 +7,7 @@ pub(crate) mod a040;
 pub(crate) mod a041;
 pub(crate) mod w006;
 pub(crate) mod w007;
+pub(crate) mod w033;
 
 use asmotion_diagnostics::Code;
 
@@ -19,4 +20,5 @@ pub const CODES: &[&Code] = &[
     a041::MessageMismatch::CODE,
     w006::StaticChanges::CODE,
     w007::DerivedNeverChanges::CODE,
+    w033::UnreachedElement::CODE,
 ];

@@ -23,7 +23,8 @@ pub use counter::{Counted, Counter, CoveragePoint};
 pub use id::*;
 pub use interval::IntegerInterval;
 pub use lower::{
-    Lowered, MessageRole, MessageUse, lower, lower_with, message_uses, visit_rules, visit_terms,
+    Lowered, MessageRole, MessageUse, UnreachedLiteral, applied_functions, lower, lower_with,
+    message_uses, read_functions, unreached_literals, visit_rules, visit_terms,
 };
 pub use program::*;
 pub use value_shape::ValueShape;

@@ -12,6 +12,7 @@ mod order;
 mod reach;
 mod rule;
 mod term;
+mod uses;
 
 use crate::code::{Body, Rule, RuleNode, Term};
 use crate::codes::a035::CircularDomain;
@@ -20,6 +21,7 @@ use crate::program::{DomainElements, Initial, Invariant, Program, RuleValue, Sym
 pub use facts::{visit as visit_terms, walk as visit_rules};
 
 pub use message::{MessageRole, MessageUse, message_uses};
+pub use uses::{UnreachedLiteral, applied_functions, read_functions, unreached_literals};
 
 use asmotion_diagnostics::{Finding, Report, Span};
 use asmotion_hir::{Meaning, Model};

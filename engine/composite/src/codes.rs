@@ -108,6 +108,10 @@ pub(crate) mod c143;
 pub(crate) mod c144;
 pub(crate) mod c145;
 pub(crate) mod c147;
+pub(crate) mod c148;
+pub(crate) mod c149;
+pub(crate) mod c150;
+pub(crate) mod c151;
 
 use asmotion_diagnostics::Code;
 
@@ -219,4 +223,8 @@ pub const CODES: &[&Code] = &[
     c144::LocationBoundTwice::CODE,
     c145::InvalidTerm::CODE,
     c147::StateWithoutExit::CODE,
+    c148::UnreadBoundFunction::CODE,
+    c149::LiteralWithoutSource::CODE,
+    c150::UnmappedOperation::CODE,
+    c151::NoSingleProvider::CODE,
 ];

@@ -13,10 +13,12 @@ use asmotion_diagnostics::{Report, Sources, Span};
 use crate::at::At;
 use crate::catalogue::Catalogue;
 use crate::context::Context;
+use crate::discovery;
 use crate::finding::Findings;
 use crate::model::binding::Bind;
 use crate::model::{Component, Composite, Implementation};
 use crate::pattern;
+use crate::provider::{NamedInterfaces, ServiceScope};
 use crate::read;
 use crate::signature::Signature;
 use crate::types::{TypeFile, Types};
@@ -57,6 +59,7 @@ impl Family {
             members: BTreeMap::new(),
             types: BTreeMap::new(),
             specifications: BTreeMap::new(),
+            promoted: BTreeMap::new(),
             broken: Vec::new(),
             chain: Vec::new(),
         };
@@ -150,6 +153,8 @@ struct Visit<'v, 'c> {
     members: BTreeMap<String, Member>,
     types: BTreeMap<String, TypeFile>,
     specifications: BTreeMap<String, Box<dyn Signature>>,
+    /// Services that each composite promotes.
+    promoted: BTreeMap<String, NamedInterfaces>,
     /// Files that failed to load; not read again.
     broken: Vec<String>,
     /// Composites being read, outermost first, each with the location that includes the next.
@@ -167,7 +172,7 @@ impl Visit<'_, '_> {
             self.report.extend(report);
             composite
         });
-        let Some(composite) = read else {
+        let Some(mut composite) = read else {
             self.broken.push(path.to_owned());
             return;
         };
@@ -198,6 +203,18 @@ impl Visit<'_, '_> {
             }
         }
         self.chain.pop();
+        discovery::complete(&mut composite, self.context.catalogue, self.report);
+        let promoted = |file: &str| {
+            let promoted = paths.get(file).and_then(|path| self.promoted.get(path));
+            promoted.cloned().unwrap_or_default()
+        };
+        let services = ServiceScope {
+            promoted: &promoted,
+            catalogue: self.context.catalogue,
+        };
+        services.resolve(&mut composite, self.report);
+        let promoted = services.promoted_by(&composite);
+        self.promoted.insert(path.to_owned(), promoted);
         self.members
             .insert(path.to_owned(), Member { composite, paths });
     }

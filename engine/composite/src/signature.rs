@@ -1,5 +1,7 @@
 //! Interface to the functions declared in an `.asm` file; avoids a dependency on the language crates.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use asmotion_coordinator::{LocationArgument, LocationName};
 use asmotion_diagnostics::{Report, Sources, Span};
 
@@ -69,8 +71,32 @@ pub trait Signature {
         Vec::new()
     }
 
+    /// Returns the names of the functions that the specification or one of the terms reads; `None` if they are not known.
+    fn read_functions(&self, terms: &[&str]) -> Option<BTreeSet<String>> {
+        let _ = terms;
+        None
+    }
+
+    /// Returns the literals with which the specification compares values, and which no function takes if the environment
+    /// gives the functions in `inputs` only these literals. Literals that no input could make reachable are not among them.
+    fn missing_literals(&self, inputs: &BTreeMap<String, BTreeSet<String>>) -> Vec<MissingLiteral> {
+        let _ = inputs;
+        Vec::new()
+    }
+
     /// Returns the name and location of the main rule.
     fn main_rule(&self) -> Option<(String, Span)>;
+}
+
+/// A literal that no input of the composite yields.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingLiteral {
+    /// The literal.
+    pub literal: String,
+    /// Name of its enumeration.
+    pub domain: String,
+    /// Location of the first comparison with it.
+    pub compared: Span,
 }
 
 /// A control state that a rule enters.

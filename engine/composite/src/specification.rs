@@ -1,7 +1,7 @@
 //! Signatures of `.asm` files, read with the language crates.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_coordinator::CONTROL_STATES;
 use asmotion_diagnostics::{FileId, Loader, Report, Sources, Span};
@@ -12,8 +12,8 @@ use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
 
 use crate::signature::{
-    Annotated, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind, ParameterInfo,
-    Signature, Specifications,
+    Annotated, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind, MissingLiteral,
+    ParameterInfo, Signature, Specifications,
 };
 
 /// Loads `.asm` files with the language crates.
@@ -142,6 +142,53 @@ impl Signature for ModelSignature {
         let found = found.map(|found| codomain(&model, found));
         model.forget_added(terms, rules);
         Ok(found)
+    }
+
+    fn read_functions(&self, terms: &[&str]) -> Option<BTreeSet<String>> {
+        let mut model = self.model.borrow_mut();
+        let mut read = ir::read_functions(&model);
+        for text in terms {
+            // an error in a term is reported where it is checked
+            let Ok(term) = asmotion_lang::syntax::parse_term(FileId::default(), text) else {
+                continue;
+            };
+            let (terms, rules) = (model.added.terms.len(), model.added.rules.len());
+            if let Ok(added) = model.add_term(&term) {
+                let term = model.added.terms.get(added.0 as usize);
+                read.extend(term.iter().flat_map(|it| ir::applied_functions(&it.root)));
+                model.forget_added(terms, rules);
+            }
+        }
+        let names = read
+            .into_iter()
+            .map(|id| model.function(id).name.to_string());
+        Some(names.collect())
+    }
+
+    fn missing_literals(&self, inputs: &BTreeMap<String, BTreeSet<String>>) -> Vec<MissingLiteral> {
+        let model = self.model.borrow();
+        let given = |id: hir::FunctionId| {
+            let function = model.function(id);
+            let names = inputs.get(&*function.name)?;
+            let all = (0..).map(Atom).zip(&model.atoms);
+            let given = all.filter(|(_, atom)| names.contains(&*atom.name));
+            Some(given.map(|(atom, _)| atom).collect())
+        };
+        let always: BTreeSet<Atom> = ir::unreached_literals(&model, &|_| None)
+            .into_iter()
+            .map(|unreached| unreached.atom)
+            .collect();
+        let unreached = ir::unreached_literals(&model, &given).into_iter();
+        let missing = unreached.filter(|it| !always.contains(&it.atom));
+        let missing = missing.filter_map(|unreached| {
+            let literal = model.atoms.get(unreached.atom.0 as usize)?;
+            Some(MissingLiteral {
+                literal: literal.name.to_string(),
+                domain: model.domain(literal.domain).name.to_string(),
+                compared: unreached.compared?,
+            })
+        });
+        missing.collect()
     }
 
     fn main_rule(&self) -> Option<(String, Span)> {

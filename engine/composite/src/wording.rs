@@ -28,7 +28,8 @@ pub(crate) fn has<'n>(what: &str, names: impl IntoIterator<Item = &'n str>) -> S
     }
 }
 
-fn joined(names: &[&str], last_word: &str) -> String {
+/// Joins the names in backquotes with commas and the last word.
+pub(crate) fn joined(names: &[&str], last_word: &str) -> String {
     match names {
         [] => "none".to_owned(),
         [only] => format!("`{only}`"),

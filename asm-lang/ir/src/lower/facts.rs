@@ -360,7 +360,7 @@ pub fn walk<'a>(rule: &'a RuleTerm, see: &mut dyn FnMut(&'a RuleTerm)) {
 }
 
 /// Calls `see` for the terms of a rule, without those of the rules in it.
-fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
+pub(super) fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
     let mut all = |terms: &[Term]| terms.iter().for_each(&mut *see);
     match &*rule.kind {
         RuleKind::Update(target, value) => {

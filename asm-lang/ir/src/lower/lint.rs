@@ -1,14 +1,17 @@
 //! Lints that need all definitions.
 
 use super::facts::{Facts, visit};
+use super::uses::unreached_literals;
 use crate::codes::w006::StaticChanges;
 use crate::codes::w007::DerivedNeverChanges;
+use crate::codes::w033::UnreachedElement;
 use asmotion_diagnostics::{Diagnostic, Finding, Report, Span};
 use asmotion_hir::{
     DomainId, Function, FunctionKind, Meaning, Model, Term, TermKind, Type, TypeId,
 };
+use std::collections::BTreeMap;
 
-/// Reports static functions that change and derived functions that never do.
+/// Reports static functions that change, derived functions that never do, and literals that no function can take.
 pub(super) fn warnings(model: &Model, facts: &Facts) -> Report {
     let mut report = Report::new();
     for (id, function) in model.own_functions() {
@@ -24,7 +27,37 @@ pub(super) fn warnings(model: &Model, facts: &Facts) -> Report {
         };
         report.push(finding);
     }
+    for finding in unreached(model) {
+        report.push(finding.diagnostic());
+    }
     report
+}
+
+/// Returns a finding for each literal that is only compared with, and one for those of an enumeration that nothing
+/// mentions.
+fn unreached(model: &Model) -> Vec<UnreachedElement> {
+    let mut found = Vec::new();
+    let mut unmentioned: BTreeMap<DomainId, UnreachedElement> = BTreeMap::new();
+    for unreached in unreached_literals(model, &|_| None) {
+        let Some(literal) = model.atoms.get(unreached.atom.0 as usize) else {
+            continue;
+        };
+        let finding = UnreachedElement {
+            literals: vec![literal.name.clone()],
+            domain: model.domain(literal.domain).name.clone(),
+            declared: literal.span,
+            compared: unreached.compared,
+        };
+        if unreached.compared.is_some() {
+            found.push(finding);
+        } else if let Some(first) = unmentioned.get_mut(&literal.domain) {
+            first.literals.extend(finding.literals);
+        } else {
+            unmentioned.insert(literal.domain, finding);
+        }
+    }
+    found.extend(unmentioned.into_values());
+    found
 }
 
 fn changing(facts: &Facts, function: &Function, body: &Term) -> Diagnostic {

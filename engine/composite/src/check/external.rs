@@ -23,7 +23,7 @@ pub(super) fn check(wire: &Wire, report: &mut Report) {
                 only_over_http(wire, key, at, report);
             }
         }
-        if url.is_none() && wire.services.is_empty() {
+        if url.is_none() && wire.services.is_empty() && wire.interface.is_none() {
             missing(
                 "service",
                 "a wire",

@@ -29,6 +29,22 @@ pub struct Bind {
     pub out: Vec<Out>,
 }
 
+impl Bind {
+    /// Iterates over all calls.
+    pub fn calls(&self) -> impl Iterator<Item = &Call> {
+        let cases = self.out.iter().flat_map(|out| match &out.effect {
+            Effect::Publish(_) => &[],
+            Effect::Literals(cases) => cases.as_slice(),
+        });
+        cases
+            .flat_map(|(_, actions)| actions)
+            .filter_map(|action| match action {
+                Action::Call(call) => Some(call.as_ref()),
+                Action::Publish { .. } => None,
+            })
+    }
+}
+
 /// The binding of a monitored function, or of locations of it.
 #[derive(Clone, Debug, Table)]
 #[table(

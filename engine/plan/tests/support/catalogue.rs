@@ -118,6 +118,7 @@ impl Catalogue for SmallBuild {
         };
         let text = || Schema::plain(Shape::Text);
         let fields = match message {
+            "std_msgs/Empty" => Vec::new(),
             "std_msgs/Bool" => vec![field("data", Schema::plain(Shape::Bool))],
             "std_msgs/String" => vec![field("data", text())],
             "geometry_msgs/Twist" => vec![field("linear", float.clone()), field("angular", float)],
@@ -171,6 +172,8 @@ impl Catalogue for SmallBuild {
         };
         match interface {
             "nav/MapService" => operation("getMap", "nav/Place", "nav_msgs/OccupancyGrid"),
+            "arm/Driving" => operation("drive", "geometry_msgs/Twist", "std_msgs/Empty"),
+            "arm/Measuring" => operation("measure", "std_msgs/Empty", "nav_msgs/Odometry"),
             "nav/PlanService" => operation("plan", "nav/PlanRequest", "nav_msgs/Path"),
             _ => None,
         }

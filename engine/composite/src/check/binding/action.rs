@@ -9,27 +9,15 @@ use crate::at::At;
 use crate::check::component::unknown;
 use crate::check::endpoints::{find, nearest_service};
 use crate::finding::Findings;
-use crate::model::binding::{Action, Bind, Call, Effect};
+use crate::model::binding::{Action, Bind, Call};
 use crate::nearest::nearest;
 use crate::signature::FunctionKind;
 
 /// Names of the functions that receive the outcome of calls.
 pub(super) fn events(bind: &Bind) -> Vec<&At<String>> {
-    calls(bind).filter_map(|call| call.event.as_ref()).collect()
-}
-
-/// Iterates over all calls in a binding.
-pub(super) fn calls(bind: &Bind) -> impl Iterator<Item = &Call> {
-    let cases = bind.out.iter().flat_map(|out| match &out.effect {
-        Effect::Publish(_) => &[],
-        Effect::Literals(cases) => cases.as_slice(),
-    });
-    cases
-        .flat_map(|(_, actions)| actions)
-        .filter_map(|action| match action {
-            Action::Call(call) => Some(call.as_ref()),
-            Action::Publish { .. } => None,
-        })
+    bind.calls()
+        .filter_map(|call| call.event.as_ref())
+        .collect()
 }
 
 pub(super) fn check(bound: &Bound<'_>, action: &Action, report: &mut Report) {
@@ -115,7 +103,7 @@ fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<Sche
 /// unknown.
 pub(super) fn kept(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
     let keeps = |call: &&Call| call.keep.as_ref().is_some_and(|keep| keep.value == name);
-    let call = calls(&bound.part.bind).find(keeps)?;
+    let call = bound.part.bind.calls().find(keeps)?;
     let reference = find(&bound.part.face.references, &call.operation.component);
     let operations = reference.and_then(|it| bound.scene.catalogue.operations(&it.interface.text));
     let operation = operations

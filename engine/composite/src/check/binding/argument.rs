@@ -66,7 +66,7 @@ fn kept(
         {
             Some(response) => response,
             None => {
-                let kept = action::calls(&bound.part.bind);
+                let kept = bound.part.bind.calls();
                 let kept = kept
                     .filter_map(|call| call.keep.as_ref())
                     .map(|it| it.value.clone());

@@ -4,6 +4,7 @@ mod action;
 mod argument;
 mod coverage;
 mod function;
+mod input;
 
 use crate::codes::c101::OtherMainRule;
 use crate::codes::c147::StateWithoutExit;
@@ -48,6 +49,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
         extend_once(report, found);
         if let Some(signature) = signature {
             coverage::check(&bound, signature, file.span, report);
+            input::check(&part.bind, signature, report);
             annotation::check(part, signature, file.span, report);
             for stuck in signature.states_without_exit() {
                 report.found(StateWithoutExit {

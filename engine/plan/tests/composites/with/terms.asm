@@ -11,4 +11,4 @@ signature:
 	controlled mode: Mode
 	controlled goal: Prod(Real, Real)
 definitions:
-	main rule r_Main = skip
+	main rule r_Main = if late or stuck or near(mode) then goal := first(tour) endif

@@ -1,0 +1,255 @@
+//! Discovery of the ports of a port-proxy's target: operations that `map` does not list are mapped to the ports that the
+//! target declares, and mapped ports without a connection are connected.
+//!
+//! An operation with an argument and no result writes an input of the target, one with a result and no argument reads an
+//! output. The types determine the port; of several ports, the one with the name of the operation is taken.
+
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_datum::{Schema, Shape};
+use asmotion_diagnostics::Report;
+
+use crate::at::At;
+use crate::catalogue::Catalogue;
+use crate::codes::c150::UnmappedOperation;
+use crate::finding::Findings;
+use crate::map;
+use crate::model::{
+    BuiltinComponent, Component, Composite, Connection, End, Implementation, Listed, MapEntry,
+    Policy, ProxyEntry, ProxyMode, Terminal,
+};
+
+/// Completes the port-proxies of a composite; reports operations for which the target has no single port.
+pub(crate) fn complete(composite: &mut Composite, catalogue: &dyn Catalogue, report: &mut Report) {
+    let mut discovered: Vec<(usize, Vec<ProxyEntry>)> = Vec::new();
+    for (index, proxy) in composite.components.iter().enumerate() {
+        let target = target_of(proxy).and_then(|target| {
+            let known = composite.component(target)?;
+            Some((target, ports(known, catalogue)?))
+        });
+        if let Some((target, ports)) = target {
+            let discovery = Discovery {
+                proxy,
+                target,
+                ports,
+            };
+            discovered.push((index, discovery.entries(catalogue, report)));
+        }
+    }
+    for (index, entries) in discovered {
+        let Some(proxy) = composite.components.get_mut(index) else {
+            continue;
+        };
+        let entries = entries.into_iter().map(MapEntry::Proxy);
+        proxy.special.map.extend(entries);
+        let missing = missing_connections(proxy, &composite.connections);
+        composite.connections.extend(missing);
+    }
+}
+
+/// Returns the target of a port-proxy; `None` for any other component.
+fn target_of(component: &Component) -> Option<&At<String>> {
+    let implementation = component.implementation.as_ref()?;
+    let is_proxy = implementation.builtin() == Some(BuiltinComponent::PortProxy);
+    match implementation {
+        Implementation::Builtin { target, .. } if is_proxy => target.as_ref(),
+        Implementation::Builtin { .. }
+        | Implementation::Rust(_)
+        | Implementation::Asm { .. }
+        | Implementation::Composite(_)
+        | Implementation::Process { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => None,
+    }
+}
+
+/// A port of the target.
+struct TargetPort {
+    name: String,
+    /// Access of an operation to it: `oneway` for an input, `last` for an output.
+    mode: ProxyMode,
+    message: Schema,
+}
+
+/// Returns the ports that the target declares and those that the composite lists; `None` if the types of some are not
+/// known.
+fn ports(target: &Component, catalogue: &dyn Catalogue) -> Option<Vec<TargetPort>> {
+    let mut ports: Vec<TargetPort> = Vec::new();
+    if let Some(Implementation::Rust(name)) = &target.implementation {
+        let declaration = catalogue.declaration(name)?;
+        let inputs = declaration.inputs.into_iter();
+        let outputs = declaration.outputs.into_iter();
+        let declared = inputs.map(|port| (ProxyMode::Oneway, port));
+        let declared = declared.chain(outputs.map(|port| (ProxyMode::Last, port)));
+        for (mode, port) in declared {
+            ports.push(TargetPort {
+                message: known(port.schema, catalogue)?,
+                name: port.name,
+                mode,
+            });
+        }
+    }
+    let inputs = target.ports.inputs.iter().chain(&target.subscribe);
+    let outputs = target.ports.outputs.iter().chain(&target.publish);
+    let listed = inputs.map(|port| (ProxyMode::Oneway, port));
+    for (mode, Listed { name, kind }) in listed.chain(outputs.map(|port| (ProxyMode::Last, port))) {
+        let is_listed = |port: &TargetPort| port.name == name.value && port.mode == mode;
+        if !ports.iter().any(is_listed) {
+            ports.push(TargetPort {
+                message: catalogue.schema(&kind.value)?,
+                name: name.value.clone(),
+                mode,
+            });
+        }
+    }
+    (!ports.is_empty()).then_some(ports)
+}
+
+/// Returns the schema with its fields; `None` if they are not known.
+fn known(schema: Schema, catalogue: &dyn Catalogue) -> Option<Schema> {
+    if schema.shape == Shape::Any {
+        catalogue.schema(&schema.name)
+    } else {
+        Some(schema)
+    }
+}
+
+struct Discovery<'d> {
+    proxy: &'d Component,
+    target: &'d At<String>,
+    ports: Vec<TargetPort>,
+}
+
+impl Discovery<'_> {
+    /// Returns the entries for the operations that `map` does not list.
+    fn entries(&self, catalogue: &dyn Catalogue, report: &mut Report) -> Vec<ProxyEntry> {
+        let mut entries = Vec::new();
+        for service in &self.proxy.services {
+            let operations = catalogue.operations(&service.kind.value);
+            for operation in operations.into_iter().flatten() {
+                if self.is_mapped(service, &operation) {
+                    continue;
+                }
+                match self.fitting(service, &operation).as_slice() {
+                    [(entry, _)] => entries.push(entry.clone()),
+                    several => report.found(UnmappedOperation {
+                        operation: format!("{}.{}", service.name.value, operation.name),
+                        target: self.target.value.clone(),
+                        ports: several.iter().map(|(_, port)| port.name.clone()).collect(),
+                        at: service.name.span,
+                        target_at: self.target.span,
+                    }),
+                }
+            }
+        }
+        entries
+    }
+
+    fn is_mapped(&self, service: &Listed, operation: &OperationDeclaration) -> bool {
+        self.proxy.special.map.iter().any(|entry| match entry {
+            MapEntry::Proxy(entry) => {
+                let end = &entry.operation;
+                end.component.value == service.name.value && end.name.value == operation.name
+            }
+            MapEntry::Ros(_) => false,
+        })
+    }
+
+    /// Returns the ports that the operation can write or read, each with its entry; the one with the operation's name
+    /// alone.
+    fn fitting(
+        &self,
+        service: &Listed,
+        operation: &OperationDeclaration,
+    ) -> Vec<(ProxyEntry, &TargetPort)> {
+        let mode = match (is_empty(&operation.request), is_empty(&operation.response)) {
+            (false, true) => ProxyMode::Oneway,
+            (true, false) => ProxyMode::Last,
+            (true, true) | (false, false) => return Vec::new(),
+        };
+        let ports = self.ports.iter().filter(|port| port.mode == mode);
+        let entries = ports.map(|port| (self.entry(service, operation, port), port));
+        let mut fitting: Vec<_> = entries
+            .filter(|(entry, port)| map::conversion(entry, operation, &port.message).is_some())
+            .collect();
+        if let Some(named) = fitting.iter().position(|(_, it)| it.name == operation.name) {
+            fitting = vec![fitting.swap_remove(named)];
+        }
+        fitting
+    }
+
+    fn entry(
+        &self,
+        service: &Listed,
+        operation: &OperationDeclaration,
+        port: &TargetPort,
+    ) -> ProxyEntry {
+        let at = service.name.span;
+        ProxyEntry {
+            span: at,
+            operation: End {
+                component: service.name.clone(),
+                name: At::new(operation.name.clone(), at),
+            },
+            port: End {
+                component: self.target.clone(),
+                name: At::new(port.name.clone(), self.target.span),
+            },
+            mode: At::new(port.mode, at),
+            field: None,
+        }
+    }
+}
+
+fn is_empty(schema: &Schema) -> bool {
+    matches!(&schema.shape, Shape::Record(fields) if fields.is_empty())
+}
+
+/// Returns a connection for each mapped port that the composite neither connects nor puts on a topic.
+fn missing_connections(proxy: &Component, connections: &[Connection]) -> Vec<Connection> {
+    let is_own = |terminal: &Terminal, port: &str| match terminal {
+        Terminal::Port(end) => end.component.value == proxy.name.value && end.name.value == port,
+        Terminal::Topic(_) | Terminal::Mqueue(_) => false,
+    };
+    let lists = [
+        &proxy.ports.inputs,
+        &proxy.ports.outputs,
+        &proxy.subscribe,
+        &proxy.publish,
+    ];
+    let mut missing: Vec<Connection> = Vec::new();
+    for entry in &proxy.special.map {
+        let MapEntry::Proxy(entry) = entry else {
+            continue;
+        };
+        let port = &entry.port.name;
+        let all = connections.iter().chain(&missing);
+        let mut ends = all.flat_map(|it| it.from.iter().chain(&it.to));
+        let is_listed = lists
+            .iter()
+            .any(|list| list.iter().any(|it| it.name.value == port.value));
+        if !is_listed && !ends.any(|end| is_own(end, port)) {
+            missing.push(connection(proxy, entry));
+        }
+    }
+    missing
+}
+
+/// The connection between the port of the target and its counterpart in the proxy.
+fn connection(proxy: &Component, entry: &ProxyEntry) -> Connection {
+    let theirs = Terminal::Port(entry.port.clone());
+    let own = Terminal::Port(End {
+        component: At::new(proxy.name.value.clone(), entry.port.component.span),
+        name: entry.port.name.clone(),
+    });
+    let (from, to) = match entry.mode.value {
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => (own, theirs),
+        ProxyMode::Last | ProxyMode::All => (theirs, own),
+    };
+    Connection {
+        span: entry.span,
+        from: vec![from],
+        to: vec![to],
+        profiles: proxy.profiles.clone(),
+        policy: Policy::default(),
+    }
+}

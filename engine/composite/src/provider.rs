@@ -1,0 +1,171 @@
+//! Wires that name the interface of their provider: each is resolved to the component that provides a service with this
+//! interface.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use asmotion_diagnostics::Report;
+
+use crate::at::At;
+use crate::catalogue::Catalogue;
+use crate::codes::c010::ExclusiveKeys;
+use crate::codes::c151::NoSingleProvider;
+use crate::finding::Findings;
+use crate::model::{Component, Composite, End, Implementation, Promoted, Wire};
+
+/// Names and interfaces of services.
+pub(crate) type NamedInterfaces = Vec<(String, String)>;
+
+/// The services known to a composite.
+pub(crate) struct ServiceScope<'s> {
+    /// Returns the services that a nested composite promotes, by its file as written.
+    pub promoted: &'s dyn Fn(&str) -> NamedInterfaces,
+    pub catalogue: &'s dyn Catalogue,
+}
+
+/// A service that a component of the composite provides.
+struct ProvidedService<'c> {
+    component: &'c Component,
+    name: String,
+    interface: String,
+}
+
+/// Returns a wire to each provider; the wire as it is if there is no provider, or several in one profile.
+fn resolved(
+    wire: Wire,
+    interface: &At<String>,
+    services: &[ProvidedService<'_>],
+    report: &mut Report,
+) -> Vec<Wire> {
+    let caller = &wire.reference.component.value;
+    let providers: Vec<&ProvidedService<'_>> = services
+        .iter()
+        .filter(|it| it.interface == interface.value && it.component.name.value != *caller)
+        .filter(|it| profiles(&wire, it.component).is_some())
+        .collect();
+    let mut pairs = providers
+        .iter()
+        .enumerate()
+        .flat_map(|(at, one)| providers.iter().skip(at + 1).map(move |other| (one, other)));
+    if providers.is_empty() || pairs.any(|(one, other)| share_a_profile(one, other)) {
+        report.found(NoSingleProvider {
+            interface: interface.value.clone(),
+            reference: wire.reference.to_string(),
+            providers: providers.iter().map(|it| it.to_string()).collect(),
+            at: interface.span,
+        });
+        return vec![wire];
+    }
+    let wires = providers.iter().map(|provider| Wire {
+        services: vec![End {
+            component: At::new(provider.component.name.value.clone(), interface.span),
+            name: At::new(provider.name.clone(), interface.span),
+        }],
+        profiles: profiles(&wire, provider.component).unwrap_or_default(),
+        ..wire.clone()
+    });
+    wires.collect()
+}
+
+impl std::fmt::Display for ProvidedService<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}.{}", self.component.name.value, self.name)
+    }
+}
+
+/// Returns the profiles that include both the wire and the component, empty for all; `None` if no profile does.
+fn profiles(wire: &Wire, component: &Component) -> Option<Vec<At<String>>> {
+    match (wire.profiles.as_slice(), component.profiles.as_slice()) {
+        ([], all) | (all, []) => Some(all.to_vec()),
+        (of_wire, of_component) => {
+            let names: BTreeSet<&str> = of_component.iter().map(|it| it.value.as_str()).collect();
+            let both = of_wire
+                .iter()
+                .filter(|it| names.contains(it.value.as_str()));
+            let both: Vec<_> = both.cloned().collect();
+            (!both.is_empty()).then_some(both)
+        }
+    }
+}
+
+fn share_a_profile(one: &ProvidedService<'_>, other: &ProvidedService<'_>) -> bool {
+    let (one, other) = (&one.component.profiles, &other.component.profiles);
+    let shares = |name: &At<String>| other.iter().any(|it| it.value == name.value);
+    one.is_empty() || other.is_empty() || one.iter().any(shares)
+}
+
+impl ServiceScope<'_> {
+    /// Replaces the interfaces that wires name by services; reports interfaces with no provider or several. Providers of
+    /// different profiles get a wire each.
+    pub(crate) fn resolve(&self, composite: &mut Composite, report: &mut Report) {
+        if composite.wires.iter().all(|it| it.interface.is_none()) {
+            return;
+        }
+        let components = composite.components.iter();
+        let services: Vec<_> = components.flat_map(|it| self.provided(it)).collect();
+        let mut wires = Vec::new();
+        for wire in std::mem::take(&mut composite.wires) {
+            match (wire.interface.clone(), wire.services.first()) {
+                (None, _) => wires.push(wire),
+                (Some(interface), None) => {
+                    wires.extend(resolved(wire, &interface, &services, report));
+                }
+                (Some(interface), Some(service)) => {
+                    report.found(ExclusiveKeys {
+                        first: "service".to_owned(),
+                        first_at: service.span(),
+                        second: "interface".to_owned(),
+                        at: interface.span,
+                        reason: "the service determines the interface",
+                    });
+                    wires.push(wire);
+                }
+            }
+        }
+        composite.wires = wires;
+    }
+
+    /// Returns the services that a composite promotes.
+    pub(crate) fn promoted_by(&self, composite: &Composite) -> NamedInterfaces {
+        let services = composite.promotions.iter().filter_map(|promotion| {
+            let Promoted::Service(end) = &promotion.what else {
+                return None;
+            };
+            let component = composite.component(&end.component)?;
+            let mut provided = self.provided(component).into_iter();
+            let service = provided.find(|it| it.name == end.name.value)?;
+            Some((promotion.name.value.clone(), service.interface))
+        });
+        services.collect()
+    }
+
+    /// Returns the services of a component: those that it lists, those that its implementation declares, and those
+    /// that its composite promotes.
+    fn provided<'c>(&self, component: &'c Component) -> Vec<ProvidedService<'c>> {
+        let mut services: BTreeMap<String, String> = BTreeMap::new();
+        match &component.implementation {
+            Some(Implementation::Rust(name)) => {
+                let declared = self.catalogue.declaration(name);
+                let declared = declared.into_iter().flat_map(|it| it.services);
+                services.extend(declared.map(|it| (it.name, it.interface)));
+            }
+            Some(Implementation::Composite(file)) => services.extend((self.promoted)(file)),
+            Some(
+                Implementation::Asm { .. }
+                | Implementation::Builtin { .. }
+                | Implementation::Process { .. }
+                | Implementation::Ros { .. }
+                | Implementation::Orocos { .. },
+            )
+            | None => {}
+        }
+        let listed = component.services.iter();
+        services.extend(listed.map(|it| (it.name.value.clone(), it.kind.value.clone())));
+        let services = services.into_iter();
+        let services = services.map(|(name, interface)| ProvidedService {
+            component,
+            name,
+            interface,
+        });
+        services.collect()
+    }
+}
