@@ -27,6 +27,10 @@ use crate::wording::joined;
 /// as = "settingPeriod"
 ///
 /// [[promote]]
+/// port = "Arm.left"
+/// as = "left"
+///
+/// [[promote]]
 /// port = "Arm.right"
 /// as = "right"
 /// ```
