@@ -151,6 +151,11 @@ impl TestBroker {
         Ok(process::signal("-CONT", &self.server())?)
     }
 
+    /// Returns the last lines of the broker's log, which explain a failure.
+    pub fn log(&self) -> String {
+        self.files.log()
+    }
+
     /// Restores the broker to normal after a test.
     pub(crate) fn restore(&self) -> Result<(), BrokerError> {
         self.thaw()?;

@@ -103,7 +103,7 @@ impl BrokerFiles {
         self.folder.path()
     }
 
-    /// Returns the end of the broker's log, to explain a failed start.
+    /// Returns the last lines of the broker's log.
     pub(crate) fn log(&self) -> String {
         let log = std::fs::read_to_string(self.path("log/broker.log")).unwrap_or_default();
         let lines: Vec<_> = log.lines().collect();

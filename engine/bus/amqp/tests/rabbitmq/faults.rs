@@ -18,7 +18,9 @@ fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) {
         return;
     };
     let vhost = broker.vhost().unwrap();
-    let (reader, writer) = (connect(quick(&vhost.url())), connect(quick(&vhost.url())));
+    let (mut quickly, notices) = noted(&vhost.url());
+    quickly.timing = quick(&vhost.url()).timing;
+    let (reader, writer) = (connect(quickly.clone()), connect(quickly));
     let subscription = subscribe(&reader, "events", all(10_000));
     let state = subscribe(&reader, "state", QueuePolicy::Latest);
     let mut events = publisher(&writer, "events", events());
@@ -34,9 +36,17 @@ fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) {
     eventually("the reader is back", || reader.health().is_up());
     assert!(writer.drain(LONG));
     let came = numbers(&subscription, Duration::from_secs(2));
-    assert_eq!(came, (0..1000).collect::<Vec<_>>());
-    assert_eq!(subscription.counts().missed, 0);
-    let sent = events.counts();
+    let (sent, received) = (events.counts(), subscription.counts());
+    assert!(
+        came == (0..1000).collect::<Vec<_>>(),
+        "{} numbers from {:?} to {:?}\n{sent:?}\n{received:?}\n{:#?}\n{}",
+        came.len(),
+        came.first(),
+        came.last(),
+        notices.lock().unwrap(),
+        broker.log(),
+    );
+    assert_eq!(received.missed, 0);
     assert_eq!(
         (sent.accepted, sent.dropped, sent.lost, sent.refused),
         (1000, 0, 0, 0)
