@@ -236,3 +236,55 @@ fn t15_j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
     let other = asmotion_remote::Remote::connect(&vhost.url(), Some("other")).unwrap();
     assert!(other.components().is_empty(), "it is another robot's");
 }
+
+#[test]
+fn t18_c21_services_are_found_by_their_interface_and_a_stopped_component_is_named() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let tool = |arguments: &[&str]| tool(&broker, &url, arguments);
+    let composite = navigation().join("navigation.composite.toml");
+    let mut supervisor = over(&composite, &broker, &vhost, Some("supervisor"));
+    // without a goal, which would fail without the other process, it runs until the end of the test
+    supervisor.args(["--set", "Operator.script=[]"]);
+    let _supervisor = Running::start(&mut supervisor);
+    wait_until_present(&vhost, "supervisor");
+
+    let offers = |interface: &str| tool(&["component", "list", "--offers", interface]);
+    let (code, out, err) = offers("nav/PlanService");
+    assert_eq!(code, Some(0), "{err}");
+    let rows: Vec<Vec<&str>> = out
+        .lines()
+        .map(|it| it.split_whitespace().collect())
+        .collect();
+    let address = "navigation.TrajectoryPlanner.planning";
+    let row = ["TrajectoryPlanner", "navigation", "supervisor", "Running"];
+    assert_eq!(rows[1], [&[address], &row[..]].concat(), "{out}");
+    assert_eq!(rows.len(), 2, "{out}");
+    let (code, _, err) = offers("nav/PlanServise");
+    assert_eq!(code, Some(1));
+    assert!(err.contains("did you mean `nav/PlanService`?"), "{err}");
+
+    for component in ["TrajectoryPlanner", "MapServer"] {
+        let (code, _, err) = tool(&["component", "stop", component]);
+        assert_eq!(code, Some(0), "{err}");
+    }
+    let begun = Instant::now();
+    let (code, _, err) = tool(&["call", "nav/PlanService.plan", "--timeout", "30"]);
+    assert!(begun.elapsed() < Duration::from_secs(20), "it waited");
+    assert_eq!(code, Some(1), "{err}");
+    let reason = "component `navigation.TrajectoryPlanner` does not run";
+    assert!(err.contains(reason), "{err}");
+    // maps need no cycle
+    let (_, info, _) = tool(&["component", "info", "MapServer"]);
+    let operation =
+        "MapServer.maps.getMap: nav/Place -> nav_msgs/OccupancyGrid (also while stopped)";
+    assert!(info.contains(operation), "{info}");
+    let (code, out, err) = tool(&["call", "nav/MapService.getMap", r#"{"name": "office"}"#]);
+    assert_eq!(code, Some(0), "{err}");
+    let map: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(map["header"]["frame_id"], "map");
+}

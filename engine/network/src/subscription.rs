@@ -13,7 +13,7 @@ use asmotion_runtime::{ComponentEnd, CycleCause, Effects, InjectionPort, LiveCon
 
 use crate::identity::BusIdentity;
 
-/// Minimum capacity of a topic's queue on the bus; when full, the oldest message is dropped.
+/// Minimum capacity of a topic's queue on the bus.
 const WAITING: usize = 256;
 
 /// A port's subscription to a topic. Each port has its own queue on the bus, so that ports do not wait for each other,
@@ -195,13 +195,14 @@ impl TopicRoute {
     }
 }
 
-/// The policy of the bus' queue for a port: only the newest message, if the connection keeps no more.
+/// The policy of the bus' queue for a port: only the newest message, if the connection keeps no more, and the same messages
+/// of a full queue as the connection keeps.
 fn queue_policy(kind: BufferKind) -> QueuePolicy {
-    match kind {
-        BufferKind::Data => QueuePolicy::Latest,
-        BufferKind::Buffer(size) | BufferKind::Circular(size) => QueuePolicy::All {
-            size: size.max(WAITING),
-            overflow: Overflow::DropOldest,
-        },
-    }
+    let (size, overflow) = match kind {
+        BufferKind::Data => return QueuePolicy::Latest,
+        BufferKind::Buffer(size) => (size, Overflow::DropNewest),
+        BufferKind::Circular(size) => (size, Overflow::DropOldest),
+    };
+    let size = size.max(WAITING);
+    QueuePolicy::All { size, overflow }
 }

@@ -47,6 +47,10 @@ fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
 
 /// A counter and a reader on topic `numbers`, attached to a bus.
 fn attached(incarnation: u64, bus: &LocalBus) -> (System, Log) {
+    attached_with(Policy::buffer(16), incarnation, bus)
+}
+
+fn attached_with(policy: Policy, incarnation: u64, bus: &LocalBus) -> (System, Log) {
     let log = Log::new();
     let mut system = System::new();
     system.observe(log.clone());
@@ -55,9 +59,7 @@ fn attached(incarnation: u64, bus: &LocalBus) -> (System, Log) {
         .unwrap();
     system.add("Teller", Activity::event(), telling()).unwrap();
     system.publish("Counter.n", "numbers").unwrap();
-    system
-        .subscribe("numbers", "Teller.n", Policy::buffer(16))
-        .unwrap();
+    system.subscribe("numbers", "Teller.n", policy).unwrap();
     Network::new()
         .attach(&mut system, Arc::new(bus.clone()), incarnation)
         .unwrap();
@@ -163,6 +165,32 @@ fn what_is_lost_on_its_way_in_is_seen() {
     let dropped = log.lines_with("dropped");
     let last = dropped.last().unwrap();
     assert!(last.contains("284 dropped"), "{last}");
+}
+
+#[test]
+fn a_buffer_keeps_the_oldest_messages_of_a_bus_and_a_circular_buffer_the_newest() {
+    for (policy, first) in [(Policy::buffer(16), 0), (Policy::circular(16), 284)] {
+        let bus = LocalBus::new();
+        let (system, log) = attached_with(policy, 7, &bus);
+        let mut run = system.simulate();
+        run.transition("Counter", asmotion_component::Transition::Stop)
+            .unwrap();
+        let mut elsewhere = bus
+            .publisher(
+                "numbers",
+                &SenderId::new("Elsewhere", 8),
+                Number::schema(),
+                PublishOptions::default(),
+            )
+            .unwrap();
+        for n in 0..300 {
+            elsewhere.publish(0, Payload::of(number(n))).unwrap();
+        }
+        run.run_for(1.ms());
+        let heard = log.lines_with("heard");
+        let expected = (first..first + 16).map(|n| format!("0 s Teller: heard: {n}"));
+        assert_eq!(heard, expected.collect::<Vec<_>>());
+    }
 }
 
 #[test]
