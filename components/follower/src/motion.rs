@@ -22,3 +22,27 @@ impl MeasuredMotion {
             .all(|number| number.is_finite())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asmotion_geometry::{Point, heading};
+
+    #[test]
+    fn each_number_must_be_finite() {
+        let finite = [1.0, -2.0, 0.5, 0.3, -0.1];
+        let motion = |[x, y, yaw, speed, turn]: [f64; 5]| MeasuredMotion {
+            pose: heading(Point::new(x, y), yaw),
+            speed,
+            turn,
+        };
+        assert!(motion(finite).is_finite());
+        for index in 0..finite.len() {
+            for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut numbers = finite;
+                numbers[index] = wrong;
+                assert!(!motion(numbers).is_finite(), "{numbers:?}");
+            }
+        }
+    }
+}
