@@ -244,7 +244,7 @@ impl Mission {
         let outcome = self.drive(
             &mut *run,
             director,
-            &watch,
+            (&watch, &story),
             stop,
             &mut contacts,
             &mut successor,
@@ -254,7 +254,7 @@ impl Mission {
         let failed = lock(&watch).dead(&*run).cloned().collect();
         let summary = lock(&story).summary().clone();
         let stalled = match outcome {
-            MissionOutcome::TimeUp => stall::stalled(plan, &mut *run),
+            MissionOutcome::TimeUp => stall::stalled(&successor.running().plan, &mut *run),
             MissionOutcome::Reached
             | MissionOutcome::Failed
             | MissionOutcome::Completed
@@ -317,7 +317,7 @@ impl Mission {
         &self,
         run: &mut dyn Run,
         director: &mut dyn Director,
-        watch: &Mutex<EndCondition>,
+        (watch, story): (&Mutex<EndCondition>, &Mutex<Story>),
         stop: &AtomicBool,
         contacts: &mut [ProcessContact<'_>],
         successor: &mut VersionSwitch<'_>,
@@ -336,7 +336,14 @@ impl Mission {
             for contact in &mut *contacts {
                 contact.process_orders(run);
             }
-            successor.process_requests(run);
+            if successor.process_requests(run) {
+                let version = successor.running();
+                for contact in &mut *contacts {
+                    contact.follow(&version.plan, &version.part);
+                }
+                lock(watch).follow(&version.plan, &version.part);
+                lock(story).follow(&version.plan);
+            }
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {
                 if run.now() >= limit {

@@ -21,7 +21,9 @@ use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
 use asmotion_plan::Plan;
-use asmotion_runtime::{Event, REPLACEMENT_REPORT, WAITING_REPORT};
+use asmotion_runtime::{
+    ADDITION_REPORT, Event, REMOVAL_REPORT, REPLACEMENT_REPORT, WAITING_REPORT,
+};
 
 use self::input::StoryInput;
 use self::repeats::RepeatedEntries;
@@ -61,6 +63,14 @@ impl Story {
         Self {
             inputs: input::of(plan),
             ..Self::default()
+        }
+    }
+
+    /// Tells the story of another version of the system from now on.
+    pub fn follow(&mut self, plan: &Plan) {
+        let known = std::mem::replace(&mut self.inputs, input::of(plan));
+        for input in &mut self.inputs {
+            input.continue_from(&known);
         }
     }
 
@@ -217,6 +227,14 @@ impl Story {
             REPLACEMENT_REPORT => {
                 let what = format!("{component} by {}", what.as_text().unwrap_or_default());
                 Some(warning_entry(NOTE, "replaced", what))
+            }
+            ADDITION_REPORT => {
+                let what = format!("{component}: {}", what.as_text().unwrap_or_default());
+                Some(warning_entry(NOTE, "added", what))
+            }
+            REMOVAL_REPORT => {
+                let what = format!("{component} {}", what.as_text().unwrap_or_default());
+                Some(warning_entry(NOTE, "removed", what))
             }
             NOTICE_REPORT => {
                 let what = what.as_text().unwrap_or_default();

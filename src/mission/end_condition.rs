@@ -57,6 +57,13 @@ fn file(component: &Component) -> Option<&str> {
     }
 }
 
+/// The components of a part that run a specification, with its file.
+fn specifications(plan: &Plan, part: &Part) -> BTreeMap<String, String> {
+    let here = plan.components.iter().filter(|it| part.has(&it.name));
+    here.filter_map(|it| Some((it.name.clone(), file(it)?.to_owned())))
+        .collect()
+}
+
 /// Machines of the plan's specifications; errors of their initial states are reported at the start.
 fn machines(plan: &Plan) -> Vec<(String, Machine)> {
     let of = |component: &Component| {
@@ -93,14 +100,17 @@ impl EndCondition {
         until: Vec<AwaitedUpdate>,
         unless: Vec<AwaitedUpdate>,
     ) -> Self {
-        let here = plan.components.iter().filter(|it| part.has(&it.name));
-        let specifications = here.filter_map(|it| Some((it.name.clone(), file(it)?.to_owned())));
         Self {
             until,
             unless,
-            specifications: specifications.collect(),
+            specifications: specifications(plan, part),
             ..Self::default()
         }
+    }
+
+    /// Watches the components of another version from now on.
+    pub(super) fn follow(&mut self, plan: &Plan, part: &Part) {
+        self.specifications = specifications(plan, part);
     }
 
     /// Continues the run if one of these components fails.

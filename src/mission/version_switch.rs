@@ -6,12 +6,13 @@ use std::sync::Arc;
 use asmotion_assembly::reconfigure::{Version, changes};
 use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
 use asmotion_datum::{Datum, DatumError};
-use asmotion_lang::{Style, render_all};
+use asmotion_lang::{Loader, Style, render_all};
 use asmotion_plan::{Part, Plan};
 use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
 
 use super::Mission;
+use crate::build;
 use crate::files::{DiskLoader, SentFiles};
 
 /// Maximum number of versions waiting.
@@ -36,7 +37,6 @@ pub struct CompositeVersion {
 /// Applies new versions to a running part of a composite.
 pub(super) struct VersionSwitch<'m> {
     mission: &'m Mission,
-    part: Part,
     /// Resolved path of the composite at the start of the process.
     path: &'m str,
     /// The running version.
@@ -58,24 +58,35 @@ impl<'m> VersionSwitch<'m> {
         let serve = |bus: &dyn Bus| bus.serve(&address, WAITING, Arc::new(Notifier::new()));
         Ok(Self {
             mission,
-            part: part.clone(),
             path,
-            running: Version::new(plan.clone(), part, Arc::new(DiskLoader), mission.seed),
+            running: version_of(plan, part.clone(), Arc::new(DiskLoader), mission.seed),
             calls: buses.map(serve).collect::<Result<_, _>>()?,
         })
     }
 
-    /// Applies the versions that have arrived.
-    pub(super) fn process_requests(&mut self, run: &mut dyn Run) {
-        let calls = self.calls.iter();
-        let calls: Vec<IncomingCall> = calls.filter_map(ServedAddress::try_next).collect();
-        for call in calls {
-            let answer = self.handle_request(&call, run);
-            call.reply(answer.map(Payload::of));
-        }
+    /// Returns the running version.
+    pub(super) fn running(&self) -> &Version {
+        &self.running
     }
 
-    fn handle_request(&mut self, call: &IncomingCall, run: &mut dyn Run) -> Result<Datum, Refusal> {
+    /// Applies the versions that have arrived. Returns whether another version runs now.
+    pub(super) fn process_requests(&mut self, run: &mut dyn Run) -> bool {
+        let calls = self.calls.iter();
+        let calls: Vec<IncomingCall> = calls.filter_map(ServedAddress::try_next).collect();
+        let mut has_changed = false;
+        for call in calls {
+            let answer = self.handle_request(&call, &mut has_changed, run);
+            call.reply(answer.map(Payload::of));
+        }
+        has_changed
+    }
+
+    fn handle_request(
+        &mut self,
+        call: &IncomingCall,
+        has_changed: &mut bool,
+        run: &mut dyn Run,
+    ) -> Result<Datum, Refusal> {
         let bad_request = |error: DatumError| refusal("BAD_REQUEST", error);
         let version: CompositeVersion = call
             .argument
@@ -83,7 +94,7 @@ impl<'m> VersionSwitch<'m> {
             .and_then(|version| version.to())
             .map_err(bad_request)?;
         let wanted = self.open(&version)?;
-        let mut changes = changes(&self.running, &wanted, &self.part, &*run).map_err(|fixed| {
+        let mut changes = changes(&self.running, &wanted, &*run).map_err(|fixed| {
             let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
             refusal("NEEDS_START", fixed.join("; "))
         })?;
@@ -96,6 +107,7 @@ impl<'m> VersionSwitch<'m> {
         let notes = notes.map_err(|error| refusal("REFUSED", error))?;
         if !version.only_try {
             self.running = wanted;
+            *has_changed = true;
         }
         let words = changes.iter().map(ToString::to_string);
         let words: Vec<_> = words.chain(notes).collect();
@@ -118,13 +130,15 @@ impl<'m> VersionSwitch<'m> {
                 Err(refusal("BAD_COMPOSITE", detail))
             }
             Some(plan) => {
-                let (plan, seed) = (plan.clone(), self.mission.seed);
-                Ok(Version::new(plan, &self.part, Arc::new(sent), seed))
+                let part = self.mission.part(plan);
+                let part = part.map_err(|error| refusal("BAD_COMPOSITE", error))?;
+                Ok(version_of(plan, part, Arc::new(sent), self.mission.seed))
             }
         }
     }
 
-    /// Removes changes of properties that were set on the command line, which keep their values.
+    /// Removes changes of properties that were set on the command line, which keep their values. New components have them,
+    /// too.
     fn keep_command_line_properties(&self, changes: &mut Vec<Change>) {
         let set = |of: &str, name: &str| {
             let mut set = self.mission.properties.iter();
@@ -134,9 +148,28 @@ impl<'m> VersionSwitch<'m> {
             if let Change::Set { component, values } = change {
                 values.retain(|(name, _)| !set(component, name));
             }
+            if let Change::Add { component, by } = change {
+                let of_this = self
+                    .mission
+                    .properties
+                    .iter()
+                    .filter(|it| it.0 == *component);
+                for (_, property, value) in of_this {
+                    *by = by.clone().property(property, value.clone());
+                }
+            }
         }
         changes.retain(|it| !matches!(it, Change::Set { values, .. } if values.is_empty()));
     }
+}
+
+fn version_of(
+    plan: &Plan,
+    part: Part,
+    loader: Arc<dyn Loader + Send + Sync>,
+    seed: u64,
+) -> Version {
+    Version::new(plan.clone(), part, Arc::new(build::BUILD), loader, seed)
 }
 
 fn refusal(code: &str, detail: impl ToString) -> Refusal {

@@ -56,6 +56,16 @@ pub(super) fn of(plan: &Plan) -> Vec<StoryInput> {
 }
 
 impl StoryInput {
+    /// Continues with the last reported message of the same input among those of the previous version.
+    pub(super) fn continue_from(&mut self, known: &[Self]) {
+        let known = known.iter().find(|known| known.port == self.port);
+        if let (StoryTrigger::State(last), Some(StoryTrigger::State(reported))) =
+            (&mut self.receives, known.map(|it| &it.receives))
+        {
+            last.clone_from(reported);
+        }
+    }
+
     fn at(plan: &Plan, component: &Component, port: &str) -> Self {
         let end = |end: &End| end.component == component.name && end.name == port;
         let mut topics = plan.topics.iter();

@@ -280,4 +280,24 @@ mod tests {
         assert!(matches!(refused, ReplayError::Replaced { at_ns: 92, .. }));
         assert!(recorded_run("t", &swapped, Some("B")).is_ok());
     }
+
+    #[test]
+    fn c18_an_added_coordinator_is_replayed_unless_it_was_there_before() {
+        let added = |name: &str| {
+            let report = format!("93 report {name} added \"`a.asm`\"\n");
+            let step = format!("95 report {name} asm/Step 1\n  U n = 3\n");
+            format!("{TRACE}92 report A removed \"from the running system\"\n{report}{step}")
+        };
+        let replayed = recorded_run("t", &added("C"), Some("C")).unwrap();
+        assert_eq!(replayed.steps[0].updates, ["n = 3"]);
+        assert_eq!(
+            recorded_run("t", &added("C"), Some("A"))
+                .unwrap()
+                .steps
+                .len(),
+            2
+        );
+        let again = recorded_run("t", &added("A"), Some("A")).unwrap_err();
+        assert!(matches!(again, ReplayError::Replaced { at_ns: 95, .. }));
+    }
 }

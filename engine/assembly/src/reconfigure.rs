@@ -1,23 +1,28 @@
 //! Changes of a running system to another plan.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use asmotion_component::{Declaration, Interface};
+use asmotion_composite::Catalogue;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::Loader;
-use asmotion_runtime::{Change, Replacement, Run};
+use asmotion_runtime::{Change, ComponentAddition, Replacement, Run};
 
-use crate::start;
+use crate::start::{self, Standard, Workshop};
 use asmotion_plan::{
-    Component, Connection, End, Endpoint, Implementation, Part, Plan, PropertyValues, Terminal,
-    Wire,
+    Component, Connection, End, Endpoint, Implementation, Part, Plan, Process, PropertyValues,
+    Terminal, Topic, Wire,
 };
 
-/// A version of a system: a plan, and the texts of its specifications.
+/// A version of a part of a system: its plan, and what its components are created from.
 #[derive(Clone)]
 pub struct Version {
     /// The plan of the version.
     pub plan: Plan,
+    /// The part of the plan that runs in this process.
+    pub part: Part,
+    catalogue: Arc<dyn Catalogue + Send + Sync>,
     loader: Arc<dyn Loader + Send + Sync>,
     seed: u64,
     /// The texts of each component's specification and its imports, in the order in which they are loaded.
@@ -25,8 +30,14 @@ pub struct Version {
 }
 
 impl Version {
-    /// Reads the specifications of a part of a plan. The seed is that of [`Standard`](crate::Standard).
-    pub fn new(plan: Plan, part: &Part, loader: Arc<dyn Loader + Send + Sync>, seed: u64) -> Self {
+    /// Reads the specifications of a part of a plan. Catalogue, loader and seed are those of [`Standard`](crate::Standard).
+    pub fn new(
+        plan: Plan,
+        part: Part,
+        catalogue: Arc<dyn Catalogue + Send + Sync>,
+        loader: Arc<dyn Loader + Send + Sync>,
+        seed: u64,
+    ) -> Self {
         let here = plan.components.iter().filter(|it| part.has(&it.name));
         let texts = here.filter_map(|component| {
             let file = specification(component)?;
@@ -36,8 +47,30 @@ impl Version {
         Self {
             texts: texts.collect(),
             plan,
+            part,
+            catalogue,
             loader,
             seed,
+        }
+    }
+
+    /// Returns the constructor of a component. It loads its specification at each call.
+    fn constructor(
+        &self,
+        component: &Component,
+    ) -> impl Fn(&mut Interface) -> Result<Box<dyn asmotion_component::Component>, String>
+    + Send
+    + Sync
+    + 'static {
+        let (version, component) = (self.clone(), component.clone());
+        move |interface| {
+            let mut workshop = Standard {
+                catalogue: &*version.catalogue,
+                loader: &*version.loader,
+                seed: version.seed,
+                builtins: &mut |_, _| None,
+            };
+            workshop.make(&component, &version.plan)?(interface)
         }
     }
 }
@@ -48,12 +81,34 @@ pub enum FixedPart {
     /// A table of the composite.
     #[error("{0} of the composite")]
     Table(&'static str),
-    /// A new component.
-    #[error("`{0}` is new")]
-    Added(String),
-    /// A removed component.
-    #[error("`{0}` is removed")]
-    Removed(String),
+    /// A new component that runs in the thread of another one.
+    #[error("`{component}` is new and runs in the thread of `{master}`")]
+    Slave {
+        /// Name of the component.
+        component: String,
+        /// Name of the other component.
+        master: String,
+    },
+    /// A topic of a new or removed component that leaves the process.
+    #[error("`{component}` is {change}, and its topic `{topic}` leaves the process")]
+    Topic {
+        /// Name of the component.
+        component: String,
+        /// Name of the topic.
+        topic: String,
+        /// `new` or `removed`.
+        change: &'static str,
+    },
+    /// A service of a new or removed component that is offered to other processes.
+    #[error("`{component}` is {change}, and its service `{service}` is offered to other processes")]
+    Service {
+        /// Name of the component.
+        component: String,
+        /// Name of the service in the component.
+        service: String,
+        /// `new` or `removed`.
+        change: &'static str,
+    },
     /// A component that differs in more than properties and period.
     #[error("`{0}` differs in more than its properties, its period and its specification")]
     Component(String),
@@ -75,7 +130,8 @@ pub enum FixedPart {
     },
 }
 
-/// Returns the changes that turn a running part of a plan into that of another plan.
+/// Returns the changes that turn a running system into another version: removed connections and wires, removed and added
+/// components, then everything else.
 ///
 /// # Errors
 ///
@@ -83,16 +139,16 @@ pub enum FixedPart {
 pub fn changes(
     running: &Version,
     wanted: &Version,
-    part: &Part,
     run: &dyn Run,
 ) -> Result<Vec<Change>, Vec<FixedPart>> {
     let versions = (running, wanted);
     let (running, wanted) = (&running.plan, &wanted.plan);
     let mut difference = Difference {
-        part,
         run,
         versions,
+        declared: BTreeMap::new(),
         ends: Vec::new(),
+        members: Vec::new(),
         begins: Vec::new(),
         fixed: tables(running, wanted),
     };
@@ -100,7 +156,7 @@ pub fn changes(
     difference.connections(&running.connections, &wanted.connections);
     difference.wires(&running.wires, &wanted.wires);
     if difference.fixed.is_empty() {
-        Ok([difference.ends, difference.begins].concat())
+        Ok([difference.ends, difference.members, difference.begins].concat())
     } else {
         Err(difference.fixed)
     }
@@ -108,14 +164,19 @@ pub fn changes(
 
 /// Returns the tables that differ but cannot be changed at run time.
 fn tables(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
-    let placed = |plan: &Plan| (plan.processes.clone(), plan.restart.clone());
+    let names = |plan: &Plan| -> BTreeSet<String> {
+        let names = plan.components.iter().map(|it| it.name.clone());
+        names.collect()
+    };
+    let kept: BTreeSet<String> = &names(running) & &names(wanted);
+    let placed = |plan: &Plan| (processes(plan, &kept), plan.restart.clone());
     let same = [
         ("the name", running.name == wanted.name),
         ("the profile", running.profile == wanted.profile),
         ("`brokers`", running.brokers == wanted.brokers),
         ("`bridges`", running.bridges == wanted.bridges),
         ("`gateways`", running.gateways == wanted.gateways),
-        ("`topics`", running.topics == wanted.topics),
+        ("`topics`", topics(running, &kept) == topics(wanted, &kept)),
         ("`promote`", running.promoted == wanted.promoted),
         ("`deploy`", placed(running) == placed(wanted)),
     ];
@@ -123,13 +184,45 @@ fn tables(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
     differs.map(|(table, _)| FixedPart::Table(table)).collect()
 }
 
+/// The processes of a plan with those of their components that are kept.
+fn processes(plan: &Plan, kept: &BTreeSet<String>) -> Vec<Process> {
+    let mut processes = plan.processes.clone();
+    for process in &mut processes {
+        process.components.retain(|name| kept.contains(name));
+    }
+    processes
+}
+
+/// The topics of a plan with those of their ends whose components are kept.
+fn topics(plan: &Plan, kept: &BTreeSet<String>) -> Vec<Topic> {
+    let topics = plan.topics.iter().map(|topic| {
+        let ends = |ends: &[End]| {
+            let ends = ends.iter().filter(|end| kept.contains(&end.component));
+            ends.cloned().collect::<Vec<_>>()
+        };
+        Topic {
+            // follows from the types of the ports, which are compared with their components
+            kind: None,
+            publishers: ends(&topic.publishers),
+            subscribers: ends(&topic.subscribers),
+            ..topic.clone()
+        }
+    });
+    topics
+        .filter(|topic| !topic.publishers.is_empty() || !topic.subscribers.is_empty())
+        .collect()
+}
+
 struct Difference<'p> {
-    part: &'p Part,
     run: &'p dyn Run,
     /// The running and the wanted version.
     versions: (&'p Version, &'p Version),
-    /// Removals, applied before any addition.
+    /// Declarations of new components.
+    declared: BTreeMap<String, Declaration>,
+    /// Removed connections and wires.
     ends: Vec<Change>,
+    /// Removed and added components.
+    members: Vec<Change>,
     begins: Vec<Change>,
     fixed: Vec<FixedPart>,
 }
@@ -137,18 +230,87 @@ struct Difference<'p> {
 impl Difference<'_> {
     fn components(&mut self, running: &Plan, wanted: &Plan) {
         for before in &running.components {
+            if !self.is_here(&before.name) {
+                continue;
+            }
             match wanted.component(&before.name) {
-                Some(after) if self.part.has(&before.name) => {
-                    self.component((before, running), (after, wanted));
-                }
-                Some(_) => {}
-                None => self.fixed.push(FixedPart::Removed(before.name.clone())),
+                Some(after) => self.component((before, running), (after, wanted)),
+                None => self.remove(before),
             }
         }
         let new = |it: &&Component| running.component(&it.name).is_none();
-        let new = wanted.components.iter().filter(new);
-        self.fixed
-            .extend(new.map(|it| FixedPart::Added(it.name.clone())));
+        for component in wanted.components.iter().filter(new) {
+            if self.is_here(&component.name) {
+                self.add(component);
+            }
+        }
+    }
+
+    /// Returns whether a component runs in this process. None moves to another one.
+    fn is_here(&self, component: &str) -> bool {
+        let (running, wanted) = self.versions;
+        running.part.has(component) || wanted.part.has(component)
+    }
+
+    fn remove(&mut self, component: &Component) {
+        self.leaving(component, self.versions.0, "removed");
+        self.members.push(Change::Remove {
+            component: component.name.clone(),
+        });
+    }
+
+    fn add(&mut self, component: &Component) {
+        let wanted = self.versions.1;
+        self.leaving(component, wanted, "new");
+        if let Some(master) = &component.pace.master {
+            self.fixed.push(FixedPart::Slave {
+                component: component.name.clone(),
+                master: master.clone(),
+            });
+        }
+        let construct = wanted.constructor(component);
+        let mut interface = Interface::new();
+        // a component that cannot be created is refused by the run
+        let declared = construct(&mut interface).map(|_| interface.declaration().clone());
+        let declared = declared.unwrap_or_default();
+        let activity = start::activity(component, &wanted.plan);
+        let mut by = ComponentAddition::new(implementation(component), activity, construct);
+        for (name, value) in &component.properties.0 {
+            by = by.property(name, value.datum());
+        }
+        for (output, sample) in &component.lifecycle.safe {
+            by = by.safe_sample(output, sample.datum());
+        }
+        by = on_topics(by, component, &declared, &wanted.plan);
+        self.declared.insert(component.name.clone(), declared);
+        self.members.push(Change::Add {
+            component: component.name.clone(),
+            by,
+        });
+    }
+
+    /// Records the topics and services of a new or removed component that leave the process.
+    fn leaving(&mut self, component: &Component, version: &Version, change: &'static str) {
+        if version.part.is_alone() {
+            return;
+        }
+        let name = &component.name;
+        for topic in &version.plan.topics {
+            let mut ends = topic.publishers.iter().chain(&topic.subscribers);
+            if ends.any(|end| end.component == *name) {
+                self.fixed.push(FixedPart::Topic {
+                    component: name.clone(),
+                    topic: topic.name.clone(),
+                    change,
+                });
+            }
+        }
+        let services = component.services.iter().map(|it| FixedPart::Service {
+            component: name.clone(),
+            service: it.name.clone(),
+            change,
+        });
+        self.fixed.extend(services);
     }
 
     fn component(&mut self, before: (&Component, &Plan), after: (&Component, &Plan)) {
@@ -188,11 +350,9 @@ impl Difference<'_> {
         } else {
             format!("another version of `{shown}`")
         };
-        let (version, component) = (wanted.clone(), after.clone());
-        let construct = start::coordinator(component, version.plan, version.loader, version.seed);
         Some(Change::Replace {
             component: name.clone(),
-            by: Replacement::new(description, construct),
+            by: Replacement::new(description, wanted.constructor(after)),
         })
     }
 
@@ -244,10 +404,17 @@ impl Difference<'_> {
     fn ports<'c>(&mut self, connection: &'c Connection) -> Option<(&'c End, &'c End)> {
         let Connection { from, to, .. } = connection;
         let here = |terminal: &Terminal| match terminal {
-            Terminal::Port(end) => self.part.has(&end.component),
+            Terminal::Port(end) => self.is_here(&end.component),
             Terminal::Topic(_) | Terminal::Mqueue(_) => false,
         };
         match (from, to) {
+            // topics of new and removed components are part of these
+            (Terminal::Port(end), Terminal::Topic(_))
+            | (Terminal::Topic(_), Terminal::Port(end))
+                if !self.is_kept(&end.component) =>
+            {
+                None
+            }
             (Terminal::Port(one), Terminal::Port(other)) if here(from) && here(to) => {
                 Some((one, other))
             }
@@ -261,8 +428,16 @@ impl Difference<'_> {
         }
     }
 
+    /// Returns whether a component is neither new nor removed.
+    fn is_kept(&self, component: &str) -> bool {
+        let (running, wanted) = self.versions;
+        let mut plans = [&running.plan, &wanted.plan].into_iter();
+        plans.all(|plan| plan.component(component).is_some())
+    }
+
     fn wires(&mut self, before: &[Wire], after: &[Wire]) {
-        let (before, after) = (joints(before, self.part), joints(after, self.part));
+        let (running, wanted) = self.versions;
+        let (before, after) = (joints(before, &running.part), joints(after, &wanted.part));
         for it in before.iter().filter(|it| !after.contains(it)) {
             if let Some((reference, service)) = self.ends_of(it) {
                 self.ends.push(Change::Unwire { reference, service });
@@ -282,7 +457,7 @@ impl Difference<'_> {
     /// Returns the ends of a wire within this part if the component declares the reference.
     fn ends_of(&mut self, joint: &WiredService<'_>) -> Option<(String, String)> {
         let reference = joint.reference;
-        if !self.part.has(&reference.component) {
+        if !self.is_here(&reference.component) {
             return None;
         }
         let (from, to) = (reference.to_string(), joint.service.clone());
@@ -291,7 +466,8 @@ impl Difference<'_> {
             self.fixed.push(FixedPart::Wire { reference, service });
             return None;
         }
-        let declared = self.run.declaration(&reference.component)?;
+        let new = self.declared.get(&reference.component).cloned();
+        let declared = new.or_else(|| self.run.declaration(&reference.component))?;
         declared.reference(&reference.name)?;
         Some((from, to))
     }
@@ -328,6 +504,53 @@ fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
         }));
     }
     joints
+}
+
+/// Adds the topics of a component within this process, as at its start.
+fn on_topics(
+    mut by: ComponentAddition,
+    component: &Component,
+    declared: &Declaration,
+    plan: &Plan,
+) -> ComponentAddition {
+    for port in &component.outputs {
+        if let (Some(topic), Some(_)) = (&port.topic, declared.output(&port.name)) {
+            by = by.publish(&port.name, topic);
+        }
+    }
+    for port in &component.inputs {
+        if let (Some(topic), Some(_)) = (&port.topic, declared.input(&port.name)) {
+            let policy = start::subscription_policy(plan, component, &port.name, topic);
+            by = by.subscribe(topic, &port.name, policy);
+        }
+    }
+    for connection in &plan.connections {
+        match (&connection.from, &connection.to) {
+            (Terminal::Port(from), Terminal::Topic(topic)) if from.component == component.name => {
+                by = by.publish(&from.name, topic);
+            }
+            (Terminal::Topic(topic), Terminal::Port(to)) if to.component == component.name => {
+                by = by.subscribe(topic, &to.name, start::policy(connection));
+            }
+            // the others are of other components, or connected as ports
+            (Terminal::Port(_) | Terminal::Topic(_) | Terminal::Mqueue(_), _) => {}
+        }
+    }
+    by
+}
+
+/// Names the implementation of a component for the operator.
+fn implementation(component: &Component) -> String {
+    match &component.implementation {
+        Implementation::Asm { file, .. } => {
+            let (_, shown) = file.rsplit_once('/').unwrap_or(("", file));
+            format!("`{shown}`")
+        }
+        Implementation::Rust(name) | Implementation::Builtin { name, .. } => format!("`{name}`"),
+        Implementation::Process { .. } => "another program".to_owned(),
+        Implementation::Ros { .. } => "a ROS node".to_owned(),
+        Implementation::Orocos { .. } => "an Orocos component".to_owned(),
+    }
 }
 
 /// Returns the file of the specification that a component runs.

@@ -135,7 +135,13 @@ fn version(replaced: &[(&str, &str)]) -> Version {
     let (files, opened) = open(&text);
     let said = render::report(&opened.sources, &opened.report);
     let plan = opened.plan(None).unwrap_or_else(|| panic!("{said}"));
-    Version::new(plan.clone(), &Part::Whole, Arc::new(files), 0)
+    Version::new(
+        plan.clone(),
+        Part::Whole,
+        Arc::new(BUILD),
+        Arc::new(files),
+        0,
+    )
 }
 
 /// Starts the composite; returns its version, system and log.
@@ -151,7 +157,7 @@ fn running() -> (Version, asmotion_runtime::System, Log) {
     let mut system = asmotion_assembly::start(&plan, &mut workshop).expect("a system");
     let log = Log::new();
     system.observe(log.clone());
-    let version = Version::new(plan, &Part::Whole, Arc::new(files), 0);
+    let version = Version::new(plan, Part::Whole, Arc::new(BUILD), Arc::new(files), 0);
     (version, system, log)
 }
 
@@ -168,7 +174,7 @@ fn c18_what_differs_changes_and_nothing_else() {
     let mut run = system.simulate();
     run.run_for(35.ms());
     let wanted = version(NEXT);
-    let planned = changes(&plan, &wanted, &Part::Whole, &run).expect("changes");
+    let planned = changes(&plan, &wanted, &run).expect("changes");
     let planned_words: Vec<_> = planned.iter().map(ToString::to_string).collect();
     assert_eq!(
         planned_words,
@@ -190,7 +196,7 @@ fn c18_what_differs_changes_and_nothing_else() {
     assert_eq!(echo[..4], [2, 4, 6, 8], "of the one");
     assert_eq!(echo[4..], [5, 6, 7, 8, 9, 10, 11, 12], "of the other");
     assert_eq!(said("One.number")[4..], [9, 10], "from 30 ms, every 40");
-    assert!(changes(&wanted, &wanted, &Part::Whole, &run).is_ok_and(|none| none.is_empty()));
+    assert!(changes(&wanted, &wanted, &run).is_ok_and(|none| none.is_empty()));
 }
 
 #[test]
@@ -206,18 +212,91 @@ fn c18_what_cannot_change_is_said_all_of_it() {
             "implementation = { rust = \"test::Echo\" }\ntask = { delay_ms = 5 }",
         ),
     ]);
-    let fixed = changes(&plan, &wanted, &Part::Whole, &run).expect_err("it cannot");
+    let fixed = changes(&plan, &wanted, &run).expect_err("it cannot");
     let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
     assert_eq!(
         fixed,
         [
             "`promote` of the composite",
-            "`deploy` of the composite",
             "`Echo` differs in more than its properties, its period and its specification",
-            "`Witness` is removed",
-            "`Guard` is new",
         ]
     );
+}
+
+/// Another component counts in steps of five, and is heard instead of `One` by `Echo` and a new component.
+const MORE: &[(&str, &str)] = &[
+    (
+        "[components.Echo]",
+        "[components.Fives]\n\
+         implementation = { rust = \"test::Counter\" }\n\
+         task = { period_ms = 10, delay_ms = 3 }\n\
+         properties = { step = 5 }\n\
+         lifecycle = { safe = { number = { n = -1 } } }\n\
+         [components.Guest]\n\
+         implementation = { rust = \"test::Echo\" }\n\
+         [components.Echo]",
+    ),
+    (
+        "from = \"One.number\"\nto = \"Echo.heard\"",
+        "from = \"Fives.number\"\nto = [\"Echo.heard\", \"Guest.heard\"]",
+    ),
+];
+
+fn members(run: &mut dyn Run, versions: [&Version; 2], log: &Log) {
+    let [first, more] = versions;
+    run.run_for(25.ms());
+    let planned = changes(first, more, run).expect("changes");
+    let listed: Vec<_> = planned.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        listed,
+        [
+            "`One.number` is disconnected from `Echo.heard`",
+            "`Fives` is added and runs `test::Counter`",
+            "`Guest` is added and runs `test::Echo`",
+            "`Fives.number` is connected to `Echo.heard`",
+            "`Fives.number` is connected to `Guest.heard`",
+        ]
+    );
+    run.check_change(&planned).expect("possible");
+    assert_eq!(run.components(), ["One", "Other", "Echo", "Witness"]);
+    run.change(&planned).expect("applied");
+    run.run_for(60.ms());
+    let back = changes(more, first, run).expect("changes");
+    let listed: Vec<_> = back.iter().map(ToString::to_string).collect();
+    assert_eq!(listed[2..4], ["`Fives` is removed", "`Guest` is removed"]);
+    run.change(&back).expect("applied");
+    assert_eq!(run.components(), ["One", "Other", "Echo", "Witness"]);
+    assert!(changes(first, first, run).is_ok_and(|none| none.is_empty()));
+    run.run_for(60.ms());
+    run.change(&changes(first, more, run).expect("changes"))
+        .expect("applied once more");
+    run.run_for(60.ms());
+    run.stop();
+    let said = |port: &str| -> Vec<i64> {
+        let samples = log.samples::<Number>(port).into_iter();
+        samples.map(|(_, number)| number.n).collect()
+    };
+    let witness = said("Witness.said");
+    assert!(witness.len() > 15, "{witness:?}");
+    assert!(witness.iter().zip(1..).all(|(n, it)| *n == it));
+    let guest = said("Guest.said");
+    let begins = guest.iter().filter(|n| **n == 5).count();
+    assert_eq!(
+        begins, 2,
+        "a component that is added again begins anew: {guest:?}"
+    );
+    assert!(guest.len() > 6, "{guest:?}");
+    let echo = said("Echo.said");
+    assert!(echo.contains(&-1), "the safe sample of `Fives`: {echo:?}");
+}
+
+#[test]
+fn c18_components_of_a_new_version_are_added_and_removed() {
+    let more = version(MORE);
+    let (first, system, log) = running();
+    members(&mut system.simulate(), [&first, &more], &log);
+    let (first, system, log) = running();
+    members(&mut system.live(), [&first, &more], &log);
 }
 
 #[test]
@@ -228,7 +307,7 @@ fn c18_a_bad_version_leaves_the_old_one_running() {
     let (_, opened) = open(&COMPOSITE.replace("to = \"Echo.heard\"", "to = \"Echo.herd\""));
     assert!(opened.plan(None).is_none(), "its findings say why");
     let wanted = version(NEXT);
-    let mut planned = changes(&plan, &wanted, &Part::Whole, &run).expect("changes");
+    let mut planned = changes(&plan, &wanted, &run).expect("changes");
     planned.extend_from_within(..1);
     let refused = run.change(&planned).expect_err("it is parted already");
     assert_eq!(

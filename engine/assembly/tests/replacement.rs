@@ -246,7 +246,13 @@ fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
     let said = render::report(&opened.sources, &opened.report);
     let plan = opened.plan(None).unwrap_or_else(|| panic!("{said}"));
     let plan = plan.clone();
-    let version = Version::new(plan, &Part::Whole, Arc::new(files.clone()), 1);
+    let version = Version::new(
+        plan,
+        Part::Whole,
+        Arc::new(BUILD),
+        Arc::new(files.clone()),
+        1,
+    );
     (files, version)
 }
 
@@ -275,7 +281,7 @@ fn said(log: &Log) -> Vec<i64> {
 
 /// Applies a version. Returns the notes, or the refusal.
 fn apply(run: &mut dyn Run, from: &Version, to: &Version) -> Result<Vec<String>, String> {
-    let planned = changes(from, to, &Part::Whole, run).expect("no new start is needed");
+    let planned = changes(from, to, run).expect("no new start is needed");
     let tried = run.check_change(&planned).map_err(|it| it.to_string());
     let done = run.change(&planned).map_err(|it| it.to_string());
     assert_eq!(tried, done, "a check says the same");
@@ -405,7 +411,7 @@ fn c18_other_bindings_take_effect_unless_they_need_other_operations() {
     let mut run = system.simulate();
     run.run_for(1.s());
     let (_, other) = version(&replaced(COMPOSITE, &[("none = 0", "none = -1")]), BRAIN);
-    let planned = changes(&first.1, &other, &Part::Whole, &run).expect("no new start is needed");
+    let planned = changes(&first.1, &other, &run).expect("no new start is needed");
     let words: Vec<_> = planned.iter().map(ToString::to_string).collect();
     assert_eq!(words, ["`Brain` runs `brain.asm` with other bindings"]);
     assert_eq!(apply(&mut run, &first.1, &other), Ok(Vec::new()));
@@ -706,4 +712,83 @@ fn c18_random_choices_continue_in_the_new_version() {
     let undisturbed = picks(false);
     assert_eq!(undisturbed.len(), 15);
     assert_eq!(picks(true), undisturbed);
+}
+
+/// The composite without its specification.
+fn without_brain() -> String {
+    let (before, rest) = COMPOSITE.split_once("[components.Brain]").expect("a brain");
+    let (_, after) = rest.split_once("[components.Echo]").expect("an echo");
+    let (after, _) = after.split_once("[[wires]]").expect("a wire");
+    format!("{before}[components.Echo]{after}")
+}
+
+#[test]
+fn c18_a_specification_is_added_with_its_topics_and_wires_and_removed() {
+    let first = version(&without_brain(), BRAIN);
+    let brain = replaced(BRAIN, &[("number = 1 then", "number = 6 then")]);
+    let (_, with_brain) = version(COMPOSITE, &brain);
+    let (system, log) = start(&first);
+    let mut run = system.simulate();
+    run.run_for(450.ms());
+    apply(&mut run, &first.1, &with_brain).expect("added");
+    run.run_for(1.s());
+    assert_eq!(run.components(), ["Counter", "Slow", "Echo", "Brain"]);
+    let sums = [6, 6 + 7, 6 + 7 + 8, 6 + 7 + 8 + 9];
+    assert_eq!(said(&log)[..4], sums, "of what it has received");
+    assert_eq!(status(&mut run, "Brain").calls, ["sums.double"]);
+    run.run_for(1.s());
+    assert!(status(&mut run, "Brain").calls.is_empty());
+    let replies = log.lines_with("sums.double").into_iter();
+    let replied: Vec<_> = replies.filter(|line| line.contains("8")).collect();
+    assert!(!replied.is_empty(), "{:?}", log.lines_with("sums.double"));
+    apply(&mut run, &with_brain, &first.1).expect("removed");
+    assert_eq!(run.components(), ["Counter", "Slow", "Echo"]);
+    let before = said(&log).len();
+    run.run_for(1.s());
+    assert_eq!(said(&log).len(), before);
+    apply(&mut run, &first.1, &with_brain).expect("added again");
+    run.run_for(1.s());
+    assert_eq!(said(&log).len(), before + 9);
+    let again = status(&mut run, "Brain");
+    assert_eq!(again.step, 10, "it begins anew");
+    assert!(log.lines_with("dropped").is_empty());
+}
+
+#[test]
+fn c18_what_leaves_the_process_is_neither_added_nor_removed() {
+    let slave = "\n[components.Late]\nimplementation = { rust = \"test::Echo\" }\n\
+                 activity = { master = \"Counter\" }\n";
+    let (files, first) = version(&without_brain(), BRAIN);
+    let (_, next) = version(&(COMPOSITE.to_owned() + slave), BRAIN);
+    let deployed = |version: &Version| {
+        let mut version = version.clone();
+        version.part = Part::with_brokers(&version.plan);
+        version
+    };
+    let (first, next) = (deployed(&first), deployed(&next));
+    let (system, _) = start(&(files, first.clone()));
+    let run = system.simulate();
+    let reasons = |from: &Version, to: &Version| -> Vec<String> {
+        let fixed = changes(from, to, &run).expect_err("a new start is needed");
+        fixed.iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(
+        reasons(&first, &next),
+        [
+            "`Brain` is new, and its topic `number` leaves the process",
+            "`Brain` is new, and its topic `sums` leaves the process",
+            "`Late` is new and runs in the thread of `Counter`",
+        ]
+    );
+    let slow = COMPOSITE
+        .split_once("[components.Slow]")
+        .expect("a service");
+    let (_, rest) = slow.1.split_once("[components.Brain]").expect("a brain");
+    let (_, after) = rest.split_once("[components.Echo]").expect("an echo");
+    let (after, _) = after.split_once("[[wires]]").expect("a wire");
+    let (_, none) = version(&format!("{}[components.Echo]{after}", slow.0), BRAIN);
+    assert_eq!(
+        reasons(&first, &deployed(&none)),
+        ["`Slow` is removed, and its service `sums` is offered to other processes"]
+    );
 }

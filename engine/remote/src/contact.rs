@@ -110,6 +110,11 @@ impl<'p> ProcessContact<'p> {
         }
     }
 
+    /// Describes another version of the system from now on: its components, topics, connections and wires.
+    pub fn follow(&mut self, plan: &Plan, part: &Part) {
+        self.presence_publisher.follow(plan, part);
+    }
+
     /// Publishes that the process leaves.
     pub fn leave(&mut self) {
         self.presence_publisher.publish_departure();

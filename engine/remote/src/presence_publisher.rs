@@ -1,5 +1,6 @@
 //! Publishes the presence of a process periodically.
 
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use asmotion_bus::{Bus, BusError, Payload, PublishOptions, Publisher, SenderId};
@@ -16,7 +17,7 @@ const PERIOD: Duration = Duration::from_secs(1);
 
 /// Publishes the presence of a running part of a plan.
 pub(crate) struct PresencePublisher<'p> {
-    plan: &'p Plan,
+    plan: Cow<'p, Plan>,
     part: Part,
     process: String,
     publisher: Box<dyn Publisher>,
@@ -45,7 +46,7 @@ impl<'p> PresencePublisher<'p> {
         let origin = SenderId::new(process, incarnation);
         let sending = PublishOptions::state().with_codec(Codec::Json);
         Ok(Self {
-            plan,
+            plan: Cow::Borrowed(plan),
             part,
             process: process.to_owned(),
             publisher: bus.publisher(
@@ -68,7 +69,7 @@ impl<'p> PresencePublisher<'p> {
             self.last_published = previous;
             return;
         }
-        let presence = Presence::of(self.plan, &self.part, &self.process, run);
+        let presence = Presence::of(&self.plan, &self.part, &self.process, run);
         let presence = match &previous {
             Some(last) => {
                 let seconds = run_time.since(last.run_time).as_secs_f64();
@@ -83,6 +84,13 @@ impl<'p> PresencePublisher<'p> {
             presence,
         });
         self.is_due_now = false;
+    }
+
+    /// Describes another version of the system from now on.
+    pub(crate) fn follow(&mut self, plan: &Plan, part: &Part) {
+        self.plan = Cow::Owned(plan.clone());
+        self.part = part.clone();
+        self.publish_soon();
     }
 
     /// Makes the presence due at once, because something has changed.

@@ -83,7 +83,7 @@ fn services_and_references(declaration: &Declaration) -> (Vec<&str>, Vec<&str>) 
     (services.collect(), references.collect())
 }
 
-/// Finds `component.port`. A component's name may contain dots, a port's may not.
+/// Finds `component.port`. A component's name may contain dots, a port's may not. A component without a name is none.
 pub(crate) fn find<'a>(
     components: impl Iterator<Item = (&'a str, &'a Declaration)> + Clone,
     path: &str,
@@ -93,12 +93,15 @@ pub(crate) fn find<'a>(
     let found = components
         .clone()
         .enumerate()
-        .find(|(_, (name, _))| *name == component);
+        .find(|(_, (name, _))| !name.is_empty() && *name == component);
     let Some((unit, (_, declaration))) = found else {
         return Err(BuildError::Unknown {
             kind: "component",
             name: component.to_owned(),
-            nearest: suggestion_among(component, components.map(|(name, _)| name)),
+            nearest: suggestion_among(
+                component,
+                components.map(|(name, _)| name).filter(|it| !it.is_empty()),
+            ),
         });
     };
     let EndTable {

@@ -1,6 +1,7 @@
 //! A unit: a component with its runtime state, its life cycle and its cycles. Executors drive units.
 
 mod freeze;
+mod remove;
 mod replace;
 mod timing;
 
@@ -16,6 +17,7 @@ use asmotion_datum::Datum;
 use asmotion_port::Time;
 
 pub(crate) use self::freeze::FrozenUnit;
+pub use self::remove::REMOVAL_REPORT;
 pub(crate) use self::replace::NewComponent;
 pub use self::replace::REPLACEMENT_REPORT;
 use crate::component_body::{ComponentBody, CycleBody};
@@ -74,10 +76,16 @@ impl ComponentUnit {
     /// The part of the component that other threads see.
     pub(crate) fn descriptor(&self, thread: usize) -> ComponentDescriptor {
         let services = self.body.services.iter();
+        let references = self.body.references.iter();
+        let wired = references.map(|reference| {
+            let wirings = reference.wirings.iter();
+            wirings.map(|it| (it.to.clone(), it.wire)).collect()
+        });
         ComponentDescriptor {
             name: Arc::clone(&self.name),
             declaration: self.body.declaration.clone(),
             thread,
+            master: self.master,
             openers: self
                 .body
                 .inputs
@@ -85,6 +93,7 @@ impl ComponentUnit {
                 .map(|input| input.opener())
                 .collect(),
             queues: services.map(|service| Arc::clone(&service.queue)).collect(),
+            wired: wired.collect(),
             configure_on_startup: self.activity.configure_on_startup,
             run_on_startup: self.activity.run_on_startup,
             may_interrupt: self.activity.may_interrupt,

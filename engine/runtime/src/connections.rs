@@ -10,6 +10,7 @@ use asmotion_port::{
 
 use crate::build_error::BuildError;
 use crate::component_end::ComponentEnd;
+use crate::topic::SystemTopic;
 
 /// All connections of a system. Owned by the executor's thread; components hold only the ends.
 #[derive(Default)]
@@ -18,6 +19,10 @@ pub(crate) struct ConnectionTable {
     last: u64,
     /// Direct connections with their ends: refuses duplicates, and finds the connection to remove.
     direct: Vec<(ConnectionId, ComponentEnd, ComponentEnd)>,
+    /// Connections of publishers to subscribers, with their ends.
+    by_topic: Vec<(ConnectionId, ComponentEnd, ComponentEnd)>,
+    /// The topics of a running system; `None` if adapters connect them.
+    pub topics: Option<Vec<SystemTopic>>,
     queues: Vec<CommonQueue>,
 }
 
@@ -52,10 +57,12 @@ pub(crate) struct NewConnection {
     pub link: OutputLink,
 }
 
-/// A direct connection that was removed from the table.
+/// A connection that was removed from the table.
 pub(crate) struct RemovedConnection {
     connection: ConnectionId,
     ends: (ComponentEnd, ComponentEnd),
+    /// Whether it connected a publisher to a subscriber of a topic.
+    is_by_topic: bool,
     /// Its entries in the shared queues, by position of the queue.
     users: Vec<(usize, QueueUser)>,
 }
@@ -64,6 +71,16 @@ impl RemovedConnection {
     /// Number of the removed connection.
     pub(crate) fn connection(&self) -> ConnectionId {
         self.connection
+    }
+
+    /// The writing and the reading end.
+    pub(crate) fn ends(&self) -> (&ComponentEnd, &ComponentEnd) {
+        (&self.ends.0, &self.ends.1)
+    }
+
+    /// Returns whether it shared its queue with other connections.
+    pub(crate) fn is_shared(&self) -> bool {
+        !self.users.is_empty()
     }
 }
 
@@ -106,13 +123,84 @@ impl ConnectionTable {
         self.direct.push((connection, from, to));
     }
 
-    /// Removes a direct connection from the table.
+    /// Removes a direct connection from the table, if there is one.
     pub(crate) fn remove(
         &mut self,
         from: &ComponentEnd,
         to: &ComponentEnd,
     ) -> Option<RemovedConnection> {
         let (connection, from, to) = self.direct.remove(self.find(from, to)?);
+        Some(self.removed(connection, (from, to), false))
+    }
+
+    /// Position of a topic, which is created if need be; `None` if adapters connect the topics.
+    pub(crate) fn topic_index(&mut self, name: &str) -> Option<usize> {
+        let topics = self.topics.as_mut()?;
+        let found = topics.iter().position(|topic| topic.name == name);
+        Some(found.unwrap_or_else(|| {
+            topics.push(SystemTopic {
+                name: name.to_owned(),
+                publishers: Vec::new(),
+                subscribers: Vec::new(),
+            });
+            topics.len() - 1
+        }))
+    }
+
+    /// Adds a connection of a publisher to a subscriber to the table.
+    pub(crate) fn insert_by_topic(
+        &mut self,
+        connection: ConnectionId,
+        from: ComponentEnd,
+        to: ComponentEnd,
+    ) {
+        self.by_topic.push((connection, from, to));
+    }
+
+    /// Removes the connections of publishers to subscribers for which the predicate holds.
+    pub(crate) fn remove_by_topic(
+        &mut self,
+        is_wanted: impl Fn(ConnectionId, &ComponentEnd, &ComponentEnd) -> bool,
+    ) -> Vec<RemovedConnection> {
+        let by_topic = &mut self.by_topic;
+        let wanted = by_topic.extract_if(.., |(connection, from, to)| {
+            is_wanted(*connection, from, to)
+        });
+        let wanted: Vec<_> = wanted.collect();
+        let wanted = wanted.into_iter();
+        wanted
+            .map(|(connection, from, to)| self.removed(connection, (from, to), true))
+            .collect()
+    }
+
+    /// Forgets the direct connections of a component that has been removed.
+    pub(crate) fn forget_component(&mut self, component: usize) {
+        let is_its = |it: &mut (ConnectionId, ComponentEnd, ComponentEnd)| {
+            it.1.unit == component || it.2.unit == component
+        };
+        let forgotten: Vec<_> = self.direct.extract_if(.., is_its).collect();
+        for (connection, from, to) in forgotten {
+            drop(self.removed(connection, (from, to), false));
+        }
+    }
+
+    /// Iterates over the ends of other components that are directly connected to a component.
+    pub(crate) fn neighbours(&self, component: usize) -> impl Iterator<Item = &ComponentEnd> {
+        let ends = self.direct.iter().flat_map(move |(_, from, to)| {
+            let reader = (from.unit == component).then_some(to);
+            let writer = (to.unit == component).then_some(from);
+            reader.into_iter().chain(writer)
+        });
+        ends.filter(move |end| end.unit != component)
+    }
+
+    /// Removes the users of shared queues that belong to a connection, which is no longer in the table.
+    fn removed(
+        &mut self,
+        connection: ConnectionId,
+        ends: (ComponentEnd, ComponentEnd),
+        is_by_topic: bool,
+    ) -> RemovedConnection {
         let mut users = Vec::new();
         for (queue, common) in self.queues.iter_mut().enumerate() {
             let effects = common
@@ -120,17 +208,22 @@ impl ConnectionTable {
                 .extract_if(.., |user| user.connection == connection);
             users.extend(effects.map(|user| (queue, user)));
         }
-        Some(RemovedConnection {
+        RemovedConnection {
             connection,
-            ends: (from, to),
+            ends,
+            is_by_topic,
             users,
-        })
+        }
     }
 
     /// Puts a removed connection back; the reverse of `remove`.
     pub(crate) fn reinsert(&mut self, removed: RemovedConnection) {
         let (from, to) = removed.ends;
-        self.insert(removed.connection, from, to);
+        if removed.is_by_topic {
+            self.insert_by_topic(removed.connection, from, to);
+        } else {
+            self.insert(removed.connection, from, to);
+        }
         for (queue, user) in removed.users {
             self.queues[queue].users.push(user);
         }

@@ -13,6 +13,7 @@ pub(crate) use self::events::EventQueue;
 pub(crate) use self::waker::ThreadWaker;
 use crate::effects::Effects;
 use crate::event::Event;
+use crate::growing_table::GrowingTable;
 use crate::handle::RunHandle;
 
 /// A live system as its threads see it. Every thread has a clone; all of it is shared and may be used at any time.
@@ -21,7 +22,7 @@ pub struct LiveContext {
     /// The clock's zero.
     zero: Instant,
     /// The waker of each component, by position in the system.
-    wakers: Arc<[Arc<ThreadWaker>]>,
+    wakers: Arc<GrowingTable<Arc<ThreadWaker>>>,
     events: Arc<EventQueue>,
     /// Order number of the newest sample of the run. `Relaxed`: only the counting matters.
     order: Arc<AtomicU64>,
@@ -32,14 +33,11 @@ pub struct LiveContext {
 }
 
 impl LiveContext {
-    pub(crate) fn new(
-        zero: Instant,
-        wakers: Arc<[Arc<ThreadWaker>]>,
-        events: Arc<EventQueue>,
-    ) -> Self {
+    /// Creates the context of a system with this many components.
+    pub(crate) fn new(zero: Instant, components: usize, events: Arc<EventQueue>) -> Self {
         Self {
             zero,
-            wakers,
+            wakers: Arc::new(GrowingTable::with_room(components)),
             events,
             order: Arc::default(),
             ended: Arc::default(),
@@ -53,6 +51,11 @@ impl LiveContext {
             .get(component)
             .map(Arc::clone)
             .unwrap_or_default()
+    }
+
+    /// Makes room for a component at this position.
+    pub(crate) fn extend_to(&self, component: usize) {
+        self.wakers.extend_to(component);
     }
 
     /// Marks the run as ended. `Release` pairs with the `Acquire` of `is_running`.

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use asmotion_component::{Declaration, Fault, Losses, State, Transition};
+use asmotion_component::{Declaration, Fault, Losses, State, Transition, Wire};
 use asmotion_port::ChannelOpener;
 use serde::{Deserialize, Serialize};
 
@@ -27,17 +27,21 @@ impl CycleTime {
     }
 }
 
-/// The constant facts about a component, and its status. Held by the executor; the component's thread shares the
+/// The constant facts about a component, its wires, and its status. Held by the executor; the component's thread shares the
 /// status.
 pub(crate) struct ComponentDescriptor {
     pub name: Arc<str>,
     pub declaration: Declaration,
     /// Position of the component in whose thread this one cycles: its own, unless it is a slave.
     pub thread: usize,
+    /// Position of the component after which this one cycles; `None` unless it is a slave.
+    pub master: Option<usize>,
     /// Opens channels into each input, by position.
     pub openers: Vec<Arc<dyn ChannelOpener>>,
     /// The request queue of each service, by position.
     pub queues: Vec<Arc<RequestQueue>>,
+    /// The services of each reference, by position: their full names, and how they are called.
+    pub wired: Vec<Vec<(String, Wire)>>,
     pub configure_on_startup: bool,
     pub run_on_startup: bool,
     pub may_interrupt: bool,
@@ -89,6 +93,12 @@ pub(crate) struct StatusSnapshot {
 }
 
 impl ComponentDescriptor {
+    /// Returns whether the position is vacant: its component has been removed.
+    pub(crate) fn is_vacant(&self) -> bool {
+        // no component has an empty name
+        self.name.is_empty()
+    }
+
     /// Number of messages lost on the way into each input, by position.
     pub(crate) fn lost(&self) -> impl Iterator<Item = u64> {
         self.openers.iter().map(|opener| opener.losses().total())

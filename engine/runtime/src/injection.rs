@@ -17,7 +17,7 @@ use crate::run_error::RunError;
 use crate::topic::SystemTopic;
 
 /// Capacity, in samples, of the queue between an injection port and its component's next cycle.
-const WAITING: usize = 64;
+pub(crate) const WAITING: usize = 64;
 
 /// A connection from outside the system into one input port. Used by one thread at a time.
 pub struct InjectionPort {
@@ -29,7 +29,8 @@ pub struct InjectionPort {
     trigger: bool,
     /// The port's type, for error messages.
     expected: String,
-    sender: Box<dyn AnySender>,
+    /// `None` if the component has been removed.
+    sender: Option<Box<dyn AnySender>>,
     dropped: u64,
     /// The input's counter of lost messages.
     losses: LossCounter,
@@ -106,14 +107,17 @@ impl InjectionPorts {
         let Some(index) = self
             .ports
             .iter()
-            .position(|injection| injection.name == name)
+            .position(|injection| injection.sender.is_some() && injection.name == name)
         else {
             return Err(RunError::Unknown {
                 kind: "input",
                 name: name.to_owned(),
                 nearest: suggestion_among(
                     name,
-                    self.ports.iter().map(|injection| &*injection.name),
+                    self.ports
+                        .iter()
+                        .filter(|injection| injection.sender.is_some())
+                        .map(|injection| &*injection.name),
                 ),
             });
         };
@@ -168,6 +172,29 @@ impl InjectionPorts {
         }
     }
 
+    /// Adds the ports into the inputs of a new component, and those of the topics to which it subscribes.
+    pub(crate) fn add(&mut self, ports: Vec<InjectionPort>, topics: Vec<(String, InjectionPort)>) {
+        self.ports.extend(ports);
+        for (topic, port) in topics {
+            match self.topics.iter_mut().find(|(known, _)| *known == topic) {
+                Some((_, ports)) => ports.push(port),
+                None => self.topics.push((topic, vec![port])),
+            }
+        }
+    }
+
+    /// Closes the ports into a component that is removed. They keep their positions, to which planned samples refer.
+    pub(crate) fn close(&mut self, component: usize) {
+        for port in &mut self.ports {
+            if port.component == component {
+                port.sender = None;
+            }
+        }
+        for (_, ports) in &mut self.topics {
+            ports.retain(|port| port.component != component);
+        }
+    }
+
     /// Iterates over all injection ports in order of creation.
     pub(crate) fn all(&self) -> impl Iterator<Item = &InjectionPort> {
         let of_topics = self.topics.iter().flat_map(|(_, ports)| ports);
@@ -208,7 +235,7 @@ impl InjectionPort {
     }
 
     /// Opens a connection that is not part of the system's declaration.
-    fn open_undeclared(
+    pub(crate) fn open_undeclared(
         unit: &mut ComponentUnit,
         index: usize,
         policy: &Policy,
@@ -235,7 +262,7 @@ impl InjectionPort {
             connection,
             trigger: policy.trigger,
             expected: port.schema.to_string(),
-            sender,
+            sender: Some(sender),
             dropped: 0,
             losses: opener.losses(),
         })
@@ -269,21 +296,24 @@ impl InjectionPort {
     ///
     /// An error if a sample does not have the type of the port.
     pub(crate) fn refill(&mut self, waiting: &[SampleSnapshot]) -> Result<(), DatumError> {
+        let Some(sender) = &mut self.sender else {
+            return Ok(());
+        };
         for sample in waiting {
             let value = Arc::new(sample.value.clone());
-            self.sender.send_sample(value, sample.at, sample.order)?;
+            sender.send_sample(value, sample.at, sample.order)?;
         }
         Ok(())
     }
 
     fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), RunError> {
-        self.sender
-            .check(sample)
-            .map_err(|source| RunError::Mismatch {
-                target: self.name.clone(),
-                expected: self.expected.clone(),
-                source: Box::new(source),
-            })
+        let checked = self.sender.as_ref().map(|sender| sender.check(sample));
+        let checked = checked.unwrap_or(Ok(()));
+        checked.map_err(|source| RunError::Mismatch {
+            target: self.name.clone(),
+            expected: self.expected.clone(),
+            source: Box::new(source),
+        })
     }
 
     /// Puts a sample into this port alone and reports it to the observers.
@@ -318,7 +348,10 @@ impl InjectionPort {
         effects: &mut dyn Effects,
     ) {
         let order = effects.next_order();
-        let delivery = self.sender.send_sample(Arc::clone(sample), written, order);
+        let Some(sender) = &mut self.sender else {
+            return self.count_dropped(1, None, now, effects);
+        };
+        let delivery = sender.send_sample(Arc::clone(sample), written, order);
         if self.trigger
             && matches!(
                 delivery,

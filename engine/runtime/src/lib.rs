@@ -17,6 +17,7 @@ mod descriptor;
 mod effects;
 mod event;
 mod frozen;
+mod growing_table;
 mod handle;
 mod health;
 mod injection;
@@ -35,7 +36,7 @@ pub use asmotion_port::PushOutcome;
 pub use build_error::BuildError;
 pub use cause::CycleCause;
 pub use component_end::ComponentEnd;
-pub use component_unit::REPLACEMENT_REPORT;
+pub use component_unit::{REMOVAL_REPORT, REPLACEMENT_REPORT};
 pub use context::LiveContext;
 pub use descriptor::CycleTime;
 pub use effects::Effects;
@@ -46,8 +47,8 @@ pub use injection::{InjectionPort, InjectionPorts, InjectionTarget};
 pub use live::Live;
 pub use log::Log;
 pub use run::{
-    Asked, Change, ChangeError, PortReader, PortSubscription, PortWriter, Replacement, Run,
-    SentCall, WriteError,
+    ADDITION_REPORT, Asked, Change, ChangeError, ComponentAddition, PortReader, PortSubscription,
+    PortWriter, Replacement, Run, SentCall, WriteError,
 };
 pub use run_error::RunError;
 pub use service::{

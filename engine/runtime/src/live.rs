@@ -21,7 +21,7 @@ use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::context::{EventQueue, LiveContext, ThreadWaker};
 use crate::descriptor::ComponentDescriptor;
-use crate::event::Observer;
+use crate::event::{Event, Observer};
 use crate::handle::RunHandle;
 use crate::health;
 use crate::injection::{InjectionPorts, InjectionTarget};
@@ -41,6 +41,8 @@ pub struct Live {
     connections: ConnectionTable,
     /// One for each component that is not a slave.
     threads: Vec<Thread>,
+    /// Threads of removed components, which end after their current cycle.
+    ending: Vec<JoinHandle<()>>,
     injections: InjectionPorts,
     /// Samples to be injected at a later time, latest first.
     planned: Vec<(Time, InjectionTarget, Arc<dyn Sample>)>,
@@ -85,21 +87,18 @@ impl Live {
             sinks,
             streams,
             mut connections,
+            topics_outside,
             ..
         } = system;
         let injections = InjectionPorts::new(&mut units, &topics, &mut connections);
         let events = Arc::new(EventQueue::new(!observers.is_empty()));
-        let wakers: Arc<[Arc<ThreadWaker>]> = units.iter().map(|_| Arc::default()).collect();
-        let context = LiveContext::new(Instant::now(), wakers, Arc::clone(&events));
+        let context = LiveContext::new(Instant::now(), units.len(), Arc::clone(&events));
         for unit in &mut units {
-            let waker = context.waker(unit.index);
-            // request a cycle whatever drives the component: a periodic one would otherwise pass the result on a period
-            // late
-            let finished = Arc::new(move || waker.request_cycle());
-            unit.body.work_place = WorkPlace::Thread(finished);
+            unit.body.work_place = work_place(&context, unit.index);
         }
         let mut live = Self {
             threads: spawn_threads(units, &descriptors, &context),
+            ending: Vec::new(),
             context,
             events,
             observers,
@@ -126,6 +125,7 @@ impl Live {
         if !streams.is_empty() {
             live.sources = Some(SourceThreads::new(streams, &live.context));
         }
+        live.connections.topics = (!topics_outside && live.bus_thread.is_none()).then_some(topics);
         live.release();
         live
     }
@@ -171,6 +171,13 @@ impl Live {
         });
         seen
     }
+}
+
+/// The threads of a component's background work.
+fn work_place(context: &LiveContext, component: usize) -> WorkPlace {
+    let waker = context.waker(component);
+    // request a cycle whatever drives the component: a periodic one would otherwise pass the result on a period late
+    WorkPlace::Thread(Arc::new(move || waker.request_cycle()))
 }
 
 /// Starts one thread for each component that is not a slave; its slaves follow in order of addition.
@@ -231,12 +238,49 @@ impl Executor for Live {
         &self.descriptors
     }
 
+    fn descriptors_mut(&mut self) -> &mut Vec<ComponentDescriptor> {
+        &mut self.descriptors
+    }
+
     fn connections(&mut self) -> (&mut ConnectionTable, &[ComponentDescriptor]) {
         (&mut self.connections, &self.descriptors)
     }
 
     fn injections(&self) -> &InjectionPorts {
         &self.injections
+    }
+
+    fn injections_mut(&mut self) -> &mut InjectionPorts {
+        &mut self.injections
+    }
+
+    fn prepare(&mut self, component: usize) -> WorkPlace {
+        self.context.extend_to(component);
+        work_place(&self.context, component)
+    }
+
+    fn adopt(&mut self, unit: ComponentUnit) {
+        let (component, name) = (unit.index, Arc::clone(&unit.name));
+        let thread = Thread::new(component, vec![unit], &name, &self.context);
+        thread.send(WorkerCommand::Release(self.context.now()));
+        self.threads.push(thread);
+    }
+
+    fn vacate(&mut self, component: usize) {
+        let thread = self.descriptors[component].thread;
+        let Some(index) = self.threads.iter().position(|it| it.component == thread) else {
+            return;
+        };
+        self.threads[index].send(WorkerCommand::Remove(component));
+        if thread == component {
+            let thread = self.threads.remove(index);
+            self.ending.retain(|ending| !ending.is_finished());
+            self.ending.extend(thread.handle);
+        }
+    }
+
+    fn emit(&mut self, at: Time, event: &Event<'_>) {
+        self.events.push(at, event);
     }
 
     fn handle(&self) -> Arc<dyn RunHandle> {
@@ -308,8 +352,9 @@ impl Drop for Live {
             NAP
         };
         let until = self.context.now() + patience;
-        let ended = |thread: &Thread| thread.handle.as_ref().is_none_or(JoinHandle::is_finished);
-        while !self.threads.iter().all(ended) && self.context.now() < until {
+        let handles = self.threads.iter().filter_map(|it| it.handle.as_ref());
+        let handles = handles.chain(&self.ending);
+        while handles.clone().any(|it| !it.is_finished()) && self.context.now() < until {
             std::thread::sleep(Duration::from_millis(1));
         }
     }

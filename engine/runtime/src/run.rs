@@ -1,10 +1,12 @@
 //! A running system, independent of the executor that drives it.
 
+mod addition;
 mod asked;
 mod call;
 mod change;
 mod executor;
 mod reader;
+mod removal;
 mod replacement;
 mod run_impl;
 mod writer;
@@ -23,6 +25,7 @@ use crate::descriptor::CycleTime;
 use crate::event::Event;
 use crate::run_error::RunError;
 
+pub use addition::{ADDITION_REPORT, ComponentAddition};
 pub use asked::Asked;
 pub use call::SentCall;
 pub use change::{Change, ChangeError};
@@ -89,12 +92,17 @@ pub trait Run {
     /// two of its cycles, its replacement before all others; components that are not concerned keep running. Returns the
     /// notes of the new components: the parts of their state that they do not keep.
     ///
+    /// New components are configured and started first, in the caller's thread and without a time limit, as at the start of
+    /// a system. Removed ones stop last, after their current cycle; a change does not wait for them.
+    ///
     /// # Errors
     /// The first change that is not possible, as [`connect`](Self::connect), [`disconnect`](Self::disconnect) or
-    /// [`set_properties`](Self::set_properties) report it; [`ChangeError::Replacement`] if a component cannot be replaced.
+    /// [`set_properties`](Self::set_properties) report it; [`ChangeError::Replacement`], [`ChangeError::Addition`] or
+    /// [`ChangeError::Removal`] if a component cannot be replaced, added or removed.
     fn change(&mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError>;
 
-    /// Checks whether [`change`](Self::change) would make these changes now. Nothing is changed.
+    /// Checks whether [`change`](Self::change) would make these changes now. Nothing is changed; new components are constructed,
+    /// but not configured.
     ///
     /// # Errors
     /// As [`change`](Self::change).

@@ -12,6 +12,7 @@ mod timeline;
 use std::sync::Arc;
 use std::time::Duration;
 
+use asmotion_component::WorkPlace;
 use asmotion_datum::Sample;
 use asmotion_port::Time;
 
@@ -23,7 +24,8 @@ use crate::adapter::Adapter;
 use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
-use crate::event::Observer;
+use crate::effects::Effects;
+use crate::event::{Event, Observer};
 use crate::handle::RunHandle;
 use crate::health;
 use crate::injection::{InjectionPorts, InjectionTarget};
@@ -59,6 +61,7 @@ impl Simulation {
             topics,
             adapters,
             mut connections,
+            topics_outside,
             ..
         } = system;
         let injections = InjectionPorts::new(&mut units, &topics, &mut connections);
@@ -77,6 +80,8 @@ impl Simulation {
             let mut effects = simulation.timeline.effects(None);
             health::publish_without_bus(&topics, &mut simulation.injections, now, &mut effects);
         }
+        let is_inside = !topics_outside && simulation.adapters.is_empty();
+        simulation.connections.topics = is_inside.then_some(topics);
         simulation
     }
 
@@ -179,12 +184,44 @@ impl Executor for Simulation {
         &self.descriptors
     }
 
+    fn descriptors_mut(&mut self) -> &mut Vec<ComponentDescriptor> {
+        &mut self.descriptors
+    }
+
     fn connections(&mut self) -> (&mut ConnectionTable, &[ComponentDescriptor]) {
         (&mut self.connections, &self.descriptors)
     }
 
     fn injections(&self) -> &InjectionPorts {
         &self.injections
+    }
+
+    fn injections_mut(&mut self) -> &mut InjectionPorts {
+        &mut self.injections
+    }
+
+    /// Background work runs within the cycle.
+    fn prepare(&mut self, _: usize) -> WorkPlace {
+        WorkPlace::default()
+    }
+
+    fn adopt(&mut self, unit: ComponentUnit) {
+        self.timeline.add(&unit);
+        if unit.state().is_running() {
+            self.timeline.schedule_first(&unit);
+        } else {
+            self.timeline.apply_drive_change(&unit);
+        }
+        self.units.push(unit);
+    }
+
+    fn vacate(&mut self, component: usize) {
+        self.units[component] = ComponentUnit::vacant(component);
+        self.timeline.vacate(component);
+    }
+
+    fn emit(&mut self, at: Time, event: &Event<'_>) {
+        self.timeline.effects(None).emit(at, event);
     }
 
     fn handle(&self) -> Arc<dyn RunHandle> {

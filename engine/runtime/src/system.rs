@@ -65,7 +65,7 @@ pub struct System {
     pub(crate) observers: Vec<Box<dyn Observer>>,
     pub(crate) topics: Vec<SystemTopic>,
     /// Adapters, not the system itself, connect publishers and subscribers.
-    topics_outside: bool,
+    pub(crate) topics_outside: bool,
     pub(crate) adapters: Vec<Box<dyn Adapter>>,
     /// Wakes the thread that calls the adapters.
     pub(crate) notifier: Arc<Notifier>,

@@ -5,6 +5,7 @@ use asmotion_port::Policy;
 use crate::component_end::ComponentEnd;
 
 /// A topic with its publishers and subscribers.
+#[derive(Debug, Clone)]
 pub struct SystemTopic {
     /// Name without a leading slash, as in the composite.
     pub name: String,

@@ -7,7 +7,7 @@ use asmotion_component::{Component, Interface};
 use asmotion_coordinator::{Coordinator, Interfaces};
 use asmotion_datum::Schema;
 use asmotion_diagnostics::{FileId, Loader};
-use asmotion_plan::{Implementation, Plan};
+use asmotion_plan::Plan;
 
 use super::Make;
 
@@ -34,22 +34,6 @@ pub(super) fn seed(seed: u64, component: &asmotion_plan::Component, plan: &Plan)
     let mut components = plan.components.iter();
     let position = components.position(|it| it.name == component.name);
     seed.wrapping_add(position.unwrap_or(0) as u64)
-}
-
-/// Returns the constructor of a coordinator that replaces a running one. It loads the specification at each call.
-pub(crate) fn constructor(
-    component: asmotion_plan::Component,
-    plan: Plan,
-    loader: Arc<dyn Loader + Send + Sync>,
-    seed: u64,
-) -> impl Fn(&mut Interface) -> Result<Box<dyn Component>, String> + Send + Sync + 'static {
-    move |interface| {
-        let Implementation::Asm { file, .. } = &component.implementation else {
-            return Err("it is no specification".to_owned());
-        };
-        let seed = self::seed(seed, &component, &plan);
-        make(&component, file, &plan.types, &*loader, seed)?(interface)
-    }
 }
 
 /// Returns the texts of a specification and its imports, in the order in which they are loaded; empty if it cannot be

@@ -19,7 +19,7 @@ use asmotion_composite::model::{self, Transport};
 use asmotion_plan::{Part, Plan, Terminal};
 
 pub(crate) use activity::of as activity;
-pub(crate) use coordinator::{constructor as coordinator, texts as specification_texts};
+pub(crate) use coordinator::texts as specification_texts;
 pub(crate) use policy::of as policy;
 pub use workshop::{Make, Standard, Workshop};
 

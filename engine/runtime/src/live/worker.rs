@@ -18,6 +18,8 @@ pub(crate) enum WorkerCommand {
     Act(usize, Act),
     /// Begins the cycles of the running components, at this time.
     Release(Time),
+    /// Drops the component at this position of the system. The thread ends with the last one.
+    Remove(usize),
     End,
 }
 
@@ -116,9 +118,18 @@ impl Worker {
                 }
                 Ok(WorkerCommand::Release(at)) => {
                     self.released = true;
-                    let members = self.members.iter_mut();
-                    for member in members.filter(|one| one.unit.state().is_running()) {
-                        member.schedule_first(at);
+                    for member in &mut self.members {
+                        if member.unit.state().is_running() {
+                            member.schedule_first(at);
+                        } else {
+                            member.await_requests();
+                        }
+                    }
+                }
+                Ok(WorkerCommand::Remove(component)) => {
+                    self.members.retain(|one| one.unit.index != component);
+                    if self.members.is_empty() {
+                        return false;
                     }
                 }
             }

@@ -8,9 +8,11 @@ use std::time::Duration;
 
 use asmotion_component::Wire;
 use asmotion_datum::Datum;
-use asmotion_port::Policy;
+use asmotion_port::{ConnectionId, Policy};
 
+use super::addition::{ComponentAddition, StagedComponent};
 use super::executor::{Act, Executor, busy, connect_output};
+use super::removal::RemovedComponent;
 use super::replacement::Replacement;
 use crate::build_error::BuildError;
 use crate::component_end::{ComponentEnd, inputs, outputs, references, services};
@@ -18,6 +20,7 @@ use crate::connections::RemovedConnection;
 use crate::run_error::RunError;
 use crate::service::Wiring;
 use crate::system::operation_indices;
+use crate::topic::SystemTopic;
 
 /// A change of a running system.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +79,20 @@ pub enum Change {
         /// The new component.
         by: Replacement,
     },
+    /// Stops a component with a last cycle, cleans it up and removes it. Impossible while connections, wires or slaves of
+    /// others need it after all changes of the same list. It leaves its topics, and its name is free again.
+    Remove {
+        /// Name of the component.
+        component: String,
+    },
+    /// Adds a component. It is configured and, if it runs on startup, started before anything else is changed; if that
+    /// fails, nothing is. The changes that follow in the list can connect and wire it.
+    Add {
+        /// Name of the component.
+        component: String,
+        /// The new component.
+        by: ComponentAddition,
+    },
 }
 
 /// The reason that a running system could not be changed.
@@ -93,6 +110,22 @@ pub enum ChangeError {
         /// Name of the component.
         component: String,
         /// The reason of the new component.
+        reason: String,
+    },
+    /// A component cannot be added.
+    #[error("`{component}` cannot be added: {reason}")]
+    Addition {
+        /// Name of the component.
+        component: String,
+        /// Human-readable reason.
+        reason: String,
+    },
+    /// A component cannot be removed.
+    #[error("`{component}` cannot be removed: {reason}")]
+    Removal {
+        /// Name of the component.
+        component: String,
+        /// Human-readable reason.
         reason: String,
     },
 }
@@ -122,6 +155,8 @@ impl fmt::Display for Change {
                 write!(f, "`{component}` cycles every {period:?}")
             }
             Self::Replace { component, by } => write!(f, "`{component}` runs {}", by),
+            Self::Remove { component } => write!(f, "`{component}` is removed"),
+            Self::Add { component, by } => write!(f, "`{component}` is added and runs {by}"),
         }
     }
 }
@@ -130,22 +165,42 @@ impl fmt::Display for Change {
 pub(super) struct ChangePlan<'r, E: Executor> {
     pub(super) run: &'r mut E,
     /// First phase: inputs get new connections, so that every sample written afterwards has a reader.
-    attach_steps: Vec<(usize, Act)>,
+    pub(super) attach_steps: Vec<(usize, Act)>,
     /// Second phase: everything else.
-    update_steps: Vec<(usize, Act)>,
+    pub(super) update_steps: Vec<(usize, Act)>,
     /// Last phase: inputs lose connections, which no writer uses any more by then.
-    detach_steps: Vec<(usize, Act)>,
-    /// Steps that restore the connection table if a later change is impossible.
-    undo_steps: Vec<UndoStep>,
+    pub(super) detach_steps: Vec<DetachStep>,
+    /// Steps that restore the tables of the executor if a later change is impossible.
+    pub(super) undo_steps: Vec<UndoStep>,
     /// Replacements, in order, applied before everything else.
     pub(super) replacements: Vec<(usize, Replacement)>,
-    /// Services of the references concerned, by component and reference: the name, and whether calls are one-way.
-    wires: BTreeMap<(usize, usize), Vec<(String, Wire)>>,
+    /// New components, in order, which no other component uses before all changes are made.
+    pub(super) additions: Vec<StagedComponent>,
+    /// Components to be removed, whose positions are vacant already.
+    pub(super) removals: Vec<RemovedComponent>,
 }
 
-enum UndoStep {
+/// Removes a connection from an input.
+pub(super) struct DetachStep {
+    pub(super) reader: usize,
+    /// The writer, if the connection has a queue of its own. If the writer is removed, its last samples still arrive: the
+    /// input drops the connection once it has read them.
+    writer: Option<usize>,
+    pub(super) act: Act,
+}
+
+/// A change of the executor's tables that is to be undone if a later change is impossible.
+pub(super) enum UndoStep {
     Forget(ComponentEnd, ComponentEnd),
+    ForgetByTopic(ConnectionId),
     Restore(RemovedConnection),
+    /// The services of a reference: component, reference, and what they were.
+    Rewire(usize, usize, Vec<(String, Wire)>),
+    Topics(Vec<SystemTopic>),
+    /// Removes the last addition.
+    Unadd,
+    /// Puts the last removed component back.
+    Unremove,
 }
 
 impl<'r, E: Executor> ChangePlan<'r, E> {
@@ -157,19 +212,22 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
             detach_steps: Vec::new(),
             undo_steps: Vec::new(),
             replacements: Vec::new(),
-            wires: BTreeMap::new(),
+            additions: Vec::new(),
+            removals: Vec::new(),
         }
     }
 
     /// Makes all of these changes, or none of them. Returns the notes of the new components.
     pub(super) fn apply(mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError> {
-        let planned = changes.iter().try_for_each(|change| self.plan(change));
-        match planned.and_then(|()| self.replace_all()) {
+        let planned = self.plan_all(changes);
+        let prepared = planned.and_then(|()| self.prepare_additions());
+        match prepared.and_then(|()| self.replace_all()) {
             Ok(notes) => {
                 self.commit();
                 Ok(notes)
             }
             Err(error) => {
+                self.abandon_additions();
                 self.roll_back();
                 Err(error)
             }
@@ -178,10 +236,15 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
 
     /// Checks whether these changes are possible now. Returns the notes of the new components.
     pub(super) fn check(mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError> {
-        let planned = changes.iter().try_for_each(|change| self.plan(change));
+        let planned = self.plan_all(changes);
         let checked = planned.and_then(|()| self.check_replacements());
         self.roll_back();
         checked
+    }
+
+    fn plan_all(&mut self, changes: &[Change]) -> Result<(), ChangeError> {
+        changes.iter().try_for_each(|change| self.plan(change))?;
+        self.check_removals()
     }
 
     fn plan(&mut self, change: &Change) -> Result<(), ChangeError> {
@@ -203,9 +266,17 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
             }
             Change::Replace { component, by } => {
                 let index = self.run.index_of(component)?;
+                if self.staged(index).is_some() {
+                    return Err(ChangeError::Replacement {
+                        component: component.clone(),
+                        reason: "the same change adds it".to_owned(),
+                    });
+                }
                 self.replacements.push((index, by.clone()));
                 Ok(())
             }
+            Change::Remove { component } => self.remove(component),
+            Change::Add { component, by } => self.add(component, by),
         }
     }
 
@@ -217,24 +288,51 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         policy: &Policy,
     ) -> Result<(), BuildError> {
         let (from, to) = (self.run.end(from, outputs)?, self.run.end(to, inputs)?);
-        let (connections, descriptors) = self.run.connections();
+        let (connections, _) = self.run.connections();
         connections.check_unconnected(&from, &to)?;
+        let connection = self.open_connection(&from, &to, policy)?;
+        let (connections, _) = self.run.connections();
+        connections.insert(connection, from.clone(), to.clone());
+        self.undo_steps.push(UndoStep::Forget(from, to));
+        Ok(())
+    }
+
+    /// Plans a connection of a publisher to a subscriber of a topic.
+    pub(super) fn connect_by_topic(
+        &mut self,
+        from: &ComponentEnd,
+        to: &ComponentEnd,
+        policy: &Policy,
+    ) -> Result<(), BuildError> {
+        let connection = self.open_connection(from, to, policy)?;
+        let (connections, _) = self.run.connections();
+        connections.insert_by_topic(connection, from.clone(), to.clone());
+        self.undo_steps.push(UndoStep::ForgetByTopic(connection));
+        Ok(())
+    }
+
+    /// Opens a connection that is not in the table yet, and plans how its ends are joined to their ports.
+    fn open_connection(
+        &mut self,
+        from: &ComponentEnd,
+        to: &ComponentEnd,
+        policy: &Policy,
+    ) -> Result<ConnectionId, BuildError> {
+        let (connections, descriptors) = self.run.connections();
         let [writer, reader] = [&descriptors[from.unit], &descriptors[to.unit]];
         let written = &writer.declaration.outputs[from.index].schema;
         let taken = &reader.declaration.inputs[to.index].schema;
         BuildError::compare(written, &from.name, taken, &to.name)?;
         let threads = [writer.thread, reader.thread];
         let opener = &reader.openers[to.index];
-        let connection = connections.open((&from, &to), threads, policy, &**opener)?;
-        connections.insert(connection.connection, from.clone(), to.clone());
+        let connection = connections.open((from, to), threads, policy, &**opener)?;
         let (input, reading_end) = (to.index, connection.reading_end);
         let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].connect(reading_end));
         self.attach_steps.push((to.unit, act));
         let end = (from.index, connection.connection);
         let act = connect_output(end, connection.sender, connection.link, policy.init);
         self.update_steps.push((from.unit, act));
-        self.undo_steps.push(UndoStep::Forget(from, to));
-        Ok(())
+        Ok(connection.connection)
     }
 
     /// Plans the removal of a connection.
@@ -247,20 +345,41 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                 to: to.name,
             });
         };
+        self.end_connection(removed);
+        Ok(())
+    }
+
+    /// Plans how a connection that is no longer in the table is removed from its ports.
+    pub(super) fn end_connection(&mut self, removed: RemovedConnection) {
         let connection = removed.connection();
+        let (from, to) = removed.ends();
         let (output, input) = (from.index, to.index);
         let act: Act = Box::new(move |unit, _, _| unit.body.outputs[output].disconnect(connection));
         self.update_steps.push((from.unit, act));
-        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].disconnect(connection));
-        self.detach_steps.push((to.unit, act));
+        self.detach_steps.push(DetachStep {
+            reader: to.unit,
+            writer: (!removed.is_shared()).then_some(from.unit),
+            act: Box::new(move |unit, _, _| unit.body.inputs[input].disconnect(connection)),
+        });
         self.undo_steps.push(UndoStep::Restore(removed));
-        Ok(())
+    }
+
+    /// The topics within the system; none if adapters connect them.
+    pub(super) fn topics(&mut self) -> &mut [SystemTopic] {
+        let (connections, _) = self.run.connections();
+        connections.topics.as_deref_mut().unwrap_or_default()
+    }
+
+    /// Remembers the topics before a change.
+    pub(super) fn save_topics(&mut self) {
+        let topics = self.topics().to_vec();
+        self.undo_steps.push(UndoStep::Topics(topics));
     }
 
     fn wire(&mut self, reference: &str, service: &str, wire: Wire) -> Result<(), ChangeError> {
         let from = self.run.end(reference, references)?;
         let to = self.run.end(service, services)?;
-        let wires = self.wires(&from)?;
+        let wires = self.wires(&from);
         let in_the_way = |(name, other): &&(String, Wire)| {
             let are_told = other.one_way && wire.one_way;
             *name == to.name || other.alternative == wire.alternative && !are_told
@@ -288,7 +407,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
 
     fn unwire(&mut self, reference: &str, service: &str) -> Result<(), ChangeError> {
         let from = self.run.end(reference, references)?;
-        let wires = self.wires(&from)?;
+        let wires = self.wires(&from);
         let Some(index) = wires.iter().position(|(name, _)| name == service) else {
             let (from, to) = (from.name, service.to_owned());
             return Err(BuildError::NotConnected { from, to }.into());
@@ -303,30 +422,24 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
     }
 
     /// The services of a reference, including the changes planned so far.
-    fn wires(&mut self, from: &ComponentEnd) -> Result<&mut Vec<(String, Wire)>, RunError> {
-        use std::collections::btree_map::Entry::{Occupied, Vacant};
-        match self.wires.entry((from.unit, from.index)) {
-            Occupied(known) => Ok(known.into_mut()),
-            Vacant(place) => {
-                let (index, patience) = (from.index, self.run.change_timeout());
-                let wires = self.run.run_on(from.unit, patience, move |unit, _, _| {
-                    let wirings = unit.body.references[index].wirings.iter();
-                    let wirings = wirings.map(|it| (it.to.clone(), it.wire));
-                    wirings.collect::<Vec<_>>()
-                });
-                let name = &self.run.descriptors()[from.unit].name;
-                Ok(place.insert(wires.ok_or_else(|| busy(name))?))
-            }
-        }
+    fn wires(&mut self, from: &ComponentEnd) -> &mut Vec<(String, Wire)> {
+        let wired = &mut self.run.descriptors_mut()[from.unit].wired[from.index];
+        let before = UndoStep::Rewire(from.unit, from.index, wired.clone());
+        self.undo_steps.push(before);
+        wired
     }
 
     fn set(&mut self, component: &str, values: &[(String, Datum)]) -> Result<(), RunError> {
         let (index, patience) = (self.run.index_of(component)?, self.run.change_timeout());
         let (values, tried) = (values.to_vec(), values.to_vec());
-        let result = self.run.run_on(index, patience, move |unit, _, _| {
-            unit.body.check(&unit.name, &tried)
-        });
-        result.ok_or_else(|| busy(component))??;
+        if let Some(staged) = self.staged(index) {
+            staged.unit.body.check(component, &tried)?;
+        } else {
+            let result = self.run.run_on(index, patience, move |unit, _, _| {
+                unit.body.check(&unit.name, &tried)
+            });
+            result.ok_or_else(|| busy(component))??;
+        }
         let act: Act = Box::new(move |unit, now, effects| {
             // cannot fail: the values were checked when the change was planned, and declarations do not change
             let _ = unit.set_properties(&values, now, effects);
@@ -336,28 +449,60 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
     }
 
     /// Makes the changes phase by phase; within a phase, all changes of a component between the same two cycles.
-    pub(super) fn commit(self) {
-        for phase in [self.attach_steps, self.update_steps, self.detach_steps] {
-            let mut each: BTreeMap<usize, Vec<Act>> = BTreeMap::new();
-            for (unit, act) in phase {
+    pub(super) fn commit(mut self) {
+        let attach_steps = std::mem::take(&mut self.attach_steps);
+        self.submit_all(attach_steps);
+        let update_steps = std::mem::take(&mut self.update_steps);
+        self.submit_all(update_steps);
+        self.stop_removals();
+        let mut detach_steps = std::mem::take(&mut self.detach_steps);
+        detach_steps.retain(|step| !step.writer.is_some_and(|writer| self.is_removed(writer)));
+        let detach_steps = detach_steps.into_iter().map(|step| (step.reader, step.act));
+        self.submit_all(detach_steps.collect());
+        self.vacate_removals();
+        self.adopt_additions();
+    }
+
+    /// Submits the steps of each component together; those of components that are removed have no effect.
+    fn submit_all(&mut self, steps: Vec<(usize, Act)>) {
+        let mut each: BTreeMap<usize, Vec<Act>> = BTreeMap::new();
+        for (unit, act) in steps {
+            if !self.is_removed(unit) {
                 each.entry(unit).or_default().push(act);
             }
-            for (unit, acts) in each {
-                let all: Act = Box::new(move |unit, now, effects| {
-                    acts.into_iter().for_each(|act| act(unit, now, effects));
-                });
-                self.run.submit(unit, all);
-            }
+        }
+        for (unit, acts) in each {
+            let all: Act = Box::new(move |unit, now, effects| {
+                acts.into_iter().for_each(|act| act(unit, now, effects));
+            });
+            self.run.submit(unit, all);
         }
     }
 
-    /// Restores the connection table. No component has been changed yet.
-    fn roll_back(self) {
-        let (connections, _) = self.run.connections();
-        for undo in self.undo_steps.into_iter().rev() {
+    /// Restores the tables of the executor. No component that runs has been changed yet.
+    fn roll_back(mut self) {
+        for undo in std::mem::take(&mut self.undo_steps).into_iter().rev() {
+            let (connections, _) = self.run.connections();
             match undo {
                 UndoStep::Forget(from, to) => drop(connections.remove(&from, &to)),
+                UndoStep::ForgetByTopic(connection) => {
+                    drop(connections.remove_by_topic(|known, _, _| known == connection));
+                }
                 UndoStep::Restore(removed) => connections.reinsert(removed),
+                UndoStep::Topics(before) => {
+                    if let Some(topics) = &mut connections.topics {
+                        *topics = before;
+                    }
+                }
+                UndoStep::Rewire(unit, reference, before) => {
+                    self.run.descriptors_mut()[unit].wired[reference] = before;
+                }
+                UndoStep::Unadd => drop(self.run.descriptors_mut().pop()),
+                UndoStep::Unremove => {
+                    if let Some(RemovedComponent { index, descriptor }) = self.removals.pop() {
+                        self.run.descriptors_mut()[index] = descriptor;
+                    }
+                }
             }
         }
     }

@@ -3,7 +3,9 @@
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use asmotion_component::{Declaration, LifeCycleError, State, Transition, suggestion_among};
+use asmotion_component::{
+    Declaration, LifeCycleError, State, Transition, WorkPlace, suggestion_among,
+};
 use asmotion_datum::Sample;
 use asmotion_port::{AnySender, ConnectionId, OutputLink, Time};
 
@@ -30,14 +32,32 @@ pub(crate) trait Executor {
     /// Current time of the executor's clock.
     fn clock(&self) -> Time;
 
-    /// The shared descriptors of the components, in order of addition.
+    /// The shared descriptors of the components, in order of addition. Positions of removed components are vacant.
     fn descriptors(&self) -> &[ComponentDescriptor];
+
+    /// The descriptors, for changes of the components and their wires.
+    fn descriptors_mut(&mut self) -> &mut Vec<ComponentDescriptor>;
 
     /// The connections between the components' ports, and the descriptors.
     fn connections(&mut self) -> (&mut ConnectionTable, &[ComponentDescriptor]);
 
     /// The connections from outside into inputs and topics.
     fn injections(&self) -> &InjectionPorts;
+
+    /// The connections from outside, for changes of the components.
+    fn injections_mut(&mut self) -> &mut InjectionPorts;
+
+    /// Makes room for a component at this position. Returns the executor of its background work.
+    fn prepare(&mut self, component: usize) -> WorkPlace;
+
+    /// Takes over a unit, whose position follows that of the last one, and begins its cycles if it runs.
+    fn adopt(&mut self, unit: ComponentUnit);
+
+    /// Drops the unit at this position after its current cycle and the functions submitted so far.
+    fn vacate(&mut self, component: usize);
+
+    /// Reports an event to the observers.
+    fn emit(&mut self, at: Time, event: &Event<'_>);
 
     /// The system, for readers and writers on their own threads.
     fn handle(&self) -> Arc<dyn RunHandle>;
@@ -157,7 +177,7 @@ pub(crate) trait Executor {
     fn descriptor(&self, component: &str) -> Option<&ComponentDescriptor> {
         self.descriptors()
             .iter()
-            .find(|descriptor| *descriptor.name == *component)
+            .find(|descriptor| !descriptor.is_vacant() && *descriptor.name == *component)
     }
 
     /// The position of the component with this name.
@@ -165,7 +185,7 @@ pub(crate) trait Executor {
         let index = self
             .descriptors()
             .iter()
-            .position(|descriptor| *descriptor.name == *component);
+            .position(|descriptor| !descriptor.is_vacant() && *descriptor.name == *component);
         index.ok_or_else(|| RunError::Unknown {
             kind: "component",
             name: component.to_owned(),
@@ -173,7 +193,8 @@ pub(crate) trait Executor {
                 component,
                 self.descriptors()
                     .iter()
-                    .map(|descriptor| &*descriptor.name),
+                    .map(|descriptor| &*descriptor.name)
+                    .filter(|name| !name.is_empty()),
             ),
         })
     }

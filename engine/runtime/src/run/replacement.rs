@@ -20,7 +20,9 @@ pub struct Replacement {
     construct: Arc<Construct>,
 }
 
-type Construct = dyn Fn(&mut Interface) -> Result<Box<dyn Component>, String> + Send + Sync;
+/// Creates a component and declares it on the interface.
+pub(super) type Construct =
+    dyn Fn(&mut Interface) -> Result<Box<dyn Component>, String> + Send + Sync;
 
 impl Replacement {
     /// Describes the new component by the rest of the sentence "it runs …". The constructor may be called several times.

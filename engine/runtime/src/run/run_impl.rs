@@ -289,6 +289,7 @@ impl<E: Executor> Run for E {
     fn components(&self) -> Vec<String> {
         let descriptors = self.descriptors().iter();
         descriptors
+            .filter(|descriptor| !descriptor.is_vacant())
             .map(|descriptor| descriptor.name.to_string())
             .collect()
     }

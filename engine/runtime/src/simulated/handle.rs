@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
 use asmotion_port::Time;
 
+use crate::growing_table::GrowingTable;
 use crate::handle::RunHandle;
 
 /// Shared with readers, writers and callers on other threads.
@@ -18,7 +19,7 @@ pub(super) struct SimulatedHandle {
     /// again.
     any_triggered: AtomicBool,
     /// New data are waiting, by position of the component. Set by other threads, taken by the simulation.
-    triggered: Box<[AtomicBool]>,
+    triggered: GrowingTable<AtomicBool>,
     /// Set when the simulation is dropped; read by other threads.
     ended: AtomicBool,
 }
@@ -29,9 +30,14 @@ impl SimulatedHandle {
             now: AtomicI64::new(0),
             order: AtomicU64::new(0),
             any_triggered: AtomicBool::new(false),
-            triggered: (0..components).map(|_| AtomicBool::new(false)).collect(),
+            triggered: GrowingTable::with_room(components),
             ended: AtomicBool::new(false),
         }
+    }
+
+    /// Makes room for a component at this position.
+    pub(super) fn extend_to(&self, component: usize) {
+        self.triggered.extend_to(component);
     }
 
     pub(super) fn set_now(&self, now: Time) {

@@ -90,21 +90,27 @@ impl Effects for SimulatedEffects<'_, '_> {
 
 impl Timeline {
     pub(super) fn new(units: &[ComponentUnit], observers: Vec<Box<dyn Observer>>) -> Self {
-        let each = |unit: &ComponentUnit| UnitSchedule {
-            drive: unit.activity.drive,
-            serves: false,
-            triggered: false,
-            generation: 0,
-            cycles: 0,
-        };
         Self {
             now: Time::ZERO,
             queue: DueQueue::default(),
             observers,
-            schedules: units.iter().map(each).collect(),
+            schedules: units.iter().map(UnitSchedule::of).collect(),
             escalated: false,
             handle: Arc::new(SimulatedHandle::new(units.len())),
         }
+    }
+
+    /// Adds the schedule of a new unit, whose position follows that of the last one.
+    pub(super) fn add(&mut self, unit: &ComponentUnit) {
+        self.handle.extend_to(unit.index);
+        self.schedules.push(UnitSchedule::of(unit));
+    }
+
+    /// Ends the schedule of a removed unit.
+    pub(super) fn vacate(&mut self, component: usize) {
+        let schedule = &mut self.schedules[component];
+        schedule.serves = false;
+        schedule.set_drive(Drive::Manual);
     }
 
     pub(super) fn set_now(&mut self, now: Time) {
@@ -133,6 +139,17 @@ impl Timeline {
 }
 
 impl UnitSchedule {
+    /// The schedule of a unit that does not run yet.
+    fn of(unit: &ComponentUnit) -> Self {
+        Self {
+            drive: unit.activity.drive,
+            serves: false,
+            triggered: false,
+            generation: 0,
+            cycles: 0,
+        }
+    }
+
     /// Replaces the schedule and returns its generation.
     fn set_drive(&mut self, drive: Drive) -> u64 {
         self.drive = drive;

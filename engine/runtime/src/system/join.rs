@@ -227,10 +227,12 @@ impl System {
         policy: &Policy,
     ) -> Result<(), BuildError> {
         if self.topics_outside {
-            self.compare(from, to)
-        } else {
-            self.add_connection(from, to, policy).map(drop)
+            return self.compare(from, to);
         }
+        let connection = self.add_connection(from, to, policy)?;
+        let (from, to) = (from.clone(), to.clone());
+        self.connections.insert_by_topic(connection, from, to);
+        Ok(())
     }
 
     fn compare(&self, from: &ComponentEnd, to: &ComponentEnd) -> Result<(), BuildError> {
