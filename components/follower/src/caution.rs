@@ -174,3 +174,226 @@ fn curvature(line: &Polyline, along: f64) -> Option<f64> {
     let (before, after) = (line.at(along - CHORD)?, line.at(along + CHORD)?);
     Some(turn(yaw(&before), yaw(&after)) / (2.0 * CHORD))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pursuit::tests::PURSUIT;
+    use asmotion_geometry::heading;
+
+    const CAUTION: Caution = Caution {
+        robot_radius_m: 0.2,
+        stop_margin_m: 0.03,
+        clearance_s: 0.2,
+        min_clearance_speed: 0.3,
+        deceleration: 1.0,
+        reaction_s: 0.2,
+    };
+
+    const FAST: Pursuit = Pursuit {
+        max_speed: 2.0,
+        ..PURSUIT
+    };
+
+    /// A robot on a path along the x axis, 10 m long, that wants to drive at 2 m/s.
+    struct Scene {
+        points: Vec<(f64, f64)>,
+        line: Vec<(f64, f64)>,
+        along: f64,
+        carrot: (f64, f64),
+        speed: f64,
+        turn: f64,
+    }
+
+    impl Default for Scene {
+        fn default() -> Self {
+            Self {
+                points: Vec::new(),
+                line: vec![(0.0, 0.0), (10.0, 0.0)],
+                along: 0.0,
+                carrot: (0.6, 0.0),
+                speed: 2.0,
+                turn: 0.0,
+            }
+        }
+    }
+
+    impl Scene {
+        /// The command: speed and turn rate. It is the same wherever the world is turned.
+        fn command(&self) -> (f64, f64) {
+            let [one, other] = [Pose::identity(), heading(Point::new(5.0, -3.0), 2.0)]
+                .map(|world| self.command_in(&world));
+            assert!((one.0 - other.0).abs() < 1e-9 && (one.1 - other.1).abs() < 1e-9);
+            one
+        }
+
+        fn command_in(&self, world: &Pose) -> (f64, f64) {
+            let place = |&(x, y): &(f64, f64)| world * Point::new(x, y);
+            let line = Polyline::new(self.line.iter().map(place));
+            let points: Vec<Point> = self.points.iter().map(place).collect();
+            let robot = line.at(self.along).unwrap();
+            let view = CautiousView {
+                caution: &CAUTION,
+                points: &points,
+            };
+            let place = PlaceOnPath {
+                line: &line,
+                along: self.along,
+                carrot: Point::new(self.carrot.0, self.carrot.1),
+            };
+            let motion = MeasuredMotion {
+                pose: robot,
+                speed: self.speed,
+                turn: 0.0,
+            };
+            let twist = view.limit(&FAST, &place, &motion, Twist::planar(2.0, self.turn));
+            (twist.linear.x, twist.angular.z)
+        }
+
+        #[track_caller]
+        fn allows(&self, speed: f64) {
+            let (allowed, _) = self.command();
+            assert!(
+                (allowed - speed).abs() < 1e-9,
+                "{allowed} instead of {speed}"
+            );
+        }
+    }
+
+    fn points(points: &[(f64, f64)]) -> Scene {
+        Scene {
+            points: points.to_vec(),
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn nothing_near_allows_everything() {
+        points(&[]).allows(2.0);
+        points(&[(1.0, 3.0), (-1.0, 0.0), (8.0, 0.0)]).allows(2.0);
+    }
+
+    #[test]
+    fn clearance_beside_the_path_limits_the_speed() {
+        // 0.08 m beside the robot, in 0.2 s
+        points(&[(0.0, 0.28)]).allows(0.4);
+        points(&[(0.0, -0.28)]).allows(0.4);
+        points(&[(0.0, 0.22)]).allows(0.3);
+        // 0.6 m ahead it may be faster than beside the point, but has to brake before
+        let ahead = (0.1_f64.hypot(0.28) - 0.2) / 0.2;
+        let braked = CAUTION.brakes().speed_before(0.6, ahead);
+        points(&[(0.7, 0.28)]).allows(braked);
+        // a tenth of a metre beyond the horizon of 2.43 m, and just within it
+        points(&[(2.9, 0.28)]).allows(2.0);
+        let slower = Scene {
+            along: 1.0,
+            ..points(&[(1.7, 0.28)])
+        };
+        slower.allows(braked);
+    }
+
+    #[test]
+    fn the_robot_can_stop_before_what_the_path_touches() {
+        let brakes = CAUTION.brakes();
+        // it is beside the robot 0.8 m ahead, and touched 0.9 m ahead
+        points(&[(1.05, 0.0)]).allows(brakes.speed_before(0.8, 0.3));
+        // only the path touches it: the arc leads elsewhere
+        let aside = Scene {
+            turn: -2.0,
+            ..points(&[(0.6, 0.15)])
+        };
+        let first = (0..7)
+            .map(|n| f64::from(n) * 0.1)
+            .find(|on| (0.6 - on).hypot(0.15) <= 0.2)
+            .unwrap();
+        let before = brakes.speed_before(first - 0.1, 0.3);
+        aside.allows(brakes.speed(first - 0.03).min(before));
+    }
+
+    #[test]
+    fn the_robot_can_stop_before_what_the_arc_touches() {
+        let brakes = CAUTION.brakes();
+        let wall = |carrot| Scene {
+            carrot,
+            turn: 2.0,
+            line: vec![(0.0, 0.0), (0.05, 0.0)],
+            ..points(&[(0.6, 0.1)])
+        };
+        // at 1 m radius the disc touches the point after this way
+        let free = Arc::of(2.0, 2.0)
+            .unwrap()
+            .free([Point::new(0.6, 0.1)], CAUTION.robot_radius_m);
+        assert!((0.4..0.5).contains(&free), "{free}");
+        wall((1.0, 0.5)).allows(brakes.speed(free - 0.03));
+        // beyond the carrot the robot leaves the arc
+        wall((free - 0.01, 0.0)).allows(2.0);
+    }
+
+    #[test]
+    fn what_the_robot_touches_allows_no_motion_towards_it() {
+        points(&[(0.15, 0.1)]).allows(0.0);
+        // it may leave
+        points(&[(-0.15, 0.1)]).allows(0.3);
+    }
+
+    #[test]
+    fn a_curve_allows_the_speed_at_which_it_can_be_turned() {
+        let corner = |along| Scene {
+            line: vec![(0.0, 0.0), (1.0, 0.0), (1.0, 5.0)],
+            along,
+            ..Scene::default()
+        };
+        // a quarter turn over 0.4 m, with four fifths of 1.2 rad/s
+        let in_curve = 0.8 * 1.2 / (std::f64::consts::FRAC_PI_2 / 0.4);
+        corner(0.9).allows(in_curve);
+        let on = 0.3; // the first place whose chord reaches the corner
+        corner(0.55).allows(CAUTION.brakes().speed_before(on, in_curve));
+        let hairpin = Scene {
+            line: vec![(0.0, 0.0), (1.0, 0.0), (0.0, 0.001)],
+            along: 0.95,
+            ..Scene::default()
+        };
+        hairpin.allows(FAST.min_curve_speed);
+    }
+
+    #[test]
+    fn a_robot_that_must_not_drive_turns_towards_the_carrot() {
+        let blocked = |carrot, speed| Scene {
+            carrot,
+            speed,
+            ..points(&[(0.19, 0.0)])
+        };
+        let (speed, turn) = blocked((0.5, 0.2), 0.0).command();
+        let aside = 0.2_f64.atan2(0.5);
+        assert_eq!((speed, turn), (0.0, FAST.rotate(aside).angular.z));
+        let (speed, turn) = blocked((0.5, -0.2), 0.019).command();
+        assert_eq!((speed, turn), (0.0, -FAST.rotate(aside).angular.z));
+        // not while it rolls, nor when it looks at the carrot
+        assert_eq!(blocked((0.5, 0.2), 0.02).command(), (0.0, 0.0));
+        assert_eq!(blocked((0.5, 0.049), 0.0).command(), (0.0, 0.0));
+        // nor when it may drive
+        let free = Scene {
+            carrot: (0.5, 0.2),
+            speed: 0.0,
+            ..Scene::default()
+        };
+        assert_eq!(free.command(), (2.0, 0.0));
+    }
+
+    #[test]
+    fn a_robot_that_is_too_fast_keeps_its_curve() {
+        let beside = |speed, turn| Scene {
+            speed,
+            turn,
+            ..points(&[(0.0, 0.22)])
+        };
+        // curvature 0.25 1/m
+        let close = |(speed, turn): (f64, f64), wanted: (f64, f64)| {
+            assert!((speed - wanted.0).abs() < 1e-9, "{speed}");
+            assert!((turn - wanted.1).abs() < 1e-9, "{turn}");
+        };
+        close(beside(1.0, -0.5).command(), (0.3, -0.25 * 0.9));
+        close(beside(0.3, -0.5).command(), (0.3, -0.25 * 0.3));
+        close(beside(2.0, -2.0).command(), (0.3, -1.2));
+    }
+}
