@@ -192,12 +192,13 @@ mod tests {
             BufferKind::Buffer(3),
             BufferKind::Circular(3),
         ] {
-            let (mut sender, mut receiver) = channel(kind);
-            assert!(!receiver.is_abandoned(), "{kind:?}");
-            sender.send(7);
-            drop(sender);
-            assert!(receiver.is_abandoned(), "{kind:?}");
-            assert_eq!(receiver.take(), Some(7), "{kind:?}");
+            for (mut sender, mut receiver) in all_channels(kind) {
+                assert!(!receiver.is_abandoned(), "{kind:?}");
+                sender.send(7);
+                drop(sender);
+                assert!(receiver.is_abandoned(), "{kind:?}");
+                assert_eq!(receiver.take(), Some(7), "{kind:?}");
+            }
         }
     }
 

@@ -163,6 +163,20 @@ mod tests {
     }
 
     #[test]
+    fn writes_looks_and_takes_alternate_for_ever() {
+        let (mut writer, mut reader) = triple();
+        for n in 0..10 {
+            writer.write(n);
+            let mut seen = None;
+            reader.peek_each(|value| seen = Some(*value));
+            assert_eq!(seen, Some(n));
+            writer.write(n + 100);
+            reader.peek_each(|value| seen = Some(*value));
+            assert_eq!((seen, reader.take()), (Some(n + 100), Some(n + 100)));
+        }
+    }
+
+    #[test]
     fn o9_a_writer_never_waits_for_a_reader_at_work() {
         let (mut writer, mut reader) = triple();
         writer.write(0);
