@@ -165,8 +165,11 @@ mod tests {
     #[test]
     fn writes_looks_and_takes_alternate_for_ever() {
         let (mut writer, mut reader) = triple();
-        for n in 0..10 {
-            writer.write(n);
+        for n in 0..30 {
+            // so that each of the three slots is in each of the three places
+            for _ in 0..=n % 3 {
+                writer.write(n);
+            }
             let mut seen = None;
             reader.peek_each(|value| seen = Some(*value));
             assert_eq!(seen, Some(n));
