@@ -212,9 +212,10 @@ impl Mission {
             lock(&watcher).observe(at, event);
         });
         let connected = self.connect(plan)?;
+        // before the process is announced: it can be reconfigured from then on, and its files may change
+        let mut successor = self.version_switch(&opened.path, plan, &part, &connected)?;
         let mut contacts =
             self.connect_contacts(&mut system, &mut network, &connected, plan, &part)?;
-        let mut successor = self.version_switch(&opened.path, plan, &part, &connected)?;
         let gateway_bus = LocalBus::new();
         let gateways = self.open_gateways(
             &mut system,
@@ -340,6 +341,7 @@ impl Mission {
                 let version = successor.running();
                 for contact in &mut *contacts {
                     contact.follow(&version.plan, &version.part);
+                    contact.process_orders(run);
                 }
                 lock(watch).follow(&version.plan, &version.part);
                 lock(story).follow(&version.plan);

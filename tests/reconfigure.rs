@@ -87,6 +87,135 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     }
 }
 
+/// A second laser on board, and a second planner, which other processes could call.
+const REAR_LASER: &[(&str, &str)] = &[
+    (
+        "[components.RoverDriver]",
+        "[components.RearLaser]\n\
+         implementation = { rust = \"nav::sim::LaserDriver\" }\n\
+         activity   = { period_ms = 50 }\n\
+         ports.in   = { scene = \"world/Scene\", truth = \"geometry_msgs/PoseStamped\" }\n\
+         ports.out  = { scan = \"sensor_msgs/LaserScan\" }\n\
+         properties = { noise_m = 0.25 }\n\n\
+         [components.RoverDriver]",
+    ),
+    (
+        "to     = \"LaserDriver.truth\"",
+        "to     = [\"LaserDriver.truth\", \"RearLaser.truth\"]",
+    ),
+    (
+        "to     = \"LaserDriver.scene\"",
+        "to     = [\"LaserDriver.scene\", \"RearLaser.scene\"]",
+    ),
+    (
+        "\"LaserDriver\", \"RoverDriver\"",
+        "\"LaserDriver\", \"RearLaser\", \"RoverDriver\"",
+    ),
+];
+const SPARE_PLANNER: &[(&str, &str)] = &[
+    (
+        "[components.TrajectoryPlanner]",
+        "[components.Spare]\n\
+         implementation = { rust = \"nav::TrajectoryPlanner\" }\n\
+         task       = { id = \"spare\", period_ms = 100 }\n\
+         services   = { planning = \"nav/PlanService\" }\n\
+         ports.in   = { obstacles = \"nav/Obstacles\" }\n\n\
+         [components.TrajectoryPlanner]",
+    ),
+    (
+        "to     = \"TrajectoryPlanner.obstacles\"",
+        "to     = [\"TrajectoryPlanner.obstacles\", \"Spare.obstacles\"]",
+    ),
+    (
+        "components = [\"TrajectoryPlanner\"]",
+        "components = [\"TrajectoryPlanner\", \"Spare\"]",
+    ),
+];
+
+#[test]
+fn c18_a_component_is_removed_from_a_running_process_and_added_again() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let folder = tempfile::tempdir().unwrap();
+    let composite = three_processes(folder.path());
+    let path = composite.to_str().unwrap();
+    let first = std::fs::read_to_string(&composite).unwrap();
+    let becomes = |changes: &[(&str, &str)]| {
+        let mut text = first.clone();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        std::fs::write(&composite, text).unwrap();
+    };
+    becomes(REAR_LASER);
+    let trace = folder.path().join("onboard.trace");
+    let names = ["onboard", "planning"];
+    let running = names.map(|process| {
+        let mut command = through(run_any(&composite), &broker, &vhost, Some(process));
+        if process == "onboard" {
+            command.args(["--set", "RearLaser.noise_m=0.5"]);
+            command.arg("--trace").arg(&trace);
+        }
+        Running::start(&mut command)
+    });
+    names
+        .iter()
+        .for_each(|name| wait_until_present(&vhost, name));
+    let run = |arguments: &[&str]| tool(&broker, &url, arguments);
+
+    becomes(&[REAR_LASER, SPARE_PLANNER].concat());
+    let (code, _, err) = run(&["reconfigure", path]);
+    assert_eq!(code, Some(1), "{err}");
+    let reason = "planning: NEEDS_START: `Spare` is new, and its service `planning` is offered to \
+                  other processes";
+    assert!(err.contains(reason), "{err}");
+    assert!(err.contains("runs unchanged"), "{err}");
+
+    becomes(&[]);
+    let removed = "onboard: `World.truth` is disconnected from `RearLaser.truth`\n\
+                   onboard: `World.scene` is disconnected from `RearLaser.scene`\n\
+                   onboard: `RearLaser` is removed\n\
+                   planning: no changes\n";
+    let (code, out, err) = run(&["reconfigure", path]);
+    assert_eq!((code, &*out), (Some(0), removed), "{err}");
+    let (_, out, err) = run(&["component", "list"]);
+    assert!(out.contains("LaserDriver"), "{out}{err}");
+    assert!(!out.contains("RearLaser"), "{out}{err}");
+
+    becomes(REAR_LASER);
+    let added = "onboard: `RearLaser` is added and runs `nav::sim::LaserDriver`\n\
+                 onboard: `World.truth` is connected to `RearLaser.truth`\n\
+                 onboard: `World.scene` is connected to `RearLaser.scene`\n\
+                 planning: no changes\n";
+    let (code, out, err) = run(&["reconfigure", path, "--try"]);
+    assert_eq!((code, &*out), (Some(0), added), "{err}");
+    let (code, out, err) = run(&["reconfigure", path]);
+    assert_eq!((code, &*out), (Some(0), added), "{err}");
+    let (_, out, err) = run(&["component", "info", "RearLaser"]);
+    assert!(out.contains("Running"), "{out}{err}");
+    assert!(out.contains("noise_m = 0.5"), "as it was set: {out}{err}");
+    let (code, out, err) = run(&["component", "stop", "RearLaser"]);
+    assert_eq!(code, Some(0), "{out}{err}");
+    let (code, out, err) = run(&["component", "start", "RearLaser"]);
+    assert_eq!(code, Some(0), "{out}{err}");
+    let mut ended = running.into_iter().map(Running::interrupt);
+    assert!(ended.all(|process| process.status.success()));
+    let written = std::fs::read_to_string(&trace).unwrap();
+    for line in [
+        "report RearLaser added Text(\"`nav::sim::LaserDriver`\")",
+        "life RearLaser Stopped Running",
+        "publish RearLaser.scan",
+        "report RearLaser removed",
+    ] {
+        assert!(written.contains(line), "{line}");
+    }
+}
+
 #[test]
 fn c18_a_specification_is_replaced_while_it_runs_or_refused_with_the_invariant_that_does_not_hold()
 {
