@@ -170,6 +170,7 @@ impl Mission {
         director.prepare(plan).map_err(MissionError::Director)?;
         let part = self.part(plan)?;
         self.check_clock(plan, &part)?;
+        self.check_robots(plan, &part)?;
         let watch = EndCondition::new(
             plan,
             &part,
@@ -289,7 +290,7 @@ impl Mission {
         let mut ends = plan.connections.iter().flat_map(|it| [&it.from, &it.to]);
         let queue = ends.find(|it| matches!(it, Terminal::Mqueue(_)));
         let queue = queue.map(ToString::to_string);
-        let urls = plan.wires_outside(part).map(|(_, url)| url.shown());
+        let urls = plan.wires_over_http(part).map(|(_, url)| url.shown());
         let outside = queue.or_else(|| urls.map(str::to_owned).next());
         match (self.clock, outside) {
             (MissionClock::Virtual(_), Some(outside)) => Err(MissionError::Launch(format!(
@@ -297,6 +298,27 @@ impl Mission {
             ))),
             (MissionClock::Virtual(_), None) | (MissionClock::Wall, _) => Ok(()),
         }
+    }
+
+    /// Rejects wires to other robots without a broker, and to the robot itself.
+    fn check_robots(&self, plan: &Plan, part: &Part) -> Result<(), MissionError> {
+        let robots = self.brokers.robots(&plan.name);
+        for address in plan.robot_addresses(part) {
+            if robots.is_empty() {
+                return Err(MissionError::Launch(format!(
+                    "`{address}` is a service of another robot, which is called over a broker: add \
+                     `--bus amqp://user@host:port/vhost`, or write a profile without this wire"
+                )));
+            }
+            if robots.contains(&address.robot()) {
+                let (robot, service) = (address.robot(), address.name());
+                return Err(MissionError::Launch(format!(
+                    "`{address}` is a service of this robot, which is called `{robot}`: write `service = \"{service}\"`, \
+                     or start the robot under another name with `--robot`"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Opens a version of the composite with the properties set on the command line.

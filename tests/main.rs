@@ -31,6 +31,7 @@ mod pictures;
 mod processes;
 mod reconfigure;
 mod repl;
+mod robots;
 mod routes;
 mod scenario;
 mod shell;

@@ -99,6 +99,11 @@ fn is_news(last: &mut Option<(String, Instant)>, notice: String, now: Instant) -
     is_news
 }
 
+/// Returns the name of the robot in the settings; `None` for the default.
+pub fn robot(settings: &AmqpSettings) -> Option<&str> {
+    settings.robot.as_deref()
+}
+
 /// Connects to a broker for a process of a robot. Returns the broker's address and the bus.
 ///
 /// # Errors

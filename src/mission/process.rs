@@ -54,6 +54,16 @@ impl MissionBrokers {
         }
     }
 
+    /// Returns the names of the robot on its brokers; empty without a broker. `composite` is the default.
+    pub(super) fn robots<'r>(&'r self, composite: &'r str) -> Vec<&'r str> {
+        let robot = |settings| broker::robot(settings).unwrap_or(composite);
+        match self {
+            Self::Nothing | Self::Inside(_) => Vec::new(),
+            Self::One(settings) => vec![robot(settings)],
+            Self::Each(brokers) => brokers.values().map(robot).collect(),
+        }
+    }
+
     /// Mutable settings of all brokers.
     pub fn settings_mut(&mut self) -> Vec<&mut AmqpSettings> {
         match self {
@@ -185,8 +195,12 @@ impl Mission {
             }
         }
         let contact = |it: &'p ConnectedBroker| {
+            let of_broker = |reason| broker_error(&it.location, reason);
             let contact = self.contact(system, &*it.bus, plan, part, incarnation);
-            contact.map_err(|reason| broker_error(&it.location, reason))
+            let mut contact = contact.map_err(of_broker)?;
+            let services = network.robot_services(it.name.as_deref());
+            contact.watch_robots(services).map_err(of_broker)?;
+            Ok(contact)
         };
         connected.iter().map(contact).collect()
     }

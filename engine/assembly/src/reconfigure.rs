@@ -154,7 +154,7 @@ pub fn changes(
     };
     difference.components(running, wanted);
     difference.connections(&running.connections, &wanted.connections);
-    difference.wires(&running.wires, &wanted.wires);
+    difference.wires(running, wanted);
     if difference.fixed.is_empty() {
         Ok([difference.ends, difference.members, difference.begins].concat())
     } else {
@@ -435,7 +435,7 @@ impl Difference<'_> {
         plans.all(|plan| plan.component(component).is_some())
     }
 
-    fn wires(&mut self, before: &[Wire], after: &[Wire]) {
+    fn wires(&mut self, before: &Plan, after: &Plan) {
         let (running, wanted) = self.versions;
         let (before, after) = (joints(before, &running.part), joints(after, &wanted.part));
         for it in before.iter().filter(|it| !after.contains(it)) {
@@ -480,25 +480,34 @@ struct WiredService<'p> {
     /// A service of the plan, or a URL.
     service: String,
     token: Option<&'p Endpoint>,
+    /// Broker of a call that leaves the part.
+    broker: Option<&'p str>,
     how: asmotion_component::Wire,
     /// `true` if both ends run in this part and the call does not go over a bus.
     stays_here: bool,
 }
 
-fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<WiredService<'p>> {
+fn joints<'p>(plan: &'p Plan, part: &Part) -> Vec<WiredService<'p>> {
+    let wires: &'p [Wire] = &plan.wires;
     let mut joints = Vec::new();
     for wire in wires {
-        joints.extend(wire.services.iter().map(|service| WiredService {
-            reference: &wire.reference,
-            service: service.to_string(),
-            token: None,
-            how: start::how(wires, wire),
-            stays_here: start::stays_here(wire, service, part),
+        let broker = plan.broker_of_wire(wire);
+        joints.extend(wire.services.iter().map(|service| {
+            let stays_here = start::stays_here(wire, service, part);
+            WiredService {
+                reference: &wire.reference,
+                service: service.to_string(),
+                token: None,
+                broker: broker.filter(|_| !stays_here),
+                how: start::how(wires, wire),
+                stays_here,
+            }
         }));
         joints.extend(wire.url.iter().map(|url| WiredService {
             reference: &wire.reference,
             service: url.shown().to_owned(),
             token: wire.token.as_ref(),
+            broker,
             how: start::how(wires, wire),
             stays_here: false,
         }));

@@ -14,6 +14,7 @@ mod pattern;
 mod publish_options;
 mod queue;
 mod request;
+mod robot_address;
 mod sender_id;
 mod service_client;
 mod trace_context;
@@ -31,6 +32,7 @@ pub use request::{
     AddressQueue, CallFailure, DeliveryReceipt, IncomingCall, PendingCall, Refusal, Request,
     ServedAddress,
 };
+pub use robot_address::RobotAddress;
 pub use sender_id::SenderId;
 pub use service_client::ServiceClient;
 pub use trace_context::{InvalidTraceparent, SpanGenerator, TraceContext};

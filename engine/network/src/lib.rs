@@ -14,6 +14,7 @@ mod network;
 mod offered;
 mod remote;
 mod remote_ends;
+mod robot_service;
 mod subscription;
 mod topics;
 
@@ -21,3 +22,4 @@ pub use error::NetworkError;
 pub use failure::call_error;
 pub use network::Network;
 pub use remote_ends::port_topic;
+pub use robot_service::{AnnouncedOperation, AnnouncedService, RobotService};

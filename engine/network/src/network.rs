@@ -3,14 +3,17 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use asmotion_bus::{Bus, BusError, PublishOptions, ServiceClient};
+use asmotion_bus::{Bus, BusError, PublishOptions, RobotAddress, ServiceClient};
 use asmotion_component::Wire;
+use asmotion_component::declaration::{OperationDeclaration, ReferenceDeclaration};
+use asmotion_datum::Shape;
 use asmotion_runtime::{BuildError, ComponentId, RequestQueue, System};
 
 use crate::adapter::{BusAdapter, CallingAdapter, ServingAdapter};
 use crate::error::NetworkError;
 use crate::remote::{CallerIdentity, RemoteRoute, RemoteService};
-use crate::remote_ends::{OfferedService, RemoteEnds, RemoteReference, address};
+use crate::remote_ends::{OfferedService, RemoteEnds, RemoteReference, address, is_on};
+use crate::robot_service::RobotService;
 
 /// A reference to a service of another system.
 struct ExternalReference {
@@ -42,6 +45,8 @@ pub struct Network {
     remote_ends: RemoteEnds,
     /// References to services of other systems, until their clients are [connected](Self::connect_clients).
     external: Vec<ExternalReference>,
+    /// Services of other robots, each with its bus if there are several.
+    robot_services: Vec<(Option<String>, Arc<RobotService>)>,
     /// The system is attached to a bus.
     attached: bool,
 }
@@ -166,6 +171,51 @@ impl Network {
             .remote_references
             .push(RemoteReference { route, bus });
         Ok(())
+    }
+
+    /// Wires a reference to a service of another robot on one of several buses. Calls wait for a provider that is not there
+    /// yet, as with [`wire_remote`](Self::wire_remote), and end with a fault if they do not fit the service that its
+    /// process announces to [`robot_services`](Self::robot_services). `known` returns the operations of an interface, whose
+    /// types apply to operations that the reference declares without types.
+    ///
+    /// # Errors
+    /// An error if there is no such reference, or if it has a service already.
+    pub fn wire_to_robot(
+        &mut self,
+        system: &mut System,
+        from: &str,
+        service: RobotAddress<'_>,
+        wire: Wire,
+        bus: Option<&str>,
+        known: &dyn Fn(&str) -> Option<Vec<OperationDeclaration>>,
+    ) -> Result<(), BuildError> {
+        let mut expected = reference_declaration(system, from)?;
+        let known = known(&expected.interface).unwrap_or_default();
+        complete_types(&mut expected, &known);
+        let shown = service.to_string();
+        let address = |operation: &str| address(&shown, operation);
+        let mut route = remote_route(system, from, &shown, wire, address)?;
+        let names = (service.robot(), service.name());
+        let expected = Arc::new(RobotService::new(
+            from,
+            names,
+            expected,
+            wire.timeout,
+            Arc::clone(system.notifier()),
+        ));
+        route.robot_service = Some(Arc::clone(&expected));
+        let bus = bus.map(str::to_owned);
+        self.robot_services.push((bus.clone(), expected));
+        let reference = RemoteReference { route, bus };
+        self.remote_ends.remote_references.push(reference);
+        Ok(())
+    }
+
+    /// Returns the services of other robots that are called over the bus with this name, or all without a name.
+    pub fn robot_services(&self, bus: Option<&str>) -> Vec<Arc<RobotService>> {
+        let services = self.robot_services.iter();
+        let on_bus = services.filter(|(of, _)| is_on(of.as_deref(), bus));
+        on_bus.map(|(_, service)| Arc::clone(service)).collect()
     }
 
     /// Wires a reference to a service of another system: operation `getMap` has the address `URL/getMap`. Calls time out
@@ -313,5 +363,25 @@ fn remote_route(
         queue,
         addresses: operations.map(|called| address(called)).collect(),
         timeout: wire.timeout,
+        robot_service: None,
     })
+}
+
+/// Returns the declaration of a reference, given as `Component.reference`.
+fn reference_declaration(system: &System, from: &str) -> Result<ReferenceDeclaration, BuildError> {
+    let end = system.reference(from)?;
+    Ok(system.required_service(&end).clone())
+}
+
+/// Gives operations that a reference declares without types those of its interface.
+fn complete_types(reference: &mut ReferenceDeclaration, known: &[OperationDeclaration]) {
+    for operation in &mut reference.operations {
+        let of_interface = known.iter().find(|it| it.name == operation.name);
+        if let Some(of_interface) = of_interface
+            && operation.request.shape == Shape::Any
+            && operation.response.shape == Shape::Any
+        {
+            operation.clone_from(of_interface);
+        }
+    }
 }

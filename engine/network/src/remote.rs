@@ -1,12 +1,13 @@
 //! Services of other processes and systems: requests of a component are called by a client, and replies are put into
 //! the component's queue.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_bus::{
-    Bus, BusError, CallFailure, Notifier, Payload, PendingCall, Request, SenderId, ServiceClient,
-    SpanGenerator,
+    Bus, BusError, CallFailure, Notifier, Payload, PendingCall, Refusal, Request, SenderId,
+    ServiceClient, SpanGenerator,
 };
 use asmotion_component::{CallError, ServiceFault};
 use asmotion_datum::{Datum, Message, Sample};
@@ -14,6 +15,8 @@ use asmotion_port::Time;
 use asmotion_runtime::{
     CallKey, Effects, Event, ProviderMessage, ReplyTo, RequestQueue, ServiceRequest,
 };
+
+use crate::robot_service::{Admission, RobotService};
 
 /// The route from a reference to a remote service.
 pub(crate) struct RemoteRoute {
@@ -23,6 +26,27 @@ pub(crate) struct RemoteRoute {
     pub addresses: Vec<String>,
     /// Timeout of one-way calls.
     pub timeout: Duration,
+    /// The service of another robot, which is compared with its announcement.
+    pub robot_service: Option<Arc<RobotService>>,
+}
+
+impl RemoteRoute {
+    /// Reads the reply to a call of an operation, whose provider may be a stranger.
+    fn read(&self, operation: usize, reply: Payload) -> Result<Payload, CallFailure> {
+        match &self.robot_service {
+            None => Ok(reply),
+            Some(service) => {
+                let read = service.read(operation, &reply);
+                read.map_err(|fault| CallFailure::Refused(refusal(fault)))
+            }
+        }
+    }
+
+    /// Decides about a call of an operation.
+    fn admit(&self, operation: usize) -> Admission {
+        let service = self.robot_service.as_ref();
+        service.map_or(Admission::Sent, |service| service.admit(operation))
+    }
 }
 
 /// The calling side of a system.
@@ -59,6 +83,8 @@ pub(crate) struct RemoteService {
     route: RemoteRoute,
     identity: CallerIdentity,
     pending: Vec<RemoteCall>,
+    /// Requests that wait for the announcement of another robot's service.
+    held: VecDeque<ServiceRequest>,
     /// A provider has handled a request of this process. Until then it may be starting, and calls wait for it.
     is_known: bool,
     /// Number of one-way calls without a provider.
@@ -68,6 +94,8 @@ pub(crate) struct RemoteService {
 /// A call under way.
 struct RemoteCall {
     key: CallKey,
+    /// Position of the operation in the reference.
+    operation: usize,
     origin: CallOrigin,
     pending: PendingCall,
 }
@@ -83,12 +111,22 @@ enum CallOrigin {
     },
 }
 
+impl CallOrigin {
+    fn of(reply_to: Option<ReplyTo>, component: Arc<str>, address: String) -> Self {
+        match reply_to {
+            Some(reply_to) => Self::Waiting(reply_to),
+            None => Self::OneWay { component, address },
+        }
+    }
+}
+
 impl RemoteService {
     pub(crate) fn new(route: RemoteRoute, identity: CallerIdentity) -> Self {
         Self {
             route,
             identity,
             pending: Vec::new(),
+            held: VecDeque::new(),
             is_known: false,
             lost: 0,
         }
@@ -98,25 +136,77 @@ impl RemoteService {
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
         while let Some(message) = self.route.queue.next() {
             match message {
-                ProviderMessage::Request(request) => self.send(request, now, effects),
+                ProviderMessage::Request(request) => self.held.push_back(request),
                 ProviderMessage::Cancel(key) => self.cancel(key),
             }
         }
+        self.send_admitted(now, effects);
+        self.end_misfits(now, effects);
         let mut index = 0;
         while let Some(open) = self.pending.get(index) {
             match open.pending.try_take() {
                 None => index += 1,
                 Some(end) => {
-                    let RemoteCall { key, origin, .. } = self.pending.remove(index);
+                    let RemoteCall {
+                        key,
+                        operation,
+                        origin,
+                        ..
+                    } = self.pending.remove(index);
+                    let end = match origin {
+                        CallOrigin::Waiting(_) => {
+                            end.and_then(|reply| self.route.read(operation, reply))
+                        }
+                        CallOrigin::OneWay { .. } => end,
+                    };
                     self.complete(key, origin, end, now, effects);
                 }
             }
         }
     }
 
+    /// Sends the requests that need not wait, and ends those that do not fit what the provider has announced.
+    fn send_admitted(&mut self, now: Time, effects: &mut dyn Effects) {
+        for request in std::mem::take(&mut self.held) {
+            match self.route.admit(request.operation) {
+                Admission::Held => self.held.push_back(request),
+                Admission::Sent => self.send(request, now, effects),
+                Admission::Refused(fault) => {
+                    let address = self.address(request.operation);
+                    let key = request.key;
+                    let origin = CallOrigin::of(request.reply_to, request.caller, address);
+                    let refused = Err(CallFailure::Refused(refusal(fault)));
+                    self.end(key, origin, refused, now, effects);
+                }
+            }
+        }
+    }
+
+    fn address(&self, operation: usize) -> String {
+        let address = self.route.addresses.get(operation).cloned();
+        address.unwrap_or_default()
+    }
+
+    /// Ends the calls that do not fit what the provider has announced since they were sent.
+    fn end_misfits(&mut self, now: Time, effects: &mut dyn Effects) {
+        if self.route.robot_service.is_none() {
+            return;
+        }
+        for open in std::mem::take(&mut self.pending) {
+            match self.route.admit(open.operation) {
+                Admission::Sent | Admission::Held => self.pending.push(open),
+                Admission::Refused(fault) => {
+                    open.pending.cancel();
+                    let refused = Err(CallFailure::Refused(refusal(fault)));
+                    self.end(open.key, open.origin, refused, now, effects);
+                }
+            }
+        }
+    }
+
     fn send(&mut self, request: ServiceRequest, now: Time, effects: &mut dyn Effects) {
-        let address = self.route.addresses.get(request.operation).cloned();
-        let address = address.unwrap_or_default();
+        let address = self.address(request.operation);
+        let key = request.key;
         let remaining = request.deadline.map(|deadline| deadline.since(now));
         let message = Request::new(
             SenderId::new(Arc::clone(&request.caller), self.identity.incarnation),
@@ -131,17 +221,11 @@ impl RemoteService {
         let one_way = request.reply_to.is_none();
         let client = &self.identity.client;
         let sent = client.call(&address, message, one_way, notifier);
-        let origin = match request.reply_to {
-            Some(reply_to) => CallOrigin::Waiting(reply_to),
-            None => CallOrigin::OneWay {
-                component: request.caller,
-                address,
-            },
-        };
-        let key = request.key;
+        let origin = CallOrigin::of(request.reply_to, request.caller, address);
         match sent {
             Ok(pending) => self.pending.push(RemoteCall {
                 key,
+                operation: request.operation,
                 origin,
                 pending,
             }),
@@ -150,6 +234,8 @@ impl RemoteService {
     }
 
     fn cancel(&mut self, key: CallKey) {
+        let is_cancelled = |it: &ServiceRequest| it.key == key && it.reply_to.is_some();
+        self.held.retain(|it| !is_cancelled(it));
         let cancelled = self.pending.extract_if(.., |open| {
             open.key == key && matches!(open.origin, CallOrigin::Waiting(_))
         });
@@ -170,6 +256,18 @@ impl RemoteService {
             result,
             Ok(_) | Err(CallFailure::Refused(_) | CallFailure::Stopped)
         );
+        self.end(key, origin, result, now, effects);
+    }
+
+    /// Passes on the outcome of a call.
+    fn end(
+        &mut self,
+        key: CallKey,
+        origin: CallOrigin,
+        result: Result<Payload, CallFailure>,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
         match (origin, result) {
             // the caller's own deadline ends the call or starts a retry
             (CallOrigin::Waiting(_), Err(CallFailure::Timeout | CallFailure::Cancelled)) => {}
@@ -201,6 +299,13 @@ impl RemoteService {
                 );
             }
         }
+    }
+}
+
+fn refusal(fault: ServiceFault) -> Refusal {
+    Refusal {
+        code: fault.code,
+        detail: fault.detail,
     }
 }
 

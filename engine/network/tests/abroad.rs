@@ -8,13 +8,14 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion_bus::{
-    Bus, CallFailure, LocalBus, Notifier, Pattern, Payload, PublishOptions, QueuePolicy, SenderId,
+    Bus, CallFailure, LocalBus, Notifier, Pattern, Payload, PublishOptions, QueuePolicy,
+    RobotAddress, SenderId,
 };
 use asmotion_component::{
     Activity, CallError, Component, Interface, Policy, Reply, ServiceFault, Span, Time, Wire,
 };
 use asmotion_datum::Datum;
-use asmotion_network::{Network, port_topic};
+use asmotion_network::{AnnouncedOperation, AnnouncedService, Network, RobotService, port_topic};
 use asmotion_runtime::{Event, Log, Run, System};
 use common::{Double, Number, behaviour, counter, doubler, number};
 
@@ -398,4 +399,191 @@ fn a_service_is_served_on_a_bus_that_carries_nothing_else() {
         let gone = doubled(&counter_of, "sums.double", 1).unwrap_err();
         assert_eq!(gone, CallFailure::Unavailable);
     }
+}
+
+const MAPS: &str = "robot://depot/Provider.sums";
+
+/// A live caller of a service of another robot and its provider, and the service that the caller compares with
+/// announcements.
+struct Robots {
+    here: Box<dyn Run>,
+    there: Box<dyn Run>,
+    service: Arc<RobotService>,
+    replies: Replies,
+}
+
+impl Robots {
+    /// `before` is done with the service before the caller's first cycle.
+    fn start(before: impl FnOnce(&RobotService)) -> Self {
+        let (bus, replies) = (LocalBus::new(), Replies::default());
+        let mut there = System::new();
+        there.add("Provider", Activity::event(), doubler()).unwrap();
+        let mut network = Network::new();
+        network
+            .offer_as(&there, "Provider.sums", MAPS, None)
+            .unwrap();
+        network
+            .attach(&mut there, Arc::new(bus.clone()), 2)
+            .unwrap();
+        let mut here = System::new();
+        here.add("Caller", Activity::event(), caller(&replies))
+            .unwrap();
+        let mut network = Network::new();
+        let maps = RobotAddress::parse(MAPS).unwrap();
+        let wire = Wire::timeout(20.s());
+        network
+            .wire_to_robot(&mut here, "Caller.sums", maps, wire, Some("cell"), &|_| {
+                None
+            })
+            .unwrap();
+        assert!(network.robot_services(Some("plant")).is_empty());
+        let [service] = network
+            .robot_services(Some("cell"))
+            .try_into()
+            .ok()
+            .unwrap();
+        before(&service);
+        network.attach(&mut here, Arc::new(bus), 1).unwrap();
+        Self {
+            there: Box::new(there.live()),
+            here: Box::new(here.live()),
+            service,
+            replies,
+        }
+    }
+
+    fn reply(mut self) -> Result<i64, CallError> {
+        let until = self.here.now() + 20.s();
+        let replied = |_: Time, event: &Event<'_>| matches!(event, Event::Replied { .. });
+        assert!(self.here.run_until_event(until, &mut { replied }));
+        self.here.run_for(50.ms());
+        drop(self.there);
+        let replies = self.replies.lock().unwrap();
+        replies[0].clone()
+    }
+}
+
+fn announce(service: &RobotService, interface: &str, operations: &[(&str, &str, &str)]) {
+    let operations = operations.iter();
+    let operations: Vec<AnnouncedOperation<'_>> = operations
+        .map(|(name, request, response)| AnnouncedOperation {
+            name,
+            request,
+            response,
+        })
+        .collect();
+    service.compare(&AnnouncedService {
+        interface,
+        operations: &operations,
+    });
+}
+
+const DOUBLE: (&str, &str, &str) = ("double", "test/Number", "test/Number");
+
+#[test]
+fn n12_a_call_to_a_robot_must_fit_what_it_announces() {
+    let call = |interface, operation| {
+        let robots = Robots::start(|service| announce(service, interface, &[operation]));
+        robots.reply()
+    };
+    assert_eq!(call("test/Arithmetic", DOUBLE), Ok(42));
+    // types without a name fit
+    assert_eq!(
+        call("test/Arithmetic", ("double", "", "test/Number")),
+        Ok(42)
+    );
+    for (interface, operation, code, detail) in [
+        (
+            "test/Sums",
+            DOUBLE,
+            "OTHER_INTERFACE",
+            "`Provider.sums` of robot `depot` has the interface `test/Sums`, but `Caller.sums` expects `test/Arithmetic`",
+        ),
+        (
+            "test/Arithmetic",
+            ("halve", "test/Number", "test/Number"),
+            "NO_OPERATION",
+            "`Provider.sums` of robot `depot` has no operation `double`, which `Caller.sums` calls",
+        ),
+        (
+            "test/Arithmetic",
+            ("double", "test/Number", "test/Words"),
+            "OTHER_TYPE",
+            "`Provider.sums.double` of robot `depot` returns `test/Words`, but `Caller.sums` expects `test/Number`",
+        ),
+    ] {
+        let fault = ServiceFault::new(code, detail);
+        assert_eq!(call(interface, operation), Err(CallError::Fault(fault)));
+    }
+}
+
+#[test]
+fn n12_a_call_to_a_robot_waits_for_its_announcement() {
+    let wait = |end: fn(&RobotService)| {
+        let mut robots = Robots::start(RobotService::expect_announcement);
+        robots.here.run_for(200.ms());
+        assert!(robots.replies.lock().unwrap().is_empty(), "sent too early");
+        end(&robots.service);
+        robots.reply()
+    };
+    let other = wait(|service| announce(service, "test/Sums", &[DOUBLE]));
+    assert!(matches!(other, Err(CallError::Fault(_))), "{other:?}");
+    assert_eq!(
+        wait(|service| announce(service, "test/Arithmetic", &[DOUBLE])),
+        Ok(42)
+    );
+    let missing = wait(|service| service.set_missing(&["products".to_owned()]));
+    let missing = missing.unwrap_err().to_string();
+    assert!(
+        missing.contains("its component provides products"),
+        "{missing}"
+    );
+    // one that announces nothing is called all the same, at the end of the wait
+    let silent = wait(|service| {
+        service.end_wait();
+        std::thread::sleep(Duration::from_millis(1400));
+        service.end_wait();
+    });
+    assert_eq!(silent, Ok(42));
+    // the announcement of a process that has left counts no longer
+    let left = wait(|service| {
+        service.forget();
+    });
+    assert_eq!(left, Ok(42));
+}
+
+#[test]
+fn n12_a_reply_in_the_name_of_a_robot_must_have_the_type_of_the_operation() {
+    let bus = LocalBus::new();
+    let notifier = Arc::new(Notifier::new());
+    let served = bus.serve(&format!("{MAPS}.double"), 4, notifier).unwrap();
+    let replies = Replies::default();
+    let mut here = System::new();
+    here.add("Caller", Activity::event(), caller(&replies))
+        .unwrap();
+    let mut network = Network::new();
+    let maps = RobotAddress::parse(MAPS).unwrap();
+    let wire = Wire::timeout(20.s());
+    network
+        .wire_to_robot(&mut here, "Caller.sums", maps, wire, None, &|_| None)
+        .unwrap();
+    network.attach(&mut here, Arc::new(bus), 1).unwrap();
+    let mut here = here.live();
+    let until = here.now() + 20.s();
+    let call = loop {
+        here.run_for(10.ms());
+        if let Some(call) = served.try_next() {
+            break call;
+        }
+        assert!(here.now() < until, "no call");
+    };
+    call.reply(Ok(Payload::of(Datum::text("forty-two"))));
+    until_reported(&mut here, "replied");
+    let replies = replies.lock().unwrap();
+    let Err(CallError::Fault(fault)) = &replies[0] else {
+        panic!("{replies:?}");
+    };
+    assert_eq!(fault.code, "BAD_REPLY");
+    let names = "reply of `Provider.sums.double` of robot `depot`";
+    assert!(fault.detail.contains(names), "{fault}");
 }

@@ -5,6 +5,7 @@ pub(crate) mod c054;
 pub(crate) mod c065;
 pub(crate) mod c067;
 pub(crate) mod c068;
+pub(crate) mod c069;
 pub(crate) mod c082;
 
 use asmotion_diagnostics::Code;
@@ -16,5 +17,6 @@ pub const CODES: &[&Code] = &[
     c065::DuplicateAddress::CODE,
     c067::OpenGateway::CODE,
     c068::InvalidServiceUrl::CODE,
+    c069::OwnRobot::CODE,
     c082::TooManyComponents::CODE,
 ];

@@ -25,7 +25,7 @@ pub struct ConnectionRoute {
 pub enum RouteEnd {
     /// A port, service, topic or message queue of the system.
     Inside(Terminal),
-    /// The URL of a service of another system.
+    /// The URL of a service of another system or robot.
     Url(String),
 }
 
@@ -104,8 +104,15 @@ impl Plan {
             route(RouteEnd::Inside(Terminal::Port(to.clone())), over)
         });
         let outside = wire.url.iter().map(move |url| {
-            let url = url.shown().to_owned();
-            route(RouteEnd::Url(url), RouteTransport::Other(wire.binding))
+            let over = match wire.binding {
+                Transport::Amqp => {
+                    RouteTransport::Broker(self.broker_of_wire(wire).map(str::to_owned))
+                }
+                other @ (Transport::Local | Transport::Ros | Transport::Http) => {
+                    RouteTransport::Other(other)
+                }
+            };
+            route(RouteEnd::Url(url.shown().to_owned()), over)
         });
         inside.chain(outside)
     }

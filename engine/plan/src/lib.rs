@@ -25,3 +25,4 @@ pub use plan::{
     Bridge, Broker, End, Endpoint, Gateway, Implementation, Lifecycle, Pace, Plan, Policy, Process,
     PropertyValues, Record, Restart, Terminal, Wire,
 };
+pub use route::robot_address;

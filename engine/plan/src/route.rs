@@ -5,6 +5,8 @@
 
 use std::collections::BTreeSet;
 
+use asmotion_bus::RobotAddress;
+
 use crate::component::Component;
 use crate::joint::Promoted;
 use crate::part::Part;
@@ -77,6 +79,18 @@ impl Plan {
         promoted.map(move |it| (it.name.as_str(), it.broker.as_deref().or(own)))
     }
 
+    /// Returns the services of a part that are promoted over AMQP.
+    pub fn services_over_brokers<'p>(
+        &'p self,
+        part: &'p Part,
+    ) -> impl Iterator<Item = &'p Promoted> {
+        let promoted = self.promoted.iter();
+        promoted.filter(|it| {
+            let (component, _) = it.inside.split_once('.').unwrap_or_default();
+            it.is_served_over(Transport::Amqp) && part.has(component)
+        })
+    }
+
     /// Returns the gateways of a part, each with the services promoted through it.
     pub fn gateways_of(&self, part: &Part) -> Vec<(&Gateway, Vec<&Promoted>)> {
         let is_here = |promoted: &Promoted| {
@@ -96,7 +110,7 @@ impl Plan {
             .collect()
     }
 
-    /// Returns the wires from a part to services of other systems, each with the URL of the service.
+    /// Returns the wires from a part to services of other systems and robots, each with the URL of the service.
     pub fn wires_outside<'p>(
         &'p self,
         part: &'p Part,
@@ -104,6 +118,21 @@ impl Plan {
         let wires = self.wires.iter();
         let here = wires.filter(|wire| part.has(&wire.reference.component));
         here.filter_map(|wire| Some((wire, wire.url.as_ref()?)))
+    }
+
+    /// Returns the wires from a part to services of other systems over HTTP, each with the URL of the service.
+    pub fn wires_over_http<'p>(
+        &'p self,
+        part: &'p Part,
+    ) -> impl Iterator<Item = (&'p Wire, &'p Endpoint)> {
+        let wires = self.wires_outside(part);
+        wires.filter(|(wire, _)| wire.binding == Transport::Http)
+    }
+
+    /// Returns the addresses of services of other robots that a part calls.
+    pub fn robot_addresses<'p>(&'p self, part: &'p Part) -> impl Iterator<Item = RobotAddress<'p>> {
+        let wires = self.wires_outside(part);
+        wires.filter_map(|(wire, _)| robot_address(wire))
     }
 
     /// Returns the brokers used by a part.
@@ -133,4 +162,10 @@ impl Plan {
         let brokers = self.brokers.iter();
         brokers.filter(|it| names.contains(&*it.name)).collect()
     }
+}
+
+/// Returns the address of the service of another robot that a wire leads to; `None` for any other wire.
+pub fn robot_address(wire: &Wire) -> Option<RobotAddress<'_>> {
+    let url = wire.url.as_ref().filter(|_| wire.goes_abroad())?;
+    RobotAddress::split(url.reveal())
 }

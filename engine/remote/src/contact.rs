@@ -8,6 +8,7 @@ use asmotion_bus::{
     Refusal, SenderId, ServedAddress, Subscription,
 };
 use asmotion_datum::{Datum, Schema};
+use asmotion_network::RobotService;
 use asmotion_plan::{Part, Plan};
 use asmotion_runtime::{Asked, Run};
 
@@ -16,6 +17,7 @@ use crate::order::{Order, OrderOutcome, control_address};
 use crate::order_error::OrderErrorCode;
 use crate::presence::presence_topic;
 use crate::presence_publisher::PresencePublisher;
+use crate::robot_watch::RobotWatch;
 
 /// Capacity of the queue of orders.
 const WAITING: usize = 16;
@@ -33,6 +35,8 @@ pub struct ProcessContact<'p> {
     presences: Subscription,
     /// The processes whose presence has been received, each with its incarnation.
     known_processes: BTreeSet<(Arc<str>, u64)>,
+    /// Services of other robots.
+    robot_watch: Option<RobotWatch>,
 }
 
 impl<'p> ProcessContact<'p> {
@@ -63,7 +67,19 @@ impl<'p> ProcessContact<'p> {
             pending_orders: Vec::new(),
             last_samples: newest,
             known_processes: BTreeSet::from([(process.into(), incarnation)]),
+            robot_watch: None,
         })
+    }
+
+    /// Compares services of other robots with what these announce on the bus.
+    ///
+    /// # Errors
+    /// An error of the bus, for example a missing permission.
+    pub fn watch_robots(&mut self, services: Vec<Arc<RobotService>>) -> Result<(), BusError> {
+        if !services.is_empty() {
+            self.robot_watch = Some(RobotWatch::new(self.bus, services)?);
+        }
+        Ok(())
     }
 
     /// Does the work that is due: carries out orders, sends its presence to newcomers, and publishes it once a second.
@@ -78,6 +94,9 @@ impl<'p> ProcessContact<'p> {
         }
         self.reply_to_orders();
         self.publish_for_new_processes();
+        if let Some(robots) = &self.robot_watch {
+            robots.process();
+        }
         self.presence_publisher.publish_if_due(run);
     }
 

@@ -34,6 +34,7 @@ mod order_error;
 mod presence;
 mod presence_publisher;
 mod remote;
+mod robot_watch;
 mod roster;
 mod watch;
 

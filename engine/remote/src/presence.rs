@@ -69,13 +69,15 @@ pub struct Presence {
     pub topics: Vec<PresentTopic>,
     /// Connections and wires of these components, including those to other processes.
     pub joined: Vec<PresentConnection>,
+    /// Services of these components that are promoted over AMQP: the public name and the `Component.service`.
+    pub promoted: Vec<PresentConnection>,
 }
 
-/// A connection from an output to an input, or a wire from a reference to a service.
+/// A connection from an output to an input, a wire from a reference to a service, or the name of a promoted service.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PresentConnection {
-    /// The output, `Component.port`, or the reference, `Component.reference`.
+    /// The output, `Component.port`, the reference, `Component.reference`, or the public name.
     pub from: String,
     /// The input, `Component.port`, or the service, `Component.service`.
     pub to: String,
@@ -206,6 +208,7 @@ impl Presence {
                 .collect(),
             topics: topics(plan, part),
             joined: joined(plan, part),
+            promoted: promoted(plan, part),
         }
     }
 
@@ -241,6 +244,15 @@ fn joined(plan: &Plan, part: &Part) -> Vec<PresentConnection> {
         to: route.to.to_string(),
     });
     joined.collect()
+}
+
+fn promoted(plan: &Plan, part: &Part) -> Vec<PresentConnection> {
+    let promoted = plan.services_over_brokers(part);
+    let promoted = promoted.map(|it| PresentConnection {
+        from: it.name.clone(),
+        to: it.inside.clone(),
+    });
+    promoted.collect()
 }
 
 fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {

@@ -80,11 +80,11 @@ pub(crate) struct ScdlContract {
 }
 
 impl ScdlContract {
-    /// The URL that a reference of a component calls; `None` if it calls a service of its composite.
-    pub(crate) fn url(&self) -> Option<&str> {
+    /// The URL that a reference of a component calls, and the transport of the calls; `None` if it calls a service of its
+    /// composite.
+    pub(crate) fn url(&self) -> Option<(ScdlTransport, &str)> {
         let mut bindings = self.bindings.iter();
-        let bound = bindings.find(|bound| bound.over == ScdlTransport::Http)?;
-        bound.uri.as_ref().map(|uri| uri.value.as_str())
+        bindings.find_map(|bound| Some((bound.over, bound.uri.as_ref()?.value.as_str())))
     }
 }
 
@@ -101,7 +101,7 @@ pub(crate) struct ScdlInterface {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ScdlBinding {
     pub over: ScdlTransport,
-    /// `uri`: HTTP address of the service; `None` if not specified.
+    /// `uri`: HTTP address of the service, or `robot://…` for a service of another robot; `None` if not specified.
     pub uri: Option<At<String>>,
 }
 

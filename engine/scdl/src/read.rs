@@ -182,6 +182,7 @@ fn bindings(asked: &mut ElementReader<'_, '_>, promoted: bool) -> Vec<ScdlBindin
         let mut inner = ElementReader::new(child, asked.report);
         let uri = match over {
             ScdlTransport::Http if has_uri => inner.attribute("uri"),
+            ScdlTransport::Jms if has_uri && names_a_robot(child) => inner.attribute("uri"),
             ScdlTransport::Http | ScdlTransport::Sca | ScdlTransport::Jms | ScdlTransport::Rmi => {
                 None
             }
@@ -190,6 +191,12 @@ fn bindings(asked: &mut ElementReader<'_, '_>, promoted: bool) -> Vec<ScdlBindin
         bindings.push(ScdlBinding { over, uri });
     }
     bindings
+}
+
+/// Returns whether the address of a binding is that of another robot's service. Other addresses of JMS have no counterpart.
+fn names_a_robot(binding: &XmlElement) -> bool {
+    let mut attributes = binding.attributes.iter();
+    attributes.any(|it| it.name == "uri" && it.value.starts_with("robot://"))
 }
 
 fn multiplicity(asked: &mut ElementReader<'_, '_>) -> ScdlMultiplicity {

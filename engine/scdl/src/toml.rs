@@ -132,16 +132,6 @@ fn inline(entries: impl IntoIterator<Item = (String, Value)>) -> Item {
 }
 
 /// `Component.name`.
-/// The table of a wire over HTTP.
-fn wire_to_url(source: &ScdlTarget, url: &str) -> Table {
-    let mut wire = table([]);
-    wire.insert("reference", item(end(source)));
-    wire.insert("binding", item("http"));
-    wire.insert("url", item(url));
-    wire.insert("timeout_ms", item(TIMEOUT_MS.cast_signed()));
-    wire
-}
-
 fn end(target: &ScdlTarget) -> String {
     let name = target.name.as_ref().map_or("", |name| name.value.as_str());
     format!("{}.{name}", target.component.value)
@@ -158,7 +148,7 @@ struct TomlWriter<'w> {
     gateways: Vec<String>,
 }
 
-impl TomlWriter<'_> {
+impl<'w> TomlWriter<'w> {
     fn component(&mut self, mut component: ScdlComponent) -> Table {
         let task = tca::take(&mut component, self.report);
         let contracts = component.services.iter().chain(&component.references);
@@ -398,7 +388,7 @@ impl TomlWriter<'_> {
             let services: Vec<Value> = same.map(|it| end(&it.target).into()).collect();
             done.push(&wire.source);
             if let Some(url) = self.url_of(&wire.source) {
-                wires.push(wire_to_url(&wire.source, url));
+                wires.push(self.wire_to_url(&wire.source, url));
                 continue;
             }
             let mut table = table([]);
@@ -432,16 +422,30 @@ impl TomlWriter<'_> {
                 };
                 let is_wired = self.composite.wires.iter().any(|it| it.source == source);
                 if let Some(url) = self.url_of(&source).filter(|_| !is_wired) {
-                    wires.push(wire_to_url(&source, url));
+                    wires.push(self.wire_to_url(&source, url));
                 }
             }
         }
         wires
     }
 
-    /// The URL that a reference calls, if its binding has one.
-    fn url_of(&self, source: &ScdlTarget) -> Option<&str> {
-        let mut components = self.composite.components.iter();
+    /// The table of a wire to a service of another system or robot.
+    fn wire_to_url(&mut self, source: &ScdlTarget, (over, url): (ScdlTransport, &str)) -> Table {
+        let mut wire = table([]);
+        wire.insert("reference", item(end(source)));
+        if let Some(word) = word(over) {
+            wire.insert("binding", item(word));
+            self.over_broker(word, &mut wire);
+        }
+        wire.insert("url", item(url));
+        wire.insert("timeout_ms", item(TIMEOUT_MS.cast_signed()));
+        wire
+    }
+
+    /// The URL that a reference calls and its transport, if its binding has one.
+    fn url_of(&self, source: &ScdlTarget) -> Option<(ScdlTransport, &'w str)> {
+        let composite: &'w ScdlComposite = self.composite;
+        let mut components = composite.components.iter();
         let component = components.find(|it| it.name.value == source.component.value)?;
         let name = source.name.as_ref()?;
         let mut references = component.references.iter();

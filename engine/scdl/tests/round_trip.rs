@@ -104,3 +104,67 @@ fn c5_a_reference_to_a_web_service_comes_back_as_it_went() {
     assert!(!wires.contains("[[wires]]"), "{composite}");
     assert_eq!(exported(&imported).text, written);
 }
+
+/// The SCDL of the planner with another binding of its reference.
+fn bound_planner(binding: &str) -> String {
+    let wired = r#"<reference name="planner" target="TrajectoryPlanner/planning">
+      <interface.java interface="nav.PlanService"/>
+    </reference>"#;
+    let bound = format!(
+        "<reference name=\"planner\">
+      <interface.java interface=\"nav.PlanService\"/>
+      {binding}
+    </reference>"
+    );
+    let written = text("planner.composite").replace(wired, &bound);
+    assert!(written.contains(binding));
+    written
+}
+
+#[test]
+fn n12_a_reference_to_another_robot_comes_back_as_it_went() {
+    let written = bound_planner(r#"<binding.jms uri="robot://depot/Planner.planning"/>"#);
+    let files = [("planner.composite".to_owned(), written.clone())];
+    let imported = asmotion_scdl::import(&files, &asmotion_composite::Tables::EMPTY);
+    let (_, composite) = imported.files.first().expect("a composite");
+    let (_, wires) = composite.split_once("[[wires]]").expect("a wire");
+    for key in [
+        "reference = \"ASMCoordinator.planner\"",
+        "binding = \"amqp\"",
+        "url = \"robot://depot/Planner.planning\"",
+    ] {
+        assert!(wires.contains(key), "{composite}");
+    }
+    assert!(!wires.contains("[[wires]]"), "{composite}");
+    assert_eq!(exported(&imported).text, written);
+    // an address of another JMS provider has no counterpart
+    let foreign = bound_planner(r#"<binding.jms uri="jms:queue:plans"/>"#);
+    let files = [("planner.composite".to_owned(), foreign)];
+    let imported = asmotion_scdl::import(&files, &asmotion_composite::Tables::EMPTY);
+    let (_, composite) = imported.files.first().expect("a composite");
+    assert!(!composite.contains("url = \"jms:"), "{composite}");
+}
+
+#[test]
+fn c21_a_wire_by_interface_is_exported_with_its_provider() {
+    let imported = import(&["planner.composite"]);
+    let mut files = imported.files.clone();
+    let (_, composite) = files.first_mut().expect("a composite");
+    let (service, interface) = (
+        "service = \"TrajectoryPlanner.planning\"",
+        "interface = \"nav/PlanService\"",
+    );
+    let (before, wire) = composite.split_once("[[wires]]").expect("a wire");
+    assert!(wire.contains(service), "{composite}");
+    *composite = format!("{before}[[wires]]{}", wire.replacen(service, interface, 1));
+    let opened = open(&files);
+    let said = rendered(&opened.report, &opened.sources);
+    assert!(!said.contains("nav/PlanService"), "{said}");
+    let back = asmotion_scdl::export(&opened.composite.expect("a composite")).expect("no fault");
+    assert_eq!(back.text, text("planner.composite"));
+    assert_eq!(back.report.diagnostics, []);
+    // the import of what was exported names the service
+    let again = [("planner.composite".to_owned(), back.text)];
+    let again = asmotion_scdl::import(&again, &asmotion_composite::Tables::EMPTY);
+    assert_eq!(again.files, imported.files);
+}

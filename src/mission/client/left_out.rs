@@ -16,7 +16,7 @@ impl Mission {
         plan: &Plan,
         part: &Part,
     ) -> Result<(), MissionError> {
-        match plan.wires_outside(part).next() {
+        match plan.wires_over_http(part).next() {
             None => Ok(()),
             Some((wire, _)) => {
                 let reason = LeftOut::new::<Http>();

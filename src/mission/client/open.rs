@@ -23,7 +23,7 @@ impl Mission {
         plan: &Plan,
         part: &Part,
     ) -> Result<Option<HttpClient>, MissionError> {
-        if plan.wires_outside(part).next().is_none() {
+        if plan.wires_over_http(part).next().is_none() {
             return Ok(None);
         }
         let launch = |reason: String| MissionError::Launch(reason);
@@ -31,7 +31,7 @@ impl Mission {
         let client = HttpClient::start(authorities.as_deref());
         let client = client.map_err(|error| launch(format!("{error} (`{AUTHORITIES}`)")))?;
         let token = |reference: &str, url: &str| {
-            let mut wires = plan.wires_outside(part);
+            let mut wires = plan.wires_over_http(part);
             let (wire, _) = wires
                 .find(|(wire, to)| to.reveal() == url && wire.reference.to_string() == reference)?;
             let token = wire.token.as_ref()?;

@@ -16,7 +16,7 @@ use asmotion_network::{Network, port_topic};
 use asmotion_runtime::{BuildError, ComponentId, System};
 
 use asmotion_composite::model::{self, Transport};
-use asmotion_plan::{Part, Plan, Terminal};
+use asmotion_plan::{Part, Plan, Terminal, robot_address};
 
 pub(crate) use activity::of as activity;
 pub(crate) use coordinator::texts as specification_texts;
@@ -80,8 +80,8 @@ pub const EVENTS_SIZE: usize = 256;
 ///
 /// # Errors
 ///
-/// The first error encountered. [`StartError::Binding`] if a wire leads to another system, for which the system needs a
-/// client ([`Network::connect_clients`]).
+/// The first error encountered. [`StartError::Binding`] if a wire leads to another system or robot, for which the system needs
+/// a client ([`Network::connect_clients`]) or a bus ([`Network::attach`]).
 pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartError> {
     if let Some(wire) = plan.wires.iter().find(|wire| wire.url.is_some()) {
         return Err(StartError::Binding {
@@ -144,7 +144,7 @@ pub fn start_part(
         building.network.set_publish_options(topic, sending);
     }
     for wire in &plan.wires {
-        building.wire(wire)?;
+        building.wire(wire, workshop)?;
     }
     Ok(Assembled {
         system: building.system,
@@ -296,7 +296,11 @@ impl Building<'_> {
         }
     }
 
-    fn wire(&mut self, wire: &asmotion_plan::Wire) -> Result<(), StartError> {
+    fn wire(
+        &mut self,
+        wire: &asmotion_plan::Wire,
+        workshop: &dyn Workshop,
+    ) -> Result<(), StartError> {
         let reference = &wire.reference;
         if !self.part.has(&reference.component) {
             return Ok(());
@@ -309,20 +313,7 @@ impl Building<'_> {
         let how = how(&self.plan.wires, wire);
         let broker = self.plan.broker_of_wire(wire);
         let caller = reference.to_string();
-        match (wire.binding, &wire.url) {
-            (Transport::Http, Some(url)) => {
-                let (system, url, shown) = (&mut self.system, url.reveal(), url.shown());
-                let network = &mut self.network;
-                network.wire_external(system, &caller, url, shown, how)?;
-            }
-            (Transport::Local | Transport::Amqp, _) => {}
-            (binding @ (Transport::Ros | Transport::Http), _) => {
-                return Err(StartError::Binding {
-                    reference: caller,
-                    binding,
-                });
-            }
-        }
+        self.wire_outside(wire, how, workshop)?;
         for service in &wire.services {
             let provider = service.to_string();
             if stays_here(wire, service, self.part) {
@@ -331,6 +322,37 @@ impl Building<'_> {
                 let system = &mut self.system;
                 self.network
                     .wire_remote_over(system, &caller, &provider, how, broker)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Wires a reference to a service of another system or robot, if the wire leads to one.
+    fn wire_outside(
+        &mut self,
+        wire: &asmotion_plan::Wire,
+        how: Wire,
+        workshop: &dyn Workshop,
+    ) -> Result<(), StartError> {
+        let caller = wire.reference.to_string();
+        let (system, network) = (&mut self.system, &mut self.network);
+        match (wire.binding, &wire.url) {
+            (Transport::Http, Some(url)) => {
+                network.wire_external(system, &caller, url.reveal(), url.shown(), how)?;
+            }
+            (Transport::Amqp, Some(_)) => {
+                if let Some(service) = robot_address(wire) {
+                    let broker = self.plan.broker_of_wire(wire);
+                    let known = |interface: &str| workshop.operations(interface);
+                    network.wire_to_robot(system, &caller, service, how, broker, &known)?;
+                }
+            }
+            (Transport::Local | Transport::Amqp, _) => {}
+            (binding @ (Transport::Ros | Transport::Http), _) => {
+                return Err(StartError::Binding {
+                    reference: caller,
+                    binding,
+                });
             }
         }
         Ok(())

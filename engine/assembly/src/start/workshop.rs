@@ -1,6 +1,7 @@
 //! Creation of component instances.
 
 use asmotion_bridge::PortProxy;
+use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{Component, Interface};
 use asmotion_diagnostics::Loader;
 
@@ -19,6 +20,12 @@ pub trait Workshop {
     ///
     /// A human-readable reason if the component cannot be created.
     fn make(&mut self, component: &asmotion_plan::Component, plan: &Plan) -> Result<Make, String>;
+
+    /// Returns the operations of a service interface, with which replies of other robots are compared; `None` if it is
+    /// unknown.
+    fn operations(&self, _interface: &str) -> Option<Vec<OperationDeclaration>> {
+        None
+    }
 }
 
 /// The default factory: components from the catalogue, specifications run by coordinators, port-proxies, and other
@@ -63,5 +70,9 @@ impl Workshop for Standard<'_> {
                 Err("Orocos components cannot be connected yet".to_owned())
             }
         }
+    }
+
+    fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
+        self.catalogue.operations(interface)
     }
 }

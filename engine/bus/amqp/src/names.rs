@@ -1,6 +1,6 @@
 //! Names that AMQP can represent: at most 255 bytes. The client fails on longer ones.
 
-use asmotion_bus::{BusError, Pattern};
+use asmotion_bus::{BusError, Pattern, RobotAddress};
 
 /// Length limit of an AMQP short string, in bytes.
 pub(crate) const LONGEST: usize = 255;
@@ -34,9 +34,19 @@ impl RoutingNames {
         Ok(key)
     }
 
-    /// The binding key of a pattern.
+    /// The routing key of an address that is called, which may be [that of another robot](RobotAddress).
+    pub(crate) fn called_key(&self, name: &str) -> Result<String, BusError> {
+        let Some(address) = RobotAddress::split(name) else {
+            return self.key(name);
+        };
+        let key = address.key();
+        check_length(name, &key)?;
+        Ok(key)
+    }
+
+    /// The binding key of a pattern, which may be that of another robot's topics.
     pub(crate) fn binding(&self, pattern: &Pattern) -> Result<String, BusError> {
-        self.key(pattern.as_str())
+        self.called_key(pattern.as_str())
     }
 
     /// The topic of a routing key. A key of another robot is returned unchanged.
@@ -89,6 +99,31 @@ mod tests {
         let tool = RoutingNames::new(None, "tool".into(), "l".into());
         assert_eq!(tool.key("rover1.odom").unwrap(), "rover1.odom");
         assert_eq!(tool.topic("rover1.odom"), "rover1.odom");
+    }
+
+    #[test]
+    fn n12_addresses_of_another_robot_keep_its_name() {
+        let names = RoutingNames::new(Some("rover1".into()), "onboard".into(), "l".into());
+        let maps = "robot://depot/MapServer.maps.getMap";
+        assert_eq!(
+            names.called_key(maps).unwrap(),
+            "depot.MapServer.maps.getMap"
+        );
+        let presences = Pattern::new("robot://depot/presence.*");
+        assert_eq!(names.binding(&presences).unwrap(), "depot.presence.*");
+        assert_eq!(
+            names.topic("depot.presence.station"),
+            "depot.presence.station"
+        );
+        assert_eq!(
+            names.called_key("maps.getMap").unwrap(),
+            "rover1.maps.getMap"
+        );
+        assert!(
+            names
+                .called_key(&format!("robot://depot/{}", "x".repeat(250)))
+                .is_err()
+        );
     }
 
     #[test]

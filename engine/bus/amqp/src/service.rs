@@ -151,7 +151,7 @@ impl Services {
         address: &str,
         request: &Request,
     ) -> Result<message::OutgoingRequest, BusError> {
-        let key = self.names.key(address)?;
+        let key = self.names.called_key(address)?;
         let codec = Codec::Cbor;
         let bytes = request.argument.encode(codec, Datum::schema());
         let number = self.number.fetch_add(1, Ordering::Relaxed);

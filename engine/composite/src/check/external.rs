@@ -1,11 +1,13 @@
-//! Checks wires to services of other systems, which are called over HTTP.
+//! Checks wires to services of other systems, which are called over HTTP, and of other robots, which are called over a
+//! broker.
 
 use asmotion_diagnostics::{Report, Span};
 
+use crate::at::At;
 use crate::codes::c004::MissingKey;
 use crate::codes::c010::ExclusiveKeys;
 use crate::finding::Findings;
-use crate::model::{Transport, Wire};
+use crate::model::{Piece, Template, Transport, Wire};
 
 /// Returns whether the wire is called over HTTP.
 pub(super) fn is_over_http(wire: &Wire) -> bool {
@@ -13,15 +15,15 @@ pub(super) fn is_over_http(wire: &Wire) -> bool {
     binding.is_some_and(|binding| binding.value == Transport::Http)
 }
 
-/// Checks that a wire names either services of the composite or, over HTTP, the URL of a service.
+/// Checks that a wire names either services of the composite or the URL of a service outside.
 pub(super) fn check(wire: &Wire, report: &mut Report) {
     let url = wire.url.as_ref().map(|url| url.span);
     let Some(binding) = wire.binding.as_ref().filter(|_| is_over_http(wire)) else {
-        let token = wire.token.as_ref().map(|token| token.span);
-        for (key, at) in [("url", url), ("token", token)] {
-            if let Some(at) = at {
-                only_over_http(wire, key, at, report);
-            }
+        if let Some(token) = &wire.token {
+            only_over_http(wire, "token", token.span, report);
+        }
+        if let Some(url) = &wire.url {
+            over_a_broker(wire, url, report);
         }
         if url.is_none() && wire.services.is_empty() && wire.interface.is_none() {
             missing(
@@ -43,9 +45,34 @@ pub(super) fn check(wire: &Wire, report: &mut Report) {
     let reason = "a wire over HTTP leads to its `url`";
     for (key, at) in [("service", service), ("broker", broker)] {
         if let Some(at) = at {
-            excluded(binding.span, key, at, reason, report);
+            excluded(("binding", binding.span), key, at, reason, report);
         }
     }
+}
+
+/// Checks the URL of a wire that is not called over HTTP, which is that of another robot's service.
+fn over_a_broker(wire: &Wire, url: &At<Template>, report: &mut Report) {
+    let binding = wire.binding.as_ref().map(|binding| binding.value);
+    match (binding, wire.services.first()) {
+        (Some(Transport::Amqp), None) => {}
+        (Some(Transport::Amqp), Some(service)) => {
+            let reason = "a wire leads to a service of its composite or to a `url`";
+            let service = ("service", service.span());
+            excluded(service, "url", url.span, reason, report);
+        }
+        (None, _) if names_a_robot(&url.value) => {
+            let of = "a wire to another robot";
+            missing("binding", of, url.span, "\"amqp\"", report);
+        }
+        (None | Some(Transport::Local | Transport::Ros | Transport::Http), _) => {
+            only_over_http(wire, "url", url.span, report);
+        }
+    }
+}
+
+fn names_a_robot(url: &Template) -> bool {
+    let first = url.pieces.first();
+    matches!(first, Some(Piece::Text(text)) if text.starts_with("robot://"))
 }
 
 /// Reports a key that only wires over HTTP have.
@@ -53,7 +80,7 @@ fn only_over_http(wire: &Wire, key: &str, at: Span, report: &mut Report) {
     match &wire.binding {
         Some(binding) => {
             let reason = "only a wire over HTTP has this key";
-            excluded(binding.span, key, at, reason, report);
+            excluded(("binding", binding.span), key, at, reason, report);
         }
         None => missing("binding", "a wire over HTTP", at, "\"http\"", report),
     }
@@ -68,9 +95,15 @@ fn missing(key: &'static str, of: &'static str, at: Span, example: &str, report:
     });
 }
 
-fn excluded(first_at: Span, key: &str, at: Span, reason: &'static str, report: &mut Report) {
+fn excluded(
+    (first, first_at): (&str, Span),
+    key: &str,
+    at: Span,
+    reason: &'static str,
+    report: &mut Report,
+) {
     report.found(ExclusiveKeys {
-        first: "binding".to_owned(),
+        first: first.to_owned(),
         first_at,
         second: key.to_owned(),
         at,

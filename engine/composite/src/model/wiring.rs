@@ -74,13 +74,14 @@ pub struct Wire {
     /// Reference of the calling component.
     #[key(example = "\"Coordinator.planner\"")]
     pub reference: End,
-    /// Called service; several for a fan-out of one-way calls. A wire over HTTP has a `url` instead.
+    /// Called service; several for a fan-out of one-way calls. A wire to another system or robot has a `url` instead.
     #[key(name = "service", one, example = "\"Planner.planning\"")]
     pub services: Vec<End>,
     /// Interface of the called service, in place of its name: the wire leads to the component that provides it.
     #[key(example = "\"nav/PlanService\"", written)]
     pub interface: Option<At<String>>,
-    /// Service of another system, called over HTTP: operation `getMap` is `POST URL/getMap`.
+    /// Service of another system, called over HTTP: operation `getMap` is `POST URL/getMap`. Over AMQP, service of another
+    /// robot on the same broker: `robot://ROBOT/Component.service`.
     #[key(example = "\"http://127.0.0.1:8080/services/maps\"")]
     pub url: Option<At<Template>>,
     /// Secret that the calls over HTTP present as `Authorization: Bearer TOKEN`.

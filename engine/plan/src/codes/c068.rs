@@ -3,7 +3,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Invalid URL of a service
 ///
 /// A wire over HTTP leads to the URL of a service, `http://HOST:PORT/PATH` or `https://HOST/PATH`. A call of the operation
-/// `getMap` is a `POST` to this URL followed by `/getMap`.
+/// `getMap` is a `POST` to this URL followed by `/getMap`. A wire over a broker leads to a service of another robot on the same
+/// broker, `robot://ROBOT/Component.service`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -46,6 +47,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct InvalidServiceUrl {
     pub text: String,
     pub reason: &'static str,
+    /// A correct URL.
+    pub example: &'static str,
     pub at: Span,
 }
 
@@ -53,6 +56,6 @@ impl Finding for InvalidServiceUrl {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, self.reason)
-            .help("write it as in `http://127.0.0.1:8080/services/maps`")
+            .help(format!("write it as in `{}`", self.example))
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 
+use asmotion_bus::RobotAddress;
 use asmotion_diagnostics::Span;
 
 use super::Flattener;
@@ -10,11 +11,13 @@ use crate::codes::c019::SecretInFile;
 use crate::codes::c065::DuplicateAddress;
 use crate::codes::c067::OpenGateway;
 use crate::codes::c068::InvalidServiceUrl;
-use crate::plan::Endpoint;
+use crate::codes::c069::OwnRobot;
+use crate::plan::{Endpoint, Wire};
+use crate::route::robot_address;
 use asmotion_composite::At;
 use asmotion_composite::address::password;
 use asmotion_composite::finding::Findings;
-use asmotion_composite::model::{self, Composite, Template};
+use asmotion_composite::model::{self, Composite, Template, Transport};
 use asmotion_composite::scope::SubstitutionNotes;
 use asmotion_composite::table::Resolver;
 use asmotion_composite::value::REDACTED;
@@ -81,11 +84,36 @@ pub(super) fn token(token: &At<Template>, variable: &'static str, notes: &mut Su
 }
 
 /// Reports the URL of a service that cannot be called.
-pub(super) fn service_url(url: &Endpoint, at: Span, notes: &mut SubstitutionNotes) {
-    if let Some(reason) = problem(url.reveal()) {
+pub(super) fn service_url(wire: &Wire, url: &Endpoint, at: Span, notes: &mut SubstitutionNotes) {
+    let (reason, example) = match wire.binding {
+        Transport::Http => {
+            let example = "http://127.0.0.1:8080/services/maps";
+            (problem(url.reveal()), example)
+        }
+        Transport::Amqp if wire.services.is_empty() => {
+            let address = RobotAddress::parse(url.reveal());
+            (address.err(), "robot://depot/MapServer.maps")
+        }
+        // has no URL, which is reported already
+        Transport::Amqp | Transport::Local | Transport::Ros => return,
+    };
+    if let Some(reason) = reason {
         notes.found(InvalidServiceUrl {
             text: url.shown().to_owned(),
             reason,
+            example,
+            at,
+        });
+    }
+}
+
+/// Warns about a wire to the robot itself.
+pub(super) fn own_robot(wire: &Wire, robot: &str, at: Span, notes: &mut SubstitutionNotes) {
+    if let Some(address) = robot_address(wire).filter(|it| it.robot() == robot) {
+        notes.found(OwnRobot {
+            reference: wire.reference.to_string(),
+            robot: robot.to_owned(),
+            service: address.name().to_owned(),
             at,
         });
     }

@@ -102,7 +102,8 @@ impl Flattener<'_, '_> {
         made.broker = self.broker(index, made.binding, wire.broker.as_ref());
         made.oneway = !check::waits(wire);
         if let (Some(written), Some(url)) = (&wire.url, &made.url) {
-            endpoint::service_url(url, written.span, self.notes);
+            endpoint::service_url(&made, url, written.span, self.notes);
+            endpoint::own_robot(&made, &self.plan.name, written.span, self.notes);
         }
         self.plan.wires.push(made);
     }

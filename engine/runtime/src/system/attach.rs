@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asmotion_component::Wire;
-use asmotion_component::declaration::ServiceDeclaration;
+use asmotion_component::declaration::{ReferenceDeclaration, ServiceDeclaration};
 use asmotion_datum::Schema;
 use asmotion_port::{AnySender, Notifier, OutputLink, Policy};
 
@@ -121,6 +121,11 @@ impl System {
     ) -> (&ServiceDeclaration, Arc<RequestQueue>) {
         let service = &self.units[service.unit].body.services[service.index];
         (&service.declaration, Arc::clone(&service.queue))
+    }
+
+    /// The declaration of a reference.
+    pub fn required_service(&self, reference: &ComponentEnd) -> &ReferenceDeclaration {
+        &self.units[reference.unit].body.references[reference.index].declaration
     }
 
     /// Wires a reference to a remote service of this name: requests go into the queue, which an adapter empties.
