@@ -412,6 +412,63 @@ fn c18_a_component_that_cannot_be_added_changes_nothing() {
     });
 }
 
+/// A change whose last addition fails undoes the wires and topics of the changes before it.
+#[test]
+fn c18_a_failed_addition_leaves_wires_and_topics_as_they_were() {
+    let (replies, first) = (Replies::default(), Seen::default());
+    let mut built = System::new();
+    let activity = Activity::periodic(10.ms());
+    built
+        .add("Asker", activity.clone(), asker(&replies))
+        .unwrap();
+    built.add("Idler", Activity::event(), idler()).unwrap();
+    built
+        .add("First", Activity::event(), reader(&first))
+        .unwrap();
+    built
+        .wire("Asker.sums", "Idler.sums", Wire::default())
+        .unwrap();
+    built
+        .subscribe("numbers", "First.n", Policy::buffer(8))
+        .unwrap();
+    let mut run = built.simulate();
+    let talker = || {
+        let made = |interface: &mut Interface| Ok(counter()(interface));
+        ComponentAddition::new("a test", Activity::periodic(10.ms()), made).publish("n", "numbers")
+    };
+    let listener =
+        ComponentAddition::new("a test", Activity::event(), |interface: &mut Interface| {
+            Ok(reader(&Seen::default())(interface))
+        });
+    let listener = listener.subscribe("numbers", "n", Policy::buffer(8));
+    let list = [
+        unwire("Asker.sums", "Idler.sums"),
+        remove("First"),
+        remove("Idler"),
+        addition("First", listener),
+        add("Idler", Activity::event(), doubler),
+        wire("Asker.sums", "Idler.sums"),
+        addition("Talker", talker()),
+    ];
+    let cleanups = Arc::default();
+    let mut failing = list.to_vec();
+    failing.push(addition("Bad", faulty(Transition::Start, &cleanups)));
+    run.change(&failing).unwrap_err();
+    run.change(&[addition("Talker", talker())]).unwrap();
+    run.run_for(25.ms());
+    assert_eq!(values(&first), [1, 2, 3]);
+    assert!(replies.lock().unwrap().is_empty(), "`Idler` does not reply");
+
+    // names of removed components are free in the same change
+    run.change(&list[..6]).unwrap();
+    assert_eq!(run.components(), ["Asker", "Talker", "First", "Idler"]);
+    run.run_for(30.ms());
+    assert_eq!(values(&first).len(), 3);
+    let replies = replies.lock().unwrap().clone();
+    assert_eq!(replies[..3], [1, 2, 3].map(|_| Err(CallError::Unavailable)));
+    assert_eq!(replies[3..], [Ok(8), Ok(10)]);
+}
+
 #[test]
 fn c18_a_component_that_others_need_is_not_removed() {
     let witness = Seen::default();

@@ -79,8 +79,9 @@ pub enum Change {
         /// The new component.
         by: Replacement,
     },
-    /// Stops a component with a last cycle, cleans it up and removes it. Impossible while connections, wires or slaves of
-    /// others need it after all changes of the same list. It leaves its topics, and its name is free again.
+    /// Stops a component with a last cycle, cleans it up and removes it. Impossible while connections or slaves of others need
+    /// it after all changes of the same list, or references of others are wired to it. It leaves its topics, and its name is
+    /// free again.
     Remove {
         /// Name of the component.
         component: String,
@@ -499,7 +500,10 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                 }
                 UndoStep::Unadd => drop(self.run.descriptors_mut().pop()),
                 UndoStep::Unremove => {
-                    if let Some(RemovedComponent { index, descriptor }) = self.removals.pop() {
+                    if let Some(RemovedComponent {
+                        index, descriptor, ..
+                    }) = self.removals.pop()
+                    {
                         self.run.descriptors_mut()[index] = descriptor;
                     }
                 }

@@ -13,6 +13,9 @@ use crate::descriptor::ComponentDescriptor;
 pub(super) struct RemovedComponent {
     pub index: usize,
     pub descriptor: ComponentDescriptor,
+    /// References wired to it when its removal was planned, with the positions of their components. Wires planned later lead
+    /// to a new component with its name.
+    callers: Vec<(usize, String)>,
 }
 
 impl<E: Executor> ChangePlan<'_, E> {
@@ -26,10 +29,19 @@ impl<E: Executor> ChangePlan<'_, E> {
             });
         }
         self.leave_topics(index);
+        let descriptors = self.run.descriptors();
+        let callers = descriptors.iter().enumerate().flat_map(|(caller, it)| {
+            callers(it, &descriptors[index]).map(move |reference| (caller, reference))
+        });
+        let callers = callers.collect();
         let descriptor = &mut self.run.descriptors_mut()[index];
         let vacant = ComponentUnit::vacant(index).descriptor(descriptor.thread);
         let descriptor = std::mem::replace(descriptor, vacant);
-        self.removals.push(RemovedComponent { index, descriptor });
+        self.removals.push(RemovedComponent {
+            index,
+            descriptor,
+            callers,
+        });
         self.undo_steps.push(UndoStep::Unremove);
         Ok(())
     }
@@ -52,12 +64,18 @@ impl<E: Executor> ChangePlan<'_, E> {
     pub(super) fn check_removals(&mut self) -> Result<(), ChangeError> {
         let removed: BTreeSet<usize> = self.removals.iter().map(|it| it.index).collect();
         let (connections, descriptors) = self.run.connections();
-        for RemovedComponent { index, descriptor } in &self.removals {
+        for RemovedComponent {
+            index,
+            descriptor,
+            callers,
+        } in &self.removals
+        {
             let neighbours = connections.neighbours(*index);
             let neighbours = neighbours.filter(|end| !removed.contains(&end.unit));
             let mut users: BTreeSet<String> = neighbours.map(|end| end.name.clone()).collect();
+            let callers = callers.iter().filter(|(it, _)| !removed.contains(it));
+            users.extend(callers.map(|(_, reference)| reference.clone()));
             for other in descriptors {
-                users.extend(callers(other, descriptor));
                 if other.master == Some(*index) {
                     users.insert(other.name.to_string());
                 }
@@ -82,7 +100,10 @@ impl<E: Executor> ChangePlan<'_, E> {
     pub(super) fn stop_removals(&mut self) {
         self.removals
             .sort_by_key(|it| it.descriptor.master.is_none());
-        for RemovedComponent { index, descriptor } in &self.removals {
+        for RemovedComponent {
+            index, descriptor, ..
+        } in &self.removals
+        {
             descriptor.allow_interrupt(Transition::Stop);
             let act: Act = Box::new(|unit, now, effects| unit.remove(now, effects));
             self.run.submit(*index, act);
