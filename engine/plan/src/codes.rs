@@ -7,6 +7,7 @@ pub(crate) mod c067;
 pub(crate) mod c068;
 pub(crate) mod c069;
 pub(crate) mod c082;
+pub(crate) mod c152;
 
 use asmotion_diagnostics::Code;
 
@@ -19,4 +20,5 @@ pub const CODES: &[&Code] = &[
     c068::InvalidServiceUrl::CODE,
     c069::OwnRobot::CODE,
     c082::TooManyComponents::CODE,
+    c152::TokenInClear::CODE,
 ];

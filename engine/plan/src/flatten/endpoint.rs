@@ -1,7 +1,7 @@
 //! Resolves brokers, gateways and bridges, including secrets.
 
 use std::collections::BTreeMap;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 
 use asmotion_bus::RobotAddress;
 use asmotion_diagnostics::Span;
@@ -12,6 +12,7 @@ use crate::codes::c065::DuplicateAddress;
 use crate::codes::c067::OpenGateway;
 use crate::codes::c068::InvalidServiceUrl;
 use crate::codes::c069::OwnRobot;
+use crate::codes::c152::TokenInClear;
 use crate::plan::{Endpoint, Wire};
 use crate::route::robot_address;
 use asmotion_composite::At;
@@ -107,6 +108,39 @@ pub(super) fn service_url(wire: &Wire, url: &Endpoint, at: Span, notes: &mut Sub
     }
 }
 
+/// Warns about a token that is sent to another machine without encryption.
+pub(super) fn token_in_clear(
+    wire: &Wire,
+    token: &At<Template>,
+    url: Span,
+    notes: &mut SubstitutionNotes,
+) {
+    let address = wire.url.as_ref().map_or("", Endpoint::reveal);
+    let Some(rest) = address.strip_prefix("http://") else {
+        return;
+    };
+    let (authority, _) = rest.split_once('/').unwrap_or((rest, ""));
+    let host = host_and_port(authority).0;
+    let ip = host.trim_start_matches('[').trim_end_matches(']').parse();
+    let is_here = host == "localhost" || ip.is_ok_and(|ip: IpAddr| ip.is_loopback());
+    if wire.binding == Transport::Http && problem(address).is_none() && !is_here {
+        notes.found(TokenInClear {
+            reference: wire.reference.to_string(),
+            host: host.to_owned(),
+            at: token.span,
+            url,
+        });
+    }
+}
+
+/// Splits the host from the port. An IPv6 address is in brackets.
+fn host_and_port(authority: &str) -> (&str, Option<&str>) {
+    match authority.rsplit_once(':') {
+        Some((host, port)) if !port.contains(']') => (host, Some(port)),
+        Some(_) | None => (authority, None),
+    }
+}
+
 /// Warns about a wire to the robot itself.
 pub(super) fn own_robot(wire: &Wire, robot: &str, at: Span, notes: &mut SubstitutionNotes) {
     if let Some(address) = robot_address(wire).filter(|it| it.robot() == robot) {
@@ -128,11 +162,7 @@ fn problem(url: &str) -> Option<&'static str> {
         return Some("does not begin with `http://` or `https://`");
     };
     let (authority, _) = rest.split_once('/').unwrap_or((rest, ""));
-    // an IPv6 address is in brackets
-    let (host, port) = match authority.rsplit_once(':') {
-        Some((host, port)) if !port.contains(']') => (host, Some(port)),
-        Some(_) | None => (authority, None),
-    };
+    let (host, port) = host_and_port(authority);
     let is_port = |port: &str| port.parse::<u16>().is_ok_and(|port| port > 0);
     if authority.contains('@') {
         Some("contains a user name: give the secret as `token`")

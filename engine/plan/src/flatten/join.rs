@@ -103,6 +103,9 @@ impl Flattener<'_, '_> {
         made.oneway = !check::waits(wire);
         if let (Some(written), Some(url)) = (&wire.url, &made.url) {
             endpoint::service_url(&made, url, written.span, self.notes);
+            if let Some(token) = &wire.token {
+                endpoint::token_in_clear(&made, token, written.span, self.notes);
+            }
             endpoint::own_robot(&made, &self.plan.name, written.span, self.notes);
         }
         self.plan.wires.push(made);
