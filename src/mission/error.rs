@@ -90,7 +90,7 @@ impl fmt::Display for MissionError {
                 asmotion_lang::Style::Plain,
             )),
             Self::Profile { available, .. } if available.is_empty() => {
-                to.write_str("the composite has no profiles: remove `--profile`")
+                to.write_str("the composite has no profiles: leave the profile out")
             }
             Self::Profile {
                 requested: Some(requested),
@@ -109,7 +109,7 @@ impl fmt::Display for MissionError {
             } => {
                 write!(
                     to,
-                    "select a profile with `--profile`: {}",
+                    "select a profile (`--profile`, or `profile` in a mission): {}",
                     available.join(", ")
                 )
             }
