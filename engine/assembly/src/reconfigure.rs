@@ -30,7 +30,7 @@ pub struct Version {
 }
 
 impl Version {
-    /// Reads the specifications of a part of a plan. Catalogue, loader and seed are those of [`Standard`](crate::Standard).
+    /// Reads the specifications of a part of a plan. Catalogue, loader and seed are those of [`Standard`].
     pub fn new(
         plan: Plan,
         part: Part,
