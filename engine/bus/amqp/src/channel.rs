@@ -1,5 +1,7 @@
 //! Channels, and the events that the broker sends on them, in order.
 
+use std::time::Duration;
+
 use amqprs::callbacks::ChannelCallback;
 use amqprs::channel::{
     BasicConsumeArguments, BasicQosArguments, Channel, ConfirmSelectArguments, ConsumerMessage,
@@ -34,6 +36,11 @@ pub(crate) const LOCKED: u16 = 405;
 /// Reply code of a channel closed because something does not exist.
 const NOT_FOUND: u16 = 404;
 
+/// Time between the broker's closing of a channel and our consent. A frame that arrives after the consent is an error of
+/// the whole connection; until then the broker ignores it. The tasks that send on the channel learn of the end at once,
+/// and have this long to finish the frame they are sending.
+const CLOSE_GRACE: Duration = Duration::from_millis(50);
+
 struct ChannelListener(UnboundedSender<BrokerEvent>);
 
 impl ChannelListener {
@@ -50,6 +57,8 @@ impl ChannelCallback for ChannelListener {
             code: close.reply_code(),
             reason: close.reply_text().to_owned(),
         });
+        // the client consents when this returns
+        tokio::time::sleep(CLOSE_GRACE).await;
         Ok(())
     }
 

@@ -320,7 +320,8 @@ fn a_publication_on_a_channel_that_the_broker_closed_is_not_taken_for_sent() {
         [events(), PublishOptions::default()].map(|sending| publisher(&bus, "t", sending));
     for publisher in &mut publishers {
         for n in 0..20 {
-            publisher.publish(0, number(n)).unwrap();
+            // an error counts the message as dropped
+            let _ = publisher.publish(0, number(n));
             std::thread::sleep(Duration::from_millis(2));
         }
     }
