@@ -16,7 +16,7 @@ pub use driven_path::DrivenPath;
 pub use robot::{RobotSummary, Robots};
 pub use summary::{EventCounts, Summary};
 
-use asmotion_component::{CallError, Losses, NOTICE_REPORT, Time};
+use asmotion_component::{CallError, LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
@@ -235,6 +235,10 @@ impl Story {
             REMOVAL_REPORT => {
                 let what = format!("{component} {}", what.as_text().unwrap_or_default());
                 Some(warning_entry(NOTE, "removed", what))
+            }
+            LOG_REPORT => {
+                let what = what.as_text().unwrap_or_default();
+                Some(warning_entry(NOTE, "log", format!("{component}: {what}")))
             }
             NOTICE_REPORT => {
                 let what = what.as_text().unwrap_or_default();

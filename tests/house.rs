@@ -36,6 +36,7 @@ const FLOORS: &[&[&str]] = &[
     &[
         "asmotion-bridge",
         "asmotion-coordinator",
+        "asmotion-program",
         "asmotion-runtime",
     ],
     &["asmotion-network", "asmotion-mqueue"],

@@ -27,6 +27,9 @@ type Foreign = &'static str;
 /// Kind of a report with a text for the person who runs the system: a limitation or a degraded mode of the component.
 pub const NOTICE_REPORT: &str = "notice";
 
+/// Kind of a report with a line of a log, such as the standard output of a program.
+pub const LOG_REPORT: &str = "log";
+
 /// One cycle of one component: freeze inputs, compute, commit all outputs or none.
 ///
 /// No method blocks, looks up a name or sends: samples and calls wait for the end of the cycle.

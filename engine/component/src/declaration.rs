@@ -9,14 +9,19 @@ use crate::conversion::PropertyConversion;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Declaration {
     /// Input ports, in order of declaration.
+    #[serde(default)]
     pub inputs: Vec<PortDeclaration>,
     /// Output ports, in order of declaration.
+    #[serde(default)]
     pub outputs: Vec<PortDeclaration>,
     /// Provided services, in order of declaration.
+    #[serde(default)]
     pub services: Vec<ServiceDeclaration>,
     /// Required references, in order of declaration.
+    #[serde(default)]
     pub references: Vec<ReferenceDeclaration>,
     /// Properties, in order of declaration.
+    #[serde(default)]
     pub properties: Vec<PropertyDeclaration>,
 }
 
@@ -28,6 +33,7 @@ pub struct PortDeclaration {
     /// Name and fields of the message type; the fields of a port declared by type name alone are unknown.
     pub schema: Schema,
     /// Purpose of the port, in one line.
+    #[serde(default)]
     pub doc: String,
     /// Sample that the engine writes after the component's last cycle; `None` without one, and for inputs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -42,8 +48,10 @@ pub struct ServiceDeclaration {
     /// Name of the interface, for example `nav/PlanService`.
     pub interface: String,
     /// Purpose of the service, in one line.
+    #[serde(default)]
     pub doc: String,
     /// The operations provided.
+    #[serde(default)]
     pub operations: Vec<OperationDeclaration>,
 }
 
@@ -55,10 +63,13 @@ pub struct ReferenceDeclaration {
     /// Name of the required interface.
     pub interface: String,
     /// Purpose of the reference, in one line.
+    #[serde(default)]
     pub doc: String,
     /// `true` if the component also works without a service.
+    #[serde(default)]
     pub optional: bool,
     /// The operations called.
+    #[serde(default)]
     pub operations: Vec<OperationDeclaration>,
 }
 
@@ -82,16 +93,20 @@ pub struct PropertyDeclaration {
     /// Name, unique in the component.
     pub name: String,
     /// Purpose of the property, in one line.
+    #[serde(default)]
     pub doc: String,
     /// Type of the value.
     pub schema: Schema,
     /// Unit of the value, for example `m/s`; empty without one.
+    #[serde(default)]
     pub unit: String,
     /// The value used unless the composite sets one.
     pub default: Datum,
     /// Least and greatest allowed value, inclusive; `None` without a limit.
+    #[serde(default)]
     pub range: Option<(Datum, Datum)>,
     /// All allowed values, if they are enumerated; else empty.
+    #[serde(default)]
     pub choices: Vec<Datum>,
     /// Conversion to the property's type.
     #[serde(skip)]

@@ -165,6 +165,9 @@ pub enum FreezeProblem {
     /// Background work is in progress; the component can be frozen once it is done. Contains a description of the work.
     #[error("{0} in the background")]
     Busy(String),
+    /// The component refuses, for this reason.
+    #[error("{0}")]
+    Refused(String),
     /// A field cannot be represented as a datum.
     #[error(transparent)]
     NoData(DatumError),

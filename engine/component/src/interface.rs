@@ -231,6 +231,17 @@ impl Interface {
         self.add_required(reference, interface, operation_of(operation), doc)
     }
 
+    /// Declares a called operation that passes [`Datum`] values of types known at run time.
+    pub fn require_declared(
+        &mut self,
+        reference: &str,
+        interface: &str,
+        operation: OperationDeclaration,
+        doc: &str,
+    ) -> Required<Dynamic> {
+        self.add_required(reference, interface, operation, doc)
+    }
+
     /// Marks a reference as optional: the component works without a service too.
     pub fn optional<O: Operation>(&mut self, required: Required<O>) -> Required<O> {
         let slot = self.required.get(required.position(self.owner));

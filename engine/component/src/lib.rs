@@ -42,7 +42,7 @@ pub use background::{BackgroundWork, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
 pub use component::Component;
 pub use conversion::PropertyConversion;
-pub use cycle::{Cycle, NOTICE_REPORT};
+pub use cycle::{Cycle, LOG_REPORT, NOTICE_REPORT};
 pub use declaration::Declaration;
 pub use derived::{Ports, Properties, PropertySet, PropertySource};
 pub use fault::Fault;

@@ -77,9 +77,20 @@ fn list(choices: &[Datum]) -> String {
     words.join(", ")
 }
 
-/// Checks values against the declared range.
+/// Checks values against the declaration.
 pub(crate) struct Check<T> {
     pub range: Option<(Contains<T>, RangeInclusive<T>)>,
+    /// Whether values are compared with the declared schema: where the type accepts any datum.
+    pub by_schema: bool,
+}
+
+impl<T> Default for Check<T> {
+    fn default() -> Self {
+        Self {
+            range: None,
+            by_schema: false,
+        }
+    }
 }
 
 /// Tests whether a range contains a value. Stored as a function because only the `range` method requires `PartialOrd`.
@@ -138,10 +149,14 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
 
     fn check(&self, value: &Datum) -> Result<(), PropertyProblem> {
         let declaration = &self.declaration;
-        let typed = T::read(value).map_err(|source| PropertyProblem::Mismatch {
+        let mismatch = |source| PropertyProblem::Mismatch {
             expected: declaration.schema.to_string(),
             source,
-        })?;
+        };
+        let typed = T::read(value).map_err(mismatch)?;
+        if self.check.by_schema {
+            declaration.schema.accepts(value).map_err(mismatch)?;
+        }
         if let (Some((contains, range)), Some((least, greatest))) =
             (&self.check.range, &declaration.range)
             && !contains(&typed, range)

@@ -3,11 +3,13 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use asmotion_datum::Datum;
+
 use crate::conversion::PropertyConversion;
 use crate::declaration::PropertyDeclaration;
 use crate::handle;
 use crate::interface::Interface;
-use crate::property::{Check, PropertyValue, Slot};
+use crate::property::{Check, Contains, PropertyValue, Slot};
 
 /// The declaration of a property in progress:
 /// `interface.setting("speed_mps", 0.6, "cruise speed").range(0.0..=5.0).unit("m/s").declare()`.
@@ -35,7 +37,7 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
             interface,
             declaration,
             value: default,
-            check: Check { range: None },
+            check: Check::default(),
         }
     }
 
@@ -102,5 +104,32 @@ impl Interface {
         doc: &str,
     ) -> Setting<'_, T> {
         Setting::new(self, name, default, doc)
+    }
+
+    /// Declares a property whose type is known only at run time, by its schema.
+    pub fn property_of(&mut self, declaration: PropertyDeclaration) -> handle::Property<Datum> {
+        let range = declaration.range.clone();
+        let contains: Contains<Datum> = |value, range| match (value, range.start(), range.end()) {
+            (Datum::Int(value), Datum::Int(least), Datum::Int(greatest)) => {
+                (least..=greatest).contains(&value)
+            }
+            (value, least, greatest) => match (least.as_float(), greatest.as_float()) {
+                (Some(least), Some(greatest)) => value
+                    .as_float()
+                    .is_some_and(|value| (least..=greatest).contains(&value)),
+                _ => true,
+            },
+        };
+        let slot = Slot {
+            value: declaration.default.clone(),
+            staged: None,
+            check: Check {
+                range: range.map(|(least, greatest)| (contains, least..=greatest)),
+                by_schema: true,
+            },
+            revision: Arc::clone(self.revision()),
+            declaration,
+        };
+        self.add_property(slot)
     }
 }

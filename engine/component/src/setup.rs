@@ -2,7 +2,9 @@
 
 use std::any::Any;
 use std::cell::Cell;
+use std::sync::Arc;
 
+use crate::background::WorkPlace;
 use crate::fault::Fault;
 use crate::handle::Property;
 use crate::host::PropertyHost;
@@ -14,6 +16,7 @@ pub struct Setup<'a> {
     name: &'a str,
     /// Set when a foreign handle was used.
     foreign: Cell<bool>,
+    work_place: WorkPlace,
 }
 
 impl<'a> Setup<'a> {
@@ -23,6 +26,22 @@ impl<'a> Setup<'a> {
             host,
             name,
             foreign: Cell::new(false),
+            work_place: WorkPlace::InCycle,
+        }
+    }
+
+    /// Sets the thread of the component's background work (default: within the cycle, as in simulated time).
+    #[must_use]
+    pub fn with_work_place(self, work_place: WorkPlace) -> Self {
+        Self { work_place, ..self }
+    }
+
+    /// A function that requests a cycle of the component, from any thread and at any time; `None` in simulated time, where
+    /// nothing outside of the system triggers a cycle.
+    pub fn waker(&self) -> Option<Arc<dyn Fn() + Send + Sync>> {
+        match &self.work_place {
+            WorkPlace::InCycle => None,
+            WorkPlace::Thread(waker) => Some(Arc::clone(waker)),
         }
     }
 

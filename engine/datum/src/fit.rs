@@ -3,7 +3,7 @@
 use crate::codec::special_float;
 use crate::error::{DatumError, DatumProblem};
 use crate::schema::{OutlineKey, Schema, Shape};
-use crate::value::Datum;
+use crate::value::{Datum, FieldName};
 
 impl Schema {
     /// Checks that a datum fits the schema. As in decoding, fields may be omitted and in any order; an unknown field is
@@ -48,6 +48,90 @@ impl Schema {
                     .try_for_each(|(name, value)| self.field(fields, name, value))
             }
         }
+    }
+
+    /// Converts a datum to the form that a typed writer would give it: integers where floats are expected become floats,
+    /// omitted fields get their initial values, and fields are in the order of the schema.
+    ///
+    /// ```
+    /// use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
+    ///
+    /// let float = || Schema::plain(Shape::F64);
+    /// let fields = vec![OutlineKey::new("x", "m", float()), OutlineKey::new("y", "m", float())];
+    /// let point = Schema::record("example/Point", fields);
+    /// let complete = point.complete(Datum::record([("y", Datum::Int(2))]))?;
+    /// assert_eq!(complete, Datum::record([("x", Datum::Float(0.0)), ("y", Datum::Float(2.0))]));
+    /// # Ok::<(), asmotion_datum::DatumError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The first mismatch, as in [`accepts`](Self::accepts), or a field that occurs twice.
+    pub fn complete(&self, datum: Datum) -> Result<Datum, DatumError> {
+        match (&self.shape, datum) {
+            (Shape::F32 | Shape::F64, datum) => {
+                let special = || datum.as_text().and_then(special_float);
+                let float = datum.as_float().or_else(special);
+                float
+                    .map(Datum::Float)
+                    .ok_or_else(|| self.mismatch_with(&datum))
+            }
+            (Shape::Option(_), Datum::Null) => Ok(Datum::Null),
+            (Shape::Option(some), datum) => some.complete(datum),
+            (Shape::List(element) | Shape::Array(element, _), Datum::List(elements)) => {
+                let count = elements.len();
+                let elements = elements.into_iter().enumerate().map(|(index, datum)| {
+                    let complete = element.complete(datum);
+                    complete.map_err(|error| error.within(index))
+                });
+                let elements = elements.collect::<Result<_, _>>()?;
+                self.check_count(count)?;
+                Ok(Datum::List(elements))
+            }
+            (Shape::Record(fields), Datum::Record(entries)) => {
+                self.complete_fields(fields, entries)
+            }
+            (_, datum) => self.accepts(&datum).map(|()| datum),
+        }
+    }
+
+    /// Checks the number of elements of an array.
+    fn check_count(&self, found: usize) -> Result<(), DatumError> {
+        let Shape::Array(_, expected) = self.shape else {
+            return Ok(());
+        };
+        let reason = || format!("expected `{self}`, found {found} elements");
+        (found == expected)
+            .then_some(())
+            .ok_or_else(|| mismatch(reason()))
+    }
+
+    fn complete_fields(
+        &self,
+        fields: &[OutlineKey],
+        entries: Vec<(FieldName, Datum)>,
+    ) -> Result<Datum, DatumError> {
+        let mut found: Vec<Option<Datum>> = vec![None; fields.len()];
+        for (name, value) in entries {
+            match fields.iter().position(|field| field.name == name) {
+                Some(index) if found[index].is_none() => {
+                    let complete = fields[index].schema.complete(value);
+                    found[index] = Some(complete.map_err(|error| error.within(&name))?);
+                }
+                Some(_) => return Err(mismatch(format!("the field `{name}` occurs twice"))),
+                // the error that lists the known fields
+                None => self.field(fields, &name, &value)?,
+            }
+        }
+        let complete = fields.iter().zip(found).map(|(field, found)| {
+            let value = match found {
+                Some(value) => value,
+                None => field.schema.complete(field.initial())?,
+            };
+            Ok((field.name.clone(), value))
+        });
+        complete
+            .collect::<Result<_, DatumError>>()
+            .map(Datum::Record)
     }
 
     fn check_integer<N: Into<i64>>(&self, min: N, max: N, datum: &Datum) -> Result<(), DatumError> {

@@ -12,6 +12,7 @@ use crate::value::{Datum, FieldName};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Schema {
     /// The message type's name, for example `geometry_msgs/Twist`; empty for other types.
+    #[serde(default)]
     pub name: FieldName,
     /// Kind of data, with its parts.
     pub shape: Shape,
@@ -63,6 +64,7 @@ pub struct OutlineKey {
     /// Name, unique in the record.
     pub name: FieldName,
     /// Description with the unit; may be empty.
+    #[serde(default)]
     pub doc: FieldName,
     /// Schema of the field's type.
     pub schema: Schema,

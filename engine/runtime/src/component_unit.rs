@@ -351,7 +351,8 @@ impl ComponentUnit {
         }
         guarded(|| match transition {
             Transition::Configure => {
-                let mut setup = Setup::new(body, name);
+                let work_place = body.work_place.clone();
+                let mut setup = Setup::new(body, name).with_work_place(work_place);
                 component.configure(&mut setup)?;
                 setup.finish()
             }

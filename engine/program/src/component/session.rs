@@ -1,0 +1,83 @@
+//! A started program that has been configured, with the thread that watches it.
+
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use asmotion_component::Setup;
+use asmotion_datum::Datum;
+
+use crate::connection::Connection;
+use crate::declaration::{Clock, ProgramDeclaration, connect};
+use crate::error::ProgramError;
+use crate::process::ProgramCommand;
+use crate::request::Message;
+use crate::watcher::{SharedConnection, Watcher, lock};
+
+/// A started program. Dropping it ends the program.
+pub(super) struct Session {
+    connection: SharedConnection,
+    /// Waits for `wake`; `None` in simulated time.
+    watcher: Option<Watcher>,
+    timeout: Duration,
+}
+
+impl Session {
+    /// Starts a program and compares its declaration.
+    pub(super) fn start(
+        command: &ProgramCommand,
+        expected: &ProgramDeclaration,
+        setup: &Setup<'_>,
+    ) -> Result<Self, ProgramError> {
+        let waker = setup.waker();
+        let clock = if waker.is_some() {
+            Clock::Wall
+        } else {
+            Clock::Virtual
+        };
+        let (connection, declaration) = connect(command, setup.name(), clock)?;
+        if !declaration.is_declared_alike(expected) {
+            return Err(ProgramError::protocol(
+                "the program declares other ports, services, references or properties than when the composite was checked",
+            ));
+        }
+        let connection = Arc::new(Mutex::new(connection));
+        Ok(Self {
+            watcher: waker.map(|waker| Watcher::start(&connection, waker)),
+            connection,
+            timeout: command.timeout,
+        })
+    }
+
+    /// Sends a request and waits for the reply.
+    pub(super) fn exchange(
+        &self,
+        request: Message,
+        kind: &'static str,
+    ) -> Result<Datum, ProgramError> {
+        lock(&self.connection).exchange(&request.datum(), kind, self.timeout)
+    }
+
+    pub(super) fn is_closed(&self) -> bool {
+        lock(&self.connection).is_closed()
+    }
+
+    /// Removes and returns up to `limit` lines that the program has printed, and the number of lines left out.
+    pub(super) fn take_lines(&self, limit: usize) -> (Vec<String>, u64) {
+        lock(&self.connection).log.take(limit)
+    }
+
+    /// Returns whether the program has requested a cycle during the last exchange.
+    pub(super) fn take_wake(&self) -> bool {
+        // in simulated time nothing outside of the system triggers a cycle
+        self.watcher.is_some() && lock(&self.connection).take_wake()
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        Connection::end(&mut lock(&self.connection));
+        if let Some(watcher) = &mut self.watcher {
+            watcher.end();
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The connection to a program: one request, one reply, within a time limit.
+
+use std::io::{self, Write};
+use std::os::fd::AsFd;
+use std::os::unix::net::UnixStream;
+use std::time::{Duration, Instant};
+
+use asmotion_datum::Datum;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use crate::error::ProgramError;
+use crate::frame::{self, FrameBuffer};
+use crate::log::ProgramLog;
+use crate::process::{ProgramProcess, REST};
+
+/// Longest wait before the limit is looked at again.
+const NAP: Duration = Duration::from_millis(100);
+
+/// Number of reads before the time limit is looked at again.
+const READS: usize = 16;
+
+/// Time that a program which has closed the connection has to end, for its exit status.
+const ENDING: Duration = Duration::from_millis(300);
+
+/// A started program and the connection to it.
+pub(crate) struct Connection {
+    process: ProgramProcess,
+    stream: UnixStream,
+    pub log: ProgramLog,
+    received: FrameBuffer,
+    /// Set by `wake` messages, cleared by `take_wake`.
+    has_woken: bool,
+    /// The program has ended or was killed.
+    is_closed: bool,
+    /// A violation of the protocol between two exchanges, which the next one reports.
+    violation: Option<ProgramError>,
+}
+
+impl Connection {
+    pub(crate) fn new(process: ProgramProcess, stream: UnixStream, log: ProgramLog) -> Self {
+        Self {
+            process,
+            stream,
+            log,
+            received: FrameBuffer::default(),
+            has_woken: false,
+            is_closed: false,
+            violation: None,
+        }
+    }
+
+    /// The socket, for a thread that waits for `wake` messages.
+    pub(crate) fn stream(&self) -> &UnixStream {
+        &self.stream
+    }
+
+    pub(crate) fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
+    /// Returns whether the program has requested a cycle since the last call.
+    pub(crate) fn take_wake(&mut self) -> bool {
+        std::mem::take(&mut self.has_woken)
+    }
+
+    /// Sends a request and waits for the reply. A program that violates the protocol or the limit is killed.
+    ///
+    /// # Errors
+    /// The program has ended, does not answer in time, or sends something else than a message.
+    pub(crate) fn exchange(
+        &mut self,
+        request: &Datum,
+        kind: &'static str,
+        limit: Duration,
+    ) -> Result<Datum, ProgramError> {
+        if self.is_closed {
+            let ended = self.ended();
+            return Err(self.violation.take().unwrap_or(ended));
+        }
+        let frame = frame::encode(request)?;
+        let until = Instant::now() + limit;
+        let reply = self
+            .send(&frame, until)
+            .and_then(|()| self.reply(until))
+            .and_then(|reply| reply.ok_or(Failure::Silent));
+        // what the program wrote before its reply
+        self.log.read(REST);
+        reply.map_err(|failure| self.fail(failure, kind, limit))
+    }
+
+    /// Receives what the program has sent outside of an exchange. Returns whether the component has to fail.
+    pub(crate) fn receive_unasked(&mut self) -> bool {
+        let received = self.receive().and_then(|()| self.take_frame());
+        let failure = match received {
+            Ok(None) => return self.is_closed,
+            Ok(Some(_)) => Failure::Other(unasked()),
+            Err(failure) => failure,
+        };
+        self.is_closed = true;
+        if let Failure::Other(error) = failure {
+            self.violation = Some(error);
+        }
+        true
+    }
+
+    /// Sends a frame. Receives meanwhile, so that neither side waits for the other to read.
+    fn send(&mut self, mut frame: &[u8], until: Instant) -> Result<(), Failure> {
+        self.receive()?;
+        if self.take_frame()?.is_some() {
+            return Err(Failure::Other(unasked()));
+        }
+        while !frame.is_empty() {
+            match self.stream.write(frame) {
+                Ok(count) => frame = frame.get(count..).unwrap_or(&[]),
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    if !self.wait(PollFlags::IN | PollFlags::OUT, until) {
+                        return Err(Failure::Silent);
+                    }
+                    self.receive()?;
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(_) => return Err(Failure::Ended),
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits for a reply; `None` if there is none in time.
+    fn reply(&mut self, until: Instant) -> Result<Option<Datum>, Failure> {
+        loop {
+            if let Some(reply) = self.take_frame()? {
+                return Ok(Some(reply));
+            }
+            if !self.wait(PollFlags::IN, until) {
+                return Ok(None);
+            }
+            self.receive()?;
+        }
+    }
+
+    /// Waits for the socket until the time limit, and receives lines of the log. Returns `false` after the limit.
+    fn wait(&mut self, events: PollFlags, until: Instant) -> bool {
+        let left = until.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return false;
+        }
+        let mut ends = vec![PollFd::new(&self.stream, events)];
+        let pipe = self.log.pipe();
+        ends.extend(pipe.map(|pipe| PollFd::new(pipe, PollFlags::IN)));
+        // an interrupted wait is repeated by the caller
+        let _ = poll(&mut ends, Some(&timespec(left.min(NAP))));
+        self.log.read(4);
+        true
+    }
+
+    /// Receives what has arrived at the socket.
+    fn receive(&mut self) -> Result<(), Failure> {
+        for _ in 0..READS {
+            if self.received.is_full() {
+                break;
+            }
+            match self.received.read(&self.stream) {
+                Ok(0) => return Err(Failure::Ended),
+                Ok(_) => {}
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(_) => return Err(Failure::Ended),
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the first message that is not `wake`.
+    fn take_frame(&mut self) -> Result<Option<Datum>, Failure> {
+        while let Some(bytes) = self.received.next().map_err(Failure::Other)? {
+            let message = frame::decode(&bytes).map_err(|error| {
+                Failure::Other(ProgramError::Protocol(format!(
+                    "a frame is not an item of CBOR: {error}"
+                )))
+            })?;
+            let is_wake = message
+                .get("type")
+                .is_some_and(|it| it.as_text() == Some("wake"));
+            if !is_wake {
+                return Ok(Some(message));
+            }
+            self.has_woken = true;
+        }
+        Ok(None)
+    }
+
+    /// Ends the program after a failure.
+    fn fail(&mut self, failure: Failure, request: &'static str, limit: Duration) -> ProgramError {
+        match failure {
+            Failure::Ended => self.ended(),
+            Failure::Silent => {
+                self.close();
+                ProgramError::Silent {
+                    request,
+                    limit,
+                    last_lines: self.log.last_lines(),
+                }
+            }
+            Failure::Other(error) => {
+                self.close();
+                error
+            }
+        }
+    }
+
+    /// The error for a program that has ended.
+    fn ended(&mut self) -> ProgramError {
+        let status = self.process.wait(ENDING);
+        self.close();
+        ProgramError::Ended {
+            status,
+            last_lines: self.log.last_lines(),
+        }
+    }
+
+    /// Kills the program.
+    pub(crate) fn close(&mut self) {
+        self.is_closed = true;
+        self.process.kill();
+        self.log.read(REST);
+    }
+
+    /// Asks the program to end, and makes it end.
+    pub(crate) fn end(&mut self) {
+        if !self.is_closed {
+            let exit = Datum::record([("type", Datum::text("exit"))]);
+            let frame = frame::encode(&exit).unwrap_or_default();
+            if self.send(&frame, Instant::now() + NAP).is_ok() {
+                self.process.finish(&mut self.log);
+            }
+        }
+        self.close();
+    }
+}
+
+/// The failure of an exchange.
+enum Failure {
+    Ended,
+    Silent,
+    Other(ProgramError),
+}
+
+fn unasked() -> ProgramError {
+    ProgramError::protocol("a message was sent before a request; only `wake` may be sent unasked")
+}
+
+/// Waits until there is something to read, or for this time.
+pub(crate) fn wait_readable(end: impl AsFd, limit: Duration) {
+    let mut ends = [PollFd::new(&end, PollFlags::IN)];
+    // an interrupted wait is a short one
+    let _ = poll(&mut ends, Some(&timespec(limit)));
+}
+
+fn timespec(limit: Duration) -> Timespec {
+    Timespec {
+        tv_sec: i64::try_from(limit.as_secs()).unwrap_or(i64::MAX),
+        tv_nsec: limit.subsec_nanos().into(),
+    }
+}
