@@ -1,0 +1,326 @@
+"""CBOR (RFC 8949) with typed arrays (RFC 8746): the encoding of messages.
+
+Numbers in `array.array`, numpy arrays, `memoryview` and `NumberView` are written as one byte string, without a step for
+each element, and are read as a `NumberView` on the received bytes.
+"""
+
+from __future__ import annotations
+
+import struct
+import sys
+from array import array
+from collections.abc import Mapping
+from typing import Any, Union
+
+from asmotion.numbers import NumberView
+
+Buffer = Union[bytes, bytearray, memoryview]
+
+DEPTH = 64
+"""Levels of lists and maps that may be nested."""
+
+_LARGE = 1024
+"""Size in bytes from which a buffer is passed on instead of being copied."""
+
+# formats of `memoryview` and `array.array`, by element kind and size in bytes
+_FORMATS = {
+    **{("u", size): code for size, code in ((1, "B"), (2, "H"), (4, "I"), (8, "Q"))},
+    **{("i", size): code for size, code in ((1, "b"), (2, "h"), (4, "i"), (8, "q"))},
+    **{("f", size): code for size, code in ((4, "f"), (8, "d"))},
+}
+_LITTLE_TAGS = {
+    ("u", 1): 64, ("u", 2): 69, ("u", 4): 70, ("u", 8): 71,
+    ("i", 1): 72, ("i", 2): 77, ("i", 4): 78, ("i", 8): 79,
+    ("f", 4): 85, ("f", 8): 86,
+}  # fmt: skip
+_BIG_TAGS = {
+    ("u", 2): 65, ("u", 4): 66, ("u", 8): 67, ("i", 2): 73, ("i", 4): 74, ("i", 8): 75, ("f", 4): 81, ("f", 8): 82,
+}  # fmt: skip
+_NATIVE_TAGS = _LITTLE_TAGS if sys.byteorder == "little" else {**_LITTLE_TAGS, **_BIG_TAGS}
+_ELEMENTS = {tag: (element, "little") for element, tag in _LITTLE_TAGS.items()}
+_ELEMENTS.update({tag: (element, "big") for element, tag in _BIG_TAGS.items()})
+_ELEMENTS[68] = (("u", 1), "little")  # clamped arithmetic
+
+
+class CborError(ValueError):
+    """Bytes that are not one CBOR item, or a value that has no form in CBOR."""
+
+
+def dumps(value: Any) -> bytes:
+    """Encodes a value.
+
+    Raises:
+        CborError: a value that has no form in CBOR, with its place.
+    """
+    return b"".join(encode(value))
+
+
+def encode(value: Any) -> list[Buffer]:
+    """Encodes a value as a sequence of buffers; large ones share the memory of the value.
+
+    Raises:
+        CborError: a value that has no form in CBOR, with its place.
+    """
+    writer = _Writer()
+    writer.write(value, DEPTH)
+    writer.flush()
+    return writer.parts
+
+
+class _Writer:
+    def __init__(self) -> None:
+        self.parts: list[Buffer] = []
+        self.pending = bytearray()
+
+    def flush(self) -> None:
+        if self.pending:
+            self.parts.append(self.pending)
+            self.pending = bytearray()
+
+    def head(self, major: int, count: int) -> None:
+        kind = major << 5
+        if count < 24:
+            self.pending.append(kind | count)
+        elif count < 0x100:
+            self.pending += struct.pack(">BB", kind | 24, count)
+        elif count < 0x1_0000:
+            self.pending += struct.pack(">BH", kind | 25, count)
+        elif count < 0x1_0000_0000:
+            self.pending += struct.pack(">BI", kind | 26, count)
+        else:
+            self.pending += struct.pack(">BQ", kind | 27, count)
+
+    def raw(self, buffer: Buffer) -> None:
+        if len(buffer) < _LARGE:
+            self.pending += buffer
+        else:
+            self.flush()
+            self.parts.append(buffer)
+
+    def write(self, value: Any, depth: int) -> None:
+        kind = type(value)
+        if kind is float:
+            self.pending += struct.pack(">Bd", 0xFB, value)
+        elif kind is int:
+            self.whole(value)
+        elif kind is str:
+            text = value.encode()
+            self.head(3, len(text))
+            self.raw(text)
+        elif value is None or kind is bool:
+            self.pending.append({None: 0xF6, True: 0xF5, False: 0xF4}[value])
+        elif depth == 0:
+            raise CborError(f"lists and maps are nested more than {DEPTH} deep")
+        elif isinstance(value, Mapping):
+            self.mapping(value, depth - 1)
+        elif kind is list or kind is tuple:
+            self.head(4, len(value))
+            for index, element in enumerate(value):
+                _at(f"[{index}]", self.write, element, depth - 1)
+        elif isinstance(value, (bytes, bytearray)):
+            self.head(2, len(value))
+            self.raw(value)
+        else:
+            self.other(value, depth)
+
+    def whole(self, value: int) -> None:
+        if not -(1 << 64) <= value < 1 << 64:
+            raise CborError(f"{value} has more than 64 bits")
+        if value >= 0:
+            self.head(0, value)
+        else:
+            self.head(1, -1 - value)
+
+    def mapping(self, value: Mapping[Any, Any], depth: int) -> None:
+        self.head(5, len(value))
+        for key, element in value.items():
+            if not isinstance(key, str):
+                raise CborError(f"the key {key!r} is not a text")
+            self.write(key, 1)
+            _at(f".{key}", self.write, element, depth)
+
+    def other(self, value: Any, depth: int) -> None:
+        """Writes subclasses of the plain types, numbers of numpy, and arrays."""
+        for plain in (bool, int, float, str):
+            if isinstance(value, plain):
+                self.write(plain(value), depth)
+                return
+        try:
+            memory = value.memory if isinstance(value, NumberView) else memoryview(value)
+        except TypeError:
+            if hasattr(value, "item") and not hasattr(value, "__len__"):
+                self.write(value.item(), depth)
+            elif isinstance(value, (list, tuple)):
+                self.write(list(value), depth)
+            else:
+                raise CborError(f"a value of the type {type(value).__name__} has no form as data") from None
+            return
+        self.numbers(value, memory, depth)
+
+    def numbers(self, value: Any, memory: memoryview, depth: int) -> None:
+        if memory.ndim == 0:
+            self.write(value.item(), depth)
+            return
+        if memory.ndim != 1:
+            raise CborError(f"an array has {memory.ndim} dimensions; use `.ravel()`")
+        letter = memory.format.lstrip("@=<" if sys.byteorder == "little" else "@=>")
+        kind = "f" if letter in "fd" else "i" if letter in "bhilqn" else "u" if letter in "BHILQN" else ""
+        tag = _NATIVE_TAGS.get((kind, memory.itemsize))
+        if tag is None:
+            self.write(list(value.tolist()), depth)
+            return
+        try:
+            content: Buffer = memory.cast("B")
+        except TypeError:  # a stride, or a format with a prefix
+            content = memory.tobytes()
+        if not (isinstance(value, memoryview) and memory.format == "B"):
+            self.head(6, tag)
+        self.head(2, len(content))
+        self.raw(content)
+
+
+def _at(place: str, write: Any, element: Any, depth: int) -> None:
+    try:
+        write(element, depth)
+    except CborError as error:
+        raise CborError(_within(place, str(error))) from None
+
+
+def _within(place: str, text: str) -> str:
+    if text.startswith("at "):
+        return f"at {place}{text[3:]}"
+    return f"at {place}: {text}"
+
+
+def loads(data: Buffer) -> Any:
+    """Decodes exactly one item. Byte strings are `bytes`, typed arrays are a `NumberView` on `data`.
+
+    Raises:
+        CborError: `data` is not exactly one CBOR item.
+    """
+    reader = _Reader(memoryview(data).cast("B"))
+    value = reader.read(DEPTH)
+    if reader.at != len(reader.memory):
+        raise CborError(f"{len(reader.memory) - reader.at} bytes after the end")
+    return value
+
+
+_BREAK = object()
+
+
+class _Reader:
+    def __init__(self, memory: memoryview) -> None:
+        self.memory = memory
+        self.at = 0
+
+    def take(self, count: int) -> memoryview:
+        end = self.at + count
+        if end > len(self.memory):
+            raise CborError("unexpected end")
+        taken = self.memory[self.at : end]
+        self.at = end
+        return taken
+
+    def argument(self, more: int) -> int | None:
+        """Returns the argument of a head; `None` if the length is indefinite."""
+        if more < 24:
+            return more
+        if more < 28:
+            return int.from_bytes(self.take(1 << (more - 24)), "big")
+        if more == 31:
+            return None
+        raise CborError(f"unknown initial byte with {more} in its lower bits")
+
+    def read(self, depth: int) -> Any:
+        value = self.item(depth)
+        if value is _BREAK:
+            raise CborError("a break outside of a list")
+        return value
+
+    def item(self, depth: int) -> Any:
+        if depth == 0:
+            raise CborError(f"lists and maps are nested more than {DEPTH} deep")
+        first = self.take(1)[0]
+        major, more = first >> 5, first & 31
+        if major == 7:
+            return self.simple(more)
+        argument = self.argument(more)
+        if major == 2 or major == 3:
+            content = self.text(major, argument)
+            return content if major == 2 else _utf8(content)
+        if major == 4:
+            return list(self.elements(argument, depth))
+        if major == 5:
+            return self.mapping(argument, depth)
+        if argument is None:
+            raise CborError("a number without an end")
+        if major == 6:
+            return self.tagged(argument, depth)
+        return argument if major == 0 else -1 - argument
+
+    def simple(self, more: int) -> Any:
+        if more == 20 or more == 21:
+            return more == 21
+        if more == 22 or more == 23:
+            return None
+        if more in (25, 26, 27):
+            return struct.unpack({25: ">e", 26: ">f", 27: ">d"}[more], self.take(1 << (more - 24)))[0]
+        if more == 31:
+            return _BREAK
+        raise CborError(f"unknown simple value {more}")
+
+    def text(self, major: int, length: int | None) -> bytes:
+        if length is not None:
+            return bytes(self.take(length))
+        pieces = []
+        while (first := self.take(1)[0]) != 0xFF:
+            piece = self.argument(first & 31)
+            if first >> 5 != major or piece is None:
+                raise CborError("a text in pieces of another kind")
+            pieces.append(self.take(piece))
+        return b"".join(pieces)
+
+    def elements(self, count: int | None, depth: int) -> Any:
+        if count is not None:
+            if count > len(self.memory) - self.at:
+                raise CborError("unexpected end")
+            for _ in range(count):
+                yield self.read(depth - 1)
+            return
+        while (value := self.item(depth - 1)) is not _BREAK:
+            yield value
+
+    def mapping(self, count: int | None, depth: int) -> dict[str, Any]:
+        entries = {}
+        halves = self.elements(None if count is None else 2 * count, depth)
+        for key in halves:
+            if not isinstance(key, str):
+                raise CborError(f"the key {key!r} is not a text")
+            try:
+                entries[key] = next(halves)
+            except StopIteration:
+                raise CborError(f"the key {key!r} has no value") from None
+        return entries
+
+    def tagged(self, tag: int, depth: int) -> Any:
+        if tag not in _ELEMENTS or self.at >= len(self.memory) or self.memory[self.at] >> 5 != 2:
+            return self.read(depth - 1)
+        length = self.argument(self.take(1)[0] & 31)
+        if length is None:
+            raise CborError("a typed array in pieces")
+        (element, order) = _ELEMENTS[tag]
+        if length % element[1]:
+            raise CborError(f"a typed array of {length} bytes has elements of {element[1]} bytes")
+        memory, code = self.take(length), _FORMATS[element]
+        if order == sys.byteorder or element[1] == 1:
+            return NumberView(memory.cast(code))  # type: ignore[call-overload]
+        swapped = array(code, bytes(memory))
+        swapped.byteswap()
+        return NumberView(memoryview(swapped))
+
+
+def _utf8(content: bytes) -> str:
+    try:
+        return content.decode()
+    except UnicodeDecodeError as error:
+        raise CborError(f"a text that is not UTF-8: {error}") from None
