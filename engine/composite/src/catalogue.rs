@@ -1,6 +1,8 @@
 //! Interface to the components, message types and service interfaces linked into the executable. The application's
 //! crates implement it.
 
+use std::sync::Arc;
+
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{Component, Interface};
 use asmotion_datum::Schema;
@@ -9,6 +11,9 @@ use crate::model::BuiltinComponent;
 
 /// Creates a component and declares its ports, services and properties on the interface.
 pub type Constructor = fn(&mut Interface) -> Box<dyn Component>;
+
+/// Creates the components of one implementation, in any thread. Equal calls declare the same.
+pub type ComponentFactory = Arc<dyn Fn(&mut Interface) -> Box<dyn Component> + Send + Sync>;
 
 /// Returns the schema of a message type.
 pub type SchemaOf = fn() -> &'static Schema;
@@ -21,13 +26,13 @@ pub trait Catalogue {
     /// Names accepted by `implementation.rust`.
     fn components(&self) -> Vec<String>;
 
-    /// Returns the constructor of the component; `None` if the executable does not contain it.
-    fn constructor(&self, component: &str) -> Option<Constructor>;
+    /// Returns the factory of the component; `None` if the executable does not contain it.
+    fn factory(&self, component: &str) -> Option<ComponentFactory>;
 
     /// Returns the ports, services, references and properties that the component declares; `None` if it is unknown.
     fn declaration(&self, component: &str) -> Option<Declaration> {
         let mut scratch = Interface::new();
-        self.constructor(component)?(&mut scratch);
+        self.factory(component)?(&mut scratch);
         Some(scratch.declaration().clone())
     }
 
@@ -75,8 +80,8 @@ impl Catalogue for Tables {
             .collect()
     }
 
-    fn constructor(&self, component: &str) -> Option<Constructor> {
-        row(self.components, component)
+    fn factory(&self, component: &str) -> Option<ComponentFactory> {
+        row(self.components, component).map(|constructor| Arc::new(constructor) as ComponentFactory)
     }
 
     fn has(&self, builtin: BuiltinComponent) -> bool {

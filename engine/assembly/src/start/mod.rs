@@ -437,7 +437,7 @@ impl Component for Nothing {
     }
 }
 
-/// Creates a component from its constructor in the catalogue.
-fn of_build(constructor: asmotion_composite::Constructor) -> Make {
-    Box::new(move |interface: &mut Interface| Ok(constructor(interface)))
+/// Creates a component by its factory in the catalogue.
+fn of_build(factory: asmotion_composite::ComponentFactory) -> Make {
+    Box::new(move |interface: &mut Interface| Ok(factory(interface)))
 }

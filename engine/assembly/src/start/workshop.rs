@@ -45,8 +45,8 @@ impl Workshop for Standard<'_> {
     fn make(&mut self, component: &asmotion_plan::Component, plan: &Plan) -> Result<Make, String> {
         match &component.implementation {
             Implementation::Rust(name) => {
-                let constructor = self.catalogue.constructor(name);
-                constructor
+                let factory = self.catalogue.factory(name);
+                factory
                     .map(of_build)
                     .ok_or(format!("`{name}` is not in this build"))
             }

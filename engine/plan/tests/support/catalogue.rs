@@ -5,7 +5,7 @@ use asmotion_component::declaration::{
     ServiceDeclaration,
 };
 use asmotion_composite::model::BuiltinComponent;
-use asmotion_composite::{Catalogue, Constructor};
+use asmotion_composite::{Catalogue, ComponentFactory};
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
 /// A catalogue with a few components, message types and interfaces.
@@ -25,7 +25,7 @@ impl Catalogue for SmallBuild {
         .to_vec()
     }
 
-    fn constructor(&self, _: &str) -> Option<Constructor> {
+    fn factory(&self, _: &str) -> Option<ComponentFactory> {
         None
     }
 
