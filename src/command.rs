@@ -74,6 +74,7 @@ type Top = Without<feature::Tui>;
 #[cfg(not(feature = "amqp"))]
 type Top = Without<feature::Amqp>;
 
+use crate::app::App;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use clap::Subcommand;
@@ -127,24 +128,24 @@ pub enum Command {
 
 impl Command {
     /// Executes the command and returns its exit code.
-    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
         match self {
-            Self::Demo(demo) => demo.run(terminal),
-            Self::Run(run) => run.run(terminal),
-            Self::Up(up) => up.run(terminal),
-            Self::Check(check) => check.run(terminal),
-            Self::Describe(describe) => describe.run(terminal),
-            Self::Expand(expand) => expand.run(terminal),
-            Self::Graph(graph) => graph.run(terminal),
-            Self::Scdl(scdl) => scdl.run(terminal),
+            Self::Demo(demo) => demo.run(app, terminal),
+            Self::Run(run) => run.run(app, terminal),
+            Self::Up(up) => up.run(app, terminal),
+            Self::Check(check) => check.run(app, terminal),
+            Self::Describe(describe) => describe.run(app, terminal),
+            Self::Expand(expand) => expand.run(app, terminal),
+            Self::Graph(graph) => graph.run(app, terminal),
+            Self::Scdl(scdl) => scdl.run(app, terminal),
             Self::Schema(schema) => schema.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),
-            Self::Test(test) => test.run(terminal),
-            Self::Topic(topic) => topic.run(terminal),
+            Self::Test(test) => test.run(app, terminal),
+            Self::Topic(topic) => topic.run(app, terminal),
             Self::Component(component) => component.run(terminal),
-            Self::Reconfigure(reconfigure) => reconfigure.run(terminal),
+            Self::Reconfigure(reconfigure) => reconfigure.run(app, terminal),
             Self::Top(top) => top.run(terminal),
             Self::Port(port) => port.run(terminal),
             Self::Call(call) => call.run(terminal),

@@ -15,7 +15,7 @@ use asmotion_datum::{Schema, Shape};
 use asmotion_lang::ir::Program;
 use asmotion_plan::{Component, End, Implementation, Opened, Plan, Terminal, Topic};
 
-use crate::build::BUILD;
+use crate::app::App;
 use crate::files::DiskLoader;
 
 /// Description of a composite.
@@ -74,8 +74,9 @@ impl ServedOperation {
 }
 
 /// Describes one profile of a composite.
-pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
-    let declared = Declarations::of(opened, plan);
+pub fn describe<'p>(app: &App, opened: &Opened, plan: &'p Plan) -> Description<'p> {
+    let catalogue = app.catalogue();
+    let declared = Declarations::of(&*catalogue, opened, plan);
     // the topic `bus` never leaves its process
     let topics = plan
         .topics
@@ -101,19 +102,21 @@ pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
 
 /// Declarations of the plan's components, as far as this binary contains them.
 struct Declarations<'a> {
+    catalogue: &'a dyn Catalogue,
     opened: &'a Opened,
     plan: &'a Plan,
     components: Vec<Option<Declaration>>,
 }
 
 impl<'a> Declarations<'a> {
-    fn of(opened: &'a Opened, plan: &'a Plan) -> Self {
+    fn of(catalogue: &'a dyn Catalogue, opened: &'a Opened, plan: &'a Plan) -> Self {
         let components = plan.components.iter();
         Self {
+            catalogue,
             opened,
             plan,
             components: components
-                .map(|component| declaration(component, plan))
+                .map(|component| declaration(catalogue, component, plan))
                 .collect(),
         }
     }
@@ -201,7 +204,7 @@ impl<'a> Declarations<'a> {
                 .services
                 .iter()
                 .map(|it| {
-                    let operations = BUILD.operations(&it.interface).unwrap_or_default();
+                    let operations = self.catalogue.operations(&it.interface).unwrap_or_default();
                     (&it.name, &it.interface, operations)
                 })
                 .collect(),
@@ -272,9 +275,13 @@ fn program(component: &Component) -> Option<Arc<Program>> {
 }
 
 /// The declaration of a component; `None` if this binary cannot create it, for example a ROS node.
-fn declaration(component: &Component, plan: &Plan) -> Option<Declaration> {
+fn declaration(
+    catalogue: &dyn Catalogue,
+    component: &Component,
+    plan: &Plan,
+) -> Option<Declaration> {
     let mut workshop = Standard {
-        catalogue: &BUILD,
+        catalogue,
         loader: &DiskLoader,
         seed: 0,
         builtins: &mut |_, _| None,

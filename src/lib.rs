@@ -3,9 +3,9 @@
 //! This is the only crate that prints. [`mission`] assembles and runs a composite; [`story`] prints its events, [`trace`]
 //! and [`record`] write them to files.
 
+mod app;
 mod brief;
 mod broker;
-mod build;
 pub mod codes;
 mod command;
 mod describe;
@@ -30,14 +30,16 @@ mod terminal;
 pub mod top;
 pub mod trace;
 
+pub use app::{App, AppCommand};
+/// The library that parses command lines, for [`AppCommand`]s.
+pub use clap;
 pub use command::BLOCKED_CORRIDOR;
 pub use exit::Exit;
 pub use files::DiskLoader;
 
-use clap::{CommandFactory, FromArgMatches, Parser};
+use clap::Parser;
 use command::Command;
-use std::process::ExitCode;
-use terminal::{Colour, TerminalOutput};
+use terminal::Colour;
 
 /// Runs Abstract State Machine specifications as the coordinator of a robot.
 #[derive(Parser)]
@@ -56,29 +58,3 @@ First steps:
   asmotion demo                                              runs a mission with a simulated rover
   asmotion check specs/navigation/navigation.composite.toml  reports errors before anything starts
   asmotion sim specs/patrol/patrol.asm --steps 20            simulates a specification on its own";
-
-/// Parses the command line and executes the command.
-pub fn main() -> ExitCode {
-    let matches = feature::mark(Arguments::command()).try_get_matches();
-    let arguments = match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            // help and version are not errors; a failing standard output cannot be reported anywhere
-            let _ = error.print();
-            return if error.use_stderr() {
-                Exit::Usage.into()
-            } else {
-                Exit::Ok.into()
-            };
-        }
-    };
-    let mut terminal = TerminalOutput::new(arguments.color);
-    let exit = arguments.command.run(&mut terminal);
-    match terminal.lost() {
-        Some(error) => {
-            terminal.error(format_args!("cannot write the result: {error}"));
-            exit.max(Exit::Usage).into()
-        }
-        None => exit.into(),
-    }
-}

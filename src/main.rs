@@ -1,5 +1,5 @@
 //! The `asmotion` binary.
 
 fn main() -> std::process::ExitCode {
-    asmotion::main()
+    asmotion::App::standard().main()
 }

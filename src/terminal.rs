@@ -8,9 +8,10 @@ use std::fmt::Display;
 use std::io::Write;
 
 /// Use of colour in the output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Colour {
     /// If the output is a terminal
+    #[default]
     Auto,
     /// Always
     Always,

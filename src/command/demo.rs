@@ -5,8 +5,8 @@ use clap::{Args, ValueEnum};
 use std::path::Path;
 
 use super::run::{MissionArguments, virtual_clock};
+use crate::app::App;
 use crate::exit::Exit;
-use crate::mission::Mission;
 use crate::terminal::TerminalOutput;
 
 /// Files of the demo, embedded so that the binary needs no others.
@@ -75,7 +75,7 @@ pub const BLOCKED_CORRIDOR: &str = r#"[
 ]"#;
 
 impl Demo {
-    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
         let folder = match unpack() {
             Ok(folder) => folder,
             Err(error) => {
@@ -86,7 +86,7 @@ impl Demo {
             }
         };
         let composite = folder.path().join(FILES[0].0);
-        let mut mission = Mission::new(composite.display().to_string());
+        let mut mission = app.mission(composite.display().to_string());
         mission.clock = match virtual_clock(self.speed) {
             Ok(clock) => clock,
             Err(problem) => {

@@ -20,6 +20,7 @@ use asmotion_runtime::Event;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
+use crate::app::App;
 use crate::broker::{self, BrokerAccess};
 use crate::exit::Exit;
 use crate::gateway;
@@ -132,7 +133,7 @@ pub struct MissionArguments {
 }
 
 impl Run {
-    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
         if self.composite.ends_with(".asm") {
             terminal.error(format_args!(
                 "`{0}` is a specification: `asmotion sim {0}` runs it alone",
@@ -144,7 +145,7 @@ impl Run {
             terminal.error(problem);
             return Exit::Usage;
         }
-        match self.mission() {
+        match self.mission(app) {
             Ok(mission) => self
                 .common
                 .run_mission(&self.composite, &mission, true, terminal),
@@ -155,8 +156,8 @@ impl Run {
         }
     }
 
-    fn mission(&self) -> Result<Mission, String> {
-        let mut mission = Mission::new(&self.composite);
+    fn mission(&self, app: &App) -> Result<Mission, String> {
+        let mut mission = app.mission(&self.composite);
         mission.profile = self.profile.clone();
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;

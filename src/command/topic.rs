@@ -5,6 +5,7 @@ mod hz;
 mod list;
 mod publish;
 
+use crate::app::App;
 use crate::broker::BrokerArguments;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
@@ -35,7 +36,7 @@ enum TopicCommand {
 }
 
 impl Topic {
-    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
         let remote = match self.broker.remote() {
             Ok(remote) => remote,
             Err(problem) => {
@@ -45,7 +46,7 @@ impl Topic {
         };
         let end = match self.what {
             TopicCommand::List(list) => list.run(&remote, terminal),
-            TopicCommand::Echo(echo) => echo.run(&remote, terminal),
+            TopicCommand::Echo(echo) => echo.run(&remote, app, terminal),
             TopicCommand::Hz(hz) => hz.run(&remote, terminal),
             TopicCommand::Pub(publish) => publish.run(&remote, terminal),
         };

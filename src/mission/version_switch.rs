@@ -12,7 +12,6 @@ use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
 
 use super::Mission;
-use crate::build;
 use crate::files::{DiskLoader, SentFiles};
 
 /// Maximum number of versions waiting.
@@ -59,7 +58,7 @@ impl<'m> VersionSwitch<'m> {
         Ok(Self {
             mission,
             path,
-            running: version_of(plan, part.clone(), Arc::new(DiskLoader), mission.seed),
+            running: version_of(mission, plan, part.clone(), Arc::new(DiskLoader)),
             calls: buses.map(serve).collect::<Result<_, _>>()?,
         })
     }
@@ -132,7 +131,7 @@ impl<'m> VersionSwitch<'m> {
             Some(plan) => {
                 let part = self.mission.part(plan);
                 let part = part.map_err(|error| refusal("BAD_COMPOSITE", error))?;
-                Ok(version_of(plan, part, Arc::new(sent), self.mission.seed))
+                Ok(version_of(self.mission, plan, part, Arc::new(sent)))
             }
         }
     }
@@ -164,12 +163,13 @@ impl<'m> VersionSwitch<'m> {
 }
 
 fn version_of(
+    mission: &Mission,
     plan: &Plan,
     part: Part,
     loader: Arc<dyn Loader + Send + Sync>,
-    seed: u64,
 ) -> Version {
-    Version::new(plan.clone(), part, Arc::new(build::BUILD), loader, seed)
+    let catalogue = mission.app.catalogue();
+    Version::new(plan.clone(), part, catalogue, loader, mission.seed)
 }
 
 fn refusal(code: &str, detail: impl ToString) -> Refusal {

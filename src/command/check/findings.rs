@@ -1,12 +1,17 @@
 //! The findings in one file of any kind.
 
-use crate::build;
+use crate::app::App;
 use crate::command::test::{mission, snapshot};
 use asmotion_lang::{Loader, ReadOptions, Report, Sources, scenario};
 use std::path::Path;
 
 /// Returns the findings in one file and in the files it names.
-pub fn findings(path: &str, options: &ReadOptions, loader: &dyn Loader) -> (Report, Sources) {
+pub fn findings(
+    app: &App,
+    path: &str,
+    options: &ReadOptions,
+    loader: &dyn Loader,
+) -> (Report, Sources) {
     if snapshot::is_script(Path::new(path)) {
         return match snapshot::open(path, loader) {
             Ok((specification, _)) => (Report::new(), specification.sources),
@@ -14,11 +19,11 @@ pub fn findings(path: &str, options: &ReadOptions, loader: &dyn Loader) -> (Repo
         };
     }
     if mission::is_mission(Path::new(path)) {
-        return mission::check(Path::new(path), loader);
+        return mission::check(app, Path::new(path), loader);
     }
     let extension = Path::new(path).extension().unwrap_or_default();
     match extension.to_str() {
-        Some("toml") => composite(path, loader),
+        Some("toml") => composite(app, path, loader),
         Some("avalla") => scenario::check(path, loader, options),
         // any other file named on the command line is read as a specification, with or without `.asm`
         _ => specification(path, options, loader),
@@ -26,11 +31,11 @@ pub fn findings(path: &str, options: &ReadOptions, loader: &dyn Loader) -> (Repo
 }
 
 /// Checks a composite or a file of message types.
-fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
-    if let Some(types) = asmotion_composite::open_types(path, loader, &build::BUILD) {
+fn composite(app: &App, path: &str, loader: &dyn Loader) -> (Report, Sources) {
+    if let Some(types) = asmotion_composite::open_types(path, loader, &*app.catalogue()) {
         return types;
     }
-    let opened = build::open(path, &[], loader);
+    let opened = app.open(path, &[], loader);
     (opened.report, opened.sources)
 }
 

@@ -1,7 +1,7 @@
 //! `asmotion topic echo`: prints the messages of a topic.
 
 use super::unknown_topic;
-use crate::build::BUILD;
+use crate::app::App;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_bus::Envelope;
@@ -32,10 +32,16 @@ pub struct Echo {
 impl Echo {
     /// Prints each message as a JSON object on a line. Receiving none is a finding. If the topic is unknown, this warns and
     /// waits for it.
-    pub fn run(self, remote: &Remote, terminal: &mut TerminalOutput) -> Result<Exit, String> {
+    pub fn run(
+        self,
+        remote: &Remote,
+        app: &App,
+        terminal: &mut TerminalOutput,
+    ) -> Result<Exit, String> {
         let subscription = remote
             .listen(&self.topic)
             .map_err(|error| error.to_string())?;
+        let catalogue = app.catalogue();
         let until = Instant::now() + Duration::from_secs(self.limit);
         let mut count = 0;
         let mut first = subscription.next_within(DISCOVERY.min(Duration::from_secs(self.limit)));
@@ -51,15 +57,15 @@ impl Echo {
                 break;
             };
             count += 1;
-            terminal.result(line(&envelope));
+            terminal.result(line(&envelope, &*catalogue));
         }
         Ok(if count > 0 { Exit::Ok } else { Exit::Findings })
     }
 }
 
-fn line(envelope: &Envelope) -> String {
+fn line(envelope: &Envelope, catalogue: &dyn Catalogue) -> String {
     // a codec that does not describe itself needs the schema of the type
-    let schema = BUILD.schema(&envelope.type_name);
+    let schema = catalogue.schema(&envelope.type_name);
     let schema = schema.as_ref().unwrap_or(Datum::schema());
     let content = envelope.payload.to_datum_of(schema);
     let content = content.and_then(|datum| asmotion_datum::json::encode(&datum));

@@ -276,7 +276,7 @@ fn no_command_comes_later_than_its_readers_use_it() {
         connect(settings(&vhost.url())),
         connect(settings(&vhost.url())),
     );
-    let limit = Duration::from_millis(300);
+    let limit = Duration::from_secs(1);
     let commands = subscribe(&reader, "twist", all(100));
     let held = subscribe(&reader, "pose", all(100));
     let mut twist = publisher(&writer, "twist", events().max_age(Some(limit)));

@@ -1,0 +1,245 @@
+//! A program: the components, messages and commands that it contains, and its command line.
+
+mod catalogue;
+mod command;
+mod environment;
+
+pub use command::AppCommand;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_component::{Component, Interface, Operation};
+use asmotion_composite::{AsmFiles, Catalogue, Context};
+use asmotion_datum::Message;
+use asmotion_lang::Loader;
+use asmotion_plan::Opened;
+use clap::{CommandFactory, FromArgMatches};
+
+use crate::Arguments;
+use crate::exit::Exit;
+use crate::feature;
+use crate::mission::Mission;
+use crate::terminal::TerminalOutput;
+use catalogue::AppCatalogue;
+use command::RegisteredCommand;
+use environment::ProcessEnvironment;
+
+/// A program that runs composites: the engine and all commands of `asmotion`, with the components of the program's author.
+///
+/// ```no_run
+/// use asmotion_component::{Component, Cycle, Fault, Interface};
+///
+/// struct Gripper;
+///
+/// impl Gripper {
+///     fn new(_: &mut Interface) -> Self {
+///         Self
+///     }
+/// }
+///
+/// impl Component for Gripper {
+///     fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+///         Ok(())
+///     }
+/// }
+///
+/// fn main() -> std::process::ExitCode {
+///     asmotion::App::standard()
+///         .component("acme::Gripper", Gripper::new)
+///         .main()
+/// }
+/// ```
+#[derive(Clone, Debug)]
+pub struct App {
+    name: &'static str,
+    version: &'static str,
+    catalogue: Arc<AppCatalogue>,
+    commands: Vec<RegisteredCommand>,
+}
+
+impl App {
+    /// A program with the components, messages and commands of `asmotion`.
+    pub fn standard() -> Self {
+        Self {
+            name: "asmotion",
+            version: env!("CARGO_PKG_VERSION"),
+            catalogue: Arc::new(AppCatalogue::standard()),
+            commands: Vec::new(),
+        }
+    }
+
+    /// Sets the name and version that `--help` and `--version` show; those of asmotion by default.
+    pub fn name(mut self, name: &'static str, version: &'static str) -> Self {
+        (self.name, self.version) = (name, version);
+        self
+    }
+
+    /// Adds a component under the name that composites use (`implementation = { rust = "acme::Gripper" }`), with the types of
+    /// its ports and the operations of its services and references. `new` declares the component on the interface, and
+    /// declares the same at each call.
+    ///
+    /// A name that is taken is an error, which [`main`](Self::main) reports.
+    pub fn component<C: Component>(
+        mut self,
+        name: &str,
+        new: impl Fn(&mut Interface) -> C + Send + Sync + 'static,
+    ) -> Self {
+        let factory = Arc::new(move |interface: &mut Interface| {
+            Box::new(new(interface)) as Box<dyn Component>
+        });
+        Arc::make_mut(&mut self.catalogue).add_component(name, factory);
+        self
+    }
+
+    /// Adds a message type, for composites whose specifications send or receive it while no component has a port of this
+    /// type.
+    pub fn message<M: Message>(mut self) -> Self {
+        Arc::make_mut(&mut self.catalogue).add_message(M::schema());
+        self
+    }
+
+    /// Adds an operation to its service interface, for composites in which no component of this program provides or calls
+    /// it.
+    pub fn operation<O: Operation>(mut self) -> Self {
+        let operation = OperationDeclaration {
+            name: O::NAME.to_owned(),
+            request: O::Request::schema().clone(),
+            response: O::Response::schema().clone(),
+            while_stopped: false,
+        };
+        Arc::make_mut(&mut self.catalogue).add_operation(O::INTERFACE, &operation);
+        self
+    }
+
+    /// Adds a command.
+    ///
+    /// ```no_run
+    /// use asmotion::{App, AppCommand, Exit, clap};
+    ///
+    /// /// Moves the gripper to its reference position.
+    /// #[derive(clap::Args)]
+    /// struct Home {
+    ///     /// Closes it, too
+    ///     #[arg(long)]
+    ///     close: bool,
+    /// }
+    ///
+    /// impl AppCommand for Home {
+    ///     const NAME: &'static str = "home";
+    ///
+    ///     fn run(self, app: &App) -> Exit {
+    ///         println!("{} components", app.catalogue().components().len());
+    ///         Exit::Ok
+    ///     }
+    /// }
+    ///
+    /// fn main() -> std::process::ExitCode {
+    ///     App::standard().command::<Home>().main()
+    /// }
+    /// ```
+    pub fn command<C: AppCommand>(mut self) -> Self {
+        self.commands.push(RegisteredCommand::of::<C>());
+        self
+    }
+
+    /// The components, messages and service interfaces of the program.
+    pub fn catalogue(&self) -> Arc<dyn Catalogue + Send + Sync> {
+        self.catalogue.clone()
+    }
+
+    /// A mission of a composite with the components of this program; see [`Mission::new`].
+    pub fn mission(&self, composite: impl Into<String>) -> Mission {
+        Mission::of(self.clone(), composite.into())
+    }
+
+    /// Opens a composite with properties set on the command line, as pairs of name and text.
+    pub fn open(&self, path: &str, settings: &[(String, String)], loader: &dyn Loader) -> Opened {
+        let context = Context {
+            loader,
+            environment: &ProcessEnvironment,
+            catalogue: &*self.catalogue,
+            specifications: &AsmFiles::new(loader),
+            settings,
+        };
+        asmotion_plan::open(path, &context)
+    }
+
+    /// Parses the command line of the process and executes its command.
+    pub fn main(self) -> ExitCode {
+        self.run(std::env::args_os()).into()
+    }
+
+    /// Parses a command line, whose first argument is the name of the program, and executes its command.
+    pub fn run(&self, arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Exit {
+        let matches = match self.command_line().try_get_matches_from(arguments) {
+            Ok(matches) => matches,
+            Err(error) => return print(&error),
+        };
+        let registered = matches.subcommand().and_then(|(name, matches)| {
+            let mut commands = self.commands.iter();
+            Some((commands.find(|it| it.name == name)?, matches))
+        });
+        let colour = matches.get_one("color").copied().unwrap_or_default();
+        let mut terminal = TerminalOutput::new(colour);
+        for problem in self.problems() {
+            terminal.error(problem);
+        }
+        if self.problems().next().is_some() {
+            return Exit::Usage;
+        }
+        let result = match registered {
+            Some((command, matches)) => command.run(matches, self),
+            None => Arguments::from_arg_matches(&matches)
+                .map(|arguments| arguments.command.run(self, &mut terminal)),
+        };
+        let exit = result.unwrap_or_else(|error| print(&error));
+        match terminal.lost() {
+            Some(error) => {
+                terminal.error(format_args!("cannot write the result: {error}"));
+                exit.max(Exit::Usage)
+            }
+            None => exit,
+        }
+    }
+
+    /// Contradictions between the additions to the program.
+    fn problems(&self) -> impl Iterator<Item = String> {
+        let standard = Arguments::command();
+        let taken = self.commands.iter().enumerate().filter(move |(at, it)| {
+            let mut before = self.commands[..*at].iter();
+            standard.find_subcommand(it.name).is_some() || before.any(|one| one.name == it.name)
+        });
+        let taken = taken.map(|(_, it)| {
+            let name = it.name;
+            format!("command `{name}` is registered twice: give one of them another name")
+        });
+        self.catalogue.problems().iter().cloned().chain(taken)
+    }
+
+    fn command_line(&self) -> clap::Command {
+        let standard = Arguments::command();
+        let added = self
+            .commands
+            .iter()
+            .filter(|it| standard.find_subcommand(it.name).is_none());
+        let added: Vec<_> = added.map(RegisteredCommand::describe).collect();
+        feature::mark(standard)
+            .name(self.name)
+            .version(self.version)
+            .subcommands(added)
+    }
+}
+
+/// Prints an error of the command line, or the help text, which clap treats as an error.
+fn print(error: &clap::Error) -> Exit {
+    // a failing standard output cannot be reported anywhere
+    let _ = error.print();
+    if error.use_stderr() {
+        Exit::Usage
+    } else {
+        Exit::Ok
+    }
+}

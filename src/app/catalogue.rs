@@ -1,0 +1,208 @@
+//! The catalogue of a program: components, messages and service interfaces.
+
+use std::fmt;
+use std::sync::Arc;
+
+use asmotion_component::Interface;
+use asmotion_component::declaration::{Declaration, OperationDeclaration};
+use asmotion_composite::model::BuiltinComponent;
+use asmotion_composite::{Catalogue, ComponentFactory};
+use asmotion_datum::{Schema, Shape};
+
+/// Components, messages and service interfaces by name, in order of registration.
+///
+/// A component brings the types of its ports and the operations of its services and references with it.
+#[derive(Clone, Default)]
+pub(super) struct AppCatalogue {
+    components: Vec<(String, ComponentFactory)>,
+    messages: Vec<(String, Schema)>,
+    interfaces: Vec<(String, Vec<OperationDeclaration>)>,
+    /// Contradictions between registrations.
+    problems: Vec<String>,
+}
+
+impl AppCatalogue {
+    /// The catalogue of the standard components.
+    pub(super) fn standard() -> Self {
+        let mut catalogue = Self::default();
+        for (name, schema) in asmotion_components::MESSAGES {
+            catalogue
+                .messages
+                .push(((*name).to_owned(), schema().clone()));
+        }
+        for (name, operations) in asmotion_components::INTERFACES {
+            catalogue
+                .interfaces
+                .push(((*name).to_owned(), operations()));
+        }
+        for (name, constructor) in asmotion_components::COMPONENTS {
+            catalogue
+                .components
+                .push(((*name).to_owned(), Arc::new(constructor)));
+        }
+        catalogue
+    }
+
+    /// Contradictions between registrations, in order.
+    pub(super) fn problems(&self) -> &[String] {
+        &self.problems
+    }
+
+    /// Adds a component, with its messages and interfaces.
+    pub(super) fn add_component(&mut self, name: &str, factory: ComponentFactory) {
+        if find(&self.components, name).is_some() {
+            self.problems.push(format!(
+                "component `{name}` is registered twice: give one of them another name"
+            ));
+            return;
+        }
+        let mut scratch = Interface::new();
+        factory(&mut scratch);
+        let problems = scratch.problems().iter();
+        self.problems
+            .extend(problems.map(|problem| format!("component `{name}`: {problem}")));
+        self.add_types(scratch.declaration());
+        self.components.push((name.to_owned(), factory));
+    }
+
+    /// Replaces a component with another implementation that has the same name.
+    pub(super) fn replace_component(&mut self, name: &str, factory: ComponentFactory) {
+        self.components.retain(|(known, _)| known != name);
+        self.add_component(name, factory);
+    }
+
+    fn add_types(&mut self, declaration: &Declaration) {
+        for port in declaration.inputs.iter().chain(&declaration.outputs) {
+            self.add_message(&port.schema);
+        }
+        let services = declaration.services.iter();
+        let services = services.map(|it| (&it.interface, &it.operations));
+        let references = declaration.references.iter();
+        let references = references.map(|it| (&it.interface, &it.operations));
+        for (interface, operations) in services.chain(references) {
+            for operation in operations {
+                self.add_operation(interface, operation);
+            }
+        }
+    }
+
+    /// Adds the message types in a schema. A type of which only the name is known is not added.
+    pub(super) fn add_message(&mut self, schema: &Schema) {
+        match &schema.shape {
+            Shape::Record(fields) => {
+                for field in fields {
+                    self.add_message(&field.schema);
+                }
+            }
+            Shape::Option(element) | Shape::List(element) | Shape::Array(element, _) => {
+                return self.add_message(element);
+            }
+            Shape::Any
+            | Shape::Bool
+            | Shape::I8
+            | Shape::I16
+            | Shape::I32
+            | Shape::I64
+            | Shape::U8
+            | Shape::U16
+            | Shape::U32
+            | Shape::U64
+            | Shape::F32
+            | Shape::F64
+            | Shape::Text => return,
+        }
+        if schema.name.is_empty() {
+            return;
+        }
+        match find(&self.messages, &schema.name) {
+            None => self
+                .messages
+                .push((schema.name.clone().into_owned(), schema.clone())),
+            Some(known) => {
+                if let Err(difference) = known.compare(schema) {
+                    self.problems.push(format!(
+                        "message `{}` is registered with different fields: {difference}",
+                        schema.name
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Adds an operation to a service interface, and the messages of the operation.
+    pub(super) fn add_operation(&mut self, interface: &str, operation: &OperationDeclaration) {
+        self.add_message(&operation.request);
+        self.add_message(&operation.response);
+        let operation = OperationDeclaration {
+            // a provider decides itself what it answers while it is stopped
+            while_stopped: false,
+            ..operation.clone()
+        };
+        let known = self.interfaces.iter_mut().find(|(it, _)| it == interface);
+        let Some((_, operations)) = known else {
+            self.interfaces
+                .push((interface.to_owned(), vec![operation]));
+            return;
+        };
+        let known = operations.iter().find(|it| it.name == operation.name);
+        let Some(known) = known else {
+            operations.push(operation);
+            return;
+        };
+        let request = known.request.compare(&operation.request);
+        let response = known.response.compare(&operation.response);
+        for (part, result) in [("request", request), ("response", response)] {
+            if let Err(difference) = result {
+                self.problems.push(format!(
+                    "operation `{}` of `{interface}` is registered with different {part} types: {difference}",
+                    operation.name
+                ));
+            }
+        }
+    }
+}
+
+impl Catalogue for AppCatalogue {
+    fn components(&self) -> Vec<String> {
+        names(&self.components)
+    }
+
+    fn factory(&self, component: &str) -> Option<ComponentFactory> {
+        find(&self.components, component).cloned()
+    }
+
+    fn has(&self, builtin: BuiltinComponent) -> bool {
+        builtin == BuiltinComponent::PortProxy
+    }
+
+    fn messages(&self) -> Vec<String> {
+        names(&self.messages)
+    }
+
+    fn schema(&self, message: &str) -> Option<Schema> {
+        find(&self.messages, message).cloned()
+    }
+
+    fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
+        find(&self.interfaces, interface).cloned()
+    }
+}
+
+impl fmt::Debug for AppCatalogue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AppCatalogue")
+            .field("components", &names(&self.components))
+            .field("messages", &names(&self.messages))
+            .field("interfaces", &names(&self.interfaces))
+            .finish_non_exhaustive()
+    }
+}
+
+fn names<T>(table: &[(String, T)]) -> Vec<String> {
+    table.iter().map(|(name, _)| name.clone()).collect()
+}
+
+fn find<'t, T>(table: &'t [(String, T)], name: &str) -> Option<&'t T> {
+    let row = table.iter().find(|(known, _)| known == name);
+    row.map(|(_, entry)| entry)
+}
