@@ -12,13 +12,16 @@ use std::sync::Arc;
 
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{Component, Interface, Operation};
-use asmotion_composite::{AsmFiles, Catalogue, Context};
+use asmotion_composite::{AsmFiles, Catalogue, ComponentFactory, Context};
 use asmotion_datum::Message;
 use asmotion_lang::Loader;
+use asmotion_map::{MapFormat, MapFormats, MapServer};
 use asmotion_plan::Opened;
+use asmotion_planner::{MakePlanner, Planners, TrajectoryPlanner};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::Arguments;
+use crate::broker::{ConnectTransport, Transports};
 use crate::exit::Exit;
 use crate::feature;
 use crate::mission::Mission;
@@ -57,6 +60,9 @@ pub struct App {
     name: &'static str,
     version: &'static str,
     catalogue: Arc<AppCatalogue>,
+    map_formats: MapFormats,
+    planners: Planners,
+    transports: Transports,
     commands: Vec<RegisteredCommand>,
 }
 
@@ -67,6 +73,9 @@ impl App {
             name: "asmotion",
             version: env!("CARGO_PKG_VERSION"),
             catalogue: Arc::new(AppCatalogue::standard()),
+            map_formats: MapFormats::standard(),
+            planners: Planners::standard(),
+            transports: Transports::default(),
             commands: Vec::new(),
         }
     }
@@ -87,10 +96,17 @@ impl App {
         name: &str,
         new: impl Fn(&mut Interface) -> C + Send + Sync + 'static,
     ) -> Self {
-        let factory = Arc::new(move |interface: &mut Interface| {
-            Box::new(new(interface)) as Box<dyn Component>
-        });
-        Arc::make_mut(&mut self.catalogue).add_component(name, factory);
+        Arc::make_mut(&mut self.catalogue).add_component(name, factory(new));
+        self
+    }
+
+    /// Replaces a standard component with a variant of it.
+    fn replace<C: Component>(
+        mut self,
+        name: &str,
+        new: impl Fn(&mut Interface) -> C + Send + Sync + 'static,
+    ) -> Self {
+        Arc::make_mut(&mut self.catalogue).replace_component(name, factory(new));
         self
     }
 
@@ -112,6 +128,39 @@ impl App {
         };
         Arc::make_mut(&mut self.catalogue).add_operation(O::INTERFACE, &operation);
         self
+    }
+
+    /// Adds a map format, which `nav::MapServer` reads. Its endings win over those of the other formats. The name is for
+    /// programs; [`contract::map_format`](crate::contract::map_format) tests a format.
+    pub fn map_format(mut self, name: &'static str, format: &'static dyn MapFormat) -> Self {
+        self.map_formats = self.map_formats.with(name, format);
+        let formats = self.map_formats.clone();
+        self.replace("nav::MapServer", move |interface| {
+            MapServer::new(interface).formats(formats.clone())
+        })
+    }
+
+    /// Adds a planner, which `nav::TrajectoryPlanner` uses if its property `algorithm` has this name. A name that is taken
+    /// replaces the earlier planner. [`contract::planner`](crate::contract::planner) tests a planner.
+    pub fn planner(mut self, name: &'static str, make: MakePlanner) -> Self {
+        self.planners = self.planners.with(name, make);
+        let planners = self.planners.clone();
+        self.replace("nav::TrajectoryPlanner", move |interface| {
+            TrajectoryPlanner::with_planners(interface, planners.clone())
+        })
+    }
+
+    /// Adds a transport for brokers whose addresses have this scheme (`--bus mqtt://…`, or the `url` of a broker in a
+    /// composite). A scheme that is taken replaces the earlier transport. [`contract::bus`](crate::contract::bus) tests a
+    /// transport.
+    pub fn transport(mut self, scheme: &'static str, connect: ConnectTransport) -> Self {
+        self.transports.add(scheme, connect);
+        self
+    }
+
+    /// The transports that were added.
+    pub(crate) fn transports(&self) -> &Transports {
+        &self.transports
     }
 
     /// Adds a command.
@@ -231,6 +280,12 @@ impl App {
             .version(self.version)
             .subcommands(added)
     }
+}
+
+fn factory<C: Component>(
+    new: impl Fn(&mut Interface) -> C + Send + Sync + 'static,
+) -> ComponentFactory {
+    Arc::new(move |interface| Box::new(new(interface)))
 }
 
 /// Prints an error of the command line, or the help text, which clap treats as an error.

@@ -144,13 +144,13 @@ impl Command {
             Self::Repl(repl) => repl.run(terminal),
             Self::Test(test) => test.run(app, terminal),
             Self::Topic(topic) => topic.run(app, terminal),
-            Self::Component(component) => component.run(terminal),
+            Self::Component(component) => component.run(app, terminal),
             Self::Reconfigure(reconfigure) => reconfigure.run(app, terminal),
-            Self::Top(top) => top.run(terminal),
-            Self::Port(port) => port.run(terminal),
-            Self::Call(call) => call.run(terminal),
-            Self::Shell(shell) => shell.run(terminal),
-            Self::Doctor(doctor) => doctor.run(terminal),
+            Self::Top(top) => top.run(app, terminal),
+            Self::Port(port) => port.run(app, terminal),
+            Self::Call(call) => call.run(app, terminal),
+            Self::Shell(shell) => shell.run(app, terminal),
+            Self::Doctor(doctor) => doctor.run(app, terminal),
         }
     }
 }

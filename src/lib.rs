@@ -8,6 +8,7 @@ mod brief;
 mod broker;
 pub mod codes;
 mod command;
+pub mod contract;
 mod describe;
 mod diff;
 mod exit;

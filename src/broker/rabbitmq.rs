@@ -10,7 +10,8 @@ use asmotion_composite::model::Tls;
 use asmotion_remote::Remote;
 use clap::Args;
 
-use super::BrokerAccess;
+use super::{BrokerAccess, BrokerSettings, TOOL};
+use crate::app::App;
 
 pub use asmotion_amqp::AmqpSettings;
 
@@ -37,31 +38,25 @@ impl BrokerArguments {
     ///
     /// # Errors
     /// Fails if no broker is given or the password is unknown.
-    pub fn settings(&self) -> Result<AmqpSettings, String> {
+    pub fn settings(&self, app: &App) -> Result<BrokerSettings, String> {
         let variable = || std::env::var("ASMOTION_BUS").ok();
         let address = self.bus.clone().or_else(variable).ok_or(
             "no broker selected: add `--bus amqp://user@host:port/vhost`, or set ASMOTION_BUS",
         )?;
-        let mut settings = settings(&address, &self.access)?;
-        settings.process = "asmotion-tool".to_owned();
-        Ok(settings)
+        BrokerSettings::of_address(app, &address, &self.access)
     }
 
     /// Connects to the broker to inspect the systems on it.
     ///
     /// # Errors
     /// Fails if the broker is unreachable or refuses the connection.
-    pub fn remote(&self) -> Result<Remote, String> {
-        remote(self.settings()?)
+    pub fn remote(&self, app: &App) -> Result<Remote, String> {
+        self.settings(app)?.watch().1
     }
 }
 
-/// Connects to a broker on behalf of a tool.
-///
-/// # Errors
-/// Fails if the broker is unreachable or refuses the connection.
-pub fn remote(mut settings: AmqpSettings) -> Result<Remote, String> {
-    settings.process = "asmotion-tool".to_owned();
+fn remote(mut settings: AmqpSettings) -> Result<Remote, String> {
+    settings.process = TOOL.to_owned();
     let location = settings.location();
     let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
         format!("broker at {location}: {reason}\n  `asmotion doctor` shows how to fix it")
@@ -123,11 +118,10 @@ pub fn connect(
     (location, bus.map(|bus| Arc::new(bus) as Arc<dyn Bus>))
 }
 
-/// Connects to all systems on a broker, for the monitor beside a run. Returns the broker's address too.
+/// Connects to all systems on a broker, for a tool. Returns the broker's address too.
 ///
 /// # Errors
 /// Fails if the broker is unreachable or refuses the credentials.
-#[cfg(feature = "tui")]
 pub fn watch(settings: &AmqpSettings) -> (String, Result<Remote, String>) {
     let mut settings = settings.clone();
     settings.robot = None;

@@ -1,6 +1,7 @@
 //! `asmotion doctor`: diagnoses a broker.
 
-use crate::broker::BrokerArguments;
+use crate::app::App;
+use crate::broker::{BrokerArguments, BrokerSettings};
 use crate::exit::Exit;
 use crate::terminal::{BAD, GOOD, TerminalOutput};
 use asmotion_amqp::{AmqpBus, AmqpSettings};
@@ -50,9 +51,13 @@ impl Diagnosis {
 
 impl Doctor {
     /// Tests what a system needs, step by step, until a step fails.
-    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        let settings = match self.broker.settings() {
-            Ok(settings) => settings,
+    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+        let settings = match self.broker.settings(app) {
+            Ok(BrokerSettings::Amqp(settings)) => settings,
+            Ok(BrokerSettings::Added(_)) => {
+                terminal.error("`asmotion doctor` examines RabbitMQ only");
+                return Exit::Usage;
+            }
             Err(problem) => {
                 terminal.error(problem);
                 return Exit::Usage;

@@ -61,7 +61,7 @@ impl Reconfigure {
         };
         let result = self
             .broker
-            .remote()
+            .remote(app)
             .and_then(|remote| self.change(&remote, &composite.name(), version, terminal));
         result.unwrap_or_else(|problem| {
             terminal.error(problem);

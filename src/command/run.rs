@@ -21,7 +21,7 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use crate::app::App;
-use crate::broker::{self, BrokerAccess};
+use crate::broker::{BrokerAccess, BrokerSettings};
 use crate::exit::Exit;
 use crate::gateway;
 use crate::mission::{
@@ -164,7 +164,7 @@ impl Run {
         mission.brokers = self.brokers(&mission)?;
         self.common.enable_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {
-            broker::prepare(settings, self.robot.clone(), self.common.top);
+            settings.prepare(self.robot.clone(), self.common.top);
         }
         mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.on_listen())?;
         let over = match (mission.brokers.is_connected(), mission.gateways.is_open()) {
@@ -224,15 +224,17 @@ impl Run {
 
     /// The brokers of the run, or none for the local bus.
     fn brokers(&self, mission: &Mission) -> Result<MissionBrokers, String> {
-        let named = |broker: &_| broker::named(broker, &self.access);
+        let named = |broker: &_| BrokerSettings::named(&mission.app, broker, &self.access);
         Ok(match self.bus.as_deref() {
             Some("local") => MissionBrokers::Nothing,
-            Some(address) => {
-                MissionBrokers::One(Box::new(broker::settings(address, &self.access)?))
-            }
+            Some(address) => MissionBrokers::One(BrokerSettings::of_address(
+                &mission.app,
+                address,
+                &self.access,
+            )?),
             None => match mission.named_brokers()? {
                 None => MissionBrokers::Nothing,
-                Some(NamedBrokers::One(broker)) => MissionBrokers::One(Box::new(named(&broker)?)),
+                Some(NamedBrokers::One(broker)) => MissionBrokers::One(named(&broker)?),
                 Some(NamedBrokers::Each(brokers)) => {
                     let settings = |it: &asmotion_plan::Broker| Ok((it.name.clone(), named(it)?));
                     let each: Result<_, String> = brokers.iter().map(settings).collect();

@@ -37,7 +37,7 @@ enum TopicCommand {
 
 impl Topic {
     pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let remote = match self.broker.remote() {
+        let remote = match self.broker.remote(app) {
             Ok(remote) => remote,
             Err(problem) => {
                 terminal.error(problem);

@@ -12,7 +12,7 @@ use asmotion_runtime::System;
 
 use super::version_switch::VersionSwitch;
 use super::{Mission, MissionError};
-use crate::broker::{self, AmqpSettings};
+use crate::broker::BrokerSettings;
 use crate::files::DiskLoader;
 
 /// Brokers of a mission.
@@ -24,9 +24,9 @@ pub enum MissionBrokers {
     /// No broker, but a bus inside the process for `--top`.
     Inside(LocalBus),
     /// One broker for all topics and wires, in place of those of the composite.
-    One(Box<AmqpSettings>),
+    One(BrokerSettings),
     /// The brokers named by the composite, by name; each carries what the composite assigns to it.
-    Each(BTreeMap<String, AmqpSettings>),
+    Each(BTreeMap<String, BrokerSettings>),
 }
 
 /// Brokers named in a composite.
@@ -56,7 +56,7 @@ impl MissionBrokers {
 
     /// Returns the names of the robot on its brokers; empty without a broker. `composite` is the default.
     pub(super) fn robots<'r>(&'r self, composite: &'r str) -> Vec<&'r str> {
-        let robot = |settings| broker::robot(settings).unwrap_or(composite);
+        let robot = |settings: &'r BrokerSettings| settings.robot().unwrap_or(composite);
         match self {
             Self::Nothing | Self::Inside(_) => Vec::new(),
             Self::One(settings) => vec![robot(settings)],
@@ -65,7 +65,7 @@ impl MissionBrokers {
     }
 
     /// Mutable settings of all brokers.
-    pub fn settings_mut(&mut self) -> Vec<&mut AmqpSettings> {
+    pub fn settings_mut(&mut self) -> Vec<&mut BrokerSettings> {
         match self {
             Self::Nothing | Self::Inside(_) => Vec::new(),
             Self::One(settings) => vec![settings],
@@ -139,7 +139,7 @@ impl Mission {
     /// Connects to the brokers.
     pub(super) fn connect(&self, plan: &Plan) -> Result<Vec<ConnectedBroker>, MissionError> {
         let named = |(name, settings): (&String, _)| (Some(name.clone()), settings);
-        let brokers: Vec<(Option<String>, &AmqpSettings)> = match &self.brokers {
+        let brokers: Vec<(Option<String>, &BrokerSettings)> = match &self.brokers {
             MissionBrokers::Nothing => Vec::new(),
             MissionBrokers::Inside(bus) => {
                 let (location, bus) = ("this process".to_owned(), Arc::new(bus.clone()));
@@ -153,8 +153,8 @@ impl Mission {
             MissionBrokers::One(settings) => vec![(None, settings)],
             MissionBrokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
-        let connect = |(name, settings): (Option<String>, &AmqpSettings)| {
-            let (location, bus) = broker::connect(settings, &plan.name, self.process.as_deref());
+        let connect = |(name, settings): (Option<String>, &BrokerSettings)| {
+            let (location, bus) = settings.connect(&plan.name, self.process.as_deref());
             let bus = bus.map_err(|reason| broker_error(&location, reason))?;
             Ok(ConnectedBroker {
                 name,

@@ -4,11 +4,12 @@ use asmotion_geometry::Occupancy;
 
 use crate::error::{MapError, MapFault, Where};
 use crate::files::{FileFault, FileSource, read_at_most};
+use crate::formats::MapFormats;
 use crate::map::Map;
 use crate::rules::Rules;
 
 /// Reads a map file of one format. Never panics, whatever the content, and uses no more memory than the settings allow.
-pub trait MapFormat: Sync {
+pub trait MapFormat: Send + Sync {
     /// The endings of its files, with the dot; each may be followed by `.gz`.
     fn endings(&self) -> &'static [&'static str];
 
@@ -36,6 +37,8 @@ pub struct MapSettings {
     pub rules: Rules,
     /// Frame of the grid, which its header names.
     pub frame: String,
+    /// The formats that are read.
+    pub formats: MapFormats,
 }
 
 impl Default for MapSettings {
@@ -47,6 +50,7 @@ impl Default for MapSettings {
             ground: None,
             rules: Rules::default(),
             frame: "map".to_owned(),
+            formats: MapFormats::standard(),
         }
     }
 }

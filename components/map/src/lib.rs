@@ -2,6 +2,7 @@
 //!
 //! Metres in the map frame, x forward (east), y left (north), angles counter-clockwise (REP-103, REP-105).
 
+pub mod contract;
 mod drawing;
 mod error;
 mod files;
@@ -20,7 +21,7 @@ mod server;
 pub use error::{MapError, MapFault, Where};
 pub use files::{DiskFiles, FileFault, FileSource, FilesInMemory};
 pub use format::{MapFormat, MapSettings, MapSource};
-pub use formats::{FORMATS, load};
+pub use formats::{FORMATS, MapFormats, load};
 pub use library::{
     Load, LoadedPlace, Lookup, MapLibrary, PlaceEntry, Places, Refresh, ServeError, ServedMap,
 };

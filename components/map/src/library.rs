@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{MapError, MapFault, Where};
 use crate::files::{FileFault, FileSource};
 use crate::format::{MapSettings, MapSource};
-use crate::formats::{FORMATS, load, stem};
+use crate::formats::{MapFormats, load, stem};
 use crate::map::Map;
 
 /// The name of the file that lists places.
@@ -78,7 +78,7 @@ impl Places {
             file: source.to_owned(),
             resolution: None,
         };
-        let place = named(name).unwrap_or(name);
+        let place = named(name, &settings.formats).unwrap_or(name);
         Ok(Self(BTreeMap::from([(place.to_owned(), entry)])))
     }
 
@@ -96,7 +96,7 @@ impl Places {
             return Self::listed(files, &format!("{folder}/{LIST}"), settings);
         }
         let mut places = BTreeMap::new();
-        for (_, format) in FORMATS {
+        for format in settings.formats.iter() {
             for name in &names {
                 let mut stems = format
                     .endings()
@@ -162,9 +162,9 @@ impl Places {
 }
 
 /// The name of a map file without its ending.
-fn named(file: &str) -> Option<&str> {
-    let endings = FORMATS.iter().flat_map(|(_, format)| format.endings());
-    endings
+fn named<'n>(file: &'n str, formats: &MapFormats) -> Option<&'n str> {
+    formats
+        .endings()
         .filter_map(|ending| stem(file, ending))
         .min_by_key(|stem| stem.len())
 }

@@ -20,6 +20,7 @@ use serde::de::Error;
 
 use crate::files::{DiskFiles, FileSource};
 use crate::format::MapSettings;
+use crate::formats::MapFormats;
 use crate::library::{
     LibraryContents, Load, LoadedPlace, Lookup, MapLibrary, ServeError, ServedMap,
 };
@@ -33,6 +34,7 @@ pub struct MapServer {
     properties: PropertySet<MapServerProperties>,
 
     files: Arc<dyn FileSource>,
+    formats: MapFormats,
     /// `None` until configured.
     library: Option<MapLibrary>,
     /// Places whose maps were loaded while the server was stopped and have not been published.
@@ -90,7 +92,7 @@ struct MapServerProperties {
 }
 
 impl MapServerProperties {
-    fn settings(&self) -> Result<MapSettings, Fault> {
+    fn settings(&self, formats: &MapFormats) -> Result<MapSettings, Fault> {
         Ok(MapSettings {
             resolution: (self.resolution_m > 0.0).then_some(self.resolution_m),
             max_cells: self.max_cells,
@@ -98,6 +100,7 @@ impl MapServerProperties {
             ground: None,
             rules: Rules::parse(&self.rules)?.followed_by(Rules::default()),
             frame: self.frame.clone(),
+            formats: formats.clone(),
         })
     }
 }
@@ -116,12 +119,18 @@ impl MapServer {
             ports,
             properties: interface.properties(),
             files: Arc::new(files),
+            formats: MapFormats::standard(),
             library: None,
             unpublished: Vec::new(),
             is_first: false,
             loading: Vec::new(),
             refreshing: None,
         }
+    }
+
+    /// Reads these formats instead of the standard ones.
+    pub fn formats(self, formats: MapFormats) -> Self {
+        Self { formats, ..self }
     }
 
     /// Replies to a request, at once or when the map has been loaded.
@@ -316,7 +325,9 @@ impl Freeze for MapServer {
         let unpublished = field::<Vec<String>>(fields, "unpublished")?;
         let is_first = field::<bool>(fields, "is_first")?;
         let library = contents.map(|contents| {
-            let settings = properties.settings().map_err(DatumError::custom)?;
+            let settings = properties
+                .settings(&self.formats)
+                .map_err(DatumError::custom)?;
             let files = Arc::clone(&self.files);
             Ok::<_, DatumError>(MapLibrary::with_contents(files, settings, contents))
         });
@@ -343,7 +354,11 @@ impl Component for MapServer {
             ));
         }
         let files = Arc::clone(&self.files);
-        self.library = Some(MapLibrary::open(files, source, properties.settings()?)?);
+        self.library = Some(MapLibrary::open(
+            files,
+            source,
+            properties.settings(&self.formats)?,
+        )?);
         self.is_first = !properties.place.is_empty();
         self.unpublished.clear();
         self.loading.clear();

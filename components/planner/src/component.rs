@@ -10,7 +10,7 @@ use asmotion_messages::{
 };
 
 use crate::planner::{NoPath, PlannedPath, Planner, PlannerSettings};
-use crate::planners::{PLANNERS, planner};
+use crate::planners::{PLANNERS, Planners};
 
 /// `nav::TrajectoryPlanner`: provides `plan`, and publishes each path that it finds.
 ///
@@ -22,6 +22,8 @@ pub struct TrajectoryPlanner {
     #[freeze(skip)]
     ports: PlannerPorts,
     properties: PropertySet<PlannerProperties>,
+    #[freeze(skip)]
+    planners: Planners,
 
     /// Planner with the name and settings it was created from. Not part of the state, since plans do not depend on
     /// earlier ones.
@@ -64,9 +66,18 @@ struct PlannerProperties {
 impl TrajectoryPlanner {
     /// Declares ports and properties.
     pub fn new(interface: &mut Interface) -> Self {
+        Self::with_planners(interface, Planners::standard())
+    }
+
+    /// Declares ports and properties; `algorithm` chooses among these planners.
+    pub fn with_planners(interface: &mut Interface, planners: Planners) -> Self {
+        let ports = interface.ports();
+        let properties = interface.properties();
+        interface.set_choices("algorithm", planners.names());
         Self {
-            ports: interface.ports(),
-            properties: interface.properties(),
+            ports,
+            properties,
+            planners,
             made: None,
             waiting: Vec::new(),
         }
@@ -180,7 +191,8 @@ impl TrajectoryPlanner {
             inflation_m: (settings.inflation_m - squeeze_m).max(0.0),
             ..settings.clone()
         };
-        let mut planner = planner(algorithm, &narrow).filter(|_| narrow != *settings)?;
+        let planner = self.planners.make(algorithm, &narrow);
+        let mut planner = planner.filter(|_| narrow != *settings)?;
         planner.plan(grid, start, goal).ok()
     }
 
@@ -195,7 +207,7 @@ impl TrajectoryPlanner {
         let made = match self.made.take().filter(same) {
             Some(made) => made,
             None => {
-                let made = planner(name, settings).ok_or_else(|| {
+                let made = self.planners.make(name, settings).ok_or_else(|| {
                     ServiceFault::new("BAD_ALGORITHM", format!("no planner is called `{name}`"))
                 })?;
                 (name.clone(), settings.clone(), made)

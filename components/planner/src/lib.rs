@@ -13,4 +13,4 @@ mod smooth;
 pub use self::component::TrajectoryPlanner;
 pub use astar::AStar;
 pub use planner::{Blocked, NoPath, PathEnd, PlannedPath, Planner, PlannerSettings};
-pub use planners::{MakePlanner, PLANNERS, planner};
+pub use planners::{MakePlanner, PLANNERS, Planners};

@@ -253,6 +253,29 @@ impl Interface {
         required
     }
 
+    /// Sets the allowed values of a declared property, for a component whose choices are known when it is constructed. A
+    /// default that is not among them is a problem of the declaration; a property that is not declared is ignored.
+    pub fn set_choices(
+        &mut self,
+        property: &str,
+        choices: impl IntoIterator<Item = impl Into<Datum>>,
+    ) {
+        let declared = self.declaration.properties.iter_mut();
+        let slots = self.properties.iter_mut();
+        let pair = declared.zip(slots).find(|(it, _)| it.name == property);
+        let Some((declared, slot)) = pair else {
+            return;
+        };
+        declared.choices = choices.into_iter().map(Into::into).collect();
+        slot.set_choices(&declared.choices);
+        if let Err(problem) = slot.check(&declared.default) {
+            self.problems.push(DeclarationError::InvalidDefault {
+                name: property.to_owned(),
+                reason: problem.to_string(),
+            });
+        }
+    }
+
     /// The counter of property changes.
     pub(crate) fn revision(&self) -> &Arc<AtomicU64> {
         &self.revision

@@ -118,6 +118,9 @@ pub trait AnyProperty: Any + Send {
     /// An error of the value's own `Serialize` implementation.
     fn get(&self) -> Result<Datum, DatumError>;
 
+    /// Sets the allowed values; none for no limit.
+    fn set_choices(&mut self, choices: &[Datum]);
+
     /// Checks that a value is allowed.
     ///
     /// # Errors
@@ -145,6 +148,10 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
 
     fn get(&self) -> Result<Datum, DatumError> {
         Datum::of(&self.value)
+    }
+
+    fn set_choices(&mut self, choices: &[Datum]) {
+        self.declaration.choices = choices.to_vec();
     }
 
     fn check(&self, value: &Datum) -> Result<(), PropertyProblem> {

@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 
 use asmotion_remote::Remote;
 
-use crate::broker;
 use crate::mission::{Mission, MissionBrokers, MissionClock};
 use crate::top;
 
@@ -38,14 +37,14 @@ pub fn spectator(is_requested: bool, mission: &Mission) -> Result<Option<Spectat
             };
             return Ok(Some(Spectator { remote, location }));
         }
-        MissionBrokers::One(settings) => Some(&**settings),
+        MissionBrokers::One(settings) => Some(settings),
         // with several brokers, the monitor shows the systems on the first one
         MissionBrokers::Each(brokers) => brokers.values().next(),
     };
     let Some(settings) = settings else {
         return Ok(None);
     };
-    let (place, remote) = broker::watch(settings);
+    let (place, remote) = settings.watch();
     let remote = remote?;
     Ok(Some(Spectator {
         remote,
