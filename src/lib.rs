@@ -32,6 +32,7 @@ pub mod top;
 pub mod trace;
 
 pub use app::{App, AppCommand};
+pub use broker::{AddedBroker, BrokerAccess, BrokerAddress, BrokerSettings, ConnectTransport};
 /// The library that parses command lines, for [`AppCommand`]s.
 pub use clap;
 pub use command::BLOCKED_CORRIDOR;

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use asmotion::BrokerSettings;
 use asmotion::mission::{Mission, MissionBrokers, MissionClock, MissionEnd, MissionOutcome};
 use asmotion_broker::{TestBroker, Vhost};
 use asmotion_component::Time;
@@ -172,7 +173,7 @@ impl Onboard {
         let mut mission = Mission::new(composite.display().to_string());
         mission.process = Some("onboard".to_owned());
         let settings = asmotion_amqp::AmqpSettings::parse(&vhost.url()).unwrap();
-        mission.brokers = MissionBrokers::One(Box::new(settings));
+        mission.brokers = MissionBrokers::One(BrokerSettings::Amqp(Box::new(settings)));
         mission.clock = MissionClock::Wall;
         let record = Arc::<Mutex<Record>>::default();
         let (recorder, stop) = (Arc::clone(&record), Arc::<AtomicBool>::default());

@@ -228,8 +228,11 @@ fn check_content(map: &Map, yard: &Yard) -> Result<(), String> {
     Ok(())
 }
 
-/// The files with the first one compressed, and its name, which ends in `.gz`.
-fn packed(yard: &Yard) -> Result<(String, Vec<(String, Vec<u8>)>), String> {
+/// Names and contents of files.
+type Files = Vec<(String, Vec<u8>)>;
+
+/// The name of the first file, which ends in `.gz`, and the files with the first one compressed.
+fn packed(yard: &Yard) -> Result<(String, Files), String> {
     let mut files = Vec::new();
     for (at, (name, bytes)) in yard.files.iter().enumerate() {
         if at > 0 {

@@ -4,6 +4,7 @@
 
 mod astar;
 mod component;
+pub mod contract;
 mod costs;
 mod planner;
 mod planners;

@@ -1,17 +1,18 @@
-//! A slow and obvious reference implementation.
+//! A slow and obvious search, with which planners are compared.
 
 use asmotion_geometry::{Cell, Grid, Occupancy, Point};
-use asmotion_planner::PlannerSettings;
+
+use crate::planner::PlannerSettings;
 
 /// A grid with the information the reference needs.
-pub struct Reference<'a> {
+pub(super) struct Reference<'a> {
     grid: &'a Grid,
     walls: Vec<bool>,
     tight: Vec<bool>,
 }
 
 impl<'a> Reference<'a> {
-    pub fn new(grid: &'a Grid, settings: &PlannerSettings) -> Self {
+    pub(super) fn new(grid: &'a Grid, settings: &PlannerSettings) -> Self {
         let layout = grid.layout();
         let all = || (0..layout.len()).map(|index| layout.cell_at(index));
         let occupied: Vec<Cell> = all()
@@ -32,17 +33,19 @@ impl<'a> Reference<'a> {
         }
     }
 
-    pub fn wall(&self, cell: Cell) -> bool {
-        self.walls[self.grid.layout().index(cell).unwrap()]
+    /// Returns whether the cell is occupied.
+    pub(super) fn wall(&self, cell: Cell) -> bool {
+        is_set(&self.walls, self.grid.layout().index(cell))
     }
 
-    pub fn tight(&self, cell: Cell) -> bool {
-        self.tight[self.grid.layout().index(cell).unwrap()]
+    /// Returns whether the cell is nearer to an occupied one than the robot may come.
+    pub(super) fn tight(&self, cell: Cell) -> bool {
+        is_set(&self.tight, self.grid.layout().index(cell))
     }
 
     /// Length in m of the shortest path with straight and diagonal steps that cuts no corner; `None` if there is none.
     /// Relaxes every cell until nothing changes.
-    pub fn shortest(&self, start: Point, goal: Point) -> Option<f64> {
+    pub(super) fn shortest(&self, start: Point, goal: Point) -> Option<f64> {
         let layout = self.grid.layout();
         let (start, goal) = (layout.cell(start)?, layout.cell(goal)?);
         if self.wall(start) || self.wall(goal) || self.tight(goal) {
@@ -93,4 +96,11 @@ impl<'a> Reference<'a> {
         }
         found
     }
+}
+
+fn is_set(cells: &[bool], index: Option<usize>) -> bool {
+    index
+        .and_then(|index| cells.get(index))
+        .copied()
+        .unwrap_or(false)
 }
