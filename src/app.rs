@@ -1,34 +1,26 @@
 //! A program: the components, messages and commands that it contains, and its command line.
 
-mod catalogue;
 mod command;
-mod environment;
 
 pub use command::AppCommand;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
-use std::sync::Arc;
 
-use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{Component, Interface, Operation};
-use asmotion_composite::{AsmFiles, Catalogue, ComponentFactory, Context};
 use asmotion_datum::Message;
-use asmotion_lang::Loader;
-use asmotion_map::{MapFormat, MapFormats, MapServer};
-use asmotion_plan::Opened;
-use asmotion_planner::{MakePlanner, Planners, TrajectoryPlanner};
-use clap::{CommandFactory, FromArgMatches};
+use asmotion_map::MapFormat;
+use asmotion_planner::MakePlanner;
+use clap::{CommandFactory, FromArgMatches, Parser};
 
-use crate::Arguments;
-use crate::broker::{ConnectTransport, Transports};
+use crate::build::Build;
+use crate::command::Command;
 use crate::exit::Exit;
 use crate::feature;
 use crate::mission::Mission;
-use crate::terminal::TerminalOutput;
-use catalogue::AppCatalogue;
+use crate::terminal::{Colour, TerminalOutput};
+use crate::transport::ConnectTransport;
 use command::RegisteredCommand;
-use environment::ProcessEnvironment;
 
 /// A program that runs composites: the engine and all commands of `asmotion`, with the components of the program's author.
 ///
@@ -59,10 +51,7 @@ use environment::ProcessEnvironment;
 pub struct App {
     name: &'static str,
     version: &'static str,
-    catalogue: Arc<AppCatalogue>,
-    map_formats: MapFormats,
-    planners: Planners,
-    transports: Transports,
+    build: Build,
     commands: Vec<RegisteredCommand>,
 }
 
@@ -72,10 +61,7 @@ impl App {
         Self {
             name: "asmotion",
             version: env!("CARGO_PKG_VERSION"),
-            catalogue: Arc::new(AppCatalogue::standard()),
-            map_formats: MapFormats::standard(),
-            planners: Planners::standard(),
-            transports: Transports::default(),
+            build: Build::standard(),
             commands: Vec::new(),
         }
     }
@@ -96,71 +82,44 @@ impl App {
         name: &str,
         new: impl Fn(&mut Interface) -> C + Send + Sync + 'static,
     ) -> Self {
-        Arc::make_mut(&mut self.catalogue).add_component(name, factory(new));
-        self
-    }
-
-    /// Replaces a standard component with a variant of it.
-    fn replace<C: Component>(
-        mut self,
-        name: &str,
-        new: impl Fn(&mut Interface) -> C + Send + Sync + 'static,
-    ) -> Self {
-        Arc::make_mut(&mut self.catalogue).replace_component(name, factory(new));
+        self.build.add_component(name, new);
         self
     }
 
     /// Adds a message type, for composites whose specifications send or receive it while no component has a port of this
     /// type.
     pub fn message<M: Message>(mut self) -> Self {
-        Arc::make_mut(&mut self.catalogue).add_message(M::schema());
+        self.build.add_message::<M>();
         self
     }
 
     /// Adds an operation to its service interface, for composites in which no component of this program provides or calls
     /// it.
     pub fn operation<O: Operation>(mut self) -> Self {
-        let operation = OperationDeclaration {
-            name: O::NAME.to_owned(),
-            request: O::Request::schema().clone(),
-            response: O::Response::schema().clone(),
-            while_stopped: false,
-        };
-        Arc::make_mut(&mut self.catalogue).add_operation(O::INTERFACE, &operation);
+        self.build.add_operation::<O>();
         self
     }
 
     /// Adds a map format, which `nav::MapServer` reads. Its endings win over those of the other formats. The name is for
     /// programs; [`contract::map_format`](crate::contract::map_format) tests a format.
     pub fn map_format(mut self, name: &'static str, format: &'static dyn MapFormat) -> Self {
-        self.map_formats = self.map_formats.with(name, format);
-        let formats = self.map_formats.clone();
-        self.replace("nav::MapServer", move |interface| {
-            MapServer::new(interface).formats(formats.clone())
-        })
+        self.build.add_map_format(name, format);
+        self
     }
 
     /// Adds a planner, which `nav::TrajectoryPlanner` uses if its property `algorithm` has this name. A name that is taken
     /// replaces the earlier planner. [`contract::planner`](crate::contract::planner) tests a planner.
     pub fn planner(mut self, name: &'static str, make: MakePlanner) -> Self {
-        self.planners = self.planners.with(name, make);
-        let planners = self.planners.clone();
-        self.replace("nav::TrajectoryPlanner", move |interface| {
-            TrajectoryPlanner::with_planners(interface, planners.clone())
-        })
+        self.build.add_planner(name, make);
+        self
     }
 
     /// Adds a transport for brokers whose addresses have this scheme (`--bus mqtt://…`, or the `url` of a broker in a
     /// composite). A scheme that is taken replaces the earlier transport. [`contract::bus`](crate::contract::bus) tests a
     /// transport.
     pub fn transport(mut self, scheme: &'static str, connect: ConnectTransport) -> Self {
-        self.transports.add(scheme, connect);
+        self.build.add_transport(scheme, connect);
         self
-    }
-
-    /// The transports that were added.
-    pub(crate) fn transports(&self) -> &Transports {
-        &self.transports
     }
 
     /// Adds a command.
@@ -180,7 +139,7 @@ impl App {
     ///     const NAME: &'static str = "home";
     ///
     ///     fn run(self, app: &App) -> Exit {
-    ///         println!("{} components", app.catalogue().components().len());
+    ///         println!("{} components", app.build().catalogue().components().len());
     ///         Exit::Ok
     ///     }
     /// }
@@ -194,26 +153,14 @@ impl App {
         self
     }
 
-    /// The components, messages and service interfaces of the program.
-    pub fn catalogue(&self) -> Arc<dyn Catalogue + Send + Sync> {
-        self.catalogue.clone()
+    /// The contents of the program: what composites can name.
+    pub fn build(&self) -> &Build {
+        &self.build
     }
 
     /// A mission of a composite with the components of this program; see [`Mission::new`].
     pub fn mission(&self, composite: impl Into<String>) -> Mission {
-        Mission::of(self.clone(), composite.into())
-    }
-
-    /// Opens a composite with properties set on the command line, as pairs of name and text.
-    pub fn open(&self, path: &str, settings: &[(String, String)], loader: &dyn Loader) -> Opened {
-        let context = Context {
-            loader,
-            environment: &ProcessEnvironment,
-            catalogue: &*self.catalogue,
-            specifications: &AsmFiles::new(loader),
-            settings,
-        };
-        asmotion_plan::open(path, &context)
+        Mission::with_build(&self.build, composite)
     }
 
     /// Parses the command line of the process and executes its command.
@@ -242,7 +189,7 @@ impl App {
         let result = match registered {
             Some((command, matches)) => command.run(matches, self),
             None => Arguments::from_arg_matches(&matches)
-                .map(|arguments| arguments.command.run(self, &mut terminal)),
+                .map(|arguments| arguments.command.run(&self.build, &mut terminal)),
         };
         let exit = result.unwrap_or_else(|error| print(&error));
         match terminal.lost() {
@@ -265,7 +212,7 @@ impl App {
             let name = it.name;
             format!("command `{name}` is registered twice: give one of them another name")
         });
-        self.catalogue.problems().iter().cloned().chain(taken)
+        self.build.problems().iter().cloned().chain(taken)
     }
 
     fn command_line(&self) -> clap::Command {
@@ -282,12 +229,6 @@ impl App {
     }
 }
 
-fn factory<C: Component>(
-    new: impl Fn(&mut Interface) -> C + Send + Sync + 'static,
-) -> ComponentFactory {
-    Arc::new(move |interface| Box::new(new(interface)))
-}
-
 /// Prints an error of the command line, or the help text, which clap treats as an error.
 fn print(error: &clap::Error) -> Exit {
     // a failing standard output cannot be reported anywhere
@@ -298,3 +239,21 @@ fn print(error: &clap::Error) -> Exit {
         Exit::Ok
     }
 }
+
+/// Runs Abstract State Machine specifications as the coordinator of a robot.
+#[derive(Parser)]
+#[command(name = "asmotion", version, about, after_help = FIRST_STEPS)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+
+    /// When to use colour: `auto` follows the terminal, `NO_COLOR` and `FORCE_COLOR`
+    #[arg(long, global = true, value_enum, default_value_t = Colour::Auto)]
+    color: Colour,
+}
+
+const FIRST_STEPS: &str = "\
+First steps:
+  asmotion demo                                              runs a mission with a simulated rover
+  asmotion check specs/navigation/navigation.composite.toml  reports errors before anything starts
+  asmotion sim specs/patrol/patrol.asm --steps 20            simulates a specification on its own";

@@ -4,7 +4,6 @@
 mod left_out;
 #[cfg(feature = "amqp")]
 mod rabbitmq;
-mod transport;
 
 #[cfg(not(feature = "amqp"))]
 use left_out as amqp;
@@ -14,19 +13,16 @@ use rabbitmq as amqp;
 pub use amqp::AmqpSettings;
 #[cfg(feature = "amqp")]
 pub use rabbitmq::BrokerArguments;
-pub(crate) use transport::Transports;
-pub use transport::{AddedBroker, BrokerAddress, ConnectTransport};
 
-use std::ffi::OsString;
-use std::path::PathBuf;
+use std::fmt;
 use std::sync::Arc;
 
 use asmotion_bus::{Bus, BusError};
 #[cfg(any(feature = "amqp", feature = "tui"))]
 use asmotion_remote::Remote;
-use clap::Args;
 
-use crate::app::App;
+use crate::build::Build;
+use crate::transport::{BrokerAccess, BrokerAddress, ConnectTransport};
 
 /// Name of a process that is not part of a system: it inspects systems.
 const TOOL: &str = "asmotion-tool";
@@ -45,8 +41,8 @@ impl BrokerSettings {
     ///
     /// # Errors
     /// Fails if the address is invalid or there is no password.
-    pub fn of_address(app: &App, address: &str, access: &BrokerAccess) -> Result<Self, String> {
-        match Self::added(app, address, None, access) {
+    pub fn of_address(build: &Build, address: &str, access: &BrokerAccess) -> Result<Self, String> {
+        match Self::added(build, address, None, access) {
             Some(added) => Ok(added),
             None => Ok(Self::Amqp(Box::new(amqp::settings(address, access)?))),
         }
@@ -57,25 +53,25 @@ impl BrokerSettings {
     /// # Errors
     /// Fails if its address is invalid or contradicts `tls`, or if there is no password.
     pub fn named(
-        app: &App,
+        build: &Build,
         broker: &asmotion_plan::Broker,
         access: &BrokerAccess,
     ) -> Result<Self, String> {
         let url = broker.url.as_ref();
         let url = url.map_or("", asmotion_plan::Endpoint::reveal);
-        match Self::added(app, url, Some(broker), access) {
+        match Self::added(build, url, Some(broker), access) {
             Some(added) => Ok(added),
             None => Ok(Self::Amqp(Box::new(amqp::named(broker, access)?))),
         }
     }
 
     fn added(
-        app: &App,
+        build: &Build,
         url: &str,
         broker: Option<&asmotion_plan::Broker>,
         access: &BrokerAccess,
     ) -> Option<Self> {
-        let connect = app.transports().of_address(url)?;
+        let connect = build.transports().of_address(url)?;
         let address = BrokerAddress {
             url: url.to_owned(),
             broker: broker.cloned(),
@@ -147,41 +143,37 @@ impl BrokerSettings {
     }
 }
 
-/// Credentials for a broker.
-#[derive(Args, Clone, Debug, Default)]
-pub struct BrokerAccess {
-    /// Credentials for the broker: a file with the user on the first line and the password on the second
-    #[arg(long, global = true, value_name = "FILE")]
-    pub credentials: Option<PathBuf>,
-
-    /// For `amqps`: certificate of the authority that signed the broker's certificate (PEM) [default: the web's
-    /// authorities]
-    #[arg(long, global = true, value_name = "FILE")]
-    pub ca: Option<PathBuf>,
-
-    /// Client certificate (PEM), if the broker demands one
-    #[arg(long, global = true, value_name = "FILE", requires = "key")]
-    pub certificate: Option<PathBuf>,
-
-    /// Private key of the client certificate (PEM)
-    #[arg(long, global = true, value_name = "FILE", requires = "certificate")]
-    pub key: Option<PathBuf>,
+/// Settings of a broker whose transport a program has added.
+#[derive(Clone)]
+pub struct AddedBroker {
+    connect: ConnectTransport,
+    address: BrokerAddress,
 }
 
-impl BrokerAccess {
-    /// The equivalent command-line arguments.
-    pub fn arguments(&self) -> Vec<OsString> {
-        let all = [
-            ("--credentials", &self.credentials),
-            ("--ca", &self.ca),
-            ("--certificate", &self.certificate),
-            ("--key", &self.key),
-        ];
-        let given = all
-            .into_iter()
-            .filter_map(|(key, file)| Some((key, file.as_ref()?)));
-        given
-            .flat_map(|(key, file)| [key.into(), file.into()])
-            .collect()
+impl AddedBroker {
+    /// The address without a password, for messages.
+    fn location(&self) -> String {
+        let url = &self.address.url;
+        let parts = url.split_once("://").and_then(|(scheme, rest)| {
+            let (user, host) = rest.split_once('@')?;
+            let user = user.split(':').next().unwrap_or(user);
+            Some(format!("{scheme}://{user}@{host}"))
+        });
+        parts.unwrap_or_else(|| url.clone())
+    }
+
+    fn connect(&self, robot: Option<&str>, process: &str) -> Result<Arc<dyn Bus>, BusError> {
+        let mut address = self.address.clone();
+        address.robot = address.robot.or(robot.map(str::to_owned));
+        process.clone_into(&mut address.process);
+        (self.connect)(&address)
+    }
+}
+
+impl fmt::Debug for AddedBroker {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("AddedBroker")
+            .field(&self.location())
+            .finish()
     }
 }

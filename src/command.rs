@@ -74,7 +74,7 @@ type Top = Without<feature::Tui>;
 #[cfg(not(feature = "amqp"))]
 type Top = Without<feature::Amqp>;
 
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use clap::Subcommand;
@@ -128,29 +128,29 @@ pub enum Command {
 
 impl Command {
     /// Executes the command and returns its exit code.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         match self {
-            Self::Demo(demo) => demo.run(app, terminal),
-            Self::Run(run) => run.run(app, terminal),
-            Self::Up(up) => up.run(app, terminal),
-            Self::Check(check) => check.run(app, terminal),
-            Self::Describe(describe) => describe.run(app, terminal),
-            Self::Expand(expand) => expand.run(app, terminal),
-            Self::Graph(graph) => graph.run(app, terminal),
-            Self::Scdl(scdl) => scdl.run(app, terminal),
+            Self::Demo(demo) => demo.run(build, terminal),
+            Self::Run(run) => run.run(build, terminal),
+            Self::Up(up) => up.run(build, terminal),
+            Self::Check(check) => check.run(build, terminal),
+            Self::Describe(describe) => describe.run(build, terminal),
+            Self::Expand(expand) => expand.run(build, terminal),
+            Self::Graph(graph) => graph.run(build, terminal),
+            Self::Scdl(scdl) => scdl.run(build, terminal),
             Self::Schema(schema) => schema.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),
-            Self::Test(test) => test.run(app, terminal),
-            Self::Topic(topic) => topic.run(app, terminal),
-            Self::Component(component) => component.run(app, terminal),
-            Self::Reconfigure(reconfigure) => reconfigure.run(app, terminal),
-            Self::Top(top) => top.run(app, terminal),
-            Self::Port(port) => port.run(app, terminal),
-            Self::Call(call) => call.run(app, terminal),
-            Self::Shell(shell) => shell.run(app, terminal),
-            Self::Doctor(doctor) => doctor.run(app, terminal),
+            Self::Test(test) => test.run(build, terminal),
+            Self::Topic(topic) => topic.run(build, terminal),
+            Self::Component(component) => component.run(build, terminal),
+            Self::Reconfigure(reconfigure) => reconfigure.run(build, terminal),
+            Self::Top(top) => top.run(build, terminal),
+            Self::Port(port) => port.run(build, terminal),
+            Self::Call(call) => call.run(build, terminal),
+            Self::Shell(shell) => shell.run(build, terminal),
+            Self::Doctor(doctor) => doctor.run(build, terminal),
         }
     }
 }

@@ -15,7 +15,7 @@ use asmotion_datum::{Schema, Shape};
 use asmotion_lang::ir::Program;
 use asmotion_plan::{Component, End, Implementation, Opened, Plan, Terminal, Topic};
 
-use crate::app::App;
+use crate::build::Build;
 use crate::files::DiskLoader;
 
 /// Description of a composite.
@@ -74,9 +74,9 @@ impl ServedOperation {
 }
 
 /// Describes one profile of a composite.
-pub fn describe<'p>(app: &App, opened: &Opened, plan: &'p Plan) -> Description<'p> {
-    let catalogue = app.catalogue();
-    let declared = Declarations::of(&*catalogue, opened, plan);
+pub fn describe<'p>(build: &Build, opened: &Opened, plan: &'p Plan) -> Description<'p> {
+    let catalogue = build.catalogue();
+    let declared = Declarations::of(catalogue, opened, plan);
     // the topic `bus` never leaves its process
     let topics = plan
         .topics

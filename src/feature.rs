@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 
@@ -74,7 +74,7 @@ pub struct Without<F>(PhantomData<F>);
 
 impl<F: Feature> Without<F> {
     /// Prints the error.
-    pub fn run(self, _: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, _: &Build, terminal: &mut TerminalOutput) -> Exit {
         terminal.error(LeftOut::new::<F>());
         Exit::Usage
     }

@@ -6,6 +6,7 @@
 mod app;
 mod brief;
 mod broker;
+mod build;
 pub mod codes;
 mod command;
 pub mod contract;
@@ -30,33 +31,14 @@ mod terminal;
 #[cfg(feature = "tui")]
 pub mod top;
 pub mod trace;
+mod transport;
 
 pub use app::{App, AppCommand};
-pub use broker::{AddedBroker, BrokerAccess, BrokerAddress, BrokerSettings, ConnectTransport};
+pub use broker::{AddedBroker, BrokerSettings};
+pub use build::Build;
 /// The library that parses command lines, for [`AppCommand`]s.
 pub use clap;
 pub use command::BLOCKED_CORRIDOR;
 pub use exit::Exit;
 pub use files::DiskLoader;
-
-use clap::Parser;
-use command::Command;
-use terminal::Colour;
-
-/// Runs Abstract State Machine specifications as the coordinator of a robot.
-#[derive(Parser)]
-#[command(name = "asmotion", version, about, after_help = FIRST_STEPS)]
-struct Arguments {
-    #[command(subcommand)]
-    command: Command,
-
-    /// When to use colour: `auto` follows the terminal, `NO_COLOR` and `FORCE_COLOR`
-    #[arg(long, global = true, value_enum, default_value_t = Colour::Auto)]
-    color: Colour,
-}
-
-const FIRST_STEPS: &str = "\
-First steps:
-  asmotion demo                                              runs a mission with a simulated rover
-  asmotion check specs/navigation/navigation.composite.toml  reports errors before anything starts
-  asmotion sim specs/patrol/patrol.asm --steps 20            simulates a specification on its own";
+pub use transport::{BrokerAccess, BrokerAddress, ConnectTransport};

@@ -32,7 +32,7 @@ use asmotion_plan::{Opened, Part, Plan, Terminal};
 use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 
-use crate::app::App;
+use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::story::{Story, Summary};
 use end_condition::{EndCondition, SLICE, awaited_updates};
@@ -41,8 +41,8 @@ use version_switch::VersionSwitch;
 /// A composite and the options of its run.
 #[derive(Clone, Debug)]
 pub struct Mission {
-    /// The program, whose components the composite uses.
-    pub app: App,
+    /// The components that the composite uses.
+    pub build: Build,
     /// Path of the composite.
     pub composite: String,
     /// Selected profile.
@@ -110,14 +110,14 @@ impl Mission {
     /// Returns a mission of the standard components in virtual time, as fast as possible, that ends with `mode` ARRIVED or FAILED, or after ten
     /// minutes.
     pub fn new(composite: impl Into<String>) -> Self {
-        Self::of(App::standard(), composite.into())
+        Self::with_build(&Build::standard(), composite)
     }
 
-    /// Returns a mission as [`new`](Self::new) does, with the components of this program.
-    pub(crate) fn of(app: App, composite: String) -> Self {
+    /// Returns a mission as [`new`](Self::new) does, of the components of this build.
+    pub fn with_build(build: &Build, composite: impl Into<String>) -> Self {
         Self {
-            app,
-            composite,
+            build: build.clone(),
+            composite: composite.into(),
             profile: None,
             settings: Vec::new(),
             properties: Vec::new(),
@@ -187,7 +187,7 @@ impl Mission {
         )
         .tolerating(&self.may_fail);
         let mut workshop = Standard {
-            catalogue: &*self.app.catalogue(),
+            catalogue: self.build.catalogue(),
             loader: &DiskLoader,
             seed: self.seed,
             builtins: &mut |_, _| None,
@@ -331,7 +331,7 @@ impl Mission {
 
     /// Opens a version of the composite with the properties set on the command line.
     fn open(&self, composite: &str, files: &dyn Loader) -> Opened {
-        let opened = self.app.open(composite, &self.settings, files);
+        let opened = self.build.open(composite, &self.settings, files);
         let properties = opened.composite.iter().flat_map(|it| &it.properties);
         let has_seed = properties
             .map(|it| &*it.name.value)
@@ -341,7 +341,7 @@ impl Mission {
         }
         let mut settings = self.settings.clone();
         settings.push(("seed".to_owned(), self.seed.to_string()));
-        self.app.open(composite, &settings, files)
+        self.build.open(composite, &settings, files)
     }
 
     fn drive(

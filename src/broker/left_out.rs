@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use asmotion_bus::{Bus, BusError};
 
-use super::BrokerAccess;
 use crate::feature::{Amqp, LeftOut};
+use crate::transport::BrokerAccess;
 
 /// Settings of a broker: this build has none.
 #[derive(Clone, Debug)]

@@ -10,8 +10,9 @@ use asmotion_composite::model::Tls;
 use asmotion_remote::Remote;
 use clap::Args;
 
-use super::{BrokerAccess, BrokerSettings, TOOL};
-use crate::app::App;
+use super::{BrokerSettings, TOOL};
+use crate::build::Build;
+use crate::transport::BrokerAccess;
 
 pub use asmotion_amqp::AmqpSettings;
 
@@ -38,20 +39,20 @@ impl BrokerArguments {
     ///
     /// # Errors
     /// Fails if no broker is given or the password is unknown.
-    pub fn settings(&self, app: &App) -> Result<BrokerSettings, String> {
+    pub fn settings(&self, build: &Build) -> Result<BrokerSettings, String> {
         let variable = || std::env::var("ASMOTION_BUS").ok();
         let address = self.bus.clone().or_else(variable).ok_or(
             "no broker selected: add `--bus amqp://user@host:port/vhost`, or set ASMOTION_BUS",
         )?;
-        BrokerSettings::of_address(app, &address, &self.access)
+        BrokerSettings::of_address(build, &address, &self.access)
     }
 
     /// Connects to the broker to inspect the systems on it.
     ///
     /// # Errors
     /// Fails if the broker is unreachable or refuses the connection.
-    pub fn remote(&self, app: &App) -> Result<Remote, String> {
-        self.settings(app)?.watch().1
+    pub fn remote(&self, build: &Build) -> Result<Remote, String> {
+        self.settings(build)?.watch().1
     }
 }
 

@@ -1,7 +1,7 @@
 //! `asmotion call`: calls an operation of a live component.
 
-use crate::app::App;
 use crate::broker::BrokerArguments;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_datum::Datum;
@@ -30,8 +30,8 @@ pub struct Call {
 
 impl Call {
     /// Makes the call and prints the reply as JSON.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        match self.call(app) {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        match self.call(build) {
             Ok(Ok(answer)) => {
                 terminal.result(answer);
                 Exit::Ok
@@ -48,12 +48,12 @@ impl Call {
     }
 
     /// Makes the call. The outer error explains why the call could not be made, the inner one why it failed.
-    fn call(&self, app: &App) -> Result<Result<String, RemoteError>, String> {
+    fn call(&self, build: &Build) -> Result<Result<String, RemoteError>, String> {
         let argument: Datum = asmotion_datum::json::decode(&self.argument)
             .map_err(|error| format!("`{}` is not JSON: {error}", self.argument))?;
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
-        let remote = self.broker.remote(app)?;
+        let remote = self.broker.remote(build)?;
         let sent = remote
             .operation_address(&self.operation)
             .and_then(|operation| remote.send(&operation, argument, patience))

@@ -7,7 +7,7 @@ mod fix;
 mod json;
 
 use super::tool::Tool;
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::paths::{FileKind, named_files};
@@ -95,7 +95,7 @@ struct CheckSummary {
 
 impl Check {
     /// Checks all files.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         if let Some(code) = &self.explain {
             return explain::explain(code.as_deref(), terminal);
         }
@@ -116,14 +116,14 @@ impl Check {
             if self.format() == FindingFormat::Full {
                 terminal.status("Checking", path);
             }
-            let (report, sources) = match self.fix.then(|| fix::fix_file(app, path, &options)) {
-                Some(Ok(fixed)) => self.fixed(app, path, fixed, &mut summary, terminal),
+            let (report, sources) = match self.fix.then(|| fix::fix_file(build, path, &options)) {
+                Some(Ok(fixed)) => self.fixed(build, path, fixed, &mut summary, terminal),
                 // a file that cannot be read is reported like any other finding
-                Some(Err(_)) | None => findings(app, path, &options, &DiskLoader),
+                Some(Err(_)) | None => findings(build, path, &options, &DiskLoader),
             };
             self.show(&report, &sources, &mut summary, terminal);
             if self.connections {
-                connections::show(app, path, terminal);
+                connections::show(build, path, terminal);
             }
             if report.has_errors() {
                 summary.exit = summary.exit.max(Exit::refused(path));
@@ -159,7 +159,7 @@ impl Check {
     /// Writes the fixed file, or prints its diff. Returns the remaining findings.
     fn fixed(
         &self,
-        app: &App,
+        build: &Build,
         path: &str,
         fixed: FixedFile,
         summary: &mut CheckSummary,
@@ -171,7 +171,7 @@ impl Check {
             } else if let Err(error) = fixed.write(path) {
                 terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
                 summary.exit = Exit::Usage;
-                return findings(app, path, &self.options(), &DiskLoader);
+                return findings(build, path, &self.options(), &DiskLoader);
             }
         }
         let verb = if self.diff { "Would fix" } else { "Fixed" };

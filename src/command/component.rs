@@ -4,8 +4,8 @@ mod properties;
 
 use self::properties::PropertiesCommand;
 use super::run::property_value;
-use crate::app::App;
 use crate::broker::BrokerArguments;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::inspection;
 use crate::table;
@@ -83,8 +83,8 @@ enum ComponentCommand {
 
 impl Component {
     /// Executes the subcommand.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let result = self.broker.remote(app).and_then(|remote| {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        let result = self.broker.remote(build).and_then(|remote| {
             let result = self.what.run(&remote, terminal);
             result.map_err(|error| error.to_string())
         });

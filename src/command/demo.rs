@@ -5,8 +5,9 @@ use clap::{Args, ValueEnum};
 use std::path::Path;
 
 use super::run::{MissionArguments, virtual_clock};
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
+use crate::mission::Mission;
 use crate::terminal::TerminalOutput;
 
 /// Files of the demo, embedded so that the binary needs no others.
@@ -75,7 +76,7 @@ pub const BLOCKED_CORRIDOR: &str = r#"[
 ]"#;
 
 impl Demo {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         let folder = match unpack() {
             Ok(folder) => folder,
             Err(error) => {
@@ -86,7 +87,7 @@ impl Demo {
             }
         };
         let composite = folder.path().join(FILES[0].0);
-        let mut mission = app.mission(composite.display().to_string());
+        let mut mission = Mission::with_build(build, composite.display().to_string());
         mission.clock = match virtual_clock(self.speed) {
             Ok(clock) => clock,
             Err(problem) => {

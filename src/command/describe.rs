@@ -4,7 +4,7 @@ use asmotion_composite::model::Transport;
 use asmotion_plan::{End, Plan, Promoted};
 use clap::{Args, ValueEnum};
 
-use crate::app::App;
+use crate::build::Build;
 use crate::describe::{self, Channel, Description, ServedOperation, asyncapi, yaml};
 use crate::exit::Exit;
 use crate::files::DiskLoader;
@@ -43,8 +43,8 @@ enum DescriptionFormat {
 }
 
 impl Describe {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let opened = app.open(&self.composite, &[], &DiskLoader);
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build.open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);
@@ -57,7 +57,7 @@ impl Describe {
             });
             return Exit::Usage;
         };
-        let description = describe::describe(app, &opened, plan);
+        let description = describe::describe(build, &opened, plan);
         if self.asyncapi {
             let robot = self.robot.as_deref().unwrap_or(&plan.name);
             let document = asyncapi::document(&description, robot);

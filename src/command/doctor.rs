@@ -1,7 +1,7 @@
 //! `asmotion doctor`: diagnoses a broker.
 
-use crate::app::App;
 use crate::broker::{BrokerArguments, BrokerSettings};
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::{BAD, GOOD, TerminalOutput};
 use asmotion_amqp::{AmqpBus, AmqpSettings};
@@ -51,8 +51,8 @@ impl Diagnosis {
 
 impl Doctor {
     /// Tests what a system needs, step by step, until a step fails.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let settings = match self.broker.settings(app) {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        let settings = match self.broker.settings(build) {
             Ok(BrokerSettings::Amqp(settings)) => settings,
             Ok(BrokerSettings::Added(_)) => {
                 terminal.error("`asmotion doctor` examines RabbitMQ only");

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::mission::MissionError;
@@ -20,8 +20,8 @@ pub struct Expand {
 }
 
 impl Expand {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let opened = app.open(&self.composite, &[], &DiskLoader);
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build.open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);

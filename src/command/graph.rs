@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::{DiskLoader, reason};
 use crate::mission::MissionError;
@@ -41,8 +41,8 @@ enum GraphFormat {
 }
 
 impl Graph {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let opened = app.open(&self.composite, &[], &DiskLoader);
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build.open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);

@@ -1,7 +1,7 @@
 //! `asmotion port`: reads and writes ports of live components.
 
-use crate::app::App;
 use crate::broker::BrokerArguments;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_datum::Datum;
@@ -36,8 +36,8 @@ enum PortCommand {
 }
 
 impl Port {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        match self.execute(app) {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        match self.execute(build) {
             Ok(None) => Exit::Ok,
             Ok(Some(read)) => {
                 terminal.result(read);
@@ -50,7 +50,7 @@ impl Port {
         }
     }
 
-    fn execute(self, app: &App) -> Result<Option<String>, String> {
+    fn execute(self, build: &Build) -> Result<Option<String>, String> {
         let (whole, message) = match self.what {
             PortCommand::Read { port } => (port, None),
             PortCommand::Write { port, message } => {
@@ -62,7 +62,7 @@ impl Port {
         let (component, port) = whole
             .rsplit_once('.')
             .ok_or_else(|| format!("`{whole}` is not a port: write `Component.port`"))?;
-        let remote = self.broker.remote(app)?;
+        let remote = self.broker.remote(build)?;
         let result = remote
             .component(component)
             .and_then(|component| match message {

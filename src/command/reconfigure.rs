@@ -1,7 +1,7 @@
 //! `asmotion reconfigure`: applies a new version of a composite to the running system.
 
-use crate::app::App;
 use crate::broker::BrokerArguments;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::{DiskLoader, Remembering};
 use crate::mission::{CompositeVersion, reconfigure_address};
@@ -38,13 +38,13 @@ pub struct Reconfigure {
 const PATIENCE: Duration = Duration::from_secs(20);
 
 impl Reconfigure {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         let files = Remembering::new(&DiskLoader);
         let settings = self.set.iter().filter_map(|set| set.split_once('='));
         let settings: Vec<_> = settings
             .map(|(name, value)| (name.to_owned(), value.to_owned()))
             .collect();
-        let opened = app.open(&self.composite, &settings, &files);
+        let opened = build.open(&self.composite, &settings, &files);
         terminal.report(&opened.report, &opened.sources);
         let Some(composite) = opened.composite.filter(|_| !opened.report.has_errors()) else {
             return Exit::refused(&self.composite);
@@ -61,7 +61,7 @@ impl Reconfigure {
         };
         let result = self
             .broker
-            .remote(app)
+            .remote(build)
             .and_then(|remote| self.change(&remote, &composite.name(), version, terminal));
         result.unwrap_or_else(|problem| {
             terminal.error(problem);

@@ -20,8 +20,8 @@ use asmotion_runtime::Event;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::app::App;
-use crate::broker::{BrokerAccess, BrokerSettings};
+use crate::broker::BrokerSettings;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::gateway;
 use crate::mission::{
@@ -31,6 +31,7 @@ use crate::mission::{
 use crate::output_files::{OutputArguments, OutputFiles};
 use crate::paths::composite_file;
 use crate::terminal::TerminalOutput;
+use crate::transport::BrokerAccess;
 use report::{event_json, headline, print_summary, summary_json};
 #[cfg(feature = "tui")]
 use top::spectator;
@@ -133,7 +134,7 @@ pub struct MissionArguments {
 }
 
 impl Run {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         if self.composite.ends_with(".asm") {
             terminal.error(format_args!(
                 "`{0}` is a specification: `asmotion sim {0}` runs it alone",
@@ -145,7 +146,7 @@ impl Run {
             terminal.error(problem);
             return Exit::Usage;
         }
-        match self.mission(app) {
+        match self.mission(build) {
             Ok(mission) => self
                 .common
                 .run_mission(&self.composite, &mission, true, terminal),
@@ -156,8 +157,8 @@ impl Run {
         }
     }
 
-    fn mission(&self, app: &App) -> Result<Mission, String> {
-        let mut mission = app.mission(&self.composite);
+    fn mission(&self, build: &Build) -> Result<Mission, String> {
+        let mut mission = Mission::with_build(build, &self.composite);
         mission.profile = self.profile.clone();
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
@@ -224,11 +225,11 @@ impl Run {
 
     /// The brokers of the run, or none for the local bus.
     fn brokers(&self, mission: &Mission) -> Result<MissionBrokers, String> {
-        let named = |broker: &_| BrokerSettings::named(&mission.app, broker, &self.access);
+        let named = |broker: &_| BrokerSettings::named(&mission.build, broker, &self.access);
         Ok(match self.bus.as_deref() {
             Some("local") => MissionBrokers::Nothing,
             Some(address) => MissionBrokers::One(BrokerSettings::of_address(
-                &mission.app,
+                &mission.build,
                 address,
                 &self.access,
             )?),

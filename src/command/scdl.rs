@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use asmotion_lang::Loader;
 use clap::{Args, Subcommand};
 
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::{DiskLoader, reason};
 use crate::terminal::TerminalOutput;
@@ -47,16 +47,16 @@ struct ScdlExport {
 }
 
 impl Scdl {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         match self.what {
-            ScdlCommand::Import(import) => import.run(app, terminal),
-            ScdlCommand::Export(export) => export.run(app, terminal),
+            ScdlCommand::Import(import) => import.run(build, terminal),
+            ScdlCommand::Export(export) => export.run(build, terminal),
         }
     }
 }
 
 impl ScdlImport {
-    fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         let files = match read(&self.file) {
             Ok(files) => files,
             Err((path, reason)) => {
@@ -64,7 +64,7 @@ impl ScdlImport {
                 return Exit::Usage;
             }
         };
-        let imported = asmotion_scdl::import(&files, &*app.catalogue());
+        let imported = asmotion_scdl::import(&files, build.catalogue());
         terminal.report(&imported.report, &imported.sources);
         match &self.output {
             None => {
@@ -134,8 +134,8 @@ fn write(path: &Path, text: &str, terminal: &mut TerminalOutput) -> Result<(), E
 }
 
 impl ScdlExport {
-    fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let opened = app.open(&self.composite, &[], &DiskLoader);
+    fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        let opened = build.open(&self.composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         let composite = opened.composite.filter(|_| !opened.report.has_errors());
         let Some(composite) = composite else {

@@ -4,8 +4,8 @@ mod browser;
 mod peers;
 mod verb;
 
-use crate::app::App;
 use crate::broker::BrokerArguments;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::prompt::{Prompt, PromptLine};
 use crate::terminal::TerminalOutput;
@@ -25,10 +25,10 @@ pub struct Shell {
 
 impl Shell {
     /// Reads and executes commands until the end of input.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         let prompt = Prompt::new(VERBS, "_./-", "shell_history")
             .map_err(|error| format!("cannot read the input: {error}"));
-        let ready = prompt.and_then(|prompt| Ok((prompt, self.broker.remote(app)?)));
+        let ready = prompt.and_then(|prompt| Ok((prompt, self.broker.remote(build)?)));
         let (mut prompt, remote) = match ready {
             Ok(ready) => ready,
             Err(problem) => {

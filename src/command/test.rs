@@ -12,7 +12,7 @@ pub(super) mod snapshot;
 
 use self::result::{TestEnd, TestResult};
 use super::tool::Tool;
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::terminal::TerminalOutput;
@@ -81,7 +81,7 @@ pub struct Test {
 
 impl Test {
     /// Runs the scenarios and prints their results.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         let scenarios = match find::scenarios(&self.paths) {
             Ok(scenarios) => scenarios,
             Err(error) => {
@@ -104,7 +104,7 @@ impl Test {
         let started = Instant::now();
         let mut results: Vec<TestResult> = selected
             .into_par_iter()
-            .map(|path| self.run_one(app, path))
+            .map(|path| self.run_one(build, path))
             .collect();
         let took = started.elapsed();
         let mut exit = match (self.accept, self.review) {
@@ -151,9 +151,9 @@ impl Test {
         self.filter.as_ref().is_none_or(|text| path.contains(text))
     }
 
-    fn run_one(&self, app: &App, path: PathBuf) -> TestResult {
+    fn run_one(&self, build: &Build, path: PathBuf) -> TestResult {
         if mission::is_mission(&path) {
-            mission::run(app, path, self.seed)
+            mission::run(build, path, self.seed)
         } else if snapshot::is_script(&path) {
             snapshot::run(path, self.seed, self.measures_coverage())
         } else {

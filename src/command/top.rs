@@ -1,7 +1,7 @@
 //! `asmotion top`: live view of a running system.
 
-use crate::app::App;
 use crate::broker::BrokerArguments;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use crate::top;
@@ -21,12 +21,12 @@ pub struct Top {
 
 impl Top {
     /// Shows the system until `q` is pressed.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         if !std::io::stdout().is_terminal() {
             terminal.error("`asmotion top` needs a terminal; programs can use `asmotion component list` and `asmotion topic list`");
             return Exit::Usage;
         }
-        let result = self.broker.settings(app).and_then(|settings| {
+        let result = self.broker.settings(build).and_then(|settings| {
             let (location, remote) = settings.watch();
             top::show(&remote?, &location, &AtomicBool::new(false), &|| None)
                 .map_err(|error| error.to_string())

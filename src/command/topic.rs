@@ -5,8 +5,8 @@ mod hz;
 mod list;
 mod publish;
 
-use crate::app::App;
 use crate::broker::BrokerArguments;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_diagnostics::{or_did_you_mean, similar};
@@ -36,8 +36,8 @@ enum TopicCommand {
 }
 
 impl Topic {
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
-        let remote = match self.broker.remote(app) {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+        let remote = match self.broker.remote(build) {
             Ok(remote) => remote,
             Err(problem) => {
                 terminal.error(problem);
@@ -46,7 +46,7 @@ impl Topic {
         };
         let end = match self.what {
             TopicCommand::List(list) => list.run(&remote, terminal),
-            TopicCommand::Echo(echo) => echo.run(&remote, app, terminal),
+            TopicCommand::Echo(echo) => echo.run(&remote, build, terminal),
             TopicCommand::Hz(hz) => hz.run(&remote, terminal),
             TopicCommand::Pub(publish) => publish.run(&remote, terminal),
         };

@@ -12,12 +12,12 @@ use asmotion_plan::{Plan, Process, Restart};
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::app::App;
-use crate::broker::BrokerAccess;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::mission::MissionError;
 use crate::terminal::TerminalOutput;
+use crate::transport::BrokerAccess;
 
 /// Starts the processes of a composite that belong to this machine, and restarts them as its `restart` prescribes.
 #[derive(Args)]
@@ -58,13 +58,13 @@ const GRACE: Duration = Duration::from_secs(10);
 
 impl Up {
     /// Starts the processes and waits until all have ended.
-    pub fn run(self, app: &App, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         let properties = self.set.iter().filter_map(|set| set.split_once('='));
         let settings = properties.filter(|(name, _)| !name.contains('.'));
         let settings: Vec<(String, String)> = settings
             .map(|(name, value)| (name.to_owned(), value.to_owned()))
             .collect();
-        let opened = app.open(&self.composite, &settings, &DiskLoader);
+        let opened = build.open(&self.composite, &settings, &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);

@@ -168,7 +168,7 @@ fn version_of(
     part: Part,
     loader: Arc<dyn Loader + Send + Sync>,
 ) -> Version {
-    let catalogue = mission.app.catalogue();
+    let catalogue = mission.build.shared_catalogue();
     Version::new(plan.clone(), part, catalogue, loader, mission.seed)
 }
 

@@ -1,17 +1,17 @@
 //! `asmotion check --connections`: the connections of a composite, and whether they are real-time capable.
 
-use crate::app::App;
+use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::table;
 use crate::terminal::TerminalOutput;
 use asmotion_plan::Plan;
 
 /// Prints the connections of a composite for each of its profiles; prints nothing for other files.
-pub fn show(app: &App, path: &str, terminal: &mut TerminalOutput) {
+pub fn show(build: &Build, path: &str, terminal: &mut TerminalOutput) {
     if !path.ends_with(".toml") {
         return;
     }
-    let opened = app.open(path, &[], &DiskLoader);
+    let opened = build.open(path, &[], &DiskLoader);
     let profiles: Vec<Option<&str>> = if opened.profiles.is_empty() {
         vec![None]
     } else {

@@ -1,13 +1,13 @@
 //! The findings in one file of any kind.
 
-use crate::app::App;
+use crate::build::Build;
 use crate::command::test::{mission, snapshot};
 use asmotion_lang::{Loader, ReadOptions, Report, Sources, scenario};
 use std::path::Path;
 
 /// Returns the findings in one file and in the files it names.
 pub fn findings(
-    app: &App,
+    build: &Build,
     path: &str,
     options: &ReadOptions,
     loader: &dyn Loader,
@@ -19,11 +19,11 @@ pub fn findings(
         };
     }
     if mission::is_mission(Path::new(path)) {
-        return mission::check(app, Path::new(path), loader);
+        return mission::check(build, Path::new(path), loader);
     }
     let extension = Path::new(path).extension().unwrap_or_default();
     match extension.to_str() {
-        Some("toml") => composite(app, path, loader),
+        Some("toml") => composite(build, path, loader),
         Some("avalla") => scenario::check(path, loader, options),
         // any other file named on the command line is read as a specification, with or without `.asm`
         _ => specification(path, options, loader),
@@ -31,11 +31,11 @@ pub fn findings(
 }
 
 /// Checks a composite or a file of message types.
-fn composite(app: &App, path: &str, loader: &dyn Loader) -> (Report, Sources) {
-    if let Some(types) = asmotion_composite::open_types(path, loader, &*app.catalogue()) {
+fn composite(build: &Build, path: &str, loader: &dyn Loader) -> (Report, Sources) {
+    if let Some(types) = asmotion_composite::open_types(path, loader, build.catalogue()) {
         return types;
     }
-    let opened = app.open(path, &[], loader);
+    let opened = build.open(path, &[], loader);
     (opened.report, opened.sources)
 }
 

@@ -1,7 +1,7 @@
 //! Fixes a file: rounds of safe fixes in memory, then one write.
 
 use super::findings::findings;
-use crate::app::App;
+use crate::build::Build;
 use crate::files::{self, DiskLoader};
 use asmotion_diagnostics::{LoadError, apply};
 use asmotion_lang::{Loader, ReadOptions, Report, Sources};
@@ -34,13 +34,13 @@ pub struct AppliedFix {
 }
 
 /// Applies safe fixes until none is left. Changes only this file, no imported one.
-pub fn fix_file(app: &App, path: &str, options: &ReadOptions) -> Result<FixedFile, LoadError> {
+pub fn fix_file(build: &Build, path: &str, options: &ReadOptions) -> Result<FixedFile, LoadError> {
     let before = DiskLoader.read(path)?;
     let mut after = before.clone();
     let mut applied_fixes = Vec::new();
     let mut rounds = 0;
     loop {
-        let (report, sources) = findings(app, path, options, &Overlay { path, text: &after });
+        let (report, sources) = findings(build, path, options, &Overlay { path, text: &after });
         let file = sources.find(path).unwrap_or_default();
         let fixed = apply(&after, file, &report.diagnostics);
         if fixed.applied.is_empty() || *fixed.text == *after || rounds == MAX_ROUNDS {

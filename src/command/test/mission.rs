@@ -26,7 +26,7 @@ use asmotion_runtime::Event;
 
 use super::result::{TestEnd, TestResult};
 use super::snapshot;
-use crate::app::App;
+use crate::build::Build;
 use crate::codes::v033::ExpectationFailed;
 use crate::codes::v034::ActionFailed;
 use crate::codes::v035::MissionEndedEarly;
@@ -70,7 +70,11 @@ fn read(
 }
 
 /// Checks a mission and the composite it runs, without running it.
-pub(in crate::command) fn check(app: &App, path: &Path, loader: &dyn Loader) -> (Report, Sources) {
+pub(in crate::command) fn check(
+    build: &Build,
+    path: &Path,
+    loader: &dyn Loader,
+) -> (Report, Sources) {
     let (file, report, sources) = match read(path, loader) {
         Ok(read) => read,
         Err(reason) => {
@@ -81,8 +85,8 @@ pub(in crate::command) fn check(app: &App, path: &Path, loader: &dyn Loader) -> 
     let Some(file) = file.filter(|_| !report.has_errors()) else {
         return (report, sources);
     };
-    let mission = mission(app, &file, path, 1);
-    let opened = app.open(&mission.composite, &mission.settings, loader);
+    let mission = mission(build, &file, path, 1);
+    let opened = build.open(&mission.composite, &mission.settings, loader);
     if opened.report.has_errors() {
         return (opened.report, opened.sources);
     }
@@ -105,7 +109,7 @@ pub(in crate::command) fn check(app: &App, path: &Path, loader: &dyn Loader) -> 
 }
 
 /// Runs a mission; `seed` is that of the command line.
-pub(super) fn run(app: &App, path: PathBuf, seed: u64) -> TestResult {
+pub(super) fn run(build: &Build, path: PathBuf, seed: u64) -> TestResult {
     let started = Instant::now();
     let mut result = TestResult::unusable(path.clone());
     match read(&path, &DiskLoader) {
@@ -115,7 +119,7 @@ pub(super) fn run(app: &App, path: PathBuf, seed: u64) -> TestResult {
         Ok((file, report, sources)) => {
             (result.report, result.sources) = (report, sources);
             if let Some(file) = file.filter(|_| !result.report.has_errors()) {
-                execute(app, &file, seed, &mut result);
+                execute(build, &file, seed, &mut result);
             }
         }
     }
@@ -124,8 +128,8 @@ pub(super) fn run(app: &App, path: PathBuf, seed: u64) -> TestResult {
 }
 
 /// The run of a mission file.
-fn execute(app: &App, file: &MissionFile, seed: u64, result: &mut TestResult) {
-    let mission = mission(app, file, &result.path, seed);
+fn execute(build: &Build, file: &MissionFile, seed: u64, result: &mut TestResult) {
+    let mission = mission(build, file, &result.path, seed);
     result.name = file
         .doc
         .as_ref()
@@ -170,9 +174,9 @@ fn verdict(end: &MissionEnd, failed: bool) -> Verdict {
 }
 
 /// The run that a mission file describes.
-fn mission(app: &App, file: &MissionFile, path: &Path, seed: u64) -> Mission {
+fn mission(build: &Build, file: &MissionFile, path: &Path, seed: u64) -> Mission {
     let composite = path.with_file_name(&file.composite.value);
-    let mut mission = app.mission(composite.to_string_lossy());
+    let mut mission = Mission::with_build(build, composite.to_string_lossy());
     mission.profile = file.profile.as_ref().map(|it| it.value.clone());
     mission.seed = file.seed.as_ref().map_or(seed, |it| it.value);
     mission.seeds_composite = true;

@@ -1,7 +1,7 @@
 //! `asmotion topic echo`: prints the messages of a topic.
 
 use super::unknown_topic;
-use crate::app::App;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_bus::Envelope;
@@ -35,13 +35,13 @@ impl Echo {
     pub fn run(
         self,
         remote: &Remote,
-        app: &App,
+        build: &Build,
         terminal: &mut TerminalOutput,
     ) -> Result<Exit, String> {
         let subscription = remote
             .listen(&self.topic)
             .map_err(|error| error.to_string())?;
-        let catalogue = app.catalogue();
+        let catalogue = build.catalogue();
         let until = Instant::now() + Duration::from_secs(self.limit);
         let mut count = 0;
         let mut first = subscription.next_within(DISCOVERY.min(Duration::from_secs(self.limit)));
@@ -57,7 +57,7 @@ impl Echo {
                 break;
             };
             count += 1;
-            terminal.result(line(&envelope, &*catalogue));
+            terminal.result(line(&envelope, catalogue));
         }
         Ok(if count > 0 { Exit::Ok } else { Exit::Findings })
     }

@@ -39,7 +39,7 @@ impl Mission {
         let launch = |error: NetworkError| MissionError::Launch(error.to_string());
         let serving = network.serve_on(system, bus.clone(), &served);
         serving.map_err(launch)?;
-        let operations = describe::describe(&self.app, opened, plan).operations;
+        let operations = describe::describe(&self.build, opened, plan).operations;
         let open =
             |(gateway, promoted): &(&asmotion_plan::Gateway, Vec<&asmotion_plan::Promoted>)| {
                 let address = elsewhere.iter().find(|(name, _)| *name == gateway.name);

@@ -1,11 +1,11 @@
-//! Transports that a program adds to RabbitMQ.
+//! Transports that a program adds to RabbitMQ, and what they need to connect.
 
-use std::fmt;
+use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use asmotion_bus::{Bus, BusError};
-
-use super::BrokerAccess;
+use clap::Args;
 
 /// Connects a process to a broker. Called in the thread that starts the process, which waits for the result.
 pub type ConnectTransport = fn(&BrokerAddress) -> Result<Arc<dyn Bus>, BusError>;
@@ -39,48 +39,48 @@ impl Transports {
     }
 
     /// The transport for an address; `None` if no transport has its scheme.
-    pub(super) fn of_address(&self, address: &str) -> Option<ConnectTransport> {
+    pub(crate) fn of_address(&self, address: &str) -> Option<ConnectTransport> {
         let (scheme, _) = address.split_once("://")?;
         let row = self.0.iter().find(|(known, _)| *known == scheme)?;
         Some(row.1)
     }
 }
 
-/// Settings of a broker whose transport a program has added.
-#[derive(Clone)]
-pub struct AddedBroker {
-    pub(super) connect: ConnectTransport,
-    pub(super) address: BrokerAddress,
+/// Credentials for a broker.
+#[derive(Args, Clone, Debug, Default)]
+pub struct BrokerAccess {
+    /// Credentials for the broker: a file with the user on the first line and the password on the second
+    #[arg(long, global = true, value_name = "FILE")]
+    pub credentials: Option<PathBuf>,
+
+    /// For `amqps`: certificate of the authority that signed the broker's certificate (PEM) [default: the web's
+    /// authorities]
+    #[arg(long, global = true, value_name = "FILE")]
+    pub ca: Option<PathBuf>,
+
+    /// Client certificate (PEM), if the broker demands one
+    #[arg(long, global = true, value_name = "FILE", requires = "key")]
+    pub certificate: Option<PathBuf>,
+
+    /// Private key of the client certificate (PEM)
+    #[arg(long, global = true, value_name = "FILE", requires = "certificate")]
+    pub key: Option<PathBuf>,
 }
 
-impl AddedBroker {
-    /// The address without a password, for messages.
-    pub(super) fn location(&self) -> String {
-        let url = &self.address.url;
-        let parts = url.split_once("://").and_then(|(scheme, rest)| {
-            let (user, host) = rest.split_once('@')?;
-            let user = user.split(':').next().unwrap_or(user);
-            Some(format!("{scheme}://{user}@{host}"))
-        });
-        parts.unwrap_or_else(|| url.clone())
-    }
-
-    pub(super) fn connect(
-        &self,
-        robot: Option<&str>,
-        process: &str,
-    ) -> Result<Arc<dyn Bus>, BusError> {
-        let mut address = self.address.clone();
-        address.robot = address.robot.or(robot.map(str::to_owned));
-        process.clone_into(&mut address.process);
-        (self.connect)(&address)
-    }
-}
-
-impl fmt::Debug for AddedBroker {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("AddedBroker")
-            .field(&self.location())
-            .finish()
+impl BrokerAccess {
+    /// The equivalent command-line arguments.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let all = [
+            ("--credentials", &self.credentials),
+            ("--ca", &self.ca),
+            ("--certificate", &self.certificate),
+            ("--key", &self.key),
+        ];
+        let given = all
+            .into_iter()
+            .filter_map(|(key, file)| Some((key, file.as_ref()?)));
+        given
+            .flat_map(|(key, file)| [key.into(), file.into()])
+            .collect()
     }
 }

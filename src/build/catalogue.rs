@@ -13,7 +13,7 @@ use asmotion_datum::{Schema, Shape};
 ///
 /// A component brings the types of its ports and the operations of its services and references with it.
 #[derive(Clone, Default)]
-pub(super) struct AppCatalogue {
+pub(super) struct BuildCatalogue {
     components: Vec<(String, ComponentFactory)>,
     messages: Vec<(String, Schema)>,
     interfaces: Vec<(String, Vec<OperationDeclaration>)>,
@@ -21,7 +21,7 @@ pub(super) struct AppCatalogue {
     problems: Vec<String>,
 }
 
-impl AppCatalogue {
+impl BuildCatalogue {
     /// The catalogue of the standard components.
     pub(super) fn standard() -> Self {
         let mut catalogue = Self::default();
@@ -162,7 +162,7 @@ impl AppCatalogue {
     }
 }
 
-impl Catalogue for AppCatalogue {
+impl Catalogue for BuildCatalogue {
     fn components(&self) -> Vec<String> {
         names(&self.components)
     }
@@ -188,9 +188,9 @@ impl Catalogue for AppCatalogue {
     }
 }
 
-impl fmt::Debug for AppCatalogue {
+impl fmt::Debug for BuildCatalogue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("AppCatalogue")
+        f.debug_struct("BuildCatalogue")
             .field("components", &names(&self.components))
             .field("messages", &names(&self.messages))
             .field("interfaces", &names(&self.interfaces))
