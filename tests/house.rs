@@ -39,7 +39,7 @@ const FLOORS: &[&[&str]] = &[
         "asmotion-program",
         "asmotion-runtime",
     ],
-    &["asmotion-network", "asmotion-mqueue"],
+    &["asmotion-bench", "asmotion-network", "asmotion-mqueue"],
     &["asmotion-composite"],
     &["asmotion-plan", "asmotion-scdl"],
     &["asmotion-assembly", "asmotion-drawing", "asmotion-remote"],

@@ -1,0 +1,121 @@
+//! `asmotion new`: creates a project, or a component in one.
+
+mod component;
+mod project;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::exit::Exit;
+use crate::terminal::TerminalOutput;
+use project::{NewFile, ProjectKind, ProjectName};
+
+/// Creates a project with a specification, a composite, a component, tests and CI.
+#[derive(Args)]
+pub struct New {
+    /// Name of the project, which is also its folder; `component NAME` adds a component to the project in this folder
+    #[arg(value_name = "NAME", num_args = 1..=2, required = true)]
+    name: Vec<String>,
+
+    /// Component in Rust (the default)
+    #[arg(long, group = "kind")]
+    rust: bool,
+
+    /// Component in Python
+    #[arg(long, group = "kind")]
+    python: bool,
+
+    /// No component: a specification stands in for it
+    #[arg(long, group = "kind")]
+    spec_only: bool,
+
+    /// Folder with the source code of asmotion, which a project in Rust then depends on in place of the published version
+    #[arg(long, value_name = "FOLDER")]
+    source: Option<PathBuf>,
+}
+
+impl New {
+    /// Writes the files. Nothing is written if one of them exists.
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let created = match self.name.as_slice() {
+            [word, name] if word == "component" => self.component(name),
+            [name] => self.project(name),
+            [_, other] => Err(format!(
+                "`{other}` is one name too many: write `asmotion new NAME`, or `asmotion new component NAME`"
+            )),
+            _ => Err("the name of the project is missing".to_owned()),
+        };
+        match created {
+            Ok((files, hint)) => {
+                for path in files {
+                    terminal.status("Created", path.display());
+                }
+                terminal.progress(hint);
+                Exit::Ok
+            }
+            Err(problem) => {
+                terminal.error(problem);
+                Exit::Usage
+            }
+        }
+    }
+
+    fn project(&self, name: &str) -> Result<(Vec<PathBuf>, String), String> {
+        let name = ProjectName::parse(name)?;
+        let kind = match (self.python, self.spec_only) {
+            (true, _) => ProjectKind::Python,
+            (_, true) => ProjectKind::Specification,
+            (false, false) => ProjectKind::Rust,
+        };
+        let source = self.source.as_deref().map(absolute).transpose()?;
+        let folder = PathBuf::from(name.kebab());
+        if folder.exists() {
+            return Err(format!("`{}` exists", folder.display()));
+        }
+        let files = project::files(kind, &name, source.as_deref());
+        let written = write(&folder, &files)?;
+        let hint = format!("     Next: cd {} && {}", name.kebab(), kind.first_command());
+        Ok((written, hint))
+    }
+
+    fn component(&self, name: &str) -> Result<(Vec<PathBuf>, String), String> {
+        let name = ProjectName::parse(name)?;
+        let (files, changed, hint) = component::files(Path::new("."), &name)?;
+        let mut written = write(Path::new("."), &files)?;
+        for file in &changed {
+            let path = PathBuf::from(&file.path);
+            std::fs::write(&path, &file.text)
+                .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+            written.push(path);
+        }
+        Ok((written, hint))
+    }
+}
+
+/// Writes new files, or none if one exists. Returns their paths.
+fn write(folder: &Path, files: &[NewFile]) -> Result<Vec<PathBuf>, String> {
+    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.path)).collect();
+    if let Some(taken) = paths.iter().find(|path| path.exists()) {
+        return Err(format!("`{}` exists", taken.display()));
+    }
+    for (path, file) in paths.iter().zip(files) {
+        let parent = path.parent().unwrap_or(folder);
+        std::fs::create_dir_all(parent)
+            .and_then(|()| std::fs::write(path, &file.text))
+            .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+    }
+    Ok(paths)
+}
+
+fn absolute(folder: &Path) -> Result<PathBuf, String> {
+    let found = folder.canonicalize();
+    let found = found.map_err(|error| format!("`{}`: {error}", folder.display()))?;
+    if found.join("engine/component/Cargo.toml").is_file() {
+        return Ok(found);
+    }
+    Err(format!(
+        "`{}` is not the source code of asmotion: it has no `engine/component`",
+        folder.display()
+    ))
+}
