@@ -180,10 +180,11 @@ impl App {
         });
         let colour = matches.get_one("color").copied().unwrap_or_default();
         let mut terminal = TerminalOutput::new(colour);
-        for problem in self.problems() {
+        let problems = self.problems();
+        for problem in &problems {
             terminal.error(problem);
         }
-        if self.problems().next().is_some() {
+        if !problems.is_empty() {
             return Exit::Usage;
         }
         let result = match registered {
@@ -202,7 +203,7 @@ impl App {
     }
 
     /// Contradictions between the additions to the program.
-    fn problems(&self) -> impl Iterator<Item = String> {
+    pub fn problems(&self) -> Vec<String> {
         let standard = Arguments::command();
         let taken = self.commands.iter().enumerate().filter(move |(at, it)| {
             let mut before = self.commands[..*at].iter();
@@ -212,7 +213,7 @@ impl App {
             let name = it.name;
             format!("command `{name}` is registered twice: give one of them another name")
         });
-        self.build.problems().iter().cloned().chain(taken)
+        self.build.problems().iter().cloned().chain(taken).collect()
     }
 
     fn command_line(&self) -> clap::Command {

@@ -12,6 +12,7 @@ mod doctor;
 mod expand;
 mod fmt;
 mod graph;
+mod new;
 #[cfg(feature = "amqp")]
 mod port;
 #[cfg(feature = "amqp")]
@@ -100,6 +101,8 @@ pub enum Command {
     Scdl(Scdl),
     /// Prints the JSON Schema of composite files, for editors
     Schema(schema::Schema),
+    /// Creates a project, or a component in one
+    New(new::New),
     /// Formats specifications and scenarios
     Fmt(fmt::Fmt),
     /// Simulates a specification with scripted or random inputs
@@ -139,6 +142,7 @@ impl Command {
             Self::Graph(graph) => graph.run(build, terminal),
             Self::Scdl(scdl) => scdl.run(build, terminal),
             Self::Schema(schema) => schema.run(terminal),
+            Self::New(new) => new.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),

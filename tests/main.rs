@@ -9,6 +9,7 @@
 )]
 
 mod access;
+mod app;
 mod assembly;
 mod ball_tracker;
 mod cli;
@@ -26,6 +27,7 @@ mod language;
 mod losses;
 mod mission_files;
 mod missions;
+mod new;
 mod person;
 mod pictures;
 mod processes;

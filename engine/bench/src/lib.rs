@@ -114,7 +114,7 @@ fn reason(fault: &Option<Fault>) -> String {
 impl Bench {
     /// A bench for the component that `new` declares. The component is configured and started before its first cycle.
     pub fn new<C: Component>(new: impl FnOnce(&mut Interface) -> C) -> Self {
-        let (mut system, recorder, answers) = (System::new(), Recorder::default(), Answers::default());
+        let (mut system, recorder, answers) = (System::new(), Recorder::new(), Answers::default());
         let added = add(&mut system, new, &answers);
         system.observe(recorder.clone());
         let (stage, problem) = match added {
@@ -184,7 +184,7 @@ impl Bench {
             };
             let request = O::Request::of_datum(request);
             let response = answer(request.map_err(|error| bad("BAD_ARGUMENT", error))?)?;
-            response.to_datum().map_err(|error| bad("BAD_REPLY", error))
+            Message::to_datum(&response).map_err(|error| bad("BAD_REPLY", error))
         });
         self
     }
@@ -215,7 +215,7 @@ impl Bench {
         let Some(run) = self.started() else {
             return Err(self.take_problem());
         };
-        let state = run.state(TESTED).unwrap_or_default();
+        let state = run.state(TESTED).unwrap_or(State::Init);
         if !state.is_running() {
             let fault = run.fault(TESTED);
             return Err(BenchError::NotRunning { state, fault });
@@ -223,7 +223,7 @@ impl Bench {
         let at = run.now();
         run.trigger(TESTED)?;
         run.run_for(period);
-        let state = run.state(TESTED).unwrap_or_default();
+        let state = run.state(TESTED).unwrap_or(State::Init);
         match self.problem.take() {
             Some(problem) => Err(problem),
             None => Ok(self.recorder.take(at, state)),
@@ -240,7 +240,7 @@ impl Bench {
         };
         let at = run.now();
         run.stop();
-        let state = run.state(TESTED).unwrap_or_default();
+        let state = run.state(TESTED).unwrap_or(State::Init);
         match self.problem.take() {
             Some(problem) => Err(problem),
             None => Ok(self.recorder.take(at, state)),
@@ -270,7 +270,7 @@ impl Bench {
     /// The error because of which the component could not be added.
     fn take_problem(&mut self) -> BenchError {
         self.problem.clone().unwrap_or(BenchError::NotRunning {
-            state: State::default(),
+            state: State::Init,
             fault: None,
         })
     }

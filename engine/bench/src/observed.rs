@@ -9,7 +9,7 @@ use asmotion_runtime::{Event, Observer};
 use crate::TESTED;
 
 /// Effects of one cycle of the component under test.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct BenchCycle {
     /// Time of the cycle.
     pub at: Time,
@@ -36,6 +36,17 @@ pub struct ObservedCall {
 }
 
 impl BenchCycle {
+    fn empty() -> Self {
+        Self {
+            at: Time::ZERO,
+            state: State::Init,
+            calls: Vec::new(),
+            reports: Vec::new(),
+            fault: None,
+            outputs: Vec::new(),
+        }
+    }
+
     /// The samples written to an output, in order. Samples of another type are left out.
     pub fn outputs<T: Message>(&self, output: &str) -> Vec<T> {
         let of_port = self.outputs.iter().filter(|(port, _)| port == output);
@@ -52,20 +63,25 @@ impl BenchCycle {
     /// Names of the outputs that were written to, in order, with their samples as data.
     pub fn written(&self) -> Vec<(String, Datum)> {
         let samples = self.outputs.iter();
-        let samples = samples.filter_map(|(port, sample)| Some((port.clone(), sample.to_datum().ok()?)));
+        let samples =
+            samples.filter_map(|(port, sample)| Some((port.clone(), sample.to_datum().ok()?)));
         samples.collect()
     }
 }
 
 /// Collects the effects of the component under test. Clones share them.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub(crate) struct Recorder(Arc<Mutex<BenchCycle>>);
 
 impl Recorder {
+    pub(crate) fn new() -> Self {
+        Self(Arc::new(Mutex::new(BenchCycle::empty())))
+    }
+
     /// The effects since the last call.
     pub(crate) fn take(&self, at: Time, state: State) -> BenchCycle {
         let mut cycle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut taken = std::mem::take(&mut *cycle);
+        let mut taken = std::mem::replace(&mut *cycle, BenchCycle::empty());
         (taken.at, taken.state) = (at, state);
         taken
     }

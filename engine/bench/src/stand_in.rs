@@ -4,9 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asmotion_component::declaration::ReferenceDeclaration;
-use asmotion_component::{
-    Component, Cycle, Dynamic, Fault, Interface, Provided, ServiceFault,
-};
+use asmotion_component::{Component, Cycle, Dynamic, Fault, Interface, Provided, ServiceFault};
 use asmotion_datum::Datum;
 
 type Answer = Box<dyn FnMut(&Datum) -> Result<Datum, ServiceFault> + Send>;

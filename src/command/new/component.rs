@@ -31,11 +31,12 @@ fn in_rust(folder: &Path, name: &ProjectName) -> Result<Addition, String> {
         .map_err(|error| format!("cannot read `{path}`: {error}"))?;
     let (snake, camel) = (name.snake(), name.camel());
     let package = package(folder)?;
-    let registered = format!(
-        "        .component(\"{package}::{camel}\", {camel}::new)"
-    );
+    let registered = format!("        .component(\"{package}::{camel}\", {camel}::new)");
     let missing = |what: &str| {
-        format!("`{path}` has no {what}: add `mod {snake};`, `pub use {snake}::{camel};` and `{}`", registered.trim())
+        format!(
+            "`{path}` has no {what}: add `mod {snake};`, `pub use {snake}::{camel};` and `{}`",
+            registered.trim()
+        )
     };
     let module = text
         .find("mod ")
@@ -54,7 +55,10 @@ fn in_rust(folder: &Path, name: &ProjectName) -> Result<Addition, String> {
     let text = name.apply(RUST_COMPONENT);
     let component = NewFile {
         path: format!("src/{snake}.rs"),
-        text: text.replace(&format!("\"{snake}::{camel}\""), &format!("\"{package}::{camel}\"")),
+        text: text.replace(
+            &format!("\"{snake}::{camel}\""),
+            &format!("\"{package}::{camel}\""),
+        ),
     };
     let hint = format!(
         "     Next: name it in a composite: implementation = {{ rust = \"{package}::{camel}\" }}"

@@ -78,6 +78,7 @@ impl ProjectName {
     pub(super) fn apply(&self, text: &str) -> String {
         let prose = [
             ("a gripper", format!("a {}", self.plain())),
+            ("A gripper", format!("A {}", self.plain())),
             ("the gripper", format!("the {}", self.plain())),
             ("The gripper", format!("The {}", self.plain())),
             ("simulated gripper", format!("simulated {}", self.plain())),
@@ -86,9 +87,9 @@ impl ProjectName {
             ("Gripper", self.camel()),
             ("gripper", self.snake()),
         ];
-        prose
-            .iter()
-            .fold(text.to_owned(), |text, (word, name)| text.replace(word, name))
+        prose.iter().fold(text.to_owned(), |text, (word, name)| {
+            text.replace(word, name)
+        })
     }
 }
 
@@ -100,9 +101,18 @@ const COORDINATOR: &str = include_str!("common/coordinator.toml");
 const COMMON: &[Row] = &[
     (".gitignore", include_str!("common/gitignore")),
     ("specs/gripper.asm", include_str!("common/gripper.asm")),
-    ("specs/gripper.avalla", include_str!("common/gripper.avalla")),
-    ("specs/gripper.mission.toml", include_str!("common/gripper.mission.toml")),
-    ("specs/stop.mission.toml", include_str!("common/stop.mission.toml")),
+    (
+        "specs/gripper.avalla",
+        include_str!("common/gripper.avalla"),
+    ),
+    (
+        "specs/gripper.mission.toml",
+        include_str!("common/gripper.mission.toml"),
+    ),
+    (
+        "specs/stop.mission.toml",
+        include_str!("common/stop.mission.toml"),
+    ),
 ];
 
 const RUST: &[Row] = &[
@@ -136,8 +146,10 @@ const COMPOSITE: &str = "specs/gripper.composite.toml";
 /// The component in Rust, for `asmotion new component`.
 pub(super) const RUST_COMPONENT: &str = include_str!("rust/component.rs");
 /// The component in Python and its test, for `asmotion new component`.
-pub(super) const PYTHON_COMPONENT: [&str; 2] =
-    [include_str!("python/component.py"), include_str!("python/test.py")];
+pub(super) const PYTHON_COMPONENT: [&str; 2] = [
+    include_str!("python/component.py"),
+    include_str!("python/test.py"),
+];
 
 /// The files of a project; `source` is the folder of asmotion's source code, which replaces the published version.
 pub(super) fn files(kind: ProjectKind, name: &ProjectName, source: Option<&Path>) -> Vec<NewFile> {

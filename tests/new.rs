@@ -1,0 +1,111 @@
+//! Projects created by `asmotion new`, outside the workspace: their checks, tests and missions pass.
+
+use std::path::Path;
+use std::process::Command;
+
+fn asmotion(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_asmotion"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8(text).unwrap())
+}
+
+/// Runs `asmotion`, which succeeds.
+fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let (code, text) = asmotion(folder, arguments);
+    assert_eq!(code, Some(0), "{arguments:?}: {text}");
+    text
+}
+
+/// The text of all files, with their paths.
+fn contents(folder: &Path) -> String {
+    let mut all = String::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                all += &format!("{}\n", path.display());
+                all += &std::fs::read_to_string(path).unwrap();
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn a_project_with_a_specification_only() {
+    let home = tempfile::tempdir().unwrap();
+    let text = succeeds(home.path(), &["new", "left-arm", "--spec-only"]);
+    assert!(text.contains("cd left-arm && asmotion test specs"), "{text}");
+    let project = home.path().join("left-arm");
+    assert!(!contents(&project).to_lowercase().contains("gripper"));
+    let text = succeeds(&project, &["check", "specs"]);
+    assert!(text.contains("no findings"), "{text}");
+    let text = succeeds(&project, &["test", "specs"]);
+    assert!(text.contains("3 passed"), "{text}");
+    let mission = ["run", "specs/left_arm.composite.toml", "--until", "mode=DONE"];
+    let text = succeeds(&project, &mission);
+    assert!(text.contains("OPENING → DONE"), "{text}");
+}
+
+#[test]
+fn a_project_in_rust_has_every_command_with_its_component() {
+    let (home, source) = (tempfile::tempdir().unwrap(), env!("CARGO_MANIFEST_DIR"));
+    succeeds(home.path(), &["new", "left-arm", "--source", source]);
+    let project = home.path().join("left-arm");
+    succeeds(&project, &["new", "component", "wrist"]);
+    assert!(!contents(&project).to_lowercase().contains("gripper"));
+    let lib = std::fs::read_to_string(project.join("src/lib.rs")).unwrap();
+    assert!(lib.contains(".component(\"left_arm::Wrist\", Wrist::new)"), "{lib}");
+    // the versions that this workspace was tested with
+    std::fs::copy(Path::new(source).join("Cargo.lock"), project.join("Cargo.lock")).unwrap();
+    let target = Path::new(env!("CARGO_BIN_EXE_asmotion")).ancestors().nth(2).unwrap();
+    let output = Command::new(env!("CARGO"))
+        .args(["test", "--offline"])
+        .env("CARGO_TARGET_DIR", target)
+        .current_dir(&project)
+        .output()
+        .unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text);
+    assert!(output.status.success(), "{text}");
+    for passed in [
+        "gripper",
+        "scenarios_and_missions_pass ... ok",
+        "left_arm::tests::it_moves_at_its_speed ... ok",
+        "wrist::tests::it_keeps_the_contract_of_components ... ok",
+    ] {
+        assert!(text.contains(passed) != (passed == "gripper"), "{passed}: {text}");
+    }
+}
+
+#[test]
+fn a_name_is_checked_and_nothing_is_overwritten() {
+    let home = tempfile::tempdir().unwrap();
+    for (arguments, problem) in [
+        (&["new", "Arm"][..], "`Arm` is not a name"),
+        (&["new", "2arms"], "beginning with a letter"),
+        (&["new", "arm", "leg"], "`leg` is one name too many"),
+        (&["new", "component", "arm"], "this folder is no project"),
+        (&["new", "arm", "--source", "/"], "is not the source code of asmotion"),
+        (&["new", "arm", "--rust", "--python"], "cannot be used with"),
+    ] {
+        let (code, text) = asmotion(home.path(), arguments);
+        assert!(code == Some(2) && text.contains(problem), "{arguments:?}: {text}");
+    }
+    assert!(std::fs::read_dir(home.path()).unwrap().next().is_none());
+    succeeds(home.path(), &["new", "arm", "--python"]);
+    let (code, text) = asmotion(home.path(), &["new", "arm"]);
+    assert!(code == Some(2) && text.contains("`arm` exists"), "{text}");
+    let project = home.path().join("arm");
+    succeeds(&project, &["new", "component", "wrist"]);
+    let (code, text) = asmotion(&project, &["new", "component", "wrist"]);
+    assert!(code == Some(2) && text.contains("wrist.py` exists"), "{text}");
+    assert!(project.join("test_wrist.py").is_file());
+}
